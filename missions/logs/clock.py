@@ -16,10 +16,15 @@ from solar.types import BoolArray, FloatArray
 
 _OFFSET = re.compile(r"([+-])(\d{1,2})(?::?(\d\d))?")
 _DOTTED = r"^\s*(\d{1,2})\.(\d{1,2})\.(\d{4})[ T,]+"
+_SLASHED = r"^\s*(\d{1,2})/(\d{1,2})/(\d{4})[ T,]+"
+_HALF_DAY = r"^(.*?)(\d{1,2})(:\d\d(?::\d\d(?:\.\d+)?)?)\s*([AaPp])\.?[Mm]\.?$"
 
 
 class Times(NamedTuple):
-    """Seconds since 1970 (UTC), NaN where there is none; rows that are wrong, by what is wrong."""
+    """Seconds since 1970 (UTC), NaN where there is none; rows that are wrong, by what is wrong.
+
+    ``notes``: how the text was understood.
+    """
 
     time_s: FloatArray
     wrong: dict[str, BoolArray]
@@ -79,8 +84,11 @@ def times_from_text(
     given = column.notna().to_numpy(bool)
     text = column.astype("string").str.strip()
     other = given & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)
-    if form is None and other.any():
-        text[other] = _rewritten(text[other])
+    notes: list[str] = []
+    if form is None:
+        text, of_halves = _of_whole_day(text)
+        if other.any():
+            text[other] = _rewritten(_ordered(text[other], notes, american=of_halves))
     if text.str.contains(",", regex=False, na=False).any():
         text = text.str.replace(r"(:\d\d),(\d)", r"\1.\2", regex=True)
     zoned = text.str.fullmatch(r".*\d.*(?:[Zz]|[+-]\d\d(?::?\d\d)?)", na=False).to_numpy(bool)
@@ -105,7 +113,38 @@ def times_from_text(
         "zone": naive if zone is None else np.zeros(len(column), bool),
         "hour": naive & np.isnan(time_s) if zone is not None else np.zeros(len(column), bool),
     }
-    return Times(time_s, wrong, ())
+    return Times(time_s, wrong, tuple(notes))
+
+
+def _of_whole_day(text: pd.Series) -> tuple[pd.Series, bool]:
+    """Times with AM or PM on the clock of 24 hours, and whether there are such."""
+    halves = text.str.extract(_HALF_DAY)
+    rows = halves[0].notna()
+    if not rows.any():
+        return text, False
+    hour = halves.loc[rows, 1].astype(int) % 12
+    hour += 12 * halves.loc[rows, 3].str.lower().eq("p").astype(int)
+    whole = halves.loc[rows, 0] + hour.map("{:02d}".format) + halves.loc[rows, 2]
+    return text.where(~rows, whole.reindex(text.index).astype("string")), True
+
+
+def _ordered(text: pd.Series, notes: list[str], *, american: bool) -> pd.Series:
+    """Dates between slashes as year-month-day, where their order can be known.
+
+    A number above 12 is a day; AM and PM go with the order of the United States.
+    """
+    parts = text.str.extract(_SLASHED)
+    known = parts[0].notna()
+    if not known.any():
+        return text
+    first, second = (parts.loc[known, i].astype(int) for i in (0, 1))
+    day_first = bool((first > 12).any())
+    if not (day_first or american or (second > 12).any()):
+        return text
+    order = "day/month/year" if day_first else "month/day/year"
+    notes.append(f"dates are read as {order}")
+    form = r"\3-\2-\1 " if day_first else r"\3-\1-\2 "
+    return text.str.replace(_SLASHED, form, regex=True)
 
 
 def _rewritten(text: pd.Series) -> pd.Series:

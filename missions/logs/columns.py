@@ -47,11 +47,13 @@ QUANTITIES: Mapping[str, Quantity] = {
         "longitude lon lng long gpslon gpslongitude longps gpslng poslon"
     )),
     "altitude_m": Quantity("length", _names(
-        "altitude alt altitudemsl altmsl amsl gpsalt gpsaltitude altgps altitudeamsl altamsl"
+        "altitude alt altitudemsl altmsl amsl gpsalt gpsaltitude altgps altitudeamsl altamsl posalt"
     )),
-    "roll_deg": Quantity("angle", _names("roll rollangle phi bank bankangle")),
-    "pitch_deg": Quantity("angle", _names("pitch pitchangle theta")),
-    "yaw_deg": Quantity("angle", _names("yaw yawangle psi heading trueheading hdg")),
+    "roll_deg": Quantity("angle", _names("roll rollangle phi bank bankangle attroll attituderoll")),
+    "pitch_deg": Quantity("angle", _names("pitch pitchangle theta attpitch attitudepitch")),
+    "yaw_deg": Quantity("angle", _names(
+        "yaw yawangle psi heading trueheading hdg attyaw attitudeyaw"
+    )),
     "solar_power_w": Quantity("power", _names(
         "solarpower powersolar psolar pvpower powerpv ppv mpptpower powermppt pmppt solar",
         "arraypower parray solararraypower psun",
@@ -75,7 +77,7 @@ QUANTITIES: Mapping[str, Quantity] = {
         "batterypercent batpercent batterylevel",
     )),
     "airspeed_m_per_s": Quantity("speed", _names(
-        "trueairspeed airspeedtrue tas vtas airspeed vair aspd airspeedspeed"
+        "trueairspeed airspeedtrue tas vtas airspeed vair aspd airspeedspeed arspairspeed"
     )),
     "battery_power_w": Quantity("power", _names("batterychargepower chargepower")),
 }  # fmt: skip
@@ -265,6 +267,8 @@ def recipes_for(
             recipes[quantity] = Recipe(quantity, ((column,),), guessed=not own)
             if quantity not in _PARTS:  # one voltage may serve the power and itself
                 taken.add(column.column)
+    if guess and "solar_power_w" not in recipes:
+        recipes |= _power_of_trackers(header, taken)
     _join_power(recipes)
     _leave_half_attitude(recipes)
     used = {column for recipe in recipes.values() for column in recipe.columns}
@@ -389,6 +393,21 @@ def _is_zone(quantity: str, text: str) -> bool:
         "LOCAL",
         "UNIX",
     ]
+
+
+def _power_of_trackers(header: Sequence[str], taken: set[str]) -> dict[str, Recipe]:
+    """Sum of the power of several MPPTs, each in a column with its number."""
+    groups: dict[str, list[Factor]] = {}
+    for name in header:
+        numbers = re.findall(r"\d+", split_unit(name)[0])
+        match = _matched("solar_power_w", re.sub(r"[ _]?\d+", "", name, count=1))
+        if len(numbers) == 1 and name not in taken and match is not None:
+            stem = re.sub(r"\d+", "#", name)
+            groups.setdefault(stem, []).append(match[1]._replace(column=name))
+    terms = max(groups.values(), key=len, default=[])
+    if len(terms) < 2:
+        return {}
+    return {"solar_power_w": Recipe("solar_power_w", tuple((one,) for one in terms), guessed=True)}
 
 
 def _join_power(recipes: dict[str, Recipe]) -> None:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from missions.files.errors import file_error
 from missions.files.plain_file import read_plain_file
 from missions.logs.columns import ColumnMap
+from missions.logs.nearest import Series
 from missions.logs.streams import (
-    Series,
     Stream,
     constants_of,
     given_series,
@@ -150,6 +150,9 @@ def _take_in_format(
     )
     if dtype.itemsize == length and name in wanted:
         scales = {f: _LETTERS[c][1] for f, c in zip(fields, letters, strict=True)}
+        if name == "CURR":  # until 2016 hundredths of volts and amperes, as plain integers
+            hundredths = {f for f, c in zip(fields, letters, strict=True) if c in "hH"}
+            scales |= dict.fromkeys(hundredths & {"Volt", "Curr"}, 0.01)
         kinds[number] = _Kind(name, length, dtype, {f: s for f, s in scales.items() if s})
         places[number] = []
 
@@ -161,6 +164,8 @@ def _by_instance(kind: _Kind, content: bytes, at: NDArray[Any]) -> dict[str, Str
     table = np.ascontiguousarray(rows).view(kind.dtype)[:, 0]
     fields = {f: table[f].astype(float) * s for f, s in kind.scales.items()}
     clock, step = ("TimeUS", 1e-6) if "TimeUS" in fields else ("TimeMS", 1e-3)
+    if "Week" in fields and "T" in fields:  # GPS until 2014: TimeMS is that of the week
+        clock = "T"
     if clock not in fields:
         return {}
     whole = Stream(kind.name, fields[clock] * step, fields)
@@ -199,7 +204,7 @@ def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
 
 def _boot_s(gps: Stream, source: str) -> float:
     """Universal time of the boot [s since 1970], from the satellites' weeks and milliseconds."""
-    week, ms = gps.field(source, "GWk"), gps.field(source, "GMS")
+    week, ms = gps.field(source, "GWk", "Week"), gps.field(source, "GMS", "TimeMS")
     known = gps.has_fix("Status") & (week > 0.0)
     if not known.any():
         raise file_error(source, "message GPS never knows the universal time")

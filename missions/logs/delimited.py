@@ -1,12 +1,14 @@
-"""Tables in text files: separator, decimal sign, and the rows as they are written."""
+"""Tables in text files: encoding, separator, decimal sign, and the rows as they are written."""
 
 from __future__ import annotations
 
+import codecs
 import csv
 import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import pandas as pd
 
@@ -19,6 +21,11 @@ from missions.logs.units import UNITS
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 _NAMES = {"\t": "tabs", ",": "commas", ";": "semicolons", "|": "bars"}
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?:[eE][+-]?\d+)?\s*")
+# First line that spreadsheets write to name the separator.
+_NAMED_SEPARATOR = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)
+# Signs between thousands: the other decimal sign, or a blank or apostrophe.
+_THOUSANDS = {".": (",", "'", " ", "\u00a0", "\u202f"), ",": (".", "'", " ", "\u00a0", "\u202f")}
+_CONTROLS = re.compile(r"[\x00-\x08\x0e-\x1f]")
 _MOST_BYTES = 100_000_000
 _LONGEST_LINE = 100_000  # the module csv takes no field of more than 131072 characters
 _LOOKED_AT = 50  # rows that a guess is made from
@@ -35,6 +42,7 @@ class Text:
     numbers: list[int]
     separator: str
     decimal: str
+    thousands: str | None
     notes: tuple[str, ...]
 
     def frame(self, used: Sequence[str]) -> pd.DataFrame:
@@ -47,6 +55,7 @@ class Text:
                 io.StringIO("\n".join(self.rows)),
                 sep=self.separator,
                 decimal=self.decimal,
+                thousands=self.thousands,
                 header=None,
                 names=self.header,
                 usecols=list(used),
@@ -63,17 +72,20 @@ def read_text(source: str, layout: ColumnMap) -> Text:
 
     ``layout``: its separator and decimal sign if they are known.
     """
-    lines, numbers = _text_lines(source)
+    lines, numbers, notes = _text_lines(source)
+    named = _NAMED_SEPARATOR.fullmatch(lines[0]) if lines else None
+    if named is not None:
+        lines, numbers = lines[1:], numbers[1:]
     while lines and lines[0].lstrip().startswith("#"):  # remarks above the table
         lines, numbers = lines[1:], numbers[1:]
     if not lines:
         raise file_error(source, "is empty; allowed: a header with the names of the columns")
-    if "\0" in lines[0]:
-        raise file_error(source, "is not a CSV table: it holds null characters")
-    separator = _separator(lines[0], layout)
+    separator = _separator(lines[0], layout, named[1] if named else None)
     header = [name.strip() for name in next(csv.reader([lines[0]], delimiter=separator))]
     rows, at = lines[1:], numbers[1:]
-    notes = []
+    if len(rows) > 1 and _width(rows[-1], separator) < len(header):
+        rows, at = rows[:-1], at[:-1]
+        notes.append(f"line {numbers[-1]}, the last, is cut off and left out")
     if rows and _are_units(rows[0], separator):
         header = [
             f"{name} [{unit}]" if unit else name
@@ -85,15 +97,19 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     if separator != ",":
         sign = "decimal comma" if decimal == "," else "decimal point"
         notes.insert(0, f"columns are separated by {_NAMES[separator]}, numbers have a {sign}")
-    return Text(source, header, numbers[0], rows, at, separator, decimal, tuple(notes))
+    thousands = _thousands(rows, separator, decimal)
+    if thousands is not None:
+        notes.append(f"numbers have {thousands!r} between thousands")
+    written = (separator, decimal, thousands, tuple(notes))
+    return Text(source, header, numbers[0], rows, at, *written)
 
 
-def _text_lines(source: str) -> tuple[list[str], list[int]]:
-    """Lines that are not blank, and their numbers counted from 1."""
-    try:
-        text = read_plain_file(source, most_bytes=_MOST_BYTES).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise file_error(source, f"is not UTF-8 text (byte {error.start})") from None
+def _text_lines(source: str) -> tuple[list[str], list[int], list[str]]:
+    """Lines that are not blank, their numbers counted from 1, and how the text was read."""
+    if Path(source).suffix.lower() == ".xlsx":
+        text, notes = _sheet_text(source)
+    else:
+        text, notes = _decoded(read_plain_file(source, most_bytes=_MOST_BYTES), source)
     # Only line breaks: str.splitlines would also break at other control characters.
     every = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     long = next((i for i, line in enumerate(every, start=1) if len(line) > _LONGEST_LINE), None)
@@ -101,12 +117,66 @@ def _text_lines(source: str) -> tuple[list[str], list[int]]:
         message = f"is longer than {_LONGEST_LINE} characters"
         raise InputError([Problem(source, long, None, "", message)])
     kept = [(line, number) for number, line in enumerate(every, start=1) if line.strip()]
-    return [line for line, _ in kept], [number for _, number in kept]
+    return [line for line, _ in kept], [number for _, number in kept], notes
 
 
-def _separator(header: str, layout: ColumnMap) -> str:
+def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
+    """Text of a file: UTF-8, UTF-16 of spreadsheets, else the code page of Windows."""
+    begin = content[:_LONGEST_LINE]
+    wide = begin.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        text, notes = content.decode("utf-16" if wide else "utf-8-sig"), []
+    except UnicodeDecodeError as error:
+        if wide:
+            raise file_error(source, f"is not UTF-16 text (byte {error.start})") from None
+        # Latin-1 has a character for every byte; where it differs, it has control characters.
+        try:
+            text = content.decode("cp1252")
+        except UnicodeDecodeError:
+            text = content.decode("latin-1")
+        notes = ["the text is not UTF-8: read as that of Windows (code page 1252)"]
+    if _CONTROLS.search(text[:_LONGEST_LINE]):
+        raise file_error(source, "is not a text table: it holds control characters")
+    return text, notes
+
+
+def _sheet_text(source: str) -> tuple[str, list[str]]:
+    """First sheet of an Excel file as text with tabs."""
+    read_plain_file(source, most_bytes=_MOST_BYTES)  # refuses what is no file, or too large
+    try:
+        sheet = pd.read_excel(source, header=None, dtype=object, engine="calamine")
+    except ImportError:
+        raise file_error(
+            source,
+            "reading .xlsx needs the package python-calamine: "
+            "pip install 'solar-uav-sizing[excel]', or save it as CSV",
+        ) from None
+    except Exception as error:  # calamine raises an error of its own for every kind of damage
+        raise file_error(source, f"is not an Excel file: {printable(str(error))[:200]}") from None
+    text = sheet.to_csv(None, sep="\t", header=False, index=False, lineterminator="\n")
+    return text, ["the first sheet is read"]
+
+
+def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
+    """Sign between thousands, if the first rows have one beyond doubt."""
+    parsed = csv.reader(rows[:_LOOKED_AT], delimiter=separator)
+    fields = [field.strip() for row in parsed for field in row]
+    for sign in _THOUSANDS[decimal]:
+        groups, rest = rf"[+-]?\d{{1,3}}(?:{re.escape(sign)}\d{{3}})", re.escape(decimal) + r"\d+"
+        # One group alone may be a number with a decimal sign: 1,234.
+        sure = rf"{groups}+{rest}|{groups}{{2,}}" if sign in ".," else rf"{groups}+(?:{rest})?"
+        if (sign != separator or sign == ",") and any(
+            re.fullmatch(sure, field) for field in fields
+        ):
+            return sign
+    return None
+
+
+def _separator(header: str, layout: ColumnMap, named: str | None) -> str:
     if layout.separator is not None:
         return _SEPARATORS.get(layout.separator, layout.separator)
+    if named is not None:
+        return named
     # Names may hold a comma, hardly ever one of the others.
     for separator in ("\t", ";", "|"):
         if header.count(separator) >= 2:
@@ -136,14 +206,8 @@ def _decimal(rows: Sequence[str], separator: str) -> str:
 def _check_widths(text: Text) -> None:
     """Refuse rows with more or fewer fields than the header."""
     separator, expected = text.separator, len(text.header)
-
-    def width(row: str) -> int:
-        if '"' in row:
-            return len(next(csv.reader([row], delimiter=separator)))
-        return row.count(separator) + 1
-
     odd = [
-        (number, width(row))
+        (number, _width(row, separator))
         for row, number in zip(text.rows, text.numbers, strict=True)
         if row.count(separator) + 1 != expected
     ]
@@ -155,3 +219,10 @@ def _check_widths(text: Text) -> None:
             )
             for (number, found), rest in first_few(wrong)
         )
+
+
+def _width(row: str, separator: str) -> int:
+    """Number of fields of a row."""
+    if '"' in row:
+        return len(next(csv.reader([row], delimiter=separator)))
+    return row.count(separator) + 1

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from missions.files.errors import file_error, printable
 from missions.logs.columns import ColumnMap
+from missions.logs.nearest import Series
 from missions.logs.streams import (
-    Series,
     Stream,
     constants_of,
     given_series,
@@ -49,7 +49,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     ``columns``: topics and fields of quantities that are elsewhere than expected.
     """
     source, layout = os.fspath(path), columns or ColumnMap()
-    topics, damaged = _ulog_topics(source, kinds_named(layout))
+    topics, damage = _ulog_topics(source, kinds_named(layout))
     given, constants = given_series(topics, layout, source), constants_of(layout)
     series: dict[str, Series] = {}
     if "solar_power_w" not in given:
@@ -64,7 +64,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     if "battery_status" in topics:
         series |= _battery_state(topics["battery_status"])
     series |= _airspeed(topics)
-    notes = [_DAMAGED] if damaged else []
+    notes = damage
     if "load_w" in series and "load_w" not in given:
         notes.append("load_w is voltage times current of battery_status")
     if "airspeed_m_per_s" in series and "airspeed_m_per_s" not in given:
@@ -148,8 +148,8 @@ def _fields_of(
     return known[name]
 
 
-def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream], bool]:
-    """Topics in the log, of the first instance without a number; whether the log is damaged."""
+def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream], list[str]]:
+    """Topics in the log, of the first instance without a number; what of the log is lost."""
     try:
         from pyulog import ULog
     except ImportError:
@@ -182,7 +182,12 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
             name = name if name not in topics else f"{name}[{int(data.multi_id)}]"
             topic = Stream(name, np.asarray(fields["timestamp"], float) / 1e6, fields, "topic")
             topics.setdefault(name, topic)
-    return topics, bool(log.file_corruption)
+    lost = [_DAMAGED] if log.file_corruption else []
+    dropouts = getattr(log, "dropouts", ())
+    if dropouts:
+        whole_s = 1e-3 * sum(one.duration for one in dropouts)
+        lost.append(f"the logger fell out {len(dropouts)} times, for {whole_s:.1f} s in all")
+    return topics, lost
 
 
 def _topic(topics: dict[str, Stream], names: Sequence[str], source: str, purpose: str) -> Stream:

@@ -12,15 +12,10 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, file_error, printable
 from missions.logs.columns import ColumnMap, Recipe, Source, problems_of, recipes_for
+from missions.logs.nearest import OTHER_AGE_S, Series, age_s_of, sampled
 from missions.logs.table import EPOCH, FlightLog, log_from_table
 from solar.types import BoolArray, FloatArray
 
-# A sample of a stream stands for a time no further from it than this [s].
-ATTITUDE_AGE_S, POSITION_AGE_S, OTHER_AGE_S = 0.5, 2.0, 5.0
-_AGES = {
-    **dict.fromkeys(("roll_deg", "pitch_deg", "yaw_deg"), ATTITUDE_AGE_S),
-    **dict.fromkeys(("latitude_deg", "longitude_deg", "altitude_m"), POSITION_AGE_S),
-}
 _FIX_3D = 3
 _STREAM = re.compile(r"([A-Za-z0-9_]+)(?:\[\d+\])?\.")
 
@@ -51,13 +46,6 @@ class Stream(NamedTuple):
         return np.asarray(self.fields[status] >= _FIX_3D)
 
 
-class Series(NamedTuple):
-    """A quantity in the unit of the log format, over time since boot [s]."""
-
-    time_s: FloatArray
-    values: FloatArray
-
-
 def kinds_named(layout: ColumnMap) -> set[str]:
     """Kinds of messages that a map of columns names."""
     texts = [s.name or "" if isinstance(s, Source) else s for s in layout.columns.values()]
@@ -75,19 +63,6 @@ def rising(stream: Stream) -> Stream:
     return stream._replace(
         time_s=time_s[keep], fields={k: v[keep] for k, v in stream.fields.items()}
     )
-
-
-def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
-    """Nearest sample at other times, NaN if it is older or younger than allowed."""
-    own = series.time_s
-    if not len(own):
-        return np.full(len(time_s), np.nan)
-    after = np.minimum(np.searchsorted(own, time_s), len(own) - 1)
-    before = np.maximum(after - 1, 0)
-    earlier = np.abs(time_s - own[before]) <= np.abs(own[after] - time_s)
-    nearest = np.where(earlier, before, after)
-    fresh = np.abs(own[nearest] - time_s) <= age_s
-    return np.where(fresh, series.values[nearest], np.nan)
 
 
 def given_series(
@@ -133,7 +108,7 @@ def log_from_series(
     time_s = series["solar_power_w"].time_s
     columns: dict[str, Any] = {EPOCH: time_s + boot_s}
     for quantity, one in series.items():
-        columns[quantity] = sampled(one, time_s, _AGES.get(quantity, OTHER_AGE_S))
+        columns[quantity] = sampled(one, time_s, age_s_of(quantity))
     columns |= constants or {}
     return log_from_table(pd.DataFrame(columns), source, notes=notes)
 

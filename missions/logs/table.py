@@ -2,7 +2,9 @@
 
 Nothing is repaired: rows that lack a required value are left out and counted, gaps split the log
 and are never interpolated over, everything else that cannot be true is an error that names its
-line. Angles are degrees in files and radians in :class:`FlightLog`.
+line. Rows out of order are sorted, and columns that are written at times of their own are put
+together by the nearest value; both are told. Angles are degrees in files and radians in
+:class:`FlightLog`.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
 from missions.logs.clock import times_from_text
+from missions.logs.nearest import Series, age_s_of, sampled
 from solar.types import BoolArray, FloatArray, IntArray
 
 TIME, EPOCH = "time_utc", "time_utc_s"
@@ -168,7 +171,7 @@ def log_from_table(
     check = Check(source, at, dict(labels or {}), [])
     remarks = list(notes)
     if TIME in table:
-        time_s = _times(table[TIME], zone, check)
+        time_s = _times(table[TIME], zone, check, remarks)
     else:
         time_s = numbers(table[EPOCH], check, _EPOCH_RANGE)
     values = {
@@ -180,11 +183,57 @@ def log_from_table(
     if all(name in values and np.isnan(values[name]).all() for name in ATTITUDE):
         for name in ATTITUDE:
             del values[name]
+    time_s, values = _in_order(time_s, values, remarks)
+    time_s, values = _put_together(time_s, values, remarks)
     keep = _complete(time_s, values, source)
-    time_s, values, at = time_s[keep], {n: v[keep] for n, v in values.items()}, at[keep]
-    _check_times_rise(time_s, at, source)
+    time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
     dropped = int(np.count_nonzero(~keep))
     return _assembled(source, time_s, values, dropped, remarks)
+
+
+def _in_order(
+    time_s: FloatArray, values: dict[str, FloatArray], notes: list[str]
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Rows by their time; of those with the same time and all quantities the first."""
+    back = int(np.count_nonzero(np.diff(time_s) < 0.0))
+    if back:
+        order = np.argsort(time_s, kind="stable")
+        time_s, values = time_s[order], {n: v[order] for n, v in values.items()}
+        times = "once" if back == 1 else f"{back} times"
+        notes.append(f"time goes back {times}: the rows are sorted")
+    filled = ~np.any([np.isnan(v) for n, v in values.items() if n in REQUIRED], axis=0)
+    at = np.flatnonzero(filled)
+    twice = at[1:][np.diff(time_s[at]) == 0.0]
+    if len(twice):
+        keep = np.ones(len(time_s), bool)
+        keep[twice] = False
+        time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
+        rows = "1 row has" if len(twice) == 1 else f"{len(twice)} rows have"
+        notes.append(f"{rows} the time of another: the first one is used")
+    return time_s, values
+
+
+def _put_together(
+    time_s: FloatArray, values: dict[str, FloatArray], notes: list[str]
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Columns that are written at times of their own, at the times of the solar power."""
+    needed = [name for name in (*REQUIRED, *ATTITUDE) if name in values]
+    lacking = np.any([np.isnan(values[name]) for name in needed], axis=0)
+    power = ~np.isnan(values["solar_power_w"]) & np.isfinite(time_s)
+    alone = np.count_nonzero(lacking & power)
+    if np.count_nonzero(lacking) <= MAXIMUM_DROPPED * len(time_s) or 2 * alone <= power.sum():
+        return time_s, values
+    at_s, together = time_s[power], {}
+    for name, column in values.items():
+        known = ~np.isnan(column) & np.isfinite(time_s)
+        together[name] = sampled(Series(time_s[known], column[known]), at_s, age_s_of(name))
+    ages = sorted({age_s_of(name) for name in values})
+    notes.append(
+        "columns are written at times of their own: for each value of the solar power the nearest "
+        f"one of the others is used, {', '.join(f'{age:g}' for age in ages)} s away at most"
+    )
+    rises = np.concatenate(([True], np.diff(at_s) > 0.0))
+    return at_s[rises], {name: column[rises] for name, column in together.items()}
 
 
 @dataclass(frozen=True)
@@ -218,8 +267,11 @@ class Check:
             raise InputError(self.problems)
 
 
-def _times(column: pd.Series, zone: datetime.tzinfo | None, check: Check) -> FloatArray:
+def _times(
+    column: pd.Series, zone: datetime.tzinfo | None, check: Check, notes: list[str]
+) -> FloatArray:
     times = times_from_text(column, zone)
+    notes.extend(times.notes)
     messages = {
         "form": "must be ISO 8601 like 2015-07-01T05:30:00Z",
         "zone": "has no time zone; write UTC like 2015-07-01T05:30:00Z or +02:00, or give "
@@ -274,17 +326,6 @@ def _complete(time_s: FloatArray, values: dict[str, FloatArray], source: str) ->
     if total - dropped < 2:
         raise file_error(source, "has fewer than two complete rows")
     return np.asarray(keep, bool)
-
-
-def _check_times_rise(time_s: FloatArray, lines: IntArray, source: str) -> None:
-    step = np.diff(time_s)
-    problems = []
-    for i, rest in first_few(np.flatnonzero(step <= 0.0).tolist()):
-        back = f"{-step[i]:g} s before that of" if step[i] else "the same as on"
-        message = f"time must increase: it is {back} line {lines[i]}{rest}"
-        problems.append(Problem(source, int(lines[i + 1]), None, TIME, message))
-    if problems:
-        raise InputError(problems)
 
 
 def _assembled(

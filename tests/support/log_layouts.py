@@ -130,27 +130,35 @@ LAYOUTS: dict[str, Callable[[pd.DataFrame], str]] = {
 
 
 # Name: number, letters, fields.
-FORMATS = {
+Formats = dict[str, tuple[int, str, str]]
+FORMATS: Formats = {
     "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns"),
     "ATT": (130, "QccccCC", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw"),
     "GPS": (131, "QBBIHBcLLe", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt"),
     "BAT": (132, "QBffB", "TimeUS,Inst,Volt,Curr,RemPct"),
     "MSG": (133, "QZ", "TimeUS,Message"),
 }
+# ArduPilot until 2014: milliseconds since boot, but those of the week in GPS.
+FORMATS_2014 = {
+    "FMT": FORMATS["FMT"],
+    "ATT": (1, "IccccCC", "TimeMS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw"),
+    "GPS": (2, "BIHBcLLeeEefI", "Status,TimeMS,Week,NSats,HDop,Lat,Lng,RelAlt,Alt,Spd,GCrs,VZ,T"),
+    "CURR": (9, "Ihhh", "TimeMS,Thr,Volt,Curr"),
+}
 PACKED = {"b": "b", "B": "B", "h": "h", "H": "H", "i": "i", "I": "I", "Q": "Q", "f": "f"}
-PACKED |= {"c": "h", "C": "H", "e": "i", "L": "i", "n": "4s", "N": "16s", "Z": "64s"}
+PACKED |= {"c": "h", "C": "H", "e": "i", "L": "i", "E": "I", "n": "4s", "N": "16s", "Z": "64s"}
 
 
-def message(name: str, *values: Any) -> bytes:
-    number, letters, _ = FORMATS[name]
+def message(name: str, *values: Any, formats: Formats = FORMATS) -> bytes:
+    number, letters, _ = formats[name]
     body = struct.pack("<" + "".join(PACKED[letter] for letter in letters), *values)
     return b"\xa3\x95" + bytes([number]) + body
 
 
-def formats_of() -> bytes:
+def formats_of(formats: Formats = FORMATS) -> bytes:
     """Messages that describe all kinds of a DataFlash log."""
     out = b""
-    for name, (number, letters, labels) in FORMATS.items():
+    for name, (number, letters, labels) in formats.items():
         length = 3 + struct.calcsize("<" + "".join(PACKED[letter] for letter in letters))
         row = (number, length, name.encode(), letters.encode(), labels.encode())
         out += message("FMT", *row)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from log_layouts import FORMATS, formats_of, message
+from log_layouts import FORMATS, FORMATS_2014, formats_of, message
 from ulog_files import EPOCH_S, topics, ulog_bytes
 
 from missions.files.errors import InputError
@@ -85,6 +85,23 @@ def test_dataflash_agrees_with_pymavlink(tmp_path: Path) -> None:
     assert log.time_s == pytest.approx(
         times, abs=1.5
     )  # it counts 16 s of leap seconds at all times
+
+
+def test_dataflash_of_2014(tmp_path: Path) -> None:
+    content = formats_of(FORMATS_2014)
+    week, seconds = divmod(EPOCH_S + 17.0 - 315964800.0, 604800.0)
+    for i in range(COUNT):
+        boot_ms = 100_000 + 500 * i
+        ms = round(1e3 * seconds) + 500 * i
+        angles = (0, 1000, 0, -250, 0, 27000)
+        gps = (3, ms, int(week), 12, 90, 476000000, 85300000, 0, 53600, 0, 0, 0.0, boot_ms)
+        content += message("ATT", boot_ms, *angles, formats=FORMATS_2014)
+        content += message("GPS", *gps, formats=FORMATS_2014)
+        content += message("CURR", boot_ms, 0, 2000, 500 + i, formats=FORMATS_2014)
+    log = read(tmp_path, content, layout("CURR.Volt * CURR.Curr"))
+    assert log.time_s == pytest.approx(EPOCH_S + 0.5 * np.arange(COUNT), abs=1e-3)
+    assert log.solar_power_w == pytest.approx(20.0 * (5.0 + 0.01 * np.arange(COUNT)))
+    assert log.altitude_m == pytest.approx(536.0)
 
 
 def test_dataflash_that_does_not_say_where_the_power_is(tmp_path: Path) -> None:

@@ -132,17 +132,19 @@ def test_every_problem_is_reported_at_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("second", "expected"),
+    ("second", "note"),
     [
-        (1.0, "time must increase: it is the same as on line 4"),
-        (0.25, "time must increase: it is 0.75 s before that of line 4"),
+        (1.0, "1 row has the time of another: the first one is used"),
+        (0.25, "time goes back once: the rows are sorted"),
     ],
 )
-def test_time_must_increase(tmp_path: Path, second: float, expected: str) -> None:
+def test_rows_are_sorted_by_time_and_used_once(tmp_path: Path, second: float, note: str) -> None:
     lines = rows()
-    lines[3] = row(second)
-    (found,) = messages(tmp_path, lines)
-    assert found == f"log.csv:5: time_utc: {expected}"
+    lines[3] = row(second, solar_power_w="99")
+    log = read(tmp_path, lines)
+    assert note in log.notes
+    assert np.all(np.diff(log.time_s) > 0.0)
+    assert (99.0 in log.solar_power_w.tolist()) is (second == 0.25)
 
 
 def test_gap_splits_the_log(tmp_path: Path) -> None:
@@ -231,7 +233,9 @@ def test_row_of_another_length(tmp_path: Path) -> None:
     [
         (b"", "is empty"),
         (HEADER.encode(), "has a header but no rows"),
-        (b"\xff\xfe\x00", "is not UTF-8 text"),
+        (b"\xff\xfe\x00", "is not UTF-16 text"),
+        (b"\x80\x00\x01\x02" * 9, "is not a text table: it holds control characters"),
+        (b"\x7fELF\x02\x01", "is not a text table"),
         ("\n".join([HEADER, row(0)]).encode(), "fewer than two complete rows"),
     ],
 )

@@ -320,3 +320,151 @@ def test_a_yaw_without_jumps_by_a_turn_may_be_in_degrees() -> None:
     to_and_fro = np.pi * np.sin(np.linspace(0.0, 20.0, 400))
     assert in_radians(level, level, to_and_fro)
     assert not surely_radians(level, level, to_and_fro)
+
+
+# ---- texts as spreadsheets and loggers write them
+
+
+def same_power(log: FlightLog) -> None:
+    assert log.solar_power_w == pytest.approx(table()["solar_power_w"], abs=1e-6)
+    assert log.time_s[0] == pytest.approx(1435654800.0)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "note"),
+    [
+        ("utf-8-sig", None),
+        ("utf-16", None),
+        ("cp1252", "code page 1252"),
+        ("latin-1", "code page 1252"),
+    ],
+)
+def test_encodings_of_spreadsheets(tmp_path: Path, encoding: str, note: str | None) -> None:
+    text = table().rename(columns={"ambient_temperature_c": "T_amb [°C]"}).to_csv(index=False)
+    (tmp_path / "log.csv").write_bytes(text.encode(encoding))
+    log = read_csv(tmp_path / "log.csv")
+    same_power(log)
+    assert log.ambient_temperature_c == pytest.approx(22.7)
+    assert any("1252" in n for n in log.notes) is (note is not None)
+
+
+def test_first_line_that_names_the_separator(tmp_path: Path) -> None:
+    short = table()[["time_utc", "latitude_deg", "longitude_deg", "altitude_m", "solar_power_w"]]
+    log = read(tmp_path, "sep=|\n" + short.to_csv(index=False, sep="|"))
+    same_power(log)
+    told = refused(
+        tmp_path, "sep=;\n" + short.assign(solar_power_w="x").to_csv(index=False, sep=";")
+    )
+    assert told.startswith("log.csv:3: solar_power_w")  # lines are those of the file
+
+
+def test_excel_sheet(tmp_path: Path) -> None:
+    pytest.importorskip("python_calamine")
+    sheet = table()
+    sheet["time_utc"] = pd.to_datetime(sheet["time_utc"]).dt.tz_localize(None)
+    sheet.to_excel(tmp_path / "log.xlsx", index=False)
+    log = read_csv(tmp_path / "log.xlsx", ColumnMap(timezone="UTC"))
+    assert log.solar_power_w == pytest.approx(table()["solar_power_w"], abs=1e-6)
+    # Excel keeps times to about a millisecond.
+    assert log.time_s == pytest.approx(1435654800.0 + 0.5 * np.arange(COUNT), abs=2e-3)
+    assert "the first sheet is read" in log.notes
+    (tmp_path / "no.xlsx").write_bytes(b"no sheet")
+    with pytest.raises(InputError, match="is not an Excel file"):
+        read_csv(tmp_path / "no.xlsx")
+
+
+@pytest.mark.parametrize(
+    ("form", "note"),
+    [
+        ("%Y-%m-%d %I:%M:%S.%f %p", None),
+        ("%m/%d/%Y %I:%M:%S.%f %p", "month/day/year"),
+        ("%m/%d/%Y %H:%M:%S.%f", "month/day/year"),  # the 30th
+        ("%d/%m/%Y %H:%M:%S.%f", "day/month/year"),
+    ],
+)
+def test_american_and_british_times(tmp_path: Path, form: str, note: str | None) -> None:
+    evening = pd.to_datetime(table()["time_utc"]) + pd.Timedelta(hours=12)
+    text = table().assign(time_utc=evening.dt.strftime(form)).to_csv(index=False)
+    log = read(tmp_path, text, ColumnMap(timezone="UTC"))
+    assert log.time_s == pytest.approx(1435698000.0 + 0.5 * np.arange(COUNT), abs=1e-5)
+    assert (f"dates are read as {note}" in log.notes) is (note is not None)
+
+
+def test_a_date_of_unknown_order_is_refused(tmp_path: Path) -> None:
+    first = pd.to_datetime(table()["time_utc"]) + pd.Timedelta(days=1)  # 07/01 or 01/07
+    text = table().assign(time_utc=first.dt.strftime("%m/%d/%Y %H:%M:%S")).to_csv(index=False)
+    assert "must be ISO 8601" in refused(tmp_path, text, ColumnMap(timezone="UTC"))
+
+
+@pytest.mark.parametrize(
+    ("sign", "decimal", "separator"),
+    [(",", ".", ","), (",", ".", ";"), (".", ",", ";"), ("'", ".", ";"), (" ", ",", "\t")],
+)
+def test_signs_between_thousands(tmp_path: Path, sign: str, decimal: str, separator: str) -> None:
+    large = table().drop(columns="mppt_voltage_v")
+    large["solar_power_w"] *= 10.0
+
+    def written(value: float) -> str:
+        text = f"{value:,.3f}".replace(".", "#").replace(",", sign)
+        return text.replace("#", decimal)
+
+    numbers = large.drop(columns="time_utc").map(written)
+    text = large[["time_utc"]].join(numbers).to_csv(index=False, sep=separator)
+    log = read(tmp_path, text)
+    assert log.solar_power_w == pytest.approx(10.0 * table()["solar_power_w"], abs=1e-3)
+    assert f"numbers have {sign!r} between thousands" in log.notes
+
+
+def test_numbers_with_three_decimals_are_no_thousands(tmp_path: Path) -> None:
+    text = table().to_csv(index=False, sep=";", float_format="%.3f")
+    assert not any("thousands" in note for note in read(tmp_path, text).notes)
+
+
+def test_a_last_line_that_is_cut_off_is_left_out(tmp_path: Path) -> None:
+    text = table().to_csv(index=False).rstrip("\n")
+    log = read(tmp_path, text[: text.rindex(",") - 12])
+    assert len(log) == COUNT - 1
+    assert f"line {COUNT + 1}, the last, is cut off and left out" in log.notes
+
+
+def test_columns_written_at_their_own_times(tmp_path: Path) -> None:
+    whole = table()
+    groups = [["latitude_deg", "longitude_deg", "altitude_m"], ["roll_deg", "pitch_deg", "yaw_deg"]]
+    parts = [whole[["time_utc", "solar_power_w"]]]
+    for number, names in enumerate(groups):
+        part = whole[["time_utc", *names]].copy()
+        shift = pd.Timedelta(milliseconds=100 * (number + 1))
+        times = pd.to_datetime(part["time_utc"]) + shift
+        part["time_utc"] = times.dt.strftime("%Y-%m-%dT%H:%M:%S.%fZ")
+        parts.append(part)
+    text = pd.concat(parts).sort_values("time_utc").to_csv(index=False)
+    log = read(tmp_path, text)
+    same_power(log)
+    assert log.attitude is not None
+    # The nearest angle was logged 0.2 s later.
+    assert np.degrees(log.attitude.roll_rad) == pytest.approx(whole["roll_deg"], abs=1e-9)
+    assert any(note.startswith("columns are written at times of their own") for note in log.notes)
+    # Positions that are too far away stand for nothing.
+    late = whole.assign(latitude_deg=np.where(np.arange(COUNT) == 0, 47.6, np.nan))
+    assert "lack a required value" in refused(tmp_path, late.to_csv(index=False))
+
+
+def test_names_of_streams(tmp_path: Path) -> None:
+    names = {"roll_deg": "ATT.Roll", "pitch_deg": "ATT.Pitch", "yaw_deg": "ATT.Yaw"}
+    places = {"latitude_deg": "GPS.Lat", "longitude_deg": "GPS.Lng", "altitude_m": "GPS.Alt"}
+    log = read(tmp_path, table().rename(columns=names | places).to_csv(index=False))
+    same_power(log)
+    assert log.attitude is not None
+
+
+@pytest.mark.parametrize("name", ["mppt{}_power_w", "MPPT {} power [W]", "P_mppt_{} [W]"])
+def test_power_of_several_trackers_is_summed(tmp_path: Path, name: str) -> None:
+    power = table()["solar_power_w"]
+    several = table().drop(columns="solar_power_w")
+    for number, share in enumerate((0.5, 0.3, 0.2), start=1):
+        several[name.format(number)] = share * power
+    log = read(tmp_path, several.to_csv(index=False))
+    assert log.solar_power_w == pytest.approx(power)
+    assert " + ".join(name.format(i).split(" [")[0] for i in (1, 2)) in log.notes[0].replace(
+        " [W]", ""
+    )
