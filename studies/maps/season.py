@@ -1,12 +1,14 @@
 """Season of perpetual flight: the days of the year on which it is possible at a latitude.
 
-The Full Model takes milliseconds for each day. Every eighth day is simulated, and all days between
-two of these that differ; a gap or a spell that lies wholly between two equal ones is not seen.
+The Full Model takes milliseconds for each day. Every eighth day is simulated; between two of these
+that differ the edge is found by halving. A gap or a spell that lies wholly between two equal ones
+is not seen.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +18,9 @@ from missions.dates import DAYS_PER_YEAR
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.performance import performance
-from sizing.sunlight import SolarDay, SolarModel, Sunlight
+from sizing.sunlight import SolarDay, SolarModel, Sunlight, modelled_power
+from solar.names import ModelName
+from solar.types import FloatArray
 
 _STRIDE = 8
 
@@ -65,30 +69,70 @@ def perpetual_flags(
     ``latitude_deg``: latitude [deg], north positive, instead of the mission's own. Returns for each
     model an array of bool, shape ``(365,)``.
     """
-    known: dict[int, tuple[bool, ...]] = {}
+    known: list[dict[int, bool]] = [{} for _ in models]
+    powers: _Powers = {}
 
-    def simulate(days: Iterable[int]) -> None:
-        chosen = np.array(sorted(set(days) - known.keys()), int)
-        if not len(chosen):
-            return
-        scenarios = Scenarios(np.full(len(chosen), float(latitude_deg)), chosen)
-        sun = Sunlight(aircraft, mission, scenarios)
+    def simulate(wanted: Sequence[set[int]]) -> None:
+        asked = [(number, sorted(days)) for number, days in enumerate(wanted) if days]
         # One march for all models: the simulator sees nothing but their power.
-        together = SolarDay.joined([sun.day(model) for model in models])
-        perpetual = performance(aircraft, mission, models[0], day=together).cycle.perpetual
-        by_day = perpetual.reshape(len(models), len(chosen)).T
-        known.update(zip(chosen.tolist(), map(tuple, by_day.tolist()), strict=True))
+        together = SolarDay.joined(
+            [
+                _SunlightOfYear(aircraft, mission, latitude_deg, days, powers).day(models[number])
+                for number, days in asked
+            ]
+        )
+        flown = performance(aircraft, mission, models[0], day=together, keep_trajectory=False)
+        flags = iter(flown.cycle.perpetual.tolist())
+        for number, days in asked:
+            known[number].update((day, next(flags)) for day in days)
 
-    simulate([*range(1, DAYS_PER_YEAR + 1, _STRIDE), *SOLSTICES])
-    sampled = sorted(known)
-    pairs = zip(sampled, [*sampled[1:], sampled[0] + DAYS_PER_YEAR], strict=True)
-    edges = [(a, b) for a, b in pairs if known[a] != known[_wrapped(b)]]
-    simulate(_wrapped(day) for a, b in edges for day in range(a + 1, b))
-    filled, last = [], known[sampled[-1]]
-    for day in range(1, DAYS_PER_YEAR + 1):
-        last = known.get(day, last)
-        filled.append(last)
-    return {model: np.array([row[i] for row in filled], bool) for i, model in enumerate(models)}
+    simulate([{*range(1, DAYS_PER_YEAR + 1, _STRIDE), *SOLSTICES}] * len(models))
+    while any(halves := [_middles_of_edges(days) for days in known]):
+        simulate(halves)
+    return {model: _filled(days) for model, days in zip(models, known, strict=True)}
+
+
+_Powers = dict[tuple[ModelName, int], FloatArray]
+
+
+class _SunlightOfYear(Sunlight):
+    """Sunlight on days of the year at a latitude; a day's power by a model is computed once."""
+
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        mission: Mission,
+        latitude_deg: float,
+        days: Sequence[int],
+        known: _Powers,
+    ) -> None:
+        latitudes = np.full(len(days), float(latitude_deg))
+        super().__init__(aircraft, mission, Scenarios(latitudes, np.array(days, int)))
+        self._days, self._known = days, known
+
+    def modelled_power(self, model: ModelName) -> FloatArray:
+        """Uncorrected specific power [W/m2], shape ``(day, time)``."""
+        known, lacking = self._known, [d for d in self._days if (model, d) not in self._known]
+        if lacking:
+            scenarios = Scenarios(self.scenarios.latitude_deg[: len(lacking)], np.array(lacking))
+            powers = modelled_power(self.aircraft, self.mission, model, scenarios, self.time_h)
+            known.update(((model, day), power) for day, power in zip(lacking, powers, strict=True))
+        return np.stack([known[model, day] for day in self._days])
+
+
+def _middles_of_edges(flown: Mapping[int, bool]) -> set[int]:
+    """Days half-way between two neighbours, one of which is flown perpetually and one not."""
+    days = sorted(flown)
+    pairs = itertools.pairwise([*days, days[0] + DAYS_PER_YEAR])
+    edges = [(a, b) for a, b in pairs if flown[a] != flown[_wrapped(b)] and b - a > 1]
+    return {_wrapped((a + b) // 2) for a, b in edges}
+
+
+def _filled(flown: Mapping[int, bool]) -> Flags:
+    """Flag of every day: that of the last known one."""
+    days = np.array(sorted(flown))
+    flags = np.array([flown[day] for day in days.tolist()], bool)
+    return flags[np.searchsorted(days, np.arange(1, DAYS_PER_YEAR + 1), side="right") - 1]
 
 
 def _wrapped(day: int) -> int:
