@@ -331,9 +331,11 @@ class _Motion:
         ``1 / V_g = (sqrt(V^2 - w^2 sin^2) - w cos) / (V^2 - w^2)`` integrates to the incomplete
         elliptic integral of the second kind (DLMF 19.2.5).
         """
-        from scipy.special import ellipeinc
+        elliptic = angle  # in calm air, and to the last bit what the integral is of modulus zero
+        if self.wind != 0.0:
+            from scipy.special import ellipeinc  # a tenth of a second
 
-        elliptic = ellipeinc(angle, (self.wind / self.airspeed) ** 2)
+            elliptic = ellipeinc(angle, (self.wind / self.airspeed) ** 2)
         return np.asarray(
             (self.airspeed * elliptic - self.wind * np.sin(angle)) / self.margin, float
         )
