@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from missions.weather.record import Weather
     from studies.flight_logs.verification import Verification
 
-__all__ = ["make_report", "render"]
+__all__ = ["SECTIONS", "make_report", "render"]
 
 _OF_A_FLIGHT: tuple[Callable[[Subject], Section | None], ...] = (
     budget_section,
@@ -56,7 +56,7 @@ _BEYOND: tuple[Callable[[Subject], Section | None], ...] = (
     uncertainty_section,
     weather_section,
 )
-_SECTIONS = 3 + len(_OF_A_FLIGHT) + len(_BEYOND)  # of a flight, with its aircraft and inputs
+SECTIONS = 3 + len(_OF_A_FLIGHT) + len(_BEYOND)  # of a flight, with its aircraft and inputs
 
 
 def make_report(
@@ -139,7 +139,7 @@ def render(subject: Subject, progress: Callable[[int, int], None] | None = None)
     for section in _sections(subject):
         made.append(section)
         if progress is not None:
-            progress(len(made), max(_SECTIONS, len(made)))
+            progress(len(made), max(SECTIONS, len(made)))
     sections = list(_numbered([*made, provenance_section(subject, run)]))
     results = to_json(subject.results(), sort_keys=True)
     page: str = _template().render(

@@ -59,9 +59,7 @@ def margin_table(subject: Subject) -> Table | None:
     holds = bool(np.all(_hold(nominal.cycle, required)))
     quantities = _quantities(subject.aircraft, subject.mission)
     rows = []
-    for one, limit in zip(
-        quantities, _limits(quantities, day, required, holds=holds), strict=True
-    ):
+    for one, limit in zip(quantities, _limits(quantities, day, required, holds=holds), strict=True):
         change = None if limit is None else limit - one.value
         scale = max(abs(one.value), 100.0 if one.unit == "%" else 1.0)
         if change is not None and abs(change) <= _NO_MARGIN * scale:
