@@ -1,16 +1,18 @@
 """Seasons: windows around the solstice, and days found with few simulations."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
 from missions.dates import day_of_year
 from missions.library import load_mission
-from missions.mission import UncertaintyMargins
+from missions.mission import Mission, Scenarios, UncertaintyMargins
+from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.performance import perpetual_days
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import SolarModel, modelled_power, solar_day
 from studies.maps.results import season_text
 from studies.maps.season import Season, perpetual_flags, season_of
 from studies.models.solar_models import combinations
@@ -54,6 +56,33 @@ def test_sampled_days_are_those_of_the_whole_year(latitude: float) -> None:
     for model in models:
         every = perpetual_days(AS2, LOITER, latitude, model)
         np.testing.assert_array_equal(np.flatnonzero(sampled[model]) + 1, every)
+
+
+def test_two_windows_between_the_tropics_are_both_found() -> None:
+    """At the equator the sun is highest at the equinoxes: the solstices are the dark seasons."""
+    hungry = load_aircraft("atlantiksolar-as2", {"power.avionics_w": 18.75})
+    models = [SolarModel("CDM"), SolarModel("CAM")]
+    sampled = perpetual_flags(hungry, LOITER, 0.0, models)
+    for model in models:
+        every = perpetual_days(hungry, LOITER, 0.0, model)
+        np.testing.assert_array_equal(np.flatnonzero(sampled[model]) + 1, every)
+    edges = np.flatnonzero(sampled[models[0]] != np.roll(sampled[models[0]], 1))
+    assert len(edges) == 4
+
+
+def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str, int]] = []
+
+    def counted(aircraft: Aircraft, mission: Mission, model: str, of: Scenarios, time_h: Any) -> Any:
+        asked.extend((model, int(day)) for day in of.day_of_year)
+        return modelled_power(aircraft, mission, model, of, time_h)
+
+    monkeypatch.setattr("studies.maps.season.modelled_power", counted)
+    perpetual_flags(AS2, LOITER, 47.6, combinations())
+    assert len(asked) == len(set(asked))
+    # Every eighth day and the solstices, and for each of two edges what halves seven days, for
+    # models whose edges are some days apart.
+    assert 48 <= sum(model == "FM" for model, _ in asked) <= 70
 
 
 def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:
