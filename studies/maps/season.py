@@ -1,8 +1,8 @@
 """Season of perpetual flight: the days of the year on which it is possible at a latitude.
 
 The Full Model takes milliseconds for each day. Every eighth day is simulated; between two of these
-that differ the edge is found by halving. A gap or a spell that lies wholly between two equal ones
-is not seen.
+that differ the edge is found by halving, which takes for granted that there is one. A gap or a
+spell that lies wholly between two equal ones is not seen.
 """
 
 from __future__ import annotations
