@@ -118,7 +118,8 @@ def _limits(
 
     good = [one.value if holds else one.better for one in quantities]
     bad = [one.worse if holds else one.value for one in quantities]
-    known = [g and not b for g, b in zip(enough(good), enough(bad), strict=True)]
+    # What becomes of the values themselves is known: ``holds``.
+    known = [not flies for flies in enough(bad)] if holds else enough(good)
     for _ in range(_STEPS):
         middle = [0.5 * (g + b) for g, b in zip(good, bad, strict=True)]
         fly = enough(middle)
