@@ -13,6 +13,7 @@ from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.performance import perpetual_days
 from sizing.sunlight import SolarModel, modelled_power, solar_day
+from solar.names import ModelName
 from studies.maps.results import season_text
 from studies.maps.season import Season, perpetual_flags, season_of
 from studies.models.solar_models import combinations
@@ -75,9 +76,9 @@ def test_two_windows_between_the_tropics_are_both_found(
 def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[str, int]] = []
 
-    def counted(aircraft: Aircraft, mission: Mission, model: str, of: Scenarios, time_h: Any) -> Any:
+    def counted(craft: Aircraft, there: Mission, model: ModelName, of: Scenarios, at: Any) -> Any:
         asked.extend((model, int(day)) for day in of.day_of_year)
-        return modelled_power(aircraft, mission, model, of, time_h)
+        return modelled_power(craft, there, model, of, at)
 
     monkeypatch.setattr("studies.maps.season.modelled_power", counted)
     perpetual_flags(AS2, LOITER, 47.6, combinations())
