@@ -155,7 +155,7 @@ def _in_doubt(
     for model in models:
         own_wh = np.trapezoid(year.sun(model, far).specific_power_w_per_m2, cam.time_h, axis=-1)
         ratio = np.divide(own_wh, of_cam_wh, out=np.ones(len(far)), where=of_cam_wh > 0.0)
-        of_day = np.asarray(np.interp(near, far, ratio, period=DAYS_PER_YEAR))[:, np.newaxis]
+        of_day = np.reshape(np.interp(near, far, ratio, period=DAYS_PER_YEAR), (-1, 1))
         for sign in (-1.0, 1.0):
             power = cam.specific_power_w_per_m2 * of_day * (1.0 + sign * _DOUBT)
             suns[model, sign] = replace(cam, specific_power_w_per_m2=power)
