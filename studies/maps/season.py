@@ -149,7 +149,7 @@ def _in_doubt(
     both sides of an edge. The estimate: power of CAM, times the ratio of daily energies.
     """
     cam = year.sun(UNCORRECTED_CAM, near)
-    energy_wh = np.trapezoid(cam.specific_power_w_per_m2, cam.time_h, axis=-1)
+    energy_wh = np.asarray(np.trapezoid(cam.specific_power_w_per_m2, cam.time_h, axis=-1))
     of_cam_wh = energy_wh[np.isin(near, far)]
     suns: dict[tuple[SolarModel, float], SolarDay] = {}
     for model in models:
