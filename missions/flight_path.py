@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal, NamedTuple, TypeAlias
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from pydantic import Field, Strict, model_validator
@@ -331,9 +331,11 @@ class _Motion:
         ``1 / V_g = (sqrt(V^2 - w^2 sin^2) - w cos) / (V^2 - w^2)`` integrates to the incomplete
         elliptic integral of the second kind (DLMF 19.2.5).
         """
-        from scipy.special import ellipeinc
+        elliptic: Any = angle  # of calm air, to the last bit what the integral is then
+        if self.wind != 0.0:
+            from scipy.special import ellipeinc  # a tenth of a second
 
-        elliptic = ellipeinc(angle, (self.wind / self.airspeed) ** 2)
+            elliptic = ellipeinc(angle, (self.wind / self.airspeed) ** 2)
         return np.asarray(
             (self.airspeed * elliptic - self.wind * np.sin(angle)) / self.margin, float
         )

@@ -22,7 +22,7 @@ from sizing.design import (
     design_of,
     load_profile,
 )
-from sizing.energy.battery import Store
+from sizing.energy.battery import Battery, Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
@@ -298,6 +298,28 @@ def performance_of_pairs(
     """
     design = closed_design(aircraft, mission, variables)
     return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)
+
+
+def cycle_of_variants(
+    battery: Battery, variants: Sequence[tuple[Design, Mission, SolarDay]]
+) -> Cycle:
+    """Cycles of designs that differ in anything but how their battery charges, in one march.
+
+    ``battery``: that of all of them but for its size. ``variants``: designs with the mission and
+    the day of each; the days have the same scenarios. Returns arrays of shape ``(variant,
+    scenario)``.
+    """
+    powers = [_powers(mission, design, day) for design, mission, day in variants]
+    solar_w, load_w, nominal = (np.stack(values) for values in zip(*powers, strict=True))
+    energy_wh = np.array([float(design.battery_energy_wh) for design, _, _ in variants])
+    return simulate_cycle(
+        variants[0][2].time_h,
+        solar_w,
+        load_w,
+        Store.of(battery, energy_wh[:, np.newaxis]),
+        nominal_load_w=nominal,
+        keep_trajectory=False,
+    )
 
 
 def _simulate(

@@ -139,5 +139,7 @@ def cos_angle_of_incidence(normals: ArrayLike, sun_vector: ArrayLike) -> FloatAr
     ndarray
         Their scalar product [-] (report, eq. 3).
     """
-    products = np.asarray(normals, float) * np.asarray(sun_vector, float)
-    return np.asarray(products.sum(axis=-1))
+    normal, sun = np.asarray(normals, float), np.asarray(sun_vector, float)
+    # Component by component: a sum over an axis of three takes ten times as long.
+    north, east, down = (normal[..., axis] * sun[..., axis] for axis in range(3))
+    return np.asarray(north + east + down)

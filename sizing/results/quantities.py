@@ -139,7 +139,7 @@ AIR_DENSITY = Quantity(
     of=attrgetter("conditions.density_kg_per_m3"),
     symbol=r"\rho",
 )
-REYNOLDS_NUMBER = replace(_in_flight("reynolds_number"), form=",.0f")
+REYNOLDS_NUMBER = replace(_in_flight("reynolds_number"), form=",.0f", digits=3)
 LIFT_COEFFICIENT = _in_flight("lift_coefficient")
 DRAG = Quantity("drag_n", "drag", "N", ".2f", of=attrgetter("drag_n"), symbol="D")
 LIFT_TO_DRAG = Quantity(
@@ -235,8 +235,7 @@ DESIGN_COLUMNS = (*CHOSEN, PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS)
 DRAWN = (EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS, PROPULSION_POWER)
 # Table of a sized design.
 SIZED_TABLE = (*CHOSEN, TOTAL_MASS, AIRSPEED, STALL_SPEED, WING_LOADING, CLIMB_RATE, LOAD)
-# Level flight, as a report tells it: of every design, and of those whose drag is modelled.
-LEVEL_FLIGHT = (AIR_DENSITY, REYNOLDS_NUMBER)
+# Level flight of designs whose drag is modelled, as a report tells it.
 MODELLED_FLIGHT = (STALL_SPEED, LIFT_COEFFICIENT, LIFT_TO_DRAG, DRAG)
 # Energy of the design sheet.
 SHEET_ENERGY = (SOLAR_ENERGY, EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE, ENDURANCE)

@@ -48,7 +48,8 @@ class Column:
     people; the name without underscores if left out. ``form``: format of numbers, such as ``.2f``;
     ``.1%`` for shares; ``{:+.1f} kg`` where text surrounds them. ``missing``: what stands for a
     value that does not exist. ``to_right``: whether its cells are aligned to the right; by default
-    numbers and the values of facts are.
+    numbers and the values of facts are. ``digits``: significant digits that numbers are rounded to
+    before they are formatted; all by default.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Column:
     form: str = ""
     missing: str = MISSING
     to_right: bool | None = None
+    digits: int | None = None
 
     @property
     def heading(self) -> str:
@@ -74,6 +76,8 @@ class Column:
             return "yes" if value else "no"
         if math.isinf(value):
             return UNLIMITED if value > 0 else f"-{UNLIMITED}"
+        if self.digits is not None:
+            value = float(f"{value:.{self.digits}g}")
         if "{" in self.form:
             return self.form.format(value)
         text = format(value, self.form)

@@ -284,7 +284,7 @@ def analyse_uncertainty(
         inputs=inputs,
         values=values,
         flights=flights,
-        endurance_h=study.endurance_h(few),
+        endurance_h=study.endurance_h(few, flights.first(_ENDURANCE_SAMPLES)),
         sobol=_sobol_indices(study, inputs, samples, seed) if inputs.independent else {},
         nominal_excess_time_h=float(study.flights(nominal).excess_time_h[0]),
         required_h=mission.required_excess_time_h,

@@ -77,6 +77,10 @@ class Flights:
     worst: FloatArray
     peak_solar_w: FloatArray
 
+    def first(self, count: int) -> Flights:
+        """Flights of the first so many draws."""
+        return Flights(*(getattr(self, name)[:count] for name in Flights.__dataclass_fields__))
+
 
 _PARTS = tuple(
     f"airframe.propulsion.{part}." for part in ("propeller", "gear", "motor", "controller")
@@ -155,9 +159,14 @@ class Propagation:
             ]
         )
 
-    def endurance_h(self, values: dict[str, FloatArray]) -> FloatArray:
-        """Longest flight of every draw in its worst scenario [h], infinite if perpetual."""
-        flown = self.flights(values)
+    def endurance_h(
+        self, values: dict[str, FloatArray], flights: Flights | None = None
+    ) -> FloatArray:
+        """Longest flight of every draw in its worst scenario [h], infinite if perpetual.
+
+        ``flights``: those of the same draws, where they are known.
+        """
+        flown = self.flights(values) if flights is None else flights
         count = len(flown.excess_time_h)
         hours = np.full(count, np.inf)
         short = np.flatnonzero(flown.excess_time_h <= 0.0)

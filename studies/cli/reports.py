@@ -90,9 +90,7 @@ def report_on_sizing(
         where=dataclasses.replace(case.where, mission=mission),
     )
     subject = subject_of(flown, inputs=inputs, sizing=record, overrides=overrides)
-    with uncertain_inputs_of(case):
-        _ = subject.uncertainty
-    write_report(subject, path)
+    write_report(case, subject, path)
 
 
 def report_on_log(
@@ -105,24 +103,28 @@ def report_on_log(
 ) -> None:
     """Write the report of a verification."""
     inputs = case.inputs(log=Path(log_file))
-    write_report(
-        subject_of(case, inputs=inputs, verification=verification, overrides=overrides), path
-    )
+    subject = subject_of(case, inputs=inputs, verification=verification, overrides=overrides)
+    write_report(case, subject, path)
 
 
-def write_report(subject: Subject, path: str, *, with_pdf: bool = False) -> list[str]:
+def write_report(case: Case, subject: Subject, path: str, *, with_pdf: bool = False) -> list[str]:
     """Write a report, whole or not at all.
 
-    ``path``: file of the page, or of the printed one. Returns files that were written.
+    ``case``: whose files a mistake is placed in. ``path``: file of the page, or of the printed one.
+    Returns files that were written.
     """
-    with progress_of("sections", lines=False) as progress:
-        page = document.render(subject, progress)
     contents: dict[str | os.PathLike[str], bytes] = {}
-    printed = path
-    if PurePath(path).suffix.lower() == PAGE:
-        contents[path] = page.encode()
-        printed = str(PurePath(path).with_suffix(PRINTED))
-    if with_pdf or printed == path:
-        contents[printed] = to_pdf(page)
+    is_page = PurePath(path).suffix.lower() == PAGE
+    with progress_of("sections", lines=False) as progress:
+        progress(0, document.SECTIONS)
+        if subject.verification is None:
+            with uncertain_inputs_of(case):
+                _ = subject.uncertainty  # a mistake is told before any other work
+        page = document.render(subject, progress)
+        if is_page:
+            contents[path] = page.encode()
+        if with_pdf or not is_page:
+            printed = str(PurePath(path).with_suffix(PRINTED)) if is_page else path
+            contents[printed] = to_pdf(page)
     write_files_atomically(contents)
     return [os.fspath(name) for name in contents]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import sys
 from importlib import import_module
 from typing import Any, cast
 
 __all__ = ["let_dask_in", "start"]
+
+_ALLOCATIONS = 50_000  # between two looks for garbage; Python's own 700 suit long-lived servers
 
 
 def start() -> None:
@@ -17,6 +20,9 @@ def start() -> None:
     # xarray imports dask where it is installed, to know its arrays: a second for nothing, as no
     # command holds any.
     _modules().setdefault("dask", None)
+    # What is imported lives as long as the process: to look through it time and again for garbage
+    # takes a fifteenth of a short command.
+    gc.set_threshold(_ALLOCATIONS)
     from studies.output.figures.options import ignore_settings_of_folder
 
     ignore_settings_of_folder()

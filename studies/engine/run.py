@@ -193,9 +193,12 @@ def code_digest() -> str:
 _ONE_AT_A_TIME = threading.Lock()
 
 
-def _compute(code: str, job: Job) -> Part:
-    """Compute a job of one chunk; cells that raise are failures of the part."""
-    if code != code_digest():
+def _compute(code: str | None, job: Job) -> Part:
+    """Compute a job of one chunk; cells that raise are failures of the part.
+
+    ``code``: digest of the driver's code; None within its process.
+    """
+    if code is not None and code != code_digest():
         raise WorkersUnavailableError(
             f"a worker has another version of solar-uav-sizing than this process ({__version__}): "
             "install the same one everywhere"
@@ -333,7 +336,8 @@ class _Run:
         self.signals.held = not self.pool.in_process
         task = replace(self.job, chunks=(cells,), possible=None)  # which need not pickle
         try:
-            return self.pool.submit(_compute, code_digest(), task)
+            code = None if self.pool.in_process else code_digest()  # of 400 files
+            return self.pool.submit(_compute, code, task)
         finally:
             self.signals.held = True
 

@@ -1,13 +1,18 @@
 """Season of perpetual flight: the days of the year on which it is possible at a latitude.
 
-The Full Model takes milliseconds for each day. Every eighth day is simulated, and all days between
-two of these that differ; a gap or a spell that lies wholly between two equal ones is not seen.
+Every eighth day is looked at, and between two of these that differ the edge is found by halving,
+which takes for granted that there is one. A gap or a spell that lies wholly between two equal ones
+is not seen.
+
+VM, FM and the loiter correction take milliseconds for each day. They are simulated on every 32nd
+day, and of the eighth days on those alone of which CAM, scaled to their energy, leaves it in doubt.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +21,18 @@ from missions.dates import DAYS_PER_YEAR
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.performance import performance
-from sizing.sunlight import SolarDay, SolarModel, Sunlight
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight, modelled_power
+from solar.names import ModelName
+from solar.types import FloatArray
 
-_STRIDE = 8
+_STRIDE, _FAR_STRIDE = 8, 32
+# By so much, relative, may power be missed that is CAM's times a ratio of energies, interpolated
+# between every 32nd day: the ratio by 1.5 % (of atlantiksolar-as2 on its circle, from 0 to 80
+# degrees), and about as much as the power is otherwise spread over the day.
+_DOUBT = 0.03
 
 Flags = NDArray[np.bool_]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -65,30 +77,114 @@ def perpetual_flags(
     ``latitude_deg``: latitude [deg], north positive, instead of the mission's own. Returns for each
     model an array of bool, shape ``(365,)``.
     """
-    known: dict[int, tuple[bool, ...]] = {}
+    year = _Year(aircraft, mission, latitude_deg)
+    known: dict[SolarModel, dict[int, bool]] = {model: {} for model in models}
 
-    def simulate(days: Iterable[int]) -> None:
-        chosen = np.array(sorted(set(days) - known.keys()), int)
-        if not len(chosen):
-            return
-        scenarios = Scenarios(np.full(len(chosen), float(latitude_deg)), chosen)
-        sun = Sunlight(aircraft, mission, scenarios)
-        # One march for all models: the simulator sees nothing but their power.
-        together = SolarDay.joined([sun.day(model) for model in models])
-        perpetual = performance(aircraft, mission, models[0], day=together).cycle.perpetual
-        by_day = perpetual.reshape(len(models), len(chosen)).T
-        known.update(zip(chosen.tolist(), map(tuple, by_day.tolist()), strict=True))
+    def fly(wanted: Mapping[SolarModel, Iterable[int]]) -> None:
+        days = {model: sorted({*of} - known[model].keys()) for model, of in wanted.items()}
+        suns = {model: year.sun(model, of) for model, of in days.items() if of}
+        for model, flags in year.perpetual(suns).items():
+            known[model].update(zip(days[model], flags, strict=True))
 
-    simulate([*range(1, DAYS_PER_YEAR + 1, _STRIDE), *SOLSTICES])
-    sampled = sorted(known)
-    pairs = zip(sampled, [*sampled[1:], sampled[0] + DAYS_PER_YEAR], strict=True)
-    edges = [(a, b) for a, b in pairs if known[a] != known[_wrapped(b)]]
-    simulate(_wrapped(day) for a, b in edges for day in range(a + 1, b))
-    filled, last = [], known[sampled[-1]]
-    for day in range(1, DAYS_PER_YEAR + 1):
-        last = known.get(day, last)
-        filled.append(last)
-    return {model: np.array([row[i] for row in filled], bool) for i, model in enumerate(models)}
+    near, far = ({*range(1, DAYS_PER_YEAR + 1, n), *SOLSTICES} for n in (_STRIDE, _FAR_STRIDE))
+    slow = [model for model in models if model.needs_path]
+    fly({model: far if model in slow else near for model in models})
+    fly(_in_doubt(year, slow, sorted(near), sorted(far)))
+    while any((halves := {one: _middles_of_edges(days) for one, days in known.items()}).values()):
+        fly(halves)
+    return {model: _filled(days) for model, days in known.items()}
+
+
+class _Year:
+    """Days of the year at a latitude; a day's power by a model is computed once."""
+
+    def __init__(self, aircraft: Aircraft, mission: Mission, latitude_deg: float) -> None:
+        self.aircraft, self.mission = aircraft, mission
+        self.latitude_deg = float(latitude_deg)
+        self.powers: dict[tuple[ModelName, int], FloatArray] = {}
+
+    def scenarios(self, days: Sequence[int]) -> Scenarios:
+        return Scenarios(np.full(len(days), self.latitude_deg), np.array(days, int))
+
+    def sun(self, model: SolarModel, days: Sequence[int]) -> SolarDay:
+        """Sun of some days by a model."""
+        return _SomeDays(self, days).day(model)
+
+    def perpetual(self, suns: Mapping[T, SolarDay]) -> dict[T, list[bool]]:
+        """Whether flight is perpetual under each sun; one march for all of them."""
+        if not suns:
+            return {}
+        # The simulator sees nothing of a model but its power.
+        together = SolarDay.joined(list(suns.values()))
+        flown = performance(self.aircraft, self.mission, day=together, keep_trajectory=False)
+        ends = np.cumsum([len(sun.scenarios) for sun in suns.values()])
+        parts = np.split(flown.cycle.perpetual, ends[:-1])
+        return {name: part.tolist() for name, part in zip(suns, parts, strict=True)}
+
+
+class _SomeDays(Sunlight):
+    """Sunlight on some days of a year, which keeps their power."""
+
+    def __init__(self, year: _Year, days: Sequence[int]) -> None:
+        super().__init__(year.aircraft, year.mission, year.scenarios(days))
+        self._year, self._days = year, days
+
+    def modelled_power(self, model: ModelName) -> FloatArray:
+        """Uncorrected specific power [W/m2], shape ``(day, time)``."""
+        known = self._year.powers
+        lacking = [day for day in self._days if (model, day) not in known]
+        if lacking:
+            scenarios = self._year.scenarios(lacking)
+            powers = modelled_power(self.aircraft, self.mission, model, scenarios, self.time_h)
+            known.update(((model, day), power) for day, power in zip(lacking, powers, strict=True))
+        return np.stack([known[model, day] for day in self._days])
+
+
+def _in_doubt(
+    year: _Year, models: Sequence[SolarModel], near: Sequence[int], far: Sequence[int]
+) -> dict[SolarModel, set[int]]:
+    """Days among ``near`` that each model, known on those ``far``, is to be simulated on.
+
+    Those of which an estimate of its power does not tell whether they are flown perpetually, and
+    both sides of an edge. The estimate: power of CAM, times the ratio of daily energies.
+    """
+    cam = year.sun(UNCORRECTED_CAM, near)
+    energy_wh = np.asarray(np.trapezoid(cam.specific_power_w_per_m2, cam.time_h, axis=-1))
+    of_cam_wh = energy_wh[np.isin(near, far)]
+    suns: dict[tuple[SolarModel, float], SolarDay] = {}
+    for model in models:
+        own_wh = np.trapezoid(year.sun(model, far).specific_power_w_per_m2, cam.time_h, axis=-1)
+        ratio = np.divide(own_wh, of_cam_wh, out=np.ones(len(far)), where=of_cam_wh > 0.0)
+        of_day = np.reshape(np.interp(near, far, ratio, period=DAYS_PER_YEAR), (-1, 1))
+        for sign in (-1.0, 1.0):
+            power = cam.specific_power_w_per_m2 * of_day * (1.0 + sign * _DOUBT)
+            suns[model, sign] = replace(cam, specific_power_w_per_m2=power)
+    flown = year.perpetual(suns)
+    found = {}
+    for model in models:
+        low, high = (dict(zip(near, flown[model, sign], strict=True)) for sign in (-1.0, 1.0))
+        unclear = {day for day in near if low[day] != high[day]}
+        found[model] = unclear.union(*(pair for flags in (low, high) for pair in _edges(flags)))
+    return found
+
+
+def _edges(flown: Mapping[int, bool]) -> list[tuple[int, int]]:
+    """Neighbours of which one is flown perpetually and the other not, across the year's end too."""
+    days = sorted(flown)
+    return [(a, b) for a, b in zip(days, [*days[1:], days[0]], strict=True) if flown[a] != flown[b]]
+
+
+def _middles_of_edges(flown: Mapping[int, bool]) -> set[int]:
+    """Days half-way between the two sides of every edge; none where they are neighbours."""
+    apart = [(day, (after - day) % DAYS_PER_YEAR) for day, after in _edges(flown)]
+    return {_wrapped(day + days // 2) for day, days in apart if days > 1}
+
+
+def _filled(flown: Mapping[int, bool]) -> Flags:
+    """Flag of every day: that of the last known one."""
+    days = np.array(sorted(flown))
+    flags = np.array([flown[day] for day in days.tolist()], bool)
+    return flags[np.searchsorted(days, np.arange(1, DAYS_PER_YEAR + 1), side="right") - 1]
 
 
 def _wrapped(day: int) -> int:

@@ -22,7 +22,7 @@ from sizing.optimisation.objectives import RESIZE_NAMES, Objective
 from sizing.optimisation.propulsion import with_fixed_chain
 from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import Performance, performance, performance_of_designs
+from sizing.performance import performance, performance_of_designs
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME, TOTAL_MASS
 from sizing.results.records import finite
@@ -422,13 +422,12 @@ def compare(
     for latitude in latitudes:
         flags.append(perpetual_flags(aircraft, mission, latitude, every))
         advance()
+    predictions = predict(
+        lambda day: performance(aircraft, mission, day=day, keep_trajectory=False),
+        {solar: sun.day(solar) for solar in every},
+    )
     cases = {}
-    for solar in every:
-
-        def as_it_is(day: SolarDay, solar: SolarModel = solar) -> Performance:
-            return performance(aircraft, mission, solar, day=day)
-
-        prediction = predict(as_it_is, sun.day(solar))
+    for solar, prediction in zip(every, predictions, strict=True):
         advance()
         built = None
         if sized:
@@ -492,9 +491,9 @@ def _built(
     if result.design is None:
         return Built(result, None)
     variables = result.design.variables
-    prediction = predict(
+    (prediction,) = predict(
         lambda day: performance_of_designs(aircraft, mission, variables, reference, day=day),
-        sun.day(reference),
+        {reference: sun.day(reference)},
     )
     return Built(result, prediction)
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from sizing.energy.cycle import Status
+from sizing.energy.cycle import Cycle, Status
+from sizing.energy.endurance import Endurance
 from sizing.performance import Performance
 from sizing.results.records import finite_values
-from sizing.sunlight import SolarDay
+from sizing.sunlight import SolarDay, SolarModel
 
 # Excess time that is missing by less than is printed is not missing [h].
 _MET_H = 0.005
@@ -102,38 +103,84 @@ class Prediction:
         }
 
 
-def predict(simulate: Callable[[SolarDay], Performance], day: SolarDay) -> Prediction:
-    """Judge an aircraft by its worst scenario.
+def predict(
+    simulate: Callable[[SolarDay], Performance], days: Mapping[SolarModel, SolarDay]
+) -> list[Prediction]:
+    """Judge an aircraft by its worst scenario under the sun of each model.
 
-    ``simulate``: performance of the aircraft under the sun of some scenarios.
+    ``simulate``: performance of the aircraft under the sun of some scenarios; all models are
+    simulated together. ``days``: sun of the same scenarios by each model.
     """
-    perf = simulate(day)
-    worst = perf.worst_scenario()
-    alone, cycle, rms = day.at([worst]), perf.cycle, perf.solar.rms_relative
-    margins = simulate(SolarDay.joined([alone.scaled(1.0 - rms), alone.scaled(1.0 + rms)]))
-    low, high = margins.cycle.excess_time_h
-    flight = None if cycle.perpetual[worst] else simulate(alone).endurances()[0]
-    morning_h = float(cycle.equal_power_morning_h[worst])
+    count, suns = len(days), list(days.values())
+    cycle = simulate(SolarDay.joined(suns)).cycle
+    worst = np.argmin(cycle.excess_time_h.reshape(count, -1), axis=-1)
+    places = worst + np.arange(count) * (len(cycle.excess_time_h) // count)
+    alone = [sun.at([place]) for sun, place in zip(suns, worst, strict=True)]
+    margins = simulate(
+        SolarDay.joined(
+            [
+                one.scaled(1.0 + sign * solar.rms_relative)
+                for sign in (-1.0, 1.0)
+                for solar, one in zip(days, alone, strict=True)
+            ]
+        )
+    )
+    low, high = margins.cycle.excess_time_h.reshape(2, count)
+    flights: list[Endurance | None] = [None] * count
+    limited = np.flatnonzero(~cycle.perpetual[places]).tolist()
+    if limited:
+        longest = simulate(SolarDay.joined([alone[number] for number in limited])).endurances()
+        for number, flight in zip(limited, longest, strict=True):
+            flights[number] = flight
+    solar_wh = np.asarray(cycle.energy_budget.solar_wh)
+    return [
+        _prediction(
+            suns[number],
+            cycle,
+            (int(worst[number]), int(places[number])),
+            excess_h=(float(low[number]), float(high[number])),
+            flight=flights[number],
+            mean_solar_wh=float(mean_wh),
+        )
+        for number, mean_wh in enumerate(solar_wh.reshape(count, -1).mean(axis=-1))
+    ]
+
+
+def _prediction(
+    day: SolarDay,
+    cycle: Cycle,
+    at: tuple[int, int],
+    *,
+    excess_h: tuple[float, float],
+    flight: Endurance | None,
+    mean_solar_wh: float,
+) -> Prediction:
+    """Prediction of one model.
+
+    ``at``: the worst scenario among those of ``day``, and in ``cycle``. ``excess_h``: its excess
+    time with one RMS error less and more sun. ``flight``: the longest, where it is limited.
+    """
+    worst, place = at
+    morning_h = float(cycle.equal_power_morning_h[place])
     endurance_h = np.inf if flight is None else float(flight.endurance_h)
     launch_h = 0.0 if flight is None else float(flight.launch_h)
-    solar_wh = np.asarray(cycle.energy_budget.solar_wh)
     return Prediction(
         scenario=day.scenarios.label(worst),
         latitude_deg=float(day.scenarios.latitude_deg[worst]),
         day_of_year=int(day.scenarios.day_of_year[worst]),
         several_scenarios=len(day.scenarios) > 1,
-        status=Status(int(cycle.status[worst])),
-        excess_time_h=float(cycle.excess_time_h[worst]),
-        excess_time_low_h=float(low),
-        excess_time_high_h=float(high),
-        minimum_state_of_charge=float(cycle.minimum_state_of_charge[worst]),
-        charge_margin_h=float(cycle.charge_margin_h[worst]),
+        status=Status(int(cycle.status[place])),
+        excess_time_h=float(cycle.excess_time_h[place]),
+        excess_time_low_h=excess_h[0],
+        excess_time_high_h=excess_h[1],
+        minimum_state_of_charge=float(cycle.minimum_state_of_charge[place]),
+        charge_margin_h=float(cycle.charge_margin_h[place]),
         endurance_h=endurance_h,
         nights=nights_survived(launch_h, endurance_h, morning_h),
-        polar_day=float(alone.sunset_h[0] - alone.sunrise_h[0]) >= 24.0,
+        polar_day=float(day.sunset_h[worst] - day.sunrise_h[worst]) >= 24.0,
         enough_sun=bool(np.isfinite(morning_h)),
-        solar_energy_wh=float(solar_wh[worst]),
-        mean_solar_energy_wh=float(solar_wh.mean()),
+        solar_energy_wh=float(cycle.energy_budget.solar_wh[place]),
+        mean_solar_energy_wh=mean_solar_wh,
     )
 
 

@@ -134,7 +134,6 @@ def provenance_section(subject: Subject, run: dict[str, Any]) -> Section:
         ("date (UTC)", run["date_utc"].replace("T", " ").removesuffix("+00:00")),
         ("solar-uav", run["version"]),
         ("Python", run["python"]),
-        *((name, version) for name, version in run["libraries"].items()),
     ]
     if subject.verification is None:
         made.insert(0, ("solar power model", solar.label))
@@ -148,7 +147,7 @@ def provenance_section(subject: Subject, run: dict[str, Any]) -> Section:
         "How this report was made",
         [
             Listing("command line", run["command"]),
-            Tables((facts("software", made),)),
+            Tables((facts("software", made), facts("libraries", list(run["libraries"].items())))),
             Tables((Table("files", columns, tuple(files)),)),
         ],
     )

@@ -67,12 +67,14 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
         ],
     )
     modelled = isinstance(aircraft.airframe, ParametricAirframe)
+    speed_known = design.airspeed_m_per_s is not None  # a measured power may be all there is
     yield facts(
         "level flight",
         [
             ("altitude", f"{mission.altitude_m:g} m"),
-            _fact(q.AIRSPEED, design),
-            *(_fact(one, flown) for one in q.LEVEL_FLIGHT),
+            *([_fact(q.AIRSPEED, design)] if speed_known else []),
+            _fact(q.AIR_DENSITY, flown),
+            *([_fact(q.REYNOLDS_NUMBER, flown)] if speed_known else []),
             *(_fact(one, flown) for one in q.MODELLED_FLIGHT if modelled),
         ],
     )

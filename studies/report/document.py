@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from missions.weather.record import Weather
     from studies.flight_logs.verification import Verification
 
-__all__ = ["make_report", "render"]
+__all__ = ["SECTIONS", "make_report", "render"]
 
 _OF_A_FLIGHT: tuple[Callable[[Subject], Section | None], ...] = (
     budget_section,
@@ -56,7 +56,7 @@ _BEYOND: tuple[Callable[[Subject], Section | None], ...] = (
     uncertainty_section,
     weather_section,
 )
-_SECTIONS = 3 + len(_OF_A_FLIGHT) + len(_BEYOND)  # of a flight, with its aircraft and inputs
+SECTIONS = 2 + len(_OF_A_FLIGHT) + len(_BEYOND)  # of a flight, with its aircraft and confidence
 
 
 def make_report(
@@ -139,8 +139,8 @@ def render(subject: Subject, progress: Callable[[int, int], None] | None = None)
     for section in _sections(subject):
         made.append(section)
         if progress is not None:
-            progress(len(made), max(_SECTIONS, len(made)))
-    sections = list(_numbered([*made, provenance_section(subject, run)]))
+            progress(len(made), max(SECTIONS, len(made)))
+    sections = list(_numbered([*made, provenance_section(subject, run), inputs_section(subject)]))
     results = to_json(subject.results(), sort_keys=True)
     page: str = _template().render(
         subject=subject,
@@ -170,7 +170,6 @@ def _sections(subject: Subject) -> Iterator[Section]:
             if (section := make(subject)) is not None:
                 yield section
     yield belief_section(subject)
-    yield inputs_section(subject)
 
 
 def _numbered(sections: Sequence[Section]) -> Iterator[Section]:

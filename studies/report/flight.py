@@ -16,7 +16,6 @@ from sizing.results.analysis_summary import flight_table, scenario_table
 from sizing.results.quantities import MINIMUM_CHARGE
 from sizing.results.tables import Line, Summary, Table
 from studies.engine.run import compute
-from studies.flight_logs.plots import figures
 from studies.maps.feasibility import prepare
 from studies.maps.plots import plot_map
 from studies.models.plots import plot_comparison
@@ -289,6 +288,8 @@ def verification_section(subject: Subject) -> Section | None:
     verification = subject.verification
     if verification is None:
         return None
+    from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
+
     blocks = summary_blocks(verification.summary(), title="errors")
     drawn: list[Block] = []
     for number, (name, draw) in enumerate(

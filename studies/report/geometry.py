@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.structures.rib_wing import RibWingStructure
 from solar.geometry import ModuleGeometry
 from solar.shading import TailGeometry
@@ -108,7 +109,7 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
         )
     if geometry is None:
         notes.append("Dihedral and incidence: the file has none; drawn without.")
-    notes.append("Nose and pod (dashed): schematic. No propeller: the models have no diameter.")
+    notes.append(f"Nose and pod (dashed): schematic. {_propeller_note(aircraft)}")
     schematic = {"pod"} | ({"section", "spar"} if rib_wing is None else set())
     schematic |= (set() if tail_known else {"tail"}) | (set() if modules_known else {"modules"})
     return Drawing(
@@ -128,6 +129,16 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
         schematic=frozenset(schematic),
         notes=tuple(notes),
     )
+
+
+def _propeller_note(aircraft: Aircraft) -> str:
+    """Why no propeller is drawn, and its diameter where the file has one."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return "No propeller: the models have no diameter."
+    count, diameter_m = propulsion.propulsors, propulsion.propeller.propeller.diameter_m
+    what = "Propeller" if count == 1 else f"{count} propellers"
+    return f"{what} of {diameter_m:.3g} m diameter: not drawn, no model has the place."
 
 
 def _tail(

@@ -7,19 +7,21 @@ factor.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError
+from sizing.design import ImpossibleDesignError, design_of
+from sizing.energy.cycle import Cycle
 from sizing.parameters import with_parameter
-from sizing.performance import Performance, performance
+from sizing.performance import cycle_of_variants
 from sizing.results.records import relative_change
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarDay
+from solar.types import BoolArray
 from studies.report.subject import Subject
 
 __all__ = ["margin_table"]
@@ -54,10 +56,10 @@ def margin_table(subject: Subject) -> Table | None:
     weakest = np.argsort(nominal.cycle.excess_time_h, kind="stable")[:_SCENARIOS]
     day = nominal.day.at(weakest)
     required = max(subject.mission.required_excess_time_h, 0.0)
-    holds = _holds(nominal, required)
+    holds = bool(np.all(_hold(nominal.cycle, required)))
+    quantities = _quantities(subject.aircraft, subject.mission)
     rows = []
-    for one in _quantities(subject.aircraft, subject.mission):
-        limit = _limit(one, day, required, holds=holds)
+    for one, limit in zip(quantities, _limits(quantities, day, required, holds=holds), strict=True):
         change = None if limit is None else limit - one.value
         scale = max(abs(one.value), 100.0 if one.unit == "%" else 1.0)
         if change is not None and abs(change) <= _NO_MARGIN * scale:
@@ -103,27 +105,50 @@ def _quantities(aircraft: Aircraft, mission: Mission) -> list[_Quantity]:
     ]  # fmt: skip
 
 
-def _limit(one: _Quantity, day: SolarDay, required: float, *, holds: bool) -> float | None:
-    """Value at which the weakest scenario just has what is required; None if there is none."""
+def _limits(
+    quantities: Sequence[_Quantity], day: SolarDay, required: float, *, holds: bool
+) -> list[float | None]:
+    """Values at which the weakest scenario just has what is required; None where there is none.
 
-    def enough(value: float) -> bool:
+    All quantities are halved together: a march of several flights takes no longer than one.
+    """
+
+    def enough(values: Sequence[float]) -> list[bool]:
+        return _enough(quantities, values, day, required)
+
+    good = [one.value if holds else one.better for one in quantities]
+    bad = [one.worse if holds else one.value for one in quantities]
+    # What becomes of the values themselves is known: ``holds``.
+    known = [not flies for flies in enough(bad)] if holds else enough(good)
+    for _ in range(_STEPS):
+        middle = [0.5 * (g + b) for g, b in zip(good, bad, strict=True)]
+        fly = enough(middle)
+        good = [m if flies else g for m, g, flies in zip(middle, good, fly, strict=True)]
+        bad = [b if flies else m for m, b, flies in zip(middle, bad, fly, strict=True)]
+    return [limit if has_one else None for limit, has_one in zip(good, known, strict=True)]
+
+
+def _enough(
+    quantities: Sequence[_Quantity], values: Sequence[float], day: SolarDay, required: float
+) -> list[bool]:
+    """Whether each quantity at its value leaves every scenario what is required."""
+    found = [False] * len(quantities)
+    flown = []
+    for number, (one, value) in enumerate(zip(quantities, values, strict=True)):
         aircraft, mission, factor = one.changed(value)
         try:
-            flown = performance(aircraft, mission, day=day.scaled(factor), keep_trajectory=False)
+            design = design_of(aircraft, mission)
         except ImpossibleDesignError:
-            return False
-        return _holds(flown, required)
-
-    good, bad = (one.value, one.worse) if holds else (one.better, one.value)
-    if enough(bad) or not enough(good):
-        return None
-    for _ in range(_STEPS):
-        middle = 0.5 * (good + bad)
-        good, bad = (middle, bad) if enough(middle) else (good, middle)
-    return good
+            continue
+        flown.append((number, aircraft.battery, (design, mission, day.scaled(factor))))
+    if flown:
+        cycle = cycle_of_variants(flown[0][1], [variant for _, _, variant in flown])
+        every = np.all(_hold(cycle, required), axis=-1).tolist()
+        for (number, _, _), holds in zip(flown, every, strict=True):
+            found[number] = holds
+    return found
 
 
-def _holds(flown: Performance, required: float) -> bool:
-    """Whether every scenario is flown perpetually, with the required excess time."""
-    cycle = flown.cycle
-    return bool(np.all(cycle.perpetual) and np.min(cycle.excess_time_h) >= required)
+def _hold(cycle: Cycle, required: float) -> BoolArray:
+    """Whether each flight is perpetual, with the required excess time."""
+    return np.asarray(cycle.perpetual & (cycle.excess_time_h >= required))

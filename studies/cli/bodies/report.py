@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from missions.weather.files import load_weather
-from studies.cli.checks import require_climber, require_path, uncertain_inputs_of
+from studies.cli.checks import require_climber, require_path
 from studies.cli.commands.report import Report
 from studies.cli.files import load
 from studies.cli.outputs import print_json
@@ -27,9 +27,7 @@ def report(options: Report) -> None:
         with_uncertainty=options.uncertainty,
         weather_record=record,
     )
-    with uncertain_inputs_of(case):
-        _ = subject.uncertainty
-    written = write_report(subject, options.out_file, with_pdf=options.with_pdf)
+    written = write_report(case, subject, options.out_file, with_pdf=options.with_pdf)
     if case.as_json:
         print_json(subject.results())
         return

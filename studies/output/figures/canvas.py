@@ -32,7 +32,13 @@ class StyledFigure(Figure):
     def draw(self, renderer: Any) -> None:
         """Draw the figure in its style: its layout writes texts anew, in a notebook as well."""
         with settings.in_style(self.options):
-            super().draw(renderer)
+            layout = self.get_layout_engine()
+            if isinstance(layout, FittedLayout) and self.canvas.is_saving():
+                # Matplotlib draws twice to save: first for the layout alone, the strokes going
+                # nowhere, then without a layout engine. The first time needs no strokes.
+                layout.execute(self)
+            else:
+                super().draw(renderer)
 
     def savefig(self, fname: Any, **kwargs: Any) -> None:
         """Write the figure as :meth:`matplotlib.figure.Figure.savefig` does, in its style.

@@ -93,6 +93,8 @@ def test_drag_times_airspeed_is_the_power_of_the_polar() -> None:
     )
     assert drag_n * design.airspeed_m_per_s == pytest.approx(power_w)
     polar, reynolds = aircraft.airframe.aerodynamics, quantities.REYNOLDS_NUMBER.of(flown)
+    label, text = quantities.REYNOLDS_NUMBER.fact(reynolds)
+    assert (label, float(text.replace(",", ""))) == ("Reynolds number", round(reynolds, -3))
     drag_coefficient = polar.drag_coefficient(design.variables.aspect_ratio, reynolds)
     assert lift_to_drag == pytest.approx(flown.lift_coefficient / drag_coefficient)
     assert quantities.AIR_DENSITY.of(flown) == pytest.approx(mission.air_state().density_kg_per_m3)

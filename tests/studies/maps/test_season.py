@@ -1,16 +1,19 @@
 """Seasons: windows around the solstice, and days found with few simulations."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
 from missions.dates import day_of_year
 from missions.library import load_mission
-from missions.mission import UncertaintyMargins
+from missions.mission import Mission, Scenarios, UncertaintyMargins
+from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.performance import perpetual_days
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import SolarModel, modelled_power, solar_day
+from solar.names import ModelName
 from studies.maps.results import season_text
 from studies.maps.season import Season, perpetual_flags, season_of
 from studies.models.solar_models import combinations
@@ -54,6 +57,35 @@ def test_sampled_days_are_those_of_the_whole_year(latitude: float) -> None:
     for model in models:
         every = perpetual_days(AS2, LOITER, latitude, model)
         np.testing.assert_array_equal(np.flatnonzero(sampled[model]) + 1, every)
+
+
+@pytest.mark.parametrize(
+    ("model", "avionics_w"), [(SolarModel("CDM"), 18.75), (SolarModel("FM"), 17.75)]
+)
+def test_two_windows_between_the_tropics_are_both_found(
+    model: SolarModel, avionics_w: float
+) -> None:
+    """At the equator the sun is highest at the equinoxes: the solstices are the dark seasons."""
+    hungry = load_aircraft("atlantiksolar-as2", {"power.avionics_w": avionics_w})
+    found = perpetual_flags(hungry, LOITER, 0.0, [model])[model]
+    every = perpetual_days(hungry, LOITER, 0.0, model)
+    np.testing.assert_array_equal(np.flatnonzero(found) + 1, every)
+    assert np.count_nonzero(found != np.roll(found, 1)) == 4
+
+
+def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str, int]] = []
+
+    def counted(craft: Aircraft, there: Mission, model: ModelName, of: Scenarios, at: Any) -> Any:
+        asked.extend((model, int(day)) for day in of.day_of_year)
+        return modelled_power(craft, there, model, of, at)
+
+    monkeypatch.setattr("studies.maps.season.modelled_power", counted)
+    perpetual_flags(AS2, LOITER, 47.6, combinations())
+    assert len(asked) == len(set(asked))
+    # Every 32nd day and the solstices; both sides of each of two edges, three days between them,
+    # and that again for models whose edges are some days apart.
+    assert 14 <= sum(model == "FM" for model, _ in asked) <= 14 + 2 * 2 * 5
 
 
 def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:

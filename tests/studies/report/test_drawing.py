@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, aircraft
 
+from sizing.library import load_aircraft
 from sizing.structures.rib_wing import RibWingStructure
 from studies.report.geometry import aircraft_drawing
 from studies.report.three_view import three_view
@@ -41,6 +42,26 @@ def test_wing_modules_and_tail_have_one_scale(width: float) -> None:
     bar = shapes(svg, "scale")
     metres = float(re.findall(r">([\d.]+) m</text>", svg)[-1])
     assert bar[1][1][0] - bar[0][0][0] == pytest.approx(scale * metres, abs=0.02)
+
+
+def test_the_note_on_propellers_has_their_diameter_where_the_file_has_it() -> None:
+    parts = {
+        "kind": "operating_point",
+        "propulsors": 2,
+        "propeller": {"diameter_m": 0.66, "pitch_m": 0.60},
+        "motor": "maxon-re40-148867",
+        "controller": {"resistance_ohm": 0.02},
+    }
+    voltage = {
+        "cells_in_series": 6,
+        "state_of_charge": [0.0, 1.0],
+        "cell_voltage_v": [3.0, 4.2],
+    }
+    changes = {"airframe.propulsion": parts, "battery.voltage": voltage}
+    craft = load_aircraft("atlantiksolar-design", changes)
+    assert "2 propellers of 0.66 m diameter" in aircraft_drawing(craft).notes[-1]
+    assert "No propeller" in aircraft_drawing(DESIGN).notes[-1]
+    assert "No propeller" in aircraft_drawing(AS2).notes[-1]
 
 
 def test_everything_lies_within_the_drawing() -> None:

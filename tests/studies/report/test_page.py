@@ -57,6 +57,14 @@ def test_every_heading_is_printed(open_page: Any, report: Path) -> None:
     assert [h for h in headings if h not in text] == []
 
 
+def test_inputs_are_one_sheet_at_the_end(open_page: Any, report: Path) -> None:
+    printed = sheets(open_page(report).pdf(format="A4"))
+    *others, last = (" ".join(sheet.text.split()) for sheet in printed)
+    for words in ("format_version: 1", "mission rafz-july", "airspeed_m_per_s"):
+        assert words in last
+        assert not any(words in text for text in others)
+
+
 def test_pdf_of_the_command_is_full_too(report: Path) -> None:
     """By WeasyPrint, which knows no script and other rules of breaking pages."""
     pytest.importorskip("weasyprint", exc_type=OSError, reason="WeasyPrint lacks Pango")

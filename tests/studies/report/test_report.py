@@ -34,7 +34,7 @@ from studies.flight_logs.synthetic import Settings, synthetic_log
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars
 from studies.report.confidence import margins_section
-from studies.report.design import budget_section
+from studies.report.design import aircraft_section, budget_section
 from studies.report.margins import margin_table
 from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.subject import Subject
@@ -110,7 +110,7 @@ def test_sections_stand_in_the_order_of_a_review(as2: Page) -> None:
     keys = [section["id"] for section in as2.of("section")]
     assert keys == [
         "verdict", "aircraft", "budgets", "day", "season", "models", "margins", "belief",
-        "inputs", "provenance",
+        "provenance", "inputs",
     ]  # fmt: skip
     links = [link["href"] for link in as2.of("a")]
     assert [f"#{key}" for key in keys] == links[1:]  # the first one skips the contents
@@ -260,6 +260,13 @@ def test_load_and_energy_add_up() -> None:
     assert power.sum == pytest.approx(subject.record["power_out_w"])
     # Rows below half a watt hour are left out.
     assert energy.sum == pytest.approx(subject.record["solar_energy_wh"], abs=2.5)
+
+
+def test_an_aircraft_known_by_its_power_alone_has_no_airspeed() -> None:
+    section = aircraft_section(subject_of(aircraft("sky-sailor-2008"), mission()))
+    assert "air density" in str(section.blocks)
+    assert "airspeed" not in str(section.blocks)
+    assert "Reynolds" not in str(section.blocks)
 
 
 @pytest.mark.parametrize("avionics_w", [6.0, 25.0])
