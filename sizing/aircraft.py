@@ -22,10 +22,12 @@ from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
 from sizing.energy.battery import Battery
+from sizing.layout.cells import CellLayout, LayoutError, PlacedCell, Wing
+from sizing.layout.filling import laid_out, mppt_mass_kg
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
-from solar.modules import SolarCell
+from solar.modules import STC_IRRADIANCE_W_PER_M2, SolarCell
 from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
@@ -169,9 +171,11 @@ class SolarModules(SolarCell):
     ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
     surfaces count relative to each other: a sized aircraft keeps the arrangement at another area.
     ``cell`` names an entry of the catalogue of solar cells, which gives what the file does not.
+    ``layout`` lays whole cells, which give the area and, with strings, the mass of the MPPTs.
     """
 
     cell: Text | None = None
+    layout: CellLayout | None = None
     area_m2: NonNegativeReal
     geometry: ModuleGeometry | None = None
     tail: TailGeometry | None = None
@@ -184,7 +188,22 @@ class SolarModules(SolarCell):
     def _from_catalogue(
         cls, data: Any, handler: ModelWrapValidatorHandler[SolarModules]
     ) -> SolarModules:
-        return filled(data, handler, "cell", "cells")
+        data, new = laid_out(data)
+        record = filled(data, handler, "cell", "cells")
+        mass_kg = mppt_mass_kg(record.layout)
+        if mass_kg is not None:
+            if "mppt_mass_kg_per_w" in data:
+                raise PydanticCustomError(
+                    "mppt_mass",
+                    "leave it out: modules.layout.strings.mppt.mass_kg gives it",
+                    {"key": "mppt_mass_kg_per_w"},
+                )
+            rated_w = STC_IRRADIANCE_W_PER_M2 * record.efficiency_stc * record.area_m2
+            new |= {"mppt_mass_kg_per_w"}
+            data = {**data, "mppt_mass_kg_per_w": mass_kg / rated_w}
+            record = filled(data, handler, "cell", "cells")
+        record.__pydantic_fields_set__.difference_update(new)
+        return record
 
     @model_validator(mode="after")
     def _check_shading(self) -> SolarModules:
@@ -473,9 +492,49 @@ class Aircraft(FileRecord):
             )
         return self
 
+    @property
+    def wing(self) -> Wing:
+        """Wingspan and mean chord."""
+        span_m = self.airframe.wingspan_m
+        return Wing(span_m, span_m / self.airframe.aspect_ratio)
+
+    def placed_cells(self) -> list[PlacedCell]:
+        """Whole cells of wing and tail; none without a layout."""
+        layout = self.modules.layout
+        return [] if layout is None else layout.placed(self.wing, self.modules.tail)
+
+    @model_validator(mode="after")
+    def _check_layout(self) -> Aircraft:
+        try:
+            self.placed_cells()
+        except LayoutError as error:
+            said = {"key": f"modules.layout.{error.key}", "why": str(error)}
+            raise PydanticCustomError("layout", "{why}", said) from error
+        layout = self.modules.layout
+        strings = None if layout is None else layout.strings
+        if layout is None or strings is None:
+            return self
+        ends_v, conversion = self.battery.ends_v, strings.mppt.conversion
+        if ends_v is None and conversion != "any":
+            raise PydanticCustomError(
+                "no_voltage",
+                "required key is missing: the conversion of modules.layout.strings.mppt is "
+                "{conversion}",
+                {"key": "battery.voltage", "conversion": conversion},
+            )
+        loss_per_k = self.modules.temperature_coefficient_per_k
+        trouble = strings.trouble(layout.count, loss_per_k, ends_v)
+        if trouble is not None:
+            key, why = trouble
+            said = {"key": f"modules.layout.strings.{key}", "why": why}
+            raise PydanticCustomError("strings", "{why}", said)
+        return self
+
     @model_validator(mode="after")
     def _check_coverage(self) -> Aircraft:
         wing_area_m2 = self.airframe.wingspan_m**2 / self.airframe.aspect_ratio
+        if self.modules.layout is not None:
+            return self  # every cell has its place
         if self.modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
             raise PydanticCustomError(
                 "module_area",
