@@ -28,7 +28,17 @@ from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Pro
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import STC_IRRADIANCE_W_PER_M2, SolarCell
-from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
+from solar.schema import (
+    FileRecord,
+    Fraction,
+    Name,
+    NonNegativeReal,
+    PositiveReal,
+    Record,
+    Text,
+    is_positive,
+    wrong_value,
+)
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
 _TOTAL_MASS = (
@@ -146,20 +156,15 @@ class ParametricAirframe(Record):
             raise PydanticCustomError(
                 "chordwise", "give one of aspect_ratio, chord_m, wing_area_m2 (got {keys})", said
             )
-        if not _is_positive(value):
+        if not is_positive(value):
             said = {"key": keys[0], "value": shown(value)}
             raise PydanticCustomError(
                 "chordwise", "must be a number greater than 0 (got {value})", said
             )
         # Of a wingspan that is none, its own error says so.
-        ratio = span_m ** _CHORDWISE[keys[0]] / value if _is_positive(span_m) else 1.0
+        ratio = span_m ** _CHORDWISE[keys[0]] / value if is_positive(span_m) else 1.0
         rest = {key: one for key, one in data.items() if key not in _CHORDWISE}
         return {**rest, "aspect_ratio": ratio}
-
-
-def _is_positive(value: Any) -> bool:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and 0.0 < value < float("inf")
 
 
 Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator="kind")]
@@ -193,11 +198,8 @@ class SolarModules(SolarCell):
         mass_kg = mppt_mass_kg(record.layout)
         if mass_kg is not None:
             if "mppt_mass_kg_per_w" in data:
-                raise PydanticCustomError(
-                    "mppt_mass",
-                    "leave it out: modules.layout.strings.mppt.mass_kg gives it",
-                    {"key": "mppt_mass_kg_per_w"},
-                )
+                text = "leave it out: modules.layout.strings.mppt.mass_kg gives it"
+                raise wrong_value("mppt_mass_kg_per_w", text)
             rated_w = STC_IRRADIANCE_W_PER_M2 * record.efficiency_stc * record.area_m2
             new |= {"mppt_mass_kg_per_w"}
             data = {**data, "mppt_mass_kg_per_w": mass_kg / rated_w}
@@ -508,26 +510,18 @@ class Aircraft(FileRecord):
         try:
             self.placed_cells()
         except LayoutError as error:
-            said = {"key": f"modules.layout.{error.key}", "why": str(error)}
-            raise PydanticCustomError("layout", "{why}", said) from error
+            raise wrong_value(f"modules.layout.{error.key}", str(error)) from error
         layout = self.modules.layout
-        strings = None if layout is None else layout.strings
-        if layout is None or strings is None:
+        if layout is None or layout.strings is None:
             return self
-        ends_v, conversion = self.battery.ends_v, strings.mppt.conversion
+        ends_v, conversion = self.battery.ends_v, layout.strings.mppt.conversion
         if ends_v is None and conversion != "any":
-            raise PydanticCustomError(
-                "no_voltage",
-                "required key is missing: the conversion of modules.layout.strings.mppt is "
-                "{conversion}",
-                {"key": "battery.voltage", "conversion": conversion},
-            )
+            text = f"required key is missing: modules.layout.strings.mppt has {conversion}"
+            raise wrong_value("battery.voltage", text)
         loss_per_k = self.modules.temperature_coefficient_per_k
-        trouble = strings.trouble(layout.count, loss_per_k, ends_v)
+        trouble = layout.strings.trouble(layout.count, loss_per_k, ends_v)
         if trouble is not None:
-            key, why = trouble
-            said = {"key": f"modules.layout.strings.{key}", "why": why}
-            raise PydanticCustomError("strings", "{why}", said)
+            raise wrong_value(f"modules.layout.strings.{trouble[0]}", trouble[1])
         return self
 
     @model_validator(mode="after")

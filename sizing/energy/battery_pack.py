@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypeGuard
+from typing import Any
 
 from pydantic import ValidationError, model_validator
-from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError
-from solar.schema import PositiveInteger, PositiveReal, Record, UnitInterval
+from solar.schema import (
+    PositiveInteger,
+    PositiveReal,
+    Record,
+    UnitInterval,
+    check_order,
+    is_positive,
+    wrong_value,
+)
 
 __all__ = ["BatteryPack", "packed"]
 
 # Masses in files are rounded: a share of a string of cells in parallel that counts as none.
 _ROUNDED = 0.02
-_LARGEST = 1e12  # of any number in a file
 
 
 class BatteryPack(Record):
@@ -36,16 +42,7 @@ class BatteryPack(Record):
 
     @model_validator(mode="after")
     def _check_window(self) -> BatteryPack:
-        if self.usable_from >= self.usable_to:
-            raise PydanticCustomError(
-                "window",
-                "must be above usable_from {low} (got {high})",
-                {
-                    "key": "usable_to",
-                    "low": f"{self.usable_from:g}",
-                    "high": f"{self.usable_to:g}",
-                },
-            )
+        check_order(self, "usable_from", "usable_to")
         return self
 
     @property
@@ -78,43 +75,52 @@ def packed(data: Any) -> tuple[Any, set[str]]:
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, BatteryPack) else raw
     if not isinstance(raw, Mapping):
         return data, set()
-    pack = {**_of_entry(data), **_series(data), **raw}
-    _check_series(data, raw)
-    given = data.get("mass_kg")
-    share = data.get("cell_mass_fraction", 1.0)
-    if "cells_in_parallel" not in pack and _is_number(given):
-        pack["cells_in_parallel"] = _parallel(pack, given, share)
+    pack = {**_of_entry(data), **_series(data, raw), **raw}
+    given, share = data.get("mass_kg"), data.get("cell_mass_fraction", 1.0)
+    unit = _unit_kg(pack, share)
+    if unit is not None and is_positive(given):
+        pack.setdefault("cells_in_parallel", max(round(given / unit), 1))
     try:
         found = BatteryPack.model_validate(pack)
     except ValidationError:
+        found = None
+    if found is None or unit is None or not (given is None or is_positive(given)):
         return {"mass_kg": 1.0, **data, "pack": pack}, set()
-    if not _is_number(share) or share > 1.0:
-        return {"mass_kg": 1.0, **data, "pack": pack}, set()
-    mass = found.mass_kg(share)
-    unit = mass / found.cells_in_parallel
-    if _is_number(given) and abs(given - mass) > _ROUNDED * unit:
-        raise _no_whole_number(pack, given, unit)
-    values = {**data, "pack": pack} | _in_window(data, found)
-    if given is None or _is_number(given):
-        values["mass_kg"] = mass
+    if given is not None and abs(given / unit - found.cells_in_parallel) > _ROUNDED:
+        raise wrong_value("mass_kg", _no_whole_number(found, raw, given, unit))
+    mass = {"mass_kg": found.mass_kg(share)}
+    values = {**data, **mass, "pack": pack, **_in_window(data, found)}
     return values, set(values) - set(data)
+
+
+def _unit_kg(pack: Mapping[str, Any], share: Any) -> float | None:
+    """Mass of one string of cells of the pack [kg]; None where the record will refuse it."""
+    series, cell_kg = pack.get("cells_in_series"), pack.get("cell_mass_kg")
+    if is_positive(series) and is_positive(cell_kg) and is_positive(share):
+        return series * cell_kg / share
+    return None
+
+
+def _no_whole_number(
+    pack: BatteryPack, raw: Mapping[str, Any], mass_kg: float, unit_kg: float
+) -> str:
+    below = max(int(mass_kg / unit_kg), 1)
+    fixed = "cells_in_parallel" in raw
+    numbers = [pack.cells_in_parallel] if fixed else [below, below + 1]
+    allowed = " or ".join(f"{n * unit_kg:.4g} kg ({pack.cells_in_series} × {n})" for n in numbers)
+    return f"must be that of whole cells, {allowed} (got {mass_kg:g})"
 
 
 def _in_window(data: Mapping[str, Any], pack: BatteryPack) -> dict[str, Any]:
     """Specific energy and charge limit of the part of the energy that is used."""
-    if pack.usable == 1.0:
+    entry = _entry(data)
+    if pack.usable == 1.0 or (entry is None and data.get("cell") is not None):
         return {}
-    if "specific_energy_wh_per_kg" in data or data.get("cell") is None:
+    if "specific_energy_wh_per_kg" in data or entry is None:
         key = "usable_from" if pack.usable_from > 0.0 else "usable_to"
-        raise PydanticCustomError(
-            "window",
-            "goes with battery.cell: specific_energy_wh_per_kg is usable energy already",
-            {"key": f"pack.{key}"},
-        )
-    try:
-        values = _entry(data).parameters(data)
-    except (InputError, OSError):
-        return {}  # told by the validation of the name
+        text = "goes with battery.cell: specific_energy_wh_per_kg is usable energy already"
+        raise wrong_value(f"pack.{key}", text)
+    values = entry.parameters(data)
     energy = values["specific_energy_wh_per_kg"] * pack.usable
     found: dict[str, Any] = {"specific_energy_wh_per_kg": float(f"{energy:.6g}")}
     limit = values.get("charge_limit")
@@ -125,75 +131,33 @@ def _in_window(data: Mapping[str, Any], pack: BatteryPack) -> dict[str, Any]:
 
 
 def _entry(data: Mapping[str, Any]) -> Any:
+    """Entry that the battery names; None without a name, or with one that is refused later."""
     from sizing.catalogues.files import entry
 
-    return entry("batteries", str(data["cell"]))
+    try:
+        return entry("batteries", data["cell"]) if isinstance(data.get("cell"), str) else None
+    except (InputError, OSError):
+        return None
 
 
 def _of_entry(data: Mapping[str, Any]) -> dict[str, Any]:
     """Mass and charge current of a cell of the catalogue, as far as it has them."""
-    if data.get("cell") is None:
+    one = _entry(data)
+    if one is None:
         return {}
-    try:
-        one = _entry(data)
-    except (InputError, OSError):
-        return {}  # told by the validation of the name
-    keys = {"cell_mass_kg": one.mass_kg, "maximum_charge_current_a": one.maximum_charge_current_a}
     if one.kind == "pack":
-        raise PydanticCustomError(
-            "whole_pack",
-            "is of no use here: {label} is a whole pack, not a cell",
-            {"key": "pack", "label": one.label},
-        )
+        raise wrong_value("pack", f"is of no use here: {one.label} is a whole pack, not a cell")
+    keys = {"cell_mass_kg": one.mass_kg, "maximum_charge_current_a": one.maximum_charge_current_a}
     return {key: value for key, value in keys.items() if value is not None}
 
 
-def _series(data: Mapping[str, Any]) -> dict[str, Any]:
+def _series(data: Mapping[str, Any], raw: Mapping[str, Any]) -> dict[str, Any]:
     """Cells in series of the battery's table of voltages."""
     voltage = data.get("voltage")
-    if isinstance(voltage, Record):
-        voltage = voltage.model_dump()
+    voltage = voltage.model_dump() if isinstance(voltage, Record) else voltage
     known = voltage.get("cells_in_series") if isinstance(voltage, Mapping) else None
+    own = raw.get("cells_in_series", known)
+    if known is not None and own != known:
+        text = f"must be that of battery.voltage, {known} (got {own}); it may be left out"
+        raise wrong_value("pack.cells_in_series", text)
     return {} if known is None else {"cells_in_series": known}
-
-
-def _check_series(data: Mapping[str, Any], raw: Mapping[str, Any]) -> None:
-    known = _series(data).get("cells_in_series")
-    own = raw.get("cells_in_series")
-    if known is not None and own is not None and known != own:
-        raise PydanticCustomError(
-            "series",
-            "must be that of battery.voltage, {known} (got {own}); it may be left out",
-            {"key": "pack.cells_in_series", "known": str(known), "own": str(own)},
-        )
-
-
-def _parallel(pack: Mapping[str, Any], mass_kg: float, share: Any) -> int:
-    """Cells in parallel of a mass; a mass that is no whole number of cells is refused."""
-    series, cell_kg = pack.get("cells_in_series"), pack.get("cell_mass_kg")
-    if not (_is_number(series) and _is_number(cell_kg) and _is_number(share)):
-        return 1  # told by the validation of the record
-    unit = series * cell_kg / share
-    parallel = round(mass_kg / unit)
-    if parallel < 1 or abs(mass_kg / unit - parallel) > _ROUNDED:
-        raise _no_whole_number(pack, mass_kg, unit)
-    return parallel
-
-
-def _no_whole_number(pack: Mapping[str, Any], mass_kg: float, unit: float) -> PydanticCustomError:
-    below = max(int(mass_kg / unit), 1)
-    series = pack["cells_in_series"]
-    known = pack.get("cells_in_parallel")
-    numbers = [below, below + 1] if known is None else [known]
-    allowed = " or ".join(f"{n * unit:.4g} kg ({series} × {n} cells)" for n in numbers)
-    return PydanticCustomError(
-        "whole_cells",
-        "must be that of whole cells, {allowed} (got {mass})",
-        {"key": "mass_kg", "allowed": allowed, "mass": f"{mass_kg:g}"},
-    )
-
-
-def _is_number(value: Any) -> TypeGuard[float]:
-    """Whether it is a number that arithmetic takes; what is none the records refuse."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and 0.0 < value <= _LARGEST

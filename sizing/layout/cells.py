@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from sizing.layout.strings import Strings
 from solar.schema import (
@@ -23,6 +22,8 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
+    check_order,
+    wrong_value,
 )
 from solar.shading import TailGeometry
 
@@ -76,8 +77,8 @@ class KeepOut(Record):
 
     @model_validator(mode="after")
     def _check_order(self) -> KeepOut:
-        _in_order(self, "inboard", "outboard", equal=self.margin_m > 0.0)
-        _in_order(self, "front", "rear")
+        check_order(self, "inboard", "outboard", equal=self.margin_m > 0.0)
+        check_order(self, "front", "rear")
         return self
 
 
@@ -96,8 +97,8 @@ class Bay(Record):
 
     @model_validator(mode="after")
     def _check_order(self) -> Bay:
-        _in_order(self, "inboard", "outboard")
-        _in_order(self, "front", "rear")
+        check_order(self, "inboard", "outboard")
+        check_order(self, "front", "rear")
         return self
 
 
@@ -117,18 +118,8 @@ class Planform(Record):
         elif abs((mean := float(np.trapezoid(self.relative_chord, at))) - 1.0) > _MEAN_TOLERANCE:
             wrong = f"the mean of relative_chord along the span must be 1 (got {mean:.3g})"
         if wrong:
-            raise PydanticCustomError("planform", "{wrong}", {"wrong": wrong})
+            raise ValueError(wrong)
         return self
-
-
-def _in_order(record: Record, first: str, second: str, *, equal: bool = False) -> None:
-    low, high = getattr(record, first), getattr(record, second)
-    if low > high or (low == high and not equal):
-        raise PydanticCustomError(
-            "order",
-            "must be above {first} {low} (got {high})",
-            {"key": second, "first": first, "low": f"{low:g}", "high": f"{high:g}"},
-        )
 
 
 class CellLayout(Record):
@@ -153,32 +144,24 @@ class CellLayout(Record):
     @model_validator(mode="after")
     def _check_places(self) -> CellLayout:
         outline = self.cell_span_m * self.cell_chord_m
-        if self.cell_area_m2 is not None and self.cell_area_m2 > outline * (1.0 + 1e-6):
-            raise PydanticCustomError(
-                "cell_area",
-                "must not exceed the outline of a cell, {outline} m² (got {area})",
-                {
-                    "key": "cell_area_m2",
-                    "outline": f"{outline:.4g}",
-                    "area": f"{self.cell_area_m2:g}",
-                },
+        if self.area_of_a_cell_m2 > outline * (1.0 + _ROUNDING):
+            raise wrong_value(
+                "cell_area_m2",
+                f"must not exceed the outline of a cell, {outline:.4g} m² "
+                f"(got {self.area_of_a_cell_m2:g})",
             )
-        for i, (one, other) in enumerate(pairwise(self.bays)):
+        for i, (one, other) in enumerate(pairwise(self.bays), 1):
             if other.inboard < one.outboard:
-                raise PydanticCustomError(
-                    "bays",
-                    "must not be below the outboard end of the bay before, {end} (got {inboard})",
-                    {
-                        "key": f"bays.{i + 1}.inboard",
-                        "end": f"{one.outboard:g}",
-                        "inboard": f"{other.inboard:g}",
-                    },
+                raise wrong_value(
+                    f"bays.{i}.inboard",
+                    f"must be at least outboard of the bay before, {one.outboard:g} "
+                    f"(got {other.inboard:g})",
                 )
         if not 0 < self.count <= MOST_CELLS:
-            raise PydanticCustomError(
-                "cells",
-                "must have from 1 to {most} cells, both halves and the tail (got {count})",
-                {"key": "bays", "most": str(MOST_CELLS), "count": str(self.count)},
+            raise wrong_value(
+                "bays",
+                f"must have from 1 to {MOST_CELLS} cells, both halves and the tail "
+                f"(got {self.count})",
             )
         return self
 
@@ -219,11 +202,12 @@ class CellLayout(Record):
         return (self.chord_m(wing, 0.0) - self.chord_m(wing, place)) / 4.0
 
     def outline(self, wing: Wing) -> list[tuple[float, float, float]]:
-        """Right half of the wing: place from the middle, leading and trailing edge [m]."""
-        ends = (0.0, 1.0) if self.planform is None else self.planform.half_span
+        """Wing from left to right: place from the middle, leading and trailing edge [m]."""
+        ends = (1.0,) if self.planform is None else self.planform.half_span
         half = wing.wingspan_m / 2.0
         edges = [(at, self.leading_edge_m(wing, at), self.chord_m(wing, at)) for at in ends]
-        return [(at * half, front, front + chord) for at, front, chord in edges]
+        right = [(at * half, front, front + chord) for at, front, chord in edges]
+        return [*((-y, front, rear) for y, front, rear in reversed(right) if y > 0.0), *right]
 
     def placed(self, wing: Wing, tail: TailGeometry | None) -> list[PlacedCell]:
         """Every cell; :class:`LayoutError` where wing or tail does not hold them."""

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
-from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError
 from sizing.layout.cells import CellLayout
-from solar.schema import Record
+from solar.schema import Record, is_positive, wrong_value
 
 if TYPE_CHECKING:
     from sizing.catalogues.entries import CellEntry
@@ -19,7 +18,6 @@ __all__ = ["laid_out", "mppt_mass_kg"]
 
 _OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
 _HALF_A_CELL = 0.5
-_LARGEST = 1e12  # of any number in a file
 
 
 def laid_out(data: Any) -> tuple[Any, set[str]]:
@@ -37,20 +35,13 @@ def laid_out(data: Any) -> tuple[Any, set[str]]:
     except ValidationError:
         return {"area_m2": 0.0, **data, "layout": layout}, set()
     area = data.get("area_m2")
-    number = isinstance(area, int | float) and not isinstance(area, bool)
-    if "area_m2" in data and not (number and 0.0 <= area <= _LARGEST):
+    if "area_m2" in data and not is_positive(area):
         return {**data, "layout": layout}, set()
     if area is not None and abs(area / found.area_of_a_cell_m2 - found.count) >= _HALF_A_CELL:
-        raise PydanticCustomError(
-            "layout_area",
-            "must be that of the {count} cells of modules.layout, {area} m² (got {given}); it may "
-            "be left out",
-            {
-                "key": "area_m2",
-                "count": str(found.count),
-                "area": f"{found.area_m2:.4g}",
-                "given": f"{area:g}",
-            },
+        raise wrong_value(
+            "area_m2",
+            f"must be that of the {found.count} cells of modules.layout, {found.area_m2:.4g} m² "
+            f"(got {area:g}); it may be left out",
         )
     values = {**data, "layout": layout, "area_m2": found.area_m2}
     return values, set(values) - set(data)
@@ -90,12 +81,13 @@ def _part_of(raw: Mapping[str, Any], area_m2: float | None) -> float:
     Current goes with the area, voltage does not. Corners that are cut make an area up to a fifth
     less than the outline: that of a round wafer in it is.
     """
-    sides = raw.get("cell_span_m"), raw.get("cell_chord_m")
-    known = [one for one in sides if isinstance(one, int | float) and 0.0 < one <= _LARGEST]
-    if area_m2 is None or len(known) < len(sides):
+    span_m, chord_m = raw.get("cell_span_m"), raw.get("cell_chord_m")
+    if area_m2 is None or not is_positive(span_m) or not is_positive(chord_m):
         return 1.0
-    outline = known[0] * known[1]
-    return 1.0 if 0.8 * outline <= area_m2 <= outline else outline / area_m2
+    outline, own = span_m * chord_m, raw.get("cell_area_m2")
+    if 0.8 * outline <= area_m2 <= outline:
+        return 1.0
+    return (own if is_positive(own) else outline) / area_m2
 
 
 def mppt_mass_kg(layout: CellLayout | None) -> float | None:

@@ -6,10 +6,17 @@ import math
 from typing import Literal, NamedTuple
 
 from pydantic import model_validator
-from pydantic_core import PydanticCustomError
 
 from solar.modules import STC_TEMPERATURE_C
-from solar.schema import NonNegativeReal, PositiveInteger, PositiveReal, Real, Record
+from solar.schema import (
+    NonNegativeReal,
+    PositiveInteger,
+    PositiveReal,
+    Real,
+    Record,
+    check_order,
+    wrong_value,
+)
 
 __all__ = ["Mppt", "SeriesWindow", "Strings"]
 
@@ -31,16 +38,7 @@ class Mppt(Record):
 
     @model_validator(mode="after")
     def _check_window(self) -> Mppt:
-        if self.minimum_voltage_v >= self.maximum_voltage_v:
-            raise PydanticCustomError(
-                "window",
-                "must be above minimum_voltage_v {low} (got {high})",
-                {
-                    "key": "maximum_voltage_v",
-                    "low": f"{self.minimum_voltage_v:g}",
-                    "high": f"{self.maximum_voltage_v:g}",
-                },
-            )
+        check_order(self, "minimum_voltage_v", "maximum_voltage_v")
         return self
 
 
@@ -74,17 +72,9 @@ class Strings(Record):
     def _check_cell(self) -> Strings:
         for key in ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a"):
             if getattr(self, key) is None:
-                raise PydanticCustomError(
-                    "no_number",
-                    "required key is missing: modules.cell names no entry that has it",
-                    {"key": key},
-                )
-        if self.coldest_c >= self.hottest_c:
-            raise PydanticCustomError(
-                "temperatures",
-                "must be above coldest_c {low} (got {high})",
-                {"key": "hottest_c", "low": f"{self.coldest_c:g}", "high": f"{self.hottest_c:g}"},
-            )
+                text = "required key is missing: modules.cell names no entry that has it"
+                raise wrong_value(key, text)
+        check_order(self, "coldest_c", "hottest_c")
         return self
 
     def voltage_v(self, at_stc_v: float, temperature_c: float, loss_per_k: float) -> float:

@@ -413,7 +413,9 @@ def size(
             raise ValueError(
                 "whole cells have no sensitivities, cross-check or reliability: leave them out"
             )
-        return _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
+        study = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
+        if study is not None:
+            return study
     aircraft, start = with_fixed_chain(aircraft, mission, wanted, solar, **options)
     problems = options["problems"] = SizingProblems(aircraft)
     if reliability is not None:
@@ -452,11 +454,13 @@ def _of_whole_cells(
     objective: Objective,
     solar: SolarModel,
     required_excess_time_h: float | None,
-) -> SizingStudy:
-    """Best design of whole cells."""
+) -> SizingStudy | None:
+    """Best design of whole cells; None where there is not even a relaxed one."""
     result, cells = size_whole_cells(
         *(aircraft, mission, objective, solar), required_excess_time_h=required_excess_time_h
     )
+    if not cells.relaxed.feasible:
+        return None
     laid = aircraft if cells.aircraft is None else cells.aircraft
     asked = (laid, mission, result, solar)
     low, high = under_model_error(*asked)

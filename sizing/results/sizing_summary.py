@@ -106,7 +106,7 @@ def _without_design(study: SizingStudy) -> list[Any]:
         return [*blocks, reliability_text(study.reliability, study)]
     if study.survival is not None:
         blocks += survival_blocks(study.survival, study)
-    if study.whole_cells is not None and study.whole_cells.relaxed.feasible:
+    if study.whole_cells is not None:
         return [*blocks, *_whole_cells(study)]
     if study.status is not SizingStatus.infeasible or study.coverage is not None:
         return blocks

@@ -58,9 +58,9 @@ def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
         size_in=(_WIDTH_IN, height_in),
         grid="",
     )
-    right = layout.outline(wing)
-    edge = [(y, front) for y, front, _ in right] + [(y, rear) for y, _, rear in reversed(right)]
-    outlines: list[Patch] = [Polygon([(side * y, x) for y, x in edge]) for side in (-1.0, 1.0)]
+    edges = layout.outline(wing)
+    around = [(y, front) for y, front, _ in edges] + [(y, rear) for y, _, rear in reversed(edges)]
+    outlines: list[Patch] = [Polygon(around)]
     if tail is not None and layout.tail_cells:
         half, chord_m = tail.horizontal_span_m / 2.0, tail.horizontal_chord_m
         outlines.append(Rectangle((-half, tail.horizontal_aft_m), 2.0 * half, chord_m))

@@ -45,7 +45,7 @@ class Drawing:
     ``incidence_deg``: pitch of the chord line to the body [deg]. ``dihedral_deg``,
     ``dihedral_from_m``: rise of the outer wing, and where it begins. ``spar_m``: spar behind the
     leading edge. ``modules``: solar modules on the wing, or every cell; ``modules_are``: which of
-    both. ``outline``: right half of the wing, places with leading and trailing edge. ``tail``: tail
+    both. ``outline``: places along the wing with leading and trailing edge. ``tail``: tail
     planes and the height of the boom. ``nose_m``, ``pod_m``, ``pod_depth_m``, ``boom_m``: nose
     ahead of the leading edge, length and depth of the pod, diameter of the boom. ``schematic``:
     parts that no model has numbers for: ``modules``, ``tail``, ``spar``, ``section``, ``pod``.
@@ -127,7 +127,7 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
         spar_m=_SPAR_CHORD_FRACTION * chord_m,
         modules=modules,
         modules_are="areas of solar modules" if layout is None else "solar cells",
-        outline=((0.0, 0.0, chord_m), (span_m / 2.0, 0.0, chord_m))
+        outline=((-span_m / 2.0, 0.0, chord_m), (span_m / 2.0, 0.0, chord_m))
         if layout is None
         else tuple(layout.outline(aircraft.wing)),
         tail=tail,

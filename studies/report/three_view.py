@@ -150,11 +150,8 @@ def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
 
 def _wing_outline(view: _View, drawing: Drawing) -> list[Point]:
     """Leading edge from the left tip to the right one, and the trailing edge back."""
-    right = list(drawing.outline)
-    left = [(-y, front, rear) for y, front, rear in reversed(right) if y > 0.0]
-    both = [*left, *right]
-    ahead = [view.at(y, front) for y, front, _ in both]
-    return [*ahead, *(view.at(y, rear) for y, _, rear in reversed(both))]
+    ahead = [view.at(y, front) for y, front, _ in drawing.outline]
+    return [*ahead, *(view.at(y, rear) for y, _, rear in reversed(drawing.outline))]
 
 
 def _pod(view: _View, drawing: Drawing, half_width: float) -> list[Point]:
