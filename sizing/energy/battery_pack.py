@@ -9,7 +9,7 @@ from pydantic import ValidationError, model_validator
 
 from missions.files.errors import InputError
 from solar.schema import (
-    PositiveInteger,
+    CellCount,
     PositiveReal,
     Record,
     UnitInterval,
@@ -33,8 +33,8 @@ class BatteryPack(Record):
     energy the part between the states of charge ``usable_from`` and ``usable_to`` is used.
     """
 
-    cells_in_series: PositiveInteger
-    cells_in_parallel: PositiveInteger
+    cells_in_series: CellCount
+    cells_in_parallel: CellCount
     cell_mass_kg: PositiveReal
     maximum_charge_current_a: PositiveReal | None = None
     usable_from: UnitInterval = 0.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice, pairwise
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -33,8 +33,9 @@ __all__ = ["Bay", "CellLayout", "KeepOut", "LayoutError", "PlacedCell", "Planfor
 _ROUNDING = 1e-9
 # The mean of the chords may be off by what a file rounds.
 _MEAN_TOLERANCE = 0.01
-# More than any aircraft has: Helios of 75 m span had 62 120 (NASA, Helios fact sheet).
+# Both halves and the tail: that of a single count.
 MOST_CELLS = 100_000
+_Row = Annotated[NonNegativeInteger, Field(le=MOST_CELLS)]
 
 
 class LayoutError(ValueError):
@@ -93,7 +94,7 @@ class Bay(Record):
     outboard: UnitInterval = 1.0
     front: UnitInterval = 0.0
     rear: UnitInterval = 1.0
-    cells: tuple[NonNegativeInteger, ...]
+    cells: tuple[_Row, ...]
 
     @model_validator(mode="after")
     def _check_order(self) -> Bay:
@@ -136,9 +137,9 @@ class CellLayout(Record):
     gap_m: NonNegativeReal = 0.002
     cell_area_m2: PositiveReal | None = None
     planform: Planform | None = None
-    bays: tuple[Bay, ...] = Field(min_length=1)
+    bays: tuple[Bay, ...]
     keep_outs: tuple[KeepOut, ...] = ()
-    tail_cells: tuple[NonNegativeInteger, ...] = ()
+    tail_cells: tuple[_Row, ...] = ()
     strings: Strings | None = None
 
     @model_validator(mode="after")

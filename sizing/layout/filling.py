@@ -35,7 +35,7 @@ def laid_out(data: Any) -> tuple[Any, set[str]]:
     except ValidationError:
         return {"area_m2": 0.0, **data, "layout": layout}, set()
     area = data.get("area_m2")
-    if "area_m2" in data and not is_positive(area):
+    if "area_m2" in data and not (area == 0.0 or is_positive(area)):
         return {**data, "layout": layout}, set()
     if area is not None and abs(area / found.area_of_a_cell_m2 - found.count) >= _HALF_A_CELL:
         raise wrong_value(

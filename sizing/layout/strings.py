@@ -9,8 +9,8 @@ from pydantic import model_validator
 
 from solar.modules import STC_TEMPERATURE_C
 from solar.schema import (
+    CellCount,
     NonNegativeReal,
-    PositiveInteger,
     PositiveReal,
     Real,
     Record,
@@ -58,8 +58,8 @@ class Strings(Record):
     that of the power, which is larger: the current rises a little with the temperature.
     """
 
-    cells_in_series: PositiveInteger
-    strings_per_mppt: PositiveInteger = 1
+    cells_in_series: CellCount
+    strings_per_mppt: CellCount = 1
     coldest_c: Real
     hottest_c: Real
     mpp_voltage_v: PositiveReal | None = None
