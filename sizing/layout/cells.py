@@ -377,5 +377,5 @@ def rows_text(cells: Sequence[int]) -> str:
     if not cells:
         return "none"
     if len(set(cells)) > 1:
-        return f"rows of {' and '.join(map(str, cells))}"
+        return f"rows of {', '.join(map(str, cells[:-1]))} and {cells[-1]}"
     return f"{len(cells)} row{'s' if len(cells) > 1 else ''} of {cells[0]}"

@@ -56,7 +56,7 @@ class Neighbour:
 
     ``cells``, ``strings``, ``mppts``: solar cells on wing and tail, strings of them and MPPTs; the
     latter are None where the file has no strings. ``battery_cells``: in series times parallel.
-    ``value``: objective, None where there is no design; ``reason`` then tells why.
+    ``value``: objective, None where there is no design; ``reason`` then says why.
     """
 
     cells: int
@@ -66,6 +66,7 @@ class Neighbour:
     battery_cells: int
     value: float | None
     wingspan_m: float | None
+    total_mass_kg: float | None
     reason: str = ""
 
 
@@ -306,6 +307,7 @@ class _WholeCellSearch:
             battery_cells=numbers.parallel * self.pack.cells_in_series,
             value=None if best is None else best[0].objective_value,
             wingspan_m=None if design is None else float(design.variables.wingspan_m),
+            total_mass_kg=None if design is None else float(design.total_mass_kg),
             reason="" if best is not None else reason,
         )
         return _Found(neighbour, *(best or (None, None)))

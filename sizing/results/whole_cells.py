@@ -76,10 +76,9 @@ def cells_lines(record: Mapping[str, Any]) -> list[str]:
         if solar["tail_rows"]:
             text += f", the tail {rows_text(solar['tail_rows'])}"
         if strings is not None:
-            plural = "s" if strings["count"] > 1 else ""
             text += (
-                f"; {strings['count']} string{plural} of {strings['cells_in_series']} on "
-                f"{strings['mppts']} MPPT, {strings['hottest_mpp_voltage_v']:.1f} to "
+                f"; {_counted(strings['count'], 'string')} of {strings['cells_in_series']} on "
+                f"{_counted(strings['mppts'], 'MPPT')}, {strings['hottest_mpp_voltage_v']:.1f} to "
                 f"{strings['coldest_mpp_voltage_v']:.1f} V, "
                 f"{strings['coldest_open_voltage_v']:.1f} V unloaded"
             )
@@ -93,6 +92,10 @@ def cells_lines(record: Mapping[str, Any]) -> list[str]:
             text += f", charged with at most {pack['charge_current_a']:.1f} A"
         lines.append(text)
     return lines
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' if number > 1 else ''}"
 
 
 def loss_line(record: Mapping[str, Any], objective: Objective) -> str:
@@ -121,6 +124,11 @@ def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
         *([Column("strings")] if strung else []),
         Column("battery_cells", "battery cells"),
         Column("value", objective.label, objective.unit, ".4g"),
+        *(
+            []
+            if objective is Objective.min_mass
+            else [Column("total_mass_kg", "total mass", "kg", ".4g")]
+        ),
         Column("reason", "why not", missing=""),
     ]
     rows = tuple(tuple(one[column.name] for column in columns) for one in shown)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-_WIDTH_IN, _AROUND_IN = 9.0, 1.5  # of the figure, and what title and axis take of its height
+_WIDTH_IN, _AROUND_IN = 9.0, 1.3  # of the figure, and what title and axis take of its height
 
 
 def _end_of(tail: TailGeometry) -> float:
@@ -81,6 +81,7 @@ def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
     ]
     axes.add_collection(PatchCollection(cells, facecolor=LOAD, edgecolor="white", linewidth=0.3))
     axes.set_aspect("equal")
+    axes.margins(0.01)
     axes.autoscale_view()
     axes.invert_yaxis()
     axes.yaxis.set_major_locator(MaxNLocator(3))

@@ -61,7 +61,7 @@ class Size:
         "--whole-cells",
         is_flag=True,
         help="Round the optimum to whole solar and battery cells, search the designs next to it "
-        "and tell the loss; for files with modules.layout and battery.pack.",
+        "and print the loss; for files with modules.layout and battery.pack.",
     )
     reliability: float | None = option(
         "--reliability",
