@@ -215,7 +215,11 @@ class Battery(Record):
         if self.voltage is None or self.pack is None:
             return None if self.voltage is None else self.voltage.ends_v
         table = self.voltage.state_of_charge
-        ends = np.clip((self.pack.usable_from, self.pack.usable_to), table[0], table[-1])
+        ends = np.clip(
+            (self.pack.minimum_state_of_charge, self.pack.maximum_state_of_charge),
+            table[0],
+            table[-1],
+        )
         low, high = self.voltage.voltage_v(ends)
         return float(low), float(high)
 

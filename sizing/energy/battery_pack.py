@@ -30,19 +30,19 @@ class BatteryPack(Record):
     ``cells_in_series`` is that of ``battery.voltage`` where the file has one; ``cells_in_parallel``
     follows from ``battery.mass_kg`` where it is left out, and the mass from it. Mass and largest
     charge current are those of one cell; without them those of the catalogue's entry. Of a cell's
-    energy the part between the states of charge ``usable_from`` and ``usable_to`` is used.
+    energy the part between the states of charge ``minimum_state_of_charge`` and ``maximum_state_of_charge`` is used.
     """
 
     cells_in_series: CellCount
     cells_in_parallel: CellCount
     cell_mass_kg: PositiveReal
     maximum_charge_current_a: PositiveReal | None = None
-    usable_from: UnitInterval = 0.0
-    usable_to: UnitInterval = 1.0
+    minimum_state_of_charge: UnitInterval = 0.0
+    maximum_state_of_charge: UnitInterval = 1.0
 
     @model_validator(mode="after")
     def _check_window(self) -> BatteryPack:
-        check_order(self, "usable_from", "usable_to")
+        check_order(self, "minimum_state_of_charge", "maximum_state_of_charge")
         return self
 
     @property
@@ -53,7 +53,7 @@ class BatteryPack(Record):
     @property
     def usable(self) -> float:
         """Part of a cell's energy that is used [-]."""
-        return self.usable_to - self.usable_from
+        return self.maximum_state_of_charge - self.minimum_state_of_charge
 
     @property
     def charge_current_a(self) -> float | None:
@@ -117,7 +117,11 @@ def _in_window(data: Mapping[str, Any], pack: BatteryPack) -> dict[str, Any]:
     if pack.usable == 1.0 or (entry is None and data.get("cell") is not None):
         return {}
     if "specific_energy_wh_per_kg" in data or entry is None:
-        key = "usable_from" if pack.usable_from > 0.0 else "usable_to"
+        key = (
+            "minimum_state_of_charge"
+            if pack.minimum_state_of_charge > 0.0
+            else "maximum_state_of_charge"
+        )
         text = "goes with battery.cell: specific_energy_wh_per_kg is usable energy already"
         raise wrong_value(f"pack.{key}", text)
     values = entry.parameters(data)

@@ -44,7 +44,7 @@ def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy() -> None:
 
 
 def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells() -> None:
-    window = {"usable_from": 0.1, "usable_to": 0.9}
+    window = {"minimum_state_of_charge": 0.1, "maximum_state_of_charge": 0.9}
     one = battery(pack={"cells_in_parallel": 9} | window, voltage=VOLTAGE)
     assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
     assert one.battery_energy_wh == pytest.approx(0.8 * 54 * 3.2 * 3.7, rel=1e-5)
@@ -93,19 +93,25 @@ def test_what_follows_is_not_written_and_follows_again() -> None:
             "battery.pack.cells_in_series: must be that of battery.voltage, 6 (got 5)",
         ),
         (
-            {"pack": {"cells_in_series": 6, "cell_mass_kg": 0.0486, "usable_from": 0.1}},
-            "battery.pack.usable_from: goes with battery.cell",
+            {
+                "pack": {
+                    "cells_in_series": 6,
+                    "cell_mass_kg": 0.0486,
+                    "minimum_state_of_charge": 0.1,
+                }
+            },
+            "battery.pack.minimum_state_of_charge: goes with battery.cell",
         ),
         (
             {
                 "pack": {
                     "cells_in_series": 6,
                     "cell_mass_kg": 0.0486,
-                    "usable_from": 0.9,
-                    "usable_to": 0.2,
+                    "minimum_state_of_charge": 0.9,
+                    "maximum_state_of_charge": 0.2,
                 }
             },
-            "battery.pack.usable_to: must be above usable_from 0.9 (got 0.2)",
+            "battery.pack.maximum_state_of_charge: must be above minimum_state_of_charge 0.9 (got 0.2)",
         ),
         (
             {"cell": "atlantiksolar-as2-pack", "pack": {"cells_in_series": 6}},
