@@ -30,7 +30,7 @@ class BatteryPack(Record):
     ``cells_in_series`` is that of ``battery.voltage`` where the file has one; ``cells_in_parallel``
     follows from ``battery.mass_kg`` where it is left out, and the mass from it. Mass and largest
     charge current are those of one cell; without them those of the catalogue's entry. Of a cell's
-    energy the part between the states of charge ``minimum_state_of_charge`` and ``maximum_state_of_charge`` is used.
+    energy the part between ``minimum_state_of_charge`` and ``maximum_state_of_charge`` is used.
     """
 
     cells_in_series: CellCount

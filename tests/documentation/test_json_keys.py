@@ -35,7 +35,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [AS2, "--mission", "rafz-28h"],
             [AS2, "--set", "mission.climb={ceiling_m: 1000}"],
             [AS2, "--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"],
-            [DESIGN, *CELLS],
+            [AS2, *CELLS],
         ],
         set(),
     ),

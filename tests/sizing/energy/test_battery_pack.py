@@ -111,7 +111,7 @@ def test_what_follows_is_not_written_and_follows_again() -> None:
                     "maximum_state_of_charge": 0.2,
                 }
             },
-            "battery.pack.maximum_state_of_charge: must be above minimum_state_of_charge 0.9 (got 0.2)",
+            "pack.maximum_state_of_charge: must be above minimum_state_of_charge 0.9 (got 0.2)",
         ),
         (
             {"cell": "atlantiksolar-as2-pack", "pack": {"cells_in_series": 6}},
