@@ -28,6 +28,7 @@ from sizing.optimisation.propulsion import with_fixed_chain
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from solar.modules import STC_IRRADIANCE_W_PER_M2
 
 __all__ = ["Neighbour", "WholeCells", "size_whole_cells", "without_whole_cells"]
 
@@ -189,11 +190,13 @@ class _WholeCellSearch:
         self.layout: CellLayout = layout
         self.pack: BatteryPack = pack
         self.share = aircraft.battery.cell_mass_fraction
+        # Loss of voltage per kelvin where strings have none of their own, and the battery's ends.
+        self.electric = aircraft.modules.temperature_coefficient_per_k, aircraft.battery.ends_v
         self.known: dict[_Numbers, _Found] = {}
 
     def run(self) -> tuple[SizingResult, WholeCells]:
         """Relaxed optimum, the designs around it, and the best of them."""
-        relaxed = self.relaxed = self._sized(self.plain)
+        relaxed = self.relaxed = self._sized(self._relaxed_aircraft())
         if relaxed.design is None:
             return relaxed, WholeCells(None, relaxed, None, ())
         best = self._first(relaxed.design.variables)
@@ -317,10 +320,7 @@ class _WholeCellSearch:
         strings = self.layout.strings
         if strings is None:
             return None, ""
-        loss, ends_v = (
-            self.aircraft.modules.temperature_coefficient_per_k,
-            self.aircraft.battery.ends_v,
-        )
+        loss, ends_v = self.electric
         found = strings.for_cells(cells, loss, ends_v)
         if found is not None:
             return found, ""
@@ -379,15 +379,28 @@ class _WholeCellSearch:
             chord = known.model_copy(update={"minimum": max(known.minimum or 0.0, wing.chord_m)})
             held["limits"] = space.limits | {"chord_m": chord}
         strings = self._strings(cells)[0]
-        mppt = None if strings is None else strings.mppt.mass_kg
-        modules = self.plain.modules
-        if strings is not None and mppt is not None:
-            per_cell_w = 1000.0 * modules.efficiency_stc * self.layout.area_of_a_cell_m2
-            per_w = strings.mppts(cells) * mppt / (cells * per_cell_w)
-            modules = modules.model_copy(update={"mppt_mass_kg_per_w": per_w})
-        return self.plain.model_copy(
-            update={"design_space": space.model_copy(update=held), "modules": modules}
-        )
+        mppts = 0 if strings is None else strings.mppts(cells)
+        plain = self._with_mppts(mppts, cells)
+        return plain.model_copy(update={"design_space": space.model_copy(update=held)})
+
+    def _with_mppts(self, mppts: float, cells: float) -> Aircraft:
+        """Aircraft without cells whose MPPTs weigh what so many weigh, where the layout says it."""
+        strings, modules = self.layout.strings, self.plain.modules
+        if strings is None or strings.mppt.mass_kg is None:
+            return self.plain
+        rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * self.layout.area_of_a_cell_m2
+        per_w = mppts * strings.mppt.mass_kg / (cells * rated_w)
+        modules = modules.model_copy(update={"mppt_mass_kg_per_w": per_w})
+        return self.plain.model_copy(update={"modules": modules})
+
+    def _relaxed_aircraft(self) -> Aircraft:
+        """Aircraft of the relaxed optimum: its MPPTs come by the gram, each with all it takes."""
+        strings = self.layout.strings
+        if strings is None:
+            return self.plain
+        loss, ends_v = self.electric
+        most = max(strings.window(loss, ends_v).most, 1)
+        return self._with_mppts(1.0, strings.strings_per_mppt * most)
 
     def _sized(self, aircraft: Aircraft, start: DesignVariables | None = None) -> SizingResult:
         """Sizing of a design space."""
