@@ -22,12 +22,24 @@ from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
 from sizing.energy.battery import Battery
+from sizing.layout.cells import CellLayout, LayoutError, PlacedCell, Wing
+from sizing.layout.filling import laid_out, mppt_mass_kg
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
 from sizing.structures.models import Structure
 from sizing.structures.spar import SparStructure
 from solar.geometry import ModuleGeometry
-from solar.modules import SolarCell
-from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
+from solar.modules import STC_IRRADIANCE_W_PER_M2, SolarCell
+from solar.schema import (
+    FileRecord,
+    Fraction,
+    Name,
+    NonNegativeReal,
+    PositiveReal,
+    Record,
+    Text,
+    is_positive,
+    wrong_value,
+)
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
 
 _TOTAL_MASS = (
@@ -145,20 +157,15 @@ class ParametricAirframe(Record):
             raise PydanticCustomError(
                 "chordwise", "give one of aspect_ratio, chord_m, wing_area_m2 (got {keys})", said
             )
-        if not _is_positive(value):
+        if not is_positive(value):
             said = {"key": keys[0], "value": shown(value)}
             raise PydanticCustomError(
                 "chordwise", "must be a number greater than 0 (got {value})", said
             )
         # Of a wingspan that is none, its own error says so.
-        ratio = span_m ** _CHORDWISE[keys[0]] / value if _is_positive(span_m) else 1.0
+        ratio = span_m ** _CHORDWISE[keys[0]] / value if is_positive(span_m) else 1.0
         rest = {key: one for key, one in data.items() if key not in _CHORDWISE}
         return {**rest, "aspect_ratio": ratio}
-
-
-def _is_positive(value: Any) -> bool:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and 0.0 < value < float("inf")
 
 
 Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator="kind")]
@@ -170,9 +177,11 @@ class SolarModules(SolarCell):
     ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
     surfaces count relative to each other: a sized aircraft keeps the arrangement at another area.
     ``cell`` names an entry of the catalogue of solar cells, which gives what the file does not.
+    ``layout`` lays whole cells, which give the area and, with strings, the mass of the MPPTs.
     """
 
     cell: Text | None = None
+    layout: CellLayout | None = None
     area_m2: NonNegativeReal
     geometry: ModuleGeometry | None = None
     tail: TailGeometry | None = None
@@ -185,7 +194,19 @@ class SolarModules(SolarCell):
     def _from_catalogue(
         cls, data: Any, handler: ModelWrapValidatorHandler[SolarModules]
     ) -> SolarModules:
-        return filled(data, handler, "cell", "cells")
+        data, new = laid_out(data)
+        record = filled(data, handler, "cell", "cells")
+        mass_kg = mppt_mass_kg(record.layout)
+        if mass_kg is not None:
+            if "mppt_mass_kg_per_w" in data:
+                text = "leave it out: modules.layout.strings.mppt.mass_kg gives it"
+                raise wrong_value("mppt_mass_kg_per_w", text)
+            rated_w = STC_IRRADIANCE_W_PER_M2 * record.efficiency_stc * record.area_m2
+            new |= {"mppt_mass_kg_per_w"}
+            data = {**data, "mppt_mass_kg_per_w": mass_kg / rated_w}
+            record = filled(data, handler, "cell", "cells")
+        record.__pydantic_fields_set__.difference_update(new)
+        return record
 
     @model_validator(mode="after")
     def _check_shading(self) -> SolarModules:
@@ -474,9 +495,41 @@ class Aircraft(FileRecord):
             )
         return self
 
+    @property
+    def wing(self) -> Wing:
+        """Wingspan and mean chord."""
+        span_m = self.airframe.wingspan_m
+        return Wing(span_m, span_m / self.airframe.aspect_ratio)
+
+    def placed_cells(self) -> list[PlacedCell]:
+        """Whole cells of wing and tail; none without a layout."""
+        layout = self.modules.layout
+        return [] if layout is None else layout.placed(self.wing, self.modules.tail)
+
+    @model_validator(mode="after")
+    def _check_layout(self) -> Aircraft:
+        try:
+            self.placed_cells()
+        except LayoutError as error:
+            raise wrong_value(f"modules.layout.{error.key}", str(error)) from error
+        layout = self.modules.layout
+        if layout is None or layout.strings is None:
+            return self
+        ends_v, conversion = self.battery.ends_v, layout.strings.mppt.conversion
+        if ends_v is None and conversion != "any":
+            text = f"required key is missing: modules.layout.strings.mppt has {conversion}"
+            raise wrong_value("battery.voltage", text)
+        loss_per_k = self.modules.temperature_coefficient_per_k
+        trouble = layout.strings.trouble(layout.count, loss_per_k, ends_v)
+        if trouble is not None:
+            raise wrong_value(f"modules.layout.strings.{trouble[0]}", trouble[1])
+        return self
+
     @model_validator(mode="after")
     def _check_coverage(self) -> Aircraft:
         wing_area_m2 = self.airframe.wingspan_m**2 / self.airframe.aspect_ratio
+        if self.modules.layout is not None:
+            return self  # every cell has its place
         if self.modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
             raise PydanticCustomError(
                 "module_area",

@@ -273,8 +273,9 @@ def parametric_design(
 
 def _bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
     """Voltages of the bus with an empty and with a full battery [V]."""
-    assert aircraft.battery.voltage is not None  # refused at validation
-    return aircraft.battery.voltage.ends_v
+    ends_v = aircraft.battery.ends_v
+    assert ends_v is not None  # refused at validation
+    return ends_v
 
 
 def flown_at(

@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from sizing.catalogues.choice import filled
 from sizing.energy.battery_condition import Ageing, BatteryTemperature, InternalResistance
+from sizing.energy.battery_pack import BatteryPack, packed
 from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.smooth import Value
 from solar.schema import Fraction, PositiveReal, Record, Text, UnitInterval
@@ -173,7 +174,8 @@ class Battery(Record):
     a battery without them is the same in any air and at any age. ``voltage`` is that of the bus,
     for a propulsion at its operating point. ``cell`` names an entry of the
     catalogue of batteries, which gives what the file does not; the specific energy of a cell counts
-    for the share ``cell_mass_fraction`` of the pack's mass.
+    for the share ``cell_mass_fraction`` of the pack's mass. ``pack`` makes it one of whole cells,
+    whose mass follows from their number.
     """
 
     cell: Text | None = None
@@ -187,11 +189,15 @@ class Battery(Record):
     resistance: InternalResistance | None = None
     ageing: Ageing | None = None
     voltage: BatteryVoltage | None = None
+    pack: BatteryPack | None = None
 
     @model_validator(mode="wrap")
     @classmethod
     def _from_catalogue(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
-        return filled(data, handler, "cell", "batteries")
+        data, new = packed(data)
+        record = filled(data, handler, "cell", "batteries")
+        record.__pydantic_fields_set__.difference_update(new)
+        return record
 
     @model_validator(mode="after")
     def _check_cell(self) -> Battery:
@@ -202,6 +208,20 @@ class Battery(Record):
                 {"key": "cell_mass_fraction"},
             )
         return self
+
+    @property
+    def ends_v(self) -> tuple[float, float] | None:
+        """Voltages where it counts as empty and as full [V]; None without a table of voltages."""
+        if self.voltage is None or self.pack is None:
+            return None if self.voltage is None else self.voltage.ends_v
+        table = self.voltage.state_of_charge
+        ends = np.clip(
+            (self.pack.minimum_state_of_charge, self.pack.maximum_state_of_charge),
+            table[0],
+            table[-1],
+        )
+        low, high = self.voltage.voltage_v(ends)
+        return float(low), float(high)
 
     @property
     def battery_energy_wh(self) -> float:

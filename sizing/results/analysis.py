@@ -28,6 +28,7 @@ from sizing.results.notes import (
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
+from sizing.results.whole_cells import cells_record
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
@@ -297,6 +298,9 @@ class Analysis(Result):
         condition = battery_record(self.aircraft, self.mission)
         if condition is not None:
             result["battery_condition"] = condition
+        cells = cells_record(self.aircraft)
+        if cells:
+            result["whole_cells"] = cells
         result |= catalogue_records(self.aircraft)
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)

@@ -25,6 +25,7 @@ from sizing.results.notes import (
 from sizing.results.power_budget import power_line
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
+from sizing.results.whole_cells import cells_lines, cells_record
 from solar.sun import solar_time_h
 
 
@@ -63,6 +64,7 @@ def summary(analysis: Analysis) -> Summary:
     condition = battery_line(analysis.aircraft, analysis.mission)
     if condition is not None:
         blocks.append(condition)
+    blocks += cells_lines(cells_record(analysis.aircraft))
     slow = settling_line(analysis)
     if slow is not None:
         blocks.append(Line(slow, "warning"))

@@ -19,6 +19,7 @@ _REQUIREMENTS = {
     "energy_balance": ("solar energy of the day", ""),
     "excess_time": ("required excess time", "mission.required_excess_time_h"),
     "days_that_close": ("days of the record that close", ""),
+    "whole_cells": ("wing that holds the cells", "modules.layout"),
     "always_lit": ("solar power above the load at all times", ""),
 }
 _ENDS = ("maximum", "minimum")

@@ -40,6 +40,7 @@ from sizing.optimisation.sensitivity import (
     constraint_multipliers,
     sensitivities,
 )
+from sizing.optimisation.whole_cells import WholeCells, size_whole_cells
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
 from sizing.relaxation import Relaxation
@@ -50,6 +51,7 @@ from sizing.results.notes import catalogue_records, extrapolation_records, relax
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import NEGLIGIBLE, check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
+from sizing.results.whole_cells import sizing_record
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import record_check, stall_margin_within_polar
@@ -91,6 +93,9 @@ class SizingStudy(Result):
         Probability of the required excess time, where one was asked for.
     survival : Survival or None
         Days of a weather record's season that the design closes, where it was sized for them.
+    whole_cells : WholeCells or None
+        Designs of whole cells, the relaxed optimum and the loss, where they were asked for; the
+        aircraft is then that with the cells of the best design.
     """
 
     aircraft: Aircraft
@@ -108,6 +113,7 @@ class SizingStudy(Result):
     with_margin: SizingStudy | None = None
     reliability: Reliability | None = None
     survival: Survival | None = None
+    whole_cells: WholeCells | None = None
 
     renderer = "sizing.results.sizing_summary"
 
@@ -180,6 +186,17 @@ class SizingStudy(Result):
             data[section][key] = one.of(self.result.design)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
+        return data if self.whole_cells is not None else self._relaxed(data)
+
+    def _relaxed(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Data without the whole cells of another design, with the technology they had given."""
+        modules, battery = self.aircraft.modules, self.aircraft.battery
+        if data["modules"].pop("layout", None) is not None:
+            data["modules"]["mppt_mass_kg_per_w"] = modules.mppt_mass_kg_per_w
+        if data["battery"].pop("pack", None) is not None:
+            technology = battery.model_dump(mode="json")
+            for key in ("specific_energy_wh_per_kg", "charge_limit"):
+                data["battery"][key] = technology[key]
         return data
 
     @cached_property
@@ -259,6 +276,8 @@ class SizingStudy(Result):
             record["reliability"] = finite_values(self.reliability.to_dict())
         if self.survival is not None:
             record["weather"] = self.survival.to_dict()
+        if self.whole_cells is not None:
+            record["whole_cells"] = sizing_record(self.whole_cells, self.aircraft)
         return record
 
     @cached_property
@@ -325,6 +344,7 @@ def size(
     with_margin: bool = False,
     reliability: float | None = None,
     constraints: Sequence[Callable[[Any], Any]] = (),
+    whole_cells: bool = False,
 ) -> SizingStudy:
     """Find the best design of a parametric aircraft for a mission, or say why there is none.
 
@@ -361,6 +381,9 @@ def size(
         Further requirements on the design, functions that return one comparison by ``<=`` or
         ``>=``: ``lambda design: design.wing_loading_kg_per_m2 <= 3``. Answers name a function by
         its name, a lambda by what it compares.
+    whole_cells : bool
+        The best design of whole solar and battery cells instead of the relaxed optimum, for an
+        aircraft with ``modules.layout`` and ``battery.pack``.
 
     Returns
     -------
@@ -374,7 +397,8 @@ def size(
         With a reliability, for uncertain inputs that contradict the files' rules.
     ValueError
         For an unknown objective, model or correction, an impossible required excess time, or a
-        reliability without uncertain inputs, of a range, or with sensitivities or a cross-check.
+        reliability without uncertain inputs, of a range, or with sensitivities or a cross-check;
+        for whole cells of an aircraft without a layout or a pack, of a range, or with any of these.
     """
     check_subjects(aircraft, mission)
     solar, original = SolarModel(model, correction), aircraft
@@ -384,6 +408,14 @@ def size(
         other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
         required_excess_time_h = other.required_excess_time_h
     options: dict[str, Any] = {"required_excess_time_h": required_excess_time_h}
+    if whole_cells:
+        if with_sensitivities or with_cross_check or reliability is not None:
+            raise ValueError(
+                "whole cells have no sensitivities, cross-check or reliability: leave them out"
+            )
+        study = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
+        if study is not None:
+            return study
     aircraft, start = with_fixed_chain(aircraft, mission, wanted, solar, **options)
     problems = options["problems"] = SizingProblems(aircraft)
     if reliability is not None:
@@ -413,6 +445,28 @@ def size(
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         without_margins=without_margins_of(*asked),
         with_margin=guarded,
+    )
+
+
+def _of_whole_cells(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    required_excess_time_h: float | None,
+) -> SizingStudy | None:
+    """Best design of whole cells; None where there is not even a relaxed one."""
+    result, cells = size_whole_cells(
+        *(aircraft, mission, objective, solar), required_excess_time_h=required_excess_time_h
+    )
+    if not cells.relaxed.feasible:
+        return None
+    laid = aircraft if cells.aircraft is None else cells.aircraft
+    asked = (laid, mission, result, solar)
+    low, high = under_model_error(*asked)
+    plain = without_margins_of(*asked)
+    return SizingStudy(
+        *(laid, mission, solar, result, low, high), without_margins=plain, whole_cells=cells
     )
 
 

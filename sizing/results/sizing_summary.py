@@ -34,6 +34,7 @@ from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL
 from sizing.results.records import hours, relative_change
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
+from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table, sizing_record
 from sizing.sunlight import SolarModel
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
@@ -61,6 +62,7 @@ def summary(study: SizingStudy) -> Summary:
     blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
     if study.power_budget is not None:
         blocks.append(power_line(study.power_budget))
+    blocks += _whole_cells(study)
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)
     blocks += _confidence(study)
@@ -79,6 +81,15 @@ def summary(study: SizingStudy) -> Summary:
     return Summary(tuple(blocks))
 
 
+def _whole_cells(study: SizingStudy) -> list[Any]:
+    """Whole cells, what they cost, and the designs that were tried."""
+    if study.whole_cells is None:
+        return []
+    record = sizing_record(study.whole_cells, study.aircraft)
+    lines = [loss_line(record, study.objective), *cells_lines(record)]
+    return [*lines, neighbour_table(record, study.objective)]
+
+
 def _where(study: SizingStudy) -> str:
     survival = study.survival
     name = study.mission.name
@@ -95,6 +106,8 @@ def _without_design(study: SizingStudy) -> list[Any]:
         return [*blocks, reliability_text(study.reliability, study)]
     if study.survival is not None:
         blocks += survival_blocks(study.survival, study)
+    if study.whole_cells is not None:
+        return [*blocks, *_whole_cells(study)]
     if study.status is not SizingStatus.infeasible or study.coverage is not None:
         return blocks
     if not study.relaxations:

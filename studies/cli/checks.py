@@ -74,6 +74,17 @@ def require_parametric(case: Case, message: str) -> None:
         raise located_error(case.craft.document, ("airframe", "kind"), message)
 
 
+def require_whole_cells(case: Case) -> None:
+    """Refuse an aircraft whose file lays no solar cells or has no whole cells in its battery."""
+    for section, key, given in (
+        ("modules", "layout", case.aircraft.modules.layout),
+        ("battery", "pack", case.aircraft.battery.pack),
+    ):
+        if given is None:
+            message = "required key is missing: --whole-cells needs it"
+            raise located_error(case.craft.document, (section, key), message)
+
+
 @contextmanager
 def uncertain_inputs_of(case: Case) -> Iterator[None]:
     """Tell what is wrong with uncertain inputs by the lines of the files."""

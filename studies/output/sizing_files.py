@@ -16,6 +16,7 @@ from sizing.results.analysis import analyse
 from sizing.results.sizing import SizingStudy, sensitivity_records
 from sizing.results.tables import data_frame
 from studies.output import cycle_plots
+from studies.output.cell_plots import plot_cells
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
@@ -90,7 +91,7 @@ def sizing_figures(
 ) -> dict[str, Callable[[], bytes]]:
     """Functions that draw an optimum, by the names of their files.
 
-    Sensitivities, where there are any, come as a tornado plot.
+    Sensitivities, where there are any, come as a tornado plot, whole cells on their wing.
 
     Returns functions that return the contents of the files.
     """
@@ -119,6 +120,8 @@ def sizing_figures(
         )
 
     drawn = {"cycle.png": cycle, "masses.png": masses}
+    if sized.modules.layout is not None:
+        drawn["cells.png"] = partial(plot_cells, sized, figure=figure)
     if worth:
         drawn["sensitivities.png"] = sensitivities
     return {name: partial(_png, draw) for name, draw in drawn.items()}

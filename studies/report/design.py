@@ -21,6 +21,7 @@ from sizing.results.sizing_summary import (
     with_unit,
 )
 from sizing.results.tables import Table, facts
+from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table
 from sizing.sunlight import SolarModel
 from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text
 from studies.report.geometry import aircraft_drawing
@@ -158,6 +159,10 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
     if active:
         words = "; ".join(str(constraint_words(name)) for name in active)
         blocks.append(Text(f"Limited by (most important first): {words}."))
+    cells = sizing.get("whole_cells")
+    if cells is not None:
+        for line in (loss_line(cells, objective), *cells_lines(cells)):
+            blocks.append(Text(f"{line[:1].upper()}{line[1:]}."))
     if sizing.get("structure") is not None:
         structure = sizing["structure"]
         for text in (structure["text"], *structure["remarks"]):
@@ -165,6 +170,8 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
     if sizing.get("reliability") is not None:
         blocks.append(_reliability(sizing["reliability"]))
     tables = []
+    if cells is not None:
+        tables.append(neighbour_table(cells, objective))
     guarded = sizing.get("with_margin")
     if guarded is not None and guarded["status"] == "optimal":
         tables.append(_with_margin(sizing, guarded, objective))

@@ -45,11 +45,12 @@ class Drawing:
     ``wingspan_m``, ``chord_m``, ``thickness_ratio``: wing, a rectangle, and its section.
     ``incidence_deg``: pitch of the chord line to the body [deg]. ``dihedral_deg``,
     ``dihedral_from_m``: rise of the outer wing, and where it begins. ``spar_m``: spar behind the
-    leading edge. ``modules``: solar modules on the wing. ``tail``: tail planes and the height of
-    the boom. ``nose_m``, ``pod_m``, ``pod_depth_m``, ``boom_m``: nose ahead of the leading edge,
-    length and depth of the pod, diameter of the boom. ``schematic``: parts that no model has
-    numbers for: ``modules``, ``tail``, ``spar``, ``section``, ``pod``. ``notes``: where every part
-    comes from.
+    leading edge. ``modules``: solar modules on the wing, or every cell; ``modules_are``: which of
+    both. ``outline``: places along the wing with leading and trailing edge. ``tail``: tail
+    planes and the height of the boom. ``nose_m``, ``pod_m``, ``pod_depth_m``, ``boom_m``: nose
+    ahead of the leading edge, length and depth of the pod, diameter of the boom. ``schematic``:
+    parts that no model has numbers for: ``modules``, ``tail``, ``spar``, ``section``, ``pod``.
+    ``notes``: where every part comes from.
     """
 
     wingspan_m: float
@@ -60,6 +61,8 @@ class Drawing:
     dihedral_from_m: float
     spar_m: float
     modules: tuple[Rectangle, ...]
+    modules_are: str
+    outline: tuple[tuple[float, float, float], ...]
     tail: TailGeometry
     nose_m: float
     pod_m: float
@@ -93,9 +96,12 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
     rule = rib_wing or _RULE
     tail, tail_note, tail_known = _tail(aircraft.modules.tail, rib_wing, span_m, chord_m)
     modules, modules_note, modules_known = _module_places(aircraft, span_m, chord_m)
+    layout = aircraft.modules.layout
     dihedral_deg, from_m = _dihedral(geometry, span_m)
     notes = [
-        "Wing: a rectangle of wingspan and aspect ratio, as all models take it.",
+        "Wing: a rectangle of wingspan and aspect ratio, as all models take it."
+        if layout is None or layout.planform is None
+        else "Wing: modules.layout.planform; the models take a rectangle of its area.",
         modules_note,
         tail_note,
     ]
@@ -121,6 +127,10 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
         dihedral_from_m=from_m,
         spar_m=_SPAR_CHORD_FRACTION * chord_m,
         modules=modules,
+        modules_are="areas of solar modules" if layout is None else "solar cells",
+        outline=((-span_m / 2.0, 0.0, chord_m), (span_m / 2.0, 0.0, chord_m))
+        if layout is None
+        else tuple(layout.outline(aircraft.wing)),
         tail=tail,
         nose_m=_NOSE_CHORDS * chord_m,
         pod_m=(_NOSE_CHORDS + _POD_CHORDS) * chord_m,
@@ -190,6 +200,9 @@ def _module_places(
 ) -> tuple[tuple[Rectangle, ...], str, bool]:
     """Modules, where they come from, and whether the file has their places."""
     area_m2, geometry = aircraft.modules.area_m2, aircraft.modules.geometry
+    if aircraft.modules.layout is not None:
+        cells = tuple(Rectangle(*cell) for cell in aircraft.placed_cells())
+        return cells, f"Solar modules: {len(cells)} cells of modules.layout.", True
     outlines = _outlines(geometry)
     drawn_m2 = sum((m.right_m - m.left_m) * (m.rear_m - m.front_m) for m in outlines)
     fits = (

@@ -96,7 +96,7 @@ def _described(drawing: Drawing) -> str:
     return (
         f"Views from above, from ahead and from the left at one scale. Wing of "
         f"{drawing.wingspan_m:.2f} m span and {drawing.chord_m:.3f} m chord, {dihedral}; "
-        f"{len(drawing.modules)} areas of solar modules; horizontal tail of "
+        f"{len(drawing.modules)} {drawing.modules_are}; horizontal tail of "
         f"{tail.horizontal_span_m:.2f} by {tail.horizontal_chord_m:.2f} m, its leading edge "
         f"{tail.horizontal_aft_m:.2f} m behind that of the wing; vertical tail "
         f"{abs(tail.vertical_height_m):.2f} m high."
@@ -129,7 +129,7 @@ def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
         view.at(0.0, tail.vertical_aft_m + tail.vertical_chord_m),
         "fin",
     )
-    canvas.shape(view.box(-half, half, 0.0, drawing.chord_m), "wing")
+    canvas.shape(_wing_outline(view, drawing), "wing")
     for m in drawing.modules:
         canvas.shape(
             view.box(m.left_m, m.right_m, m.front_m, m.rear_m),
@@ -146,6 +146,12 @@ def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
     canvas.line((view.x, view.at(0, -drawing.nose_m)[1] - 6.0),
                 (view.x, view.at(0, drawing.tail_end_m)[1] + 8.0), "centre")  # fmt: skip
     _dimensions_above(canvas, drawing, view)
+
+
+def _wing_outline(view: _View, drawing: Drawing) -> list[Point]:
+    """Leading edge from the left tip to the right one, and the trailing edge back."""
+    ahead = [view.at(y, front) for y, front, _ in drawing.outline]
+    return [*ahead, *(view.at(y, rear) for y, _, rear in reversed(drawing.outline))]
 
 
 def _pod(view: _View, drawing: Drawing, half_width: float) -> list[Point]:

@@ -15,6 +15,17 @@ pytestmark = pytest.mark.slow
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 SUMMER = ("--mission", "central-europe-summer")
+STRINGS = (
+    "{cells_in_series: 22, coldest_c: -20, hottest_c: 70, "
+    "mppt: {minimum_voltage_v: 5, maximum_voltage_v: 40, maximum_current_a: 7}}"
+)
+CELLS = (
+    *("--set", "modules.cell=sunpower-c60"),
+    *("--set", "modules.layout={cell_span_m: 0.125, cell_chord_m: 0.125}"),
+    *("--set", "modules.layout.bays=[{cells: [22, 22]}]"),
+    *("--set", f"modules.layout.strings={STRINGS}"),
+    *("--set", "battery.pack={cells_in_series: 6, cell_mass_kg: 0.0486}"),
+)
 
 # Calls that together show every key of a command, and keys that only other calls show.
 CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
@@ -24,6 +35,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [AS2, "--mission", "rafz-28h"],
             [AS2, "--set", "mission.climb={ceiling_m: 1000}"],
             [AS2, "--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"],
+            [AS2, *CELLS],
         ],
         set(),
     ),
@@ -37,6 +49,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
                 *("--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"),
             ],
             [DESIGN, "--mission", "rafz-july", "--reliability", "0.4"],
+            [DESIGN, "--mission", "rafz-july", "--whole-cells", *CELLS],
         ],
         {"range", "weather"},
     ),

@@ -87,6 +87,8 @@ def _check(case: Case, options: Size) -> None:
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)
     checks.require_path(case)
+    if options.whole_cells:
+        checks.require_whole_cells(case)
     least = options.reliability
     if least is not None:
         with checks.uncertain_inputs_of(case):
@@ -104,7 +106,8 @@ def _designed(case: Case, options: Size) -> SizingStudy:
             correction=case.solar.correction,
             with_sensitivities=options.with_sensitivities,
             with_cross_check=options.with_cross_check,
-            with_margin=True,
+            with_margin=not options.whole_cells,
+            whole_cells=options.whole_cells,
             reliability=options.reliability,
         )
     weather = load_weather(options.weather_file)

@@ -57,6 +57,12 @@ class Size:
         is_flag=True,
         help="Try to beat the optimum with thousands of other designs in the simulator.",
     )
+    whole_cells: bool = option(
+        "--whole-cells",
+        is_flag=True,
+        help="Round the optimum to whole solar and battery cells, search the designs next to it "
+        "and print the loss; for files with modules.layout and battery.pack.",
+    )
     reliability: float | None = option(
         "--reliability",
         type=RealRange(0.0, 1.0, unit="the interval from 0 to 1", above=True, below=True),
@@ -84,6 +90,8 @@ class Size:
                 f"{self.objective} counts days or degrees: it has no sensitivities and no "
                 "cross-check"
             )
+        if self.whole_cells:
+            self._refuse_with_whole_cells()
         if self.reliability is not None and of_optimum:
             raise click.UsageError("--sensitivities and --cross-check know of no --reliability")
         if (self.weather_file is None) != (self.survive is None):
@@ -98,6 +106,19 @@ class Size:
     def goal(self) -> Objective:
         """Objective of the optimiser."""
         return Objective(self.objective)
+
+    def _refuse_with_whole_cells(self) -> None:
+        """Refuse what is known of the relaxed optimum alone."""
+        others = {
+            f"--objective {self.objective}": self.goal.of_range,
+            "--sensitivities": self.with_sensitivities,
+            "--cross-check": self.with_cross_check,
+            "--reliability": self.reliability is not None,
+            "--survive": self.survive is not None,
+        }
+        for name, given in others.items():
+            if given:
+                raise click.UsageError(f"--whole-cells does not go with {name}")
 
     def _refuse_clear_days(self) -> None:
         """Refuse what is asked of clear days together with a share of a record's days."""

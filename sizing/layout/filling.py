@@ -1,0 +1,97 @@
+"""What a layout of cells gives modules: their area, and the mass of their MPPTs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from missions.files.errors import InputError
+from sizing.layout.cells import CellLayout
+from solar.schema import Record, is_positive, wrong_value
+
+if TYPE_CHECKING:
+    from sizing.catalogues.entries import CellEntry
+
+__all__ = ["laid_out", "mppt_mass_kg"]
+
+_OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
+_HALF_A_CELL = 0.5
+
+
+def laid_out(data: Any) -> tuple[Any, set[str]]:
+    """Data of modules with the area of their layout's cells, and the keys that are new.
+
+    Data that are wrong are left to the validation of the records.
+    """
+    raw = data.get("layout") if isinstance(data, Mapping) else None
+    raw = raw.model_dump(exclude_unset=True) if isinstance(raw, Record) else raw
+    if not isinstance(raw, Mapping):
+        return data, set()
+    layout = _with_entry(raw, _entry(data))
+    try:
+        found = CellLayout.model_validate(layout)
+    except ValidationError:
+        return {"area_m2": 0.0, **data, "layout": layout}, set()
+    area = data.get("area_m2")
+    if "area_m2" in data and not (area == 0.0 or is_positive(area)):
+        return {**data, "layout": layout}, set()
+    if area is not None and abs(area / found.area_of_a_cell_m2 - found.count) >= _HALF_A_CELL:
+        raise wrong_value(
+            "area_m2",
+            f"must be that of the {found.count} cells of modules.layout, {found.area_m2:.4g} m² "
+            f"(got {area:g}); it may be left out",
+        )
+    values = {**data, "layout": layout, "area_m2": found.area_m2}
+    return values, set(values) - set(data)
+
+
+def _entry(data: Mapping[str, Any]) -> CellEntry | None:
+    from sizing.catalogues.files import entry
+
+    name = data.get("cell")
+    if not isinstance(name, str):
+        return None
+    try:
+        return entry("cells", name)  # type: ignore[return-value]
+    except (InputError, OSError):
+        return None  # told by the validation of the name
+
+
+def _with_entry(raw: Mapping[str, Any], entry: CellEntry | None) -> dict[str, Any]:
+    """Layout with the area and the voltages of the catalogue's cell, where it has none itself."""
+    if entry is None:
+        return dict(raw)
+    layout, part = dict(raw), _part_of(raw, entry.area_m2)
+    if part == 1.0:
+        layout.setdefault("cell_area_m2", entry.area_m2)
+    strings = raw.get("strings")
+    if isinstance(strings, Mapping):
+        known = {key: getattr(entry, key) for key in _OF_A_CELL}
+        if known["mpp_current_a"] is not None:
+            known["mpp_current_a"] *= part
+        layout["strings"] = {k: v for k, v in known.items() if v is not None} | dict(strings)
+    return layout
+
+
+def _part_of(raw: Mapping[str, Any], area_m2: float | None) -> float:
+    """Part of the catalogue's cell that a cell of the layout is: 1, or less if it was cut [-].
+
+    Current goes with the area, voltage does not. Corners that are cut make an area up to a fifth
+    less than the outline: that of a round wafer in it is.
+    """
+    span_m, chord_m = raw.get("cell_span_m"), raw.get("cell_chord_m")
+    if area_m2 is None or not is_positive(span_m) or not is_positive(chord_m):
+        return 1.0
+    outline, own = span_m * chord_m, raw.get("cell_area_m2")
+    if 0.8 * outline <= area_m2 <= outline:
+        return 1.0
+    return (own if is_positive(own) else outline) / area_m2
+
+
+def mppt_mass_kg(layout: CellLayout | None) -> float | None:
+    """Mass of all MPPTs; None where a layout does not give it."""
+    if layout is None or layout.strings is None or layout.strings.mppt.mass_kg is None:
+        return None
+    return layout.strings.mppts(layout.count) * layout.strings.mppt.mass_kg

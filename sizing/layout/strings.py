@@ -1,0 +1,163 @@
+"""Strings of solar cells in series, and the voltage window of their MPPT."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+from pydantic import model_validator
+
+from solar.modules import STC_TEMPERATURE_C
+from solar.schema import (
+    CellCount,
+    NonNegativeReal,
+    PositiveReal,
+    Real,
+    Record,
+    check_order,
+    wrong_value,
+)
+
+__all__ = ["Mppt", "SeriesWindow", "Strings"]
+
+# Cells in series whose voltage equals a limit stay within it.
+_ROUNDING = 1e-9
+
+
+class Mppt(Record):
+    """A maximum power point tracker: voltages and current at its input, and its mass.
+
+    One that steps up must not see more than the battery's voltage, one that steps down not less.
+    """
+
+    conversion: Literal["any", "step_up", "step_down"] = "any"
+    minimum_voltage_v: PositiveReal
+    maximum_voltage_v: PositiveReal
+    maximum_current_a: PositiveReal
+    mass_kg: NonNegativeReal | None = None
+
+    @model_validator(mode="after")
+    def _check_window(self) -> Mppt:
+        check_order(self, "minimum_voltage_v", "maximum_voltage_v")
+        return self
+
+
+class SeriesWindow(NamedTuple):
+    """Least and largest number of cells in series, and what sets them, in words."""
+
+    least: int
+    most: int
+    why: str
+
+
+class Strings(Record):
+    """Cells in series, strings at an MPPT, and temperatures of the modules [C].
+
+    Voltages and current are those of one cell at 1000 W/m2 and 25 C; without them those of the
+    catalogue's entry. ``voltage_coefficient_per_k`` is their relative loss per kelvin; without it
+    that of the power, which is larger: the current rises a little with the temperature.
+    """
+
+    cells_in_series: CellCount
+    strings_per_mppt: CellCount = 1
+    coldest_c: Real
+    hottest_c: Real
+    mpp_voltage_v: PositiveReal | None = None
+    open_circuit_voltage_v: PositiveReal | None = None
+    mpp_current_a: PositiveReal | None = None
+    voltage_coefficient_per_k: NonNegativeReal | None = None
+    mppt: Mppt
+
+    @model_validator(mode="after")
+    def _check_cell(self) -> Strings:
+        for key in ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a"):
+            if getattr(self, key) is None:
+                text = "required key is missing: modules.cell names no entry that has it"
+                raise wrong_value(key, text)
+        check_order(self, "coldest_c", "hottest_c")
+        return self
+
+    def voltage_v(self, at_stc_v: float, temperature_c: float, loss_per_k: float) -> float:
+        """Voltage of a cell at a temperature.
+
+        ``V = V_STC (1 - beta (T - 25 C))``: King, D. L., Boyson, W. E. & Kratochvil, J. A. (2004),
+        Photovoltaic Array Performance Model, Sandia National Laboratories SAND2004-3535, eq. 3 and
+        4 at full sun.
+        """
+        loss = self.voltage_coefficient_per_k
+        beta = loss_per_k if loss is None else loss
+        return max(at_stc_v * (1.0 - beta * (temperature_c - STC_TEMPERATURE_C)), 0.0)
+
+    def window(self, loss_per_k: float, battery_v: tuple[float, float] | None) -> SeriesWindow:
+        """Numbers in series that the MPPT takes.
+
+        ``loss_per_k``: relative loss of the modules' power. ``battery_v``: voltage of the empty and
+        the full battery, for an MPPT that steps up or down.
+        """
+        mppt, mpp, unloaded = self.mppt, self.mpp_voltage_v, self.open_circuit_voltage_v
+        assert mpp is not None
+        assert unloaded is not None
+        hot_v = self.voltage_v(mpp, self.hottest_c, loss_per_k)
+        cold_v = self.voltage_v(mpp, self.coldest_c, loss_per_k)
+        open_v = self.voltage_v(unloaded, self.coldest_c, loss_per_k)
+        low_v, why = mppt.minimum_voltage_v, ""
+        ceilings = [mppt.maximum_voltage_v / open_v]
+        if battery_v is not None and mppt.conversion == "step_up":
+            ceilings.append(battery_v[0] / cold_v)
+            why = f", below the {battery_v[0]:.4g} V of the empty battery"
+        if battery_v is not None and mppt.conversion == "step_down":
+            low_v = max(low_v, battery_v[1])
+            why = f", above the {battery_v[1]:.4g} V of the full battery"
+        return SeriesWindow(
+            least=math.ceil(low_v / hot_v - _ROUNDING) if hot_v > 0.0 else 1 + 10**9,
+            most=math.floor(min(ceilings) + _ROUNDING),
+            why=(
+                f"the MPPT takes {mppt.minimum_voltage_v:g} to {mppt.maximum_voltage_v:g} V{why}, "
+                f"the modules have {self.coldest_c:g} to {self.hottest_c:g} °C"
+            ),
+        )
+
+    def mppts(self, cells: int) -> int:
+        """MPPTs that so many cells need."""
+        return math.ceil(cells / self.cells_in_series / self.strings_per_mppt - _ROUNDING)
+
+    def trouble(
+        self, cells: int, loss_per_k: float, battery_v: tuple[float, float] | None
+    ) -> tuple[str, str] | None:
+        """Key and sentence of what is wrong with the strings of so many cells; None if nothing."""
+        if cells % self.cells_in_series:
+            return (
+                "cells_in_series",
+                f"must divide the {cells} cells into whole strings (got {self.cells_in_series})",
+            )
+        window, current = self.window(loss_per_k, battery_v), self.mpp_current_a
+        if not window.least <= self.cells_in_series <= window.most:
+            allowed = (
+                f"from {window.least} to {window.most}"
+                if window.least <= window.most
+                else "what no number is"
+            )
+            return (
+                "cells_in_series",
+                f"must be {allowed}: {window.why} (got {self.cells_in_series})",
+            )
+        assert current is not None
+        if self.strings_per_mppt * current > self.mppt.maximum_current_a * (1.0 + _ROUNDING):
+            most = math.floor(self.mppt.maximum_current_a / current)
+            return (
+                "strings_per_mppt",
+                f"must be at most {most}: the MPPT takes {self.mppt.maximum_current_a:g} A, a "
+                f"string gives {current:g} A (got {self.strings_per_mppt})",
+            )
+        return None
+
+    def for_cells(
+        self, cells: int, loss_per_k: float, battery_v: tuple[float, float] | None
+    ) -> Strings | None:
+        """The same with the fewest strings that divide so many cells; None where none do."""
+        for count in range(1, cells + 1):
+            if cells % count == 0:
+                one = self.model_copy(update={"cells_in_series": cells // count})
+                if one.trouble(cells, loss_per_k, battery_v) is None:
+                    return one
+        return None

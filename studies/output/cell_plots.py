@@ -1,0 +1,89 @@
+"""Figure of a wing with its solar cells."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sizing.aircraft import Aircraft
+from sizing.results.whole_cells import cells_lines, cells_record
+from solar.shading import TailGeometry
+from studies.output.figures.drawing import DARK_GREY, GREY, LOAD, Canvas, ink, new_figure, styled
+from studies.output.figures.options import DEFAULT
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+_WIDTH_IN, _AROUND_IN = 9.0, 1.3  # of the figure, and what title and axis take of its height
+
+
+def _end_of(tail: TailGeometry) -> float:
+    return tail.horizontal_aft_m + tail.horizontal_chord_m
+
+
+@styled
+def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
+    """Wing, and tail where it bears cells, from above with every solar cell and keep-out.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        With ``modules.layout``.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ValueError
+        For an aircraft without a layout.
+    """
+    from matplotlib.collections import PatchCollection
+    from matplotlib.patches import Patch, Polygon, Rectangle
+    from matplotlib.ticker import MaxNLocator
+
+    layout, wing, tail = aircraft.modules.layout, aircraft.wing, aircraft.modules.tail
+    if layout is None:
+        raise ValueError(f"{aircraft.name} has no modules.layout")
+    notes = cells_lines(cells_record(aircraft))[:1]
+    aft_m = wing.chord_m if not layout.tail_cells or tail is None else _end_of(tail)
+    height_in = _AROUND_IN + _WIDTH_IN * aft_m / wing.wingspan_m
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title=f"{aircraft.name}: solar cells",
+        notes=notes,
+        size_in=(_WIDTH_IN, height_in),
+        grid="",
+    )
+    edges = layout.outline(wing)
+    around = [(y, front) for y, front, _ in edges] + [(y, rear) for y, _, rear in reversed(edges)]
+    outlines: list[Patch] = [Polygon(around)]
+    if tail is not None and layout.tail_cells:
+        half, chord_m = tail.horizontal_span_m / 2.0, tail.horizontal_chord_m
+        outlines.append(Rectangle((-half, tail.horizontal_aft_m), 2.0 * half, chord_m))
+    axes.add_collection(
+        PatchCollection(outlines, facecolor=GREY, edgecolor=ink(), linewidth=0.8, alpha=0.5)
+    )
+    taken = [
+        Rectangle((side * low if side > 0.0 else -high, front), high - low, rear - front)
+        for low, high, front, rear in layout.kept_out(wing)
+        for side in (-1.0, 1.0)
+    ]
+    axes.add_collection(
+        PatchCollection(taken, facecolor="none", edgecolor=DARK_GREY, hatch="////", linewidth=0.6)
+    )
+    cells = [
+        Rectangle((c.left_m, c.front_m), c.right_m - c.left_m, c.rear_m - c.front_m)
+        for c in aircraft.placed_cells()
+    ]
+    axes.add_collection(PatchCollection(cells, facecolor=LOAD, edgecolor="white", linewidth=0.3))
+    axes.set_aspect("equal")
+    axes.margins(0.01)
+    axes.autoscale_view()
+    axes.invert_yaxis()
+    axes.yaxis.set_major_locator(MaxNLocator(3))
+    axes.set(xlabel="right of the middle [m]", ylabel="aft [m]")
+    return drawn

@@ -1,0 +1,140 @@
+"""Batteries of whole cells: mass, energy, voltage and charge current, and what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from builders import DESIGN
+
+import sizing
+from missions.files.errors import InputError
+from sizing.aircraft import Aircraft
+from sizing.energy.battery import Battery, RuleChargeLimit
+
+# LG INR18650 MH1 by its data sheet: 3.2 Ah of 3.7 V, 44.5 g, charged with 3.1 A.
+VOLTAGE = {
+    "cells_in_series": 6,
+    "state_of_charge": [0.0, 0.2, 1.0],
+    "cell_voltage_v": [3.0, 3.4, 4.2],
+}
+
+
+def battery(**data: Any) -> Battery:
+    return Battery.model_validate({"cell": "lg-mh1"} | data)
+
+
+def test_mass_energy_voltage_and_current_are_those_of_the_cells() -> None:
+    one = battery(pack={"cells_in_parallel": 9}, voltage=VOLTAGE)
+    assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
+    # The catalogue keeps six digits of the energy over mass.
+    assert one.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
+    assert one.ends_v == pytest.approx((18.0, 25.2))
+    assert one.pack is not None
+    assert one.pack.charge_current_a == pytest.approx(9 * 3.1)
+    limit = one.charge_limit
+    assert isinstance(limit, RuleChargeLimit)
+    assert limit.c_rate_per_h == pytest.approx(3.1 / 3.2, rel=1e-5)
+
+
+def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy() -> None:
+    one = battery(cell_mass_fraction=0.9, pack={"cells_in_series": 6, "cells_in_parallel": 9})
+    assert one.mass_kg == pytest.approx(54 * 0.0445 / 0.9, rel=1e-12)
+    assert one.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
+
+
+def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells() -> None:
+    window = {"minimum_state_of_charge": 0.1, "maximum_state_of_charge": 0.9}
+    one = battery(pack={"cells_in_parallel": 9} | window, voltage=VOLTAGE)
+    assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
+    assert one.battery_energy_wh == pytest.approx(0.8 * 54 * 3.2 * 3.7, rel=1e-5)
+    assert one.ends_v == pytest.approx((6 * 3.2, 6 * 4.1))
+    # Stored power at the largest current is the same: 9 times 3.1 A at the nominal voltage.
+    limit = one.charge_limit
+    assert isinstance(limit, RuleChargeLimit)
+    power_w = limit.c_rate_per_h * one.battery_energy_wh
+    assert power_w == pytest.approx(9 * 3.1 * 6 * 3.7, rel=1e-4)
+
+
+def test_cells_in_parallel_follow_from_a_mass_of_whole_cells() -> None:
+    one = battery(mass_kg=2.403, pack={"cells_in_series": 6})
+    assert one.pack is not None
+    assert one.pack.cells_in_parallel == 9
+    assert one.mass_kg == pytest.approx(2.403, rel=1e-12)
+
+
+def test_what_follows_is_not_written_and_follows_again() -> None:
+    data = DESIGN.model_dump(mode="json", exclude_unset=True)
+    data["battery"] = {"cell": "lg-mh1", "voltage": VOLTAGE, "pack": {"cells_in_parallel": 9}}
+    plane = Aircraft.model_validate(data)
+    written = plane.model_dump(mode="json", exclude_unset=True)
+    assert "mass_kg" not in written["battery"]
+    assert Aircraft.model_validate(written) == plane
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (
+            {"pack": {"cells_in_series": 7, "cell_mass_kg": 0.0486}},
+            "battery.mass_kg: must be that of whole cells, 2.722 kg (7 × 8) or 3.062 kg (7 × 9) "
+            "(got 2.918)",
+        ),
+        (
+            {"pack": {"cells_in_series": 6, "cells_in_parallel": 11, "cell_mass_kg": 0.0486}},
+            "battery.mass_kg: must be that of whole cells, 3.208 kg (6 × 11) (got 2.918)",
+        ),
+        (
+            {"pack": {"cells_in_parallel": 10, "cell_mass_kg": 0.0486}},
+            "battery.pack.cells_in_series: required key is missing",
+        ),
+        (
+            {"pack": {"cells_in_series": 5, "cell_mass_kg": 0.0486}, "voltage": VOLTAGE},
+            "battery.pack.cells_in_series: must be that of battery.voltage, 6 (got 5)",
+        ),
+        (
+            {
+                "pack": {
+                    "cells_in_series": 6,
+                    "cell_mass_kg": 0.0486,
+                    "minimum_state_of_charge": 0.1,
+                }
+            },
+            "battery.pack.minimum_state_of_charge: goes with battery.cell",
+        ),
+        (
+            {
+                "pack": {
+                    "cells_in_series": 6,
+                    "cell_mass_kg": 0.0486,
+                    "minimum_state_of_charge": 0.9,
+                    "maximum_state_of_charge": 0.2,
+                }
+            },
+            "pack.maximum_state_of_charge: must be above minimum_state_of_charge 0.9 (got 0.2)",
+        ),
+        (
+            {"cell": "atlantiksolar-as2-pack", "pack": {"cells_in_series": 6}},
+            "battery.pack: is of no use here: AtlantikSolar AS-2, pack of 2015 is a whole pack",
+        ),
+        (
+            {"cell": "no-such", "pack": {"cells_in_series": 6, "cell_mass_kg": 0.0486}},
+            "battery.cell: the catalogue of batteries has no 'no-such'",
+        ),
+        ({"pack": 3}, "battery.pack: "),
+    ],
+)
+def test_wrong_packs_are_refused(data: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError) as error:
+        sizing.load_aircraft(
+            "atlantiksolar-design", {f"battery.{key}": value for key, value in data.items()}
+        )
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize("value", [10**400, float("inf"), -1, 0, "6", None, True, [1]])
+@pytest.mark.parametrize("key", ["cells_in_series", "cells_in_parallel", "cell_mass_kg"])
+def test_no_value_is_a_traceback(key: str, value: Any) -> None:
+    pack = {"cells_in_series": 6, "cells_in_parallel": 10, "cell_mass_kg": 0.0486} | {key: value}
+    with pytest.raises(InputError):
+        sizing.load_aircraft("atlantiksolar-design", {"battery.pack": pack})

@@ -1,0 +1,317 @@
+"""Whole solar cells on wings: published counts, places, and what is refused."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any
+
+import pytest
+from builders import DESIGN, aircraft
+
+import sizing
+from missions.files.errors import InputError
+from sizing.aircraft import Aircraft
+from sizing.layout.cells import CellLayout, LayoutError, PlacedCell, Wing
+
+SUNPOWER = {"cell_span_m": 0.125, "cell_chord_m": 0.125}
+# Modules of AS-2: 20 cells in each central row and 12 in each outer one (docs/shading.md).
+AS2_BAYS: list[dict[str, Any]] = [
+    {"outboard": 0.4528, "cells": [10, 10]},
+    {"inboard": 0.4528, "cells": [12, 12]},
+]
+
+
+def laid(base: str = "atlantiksolar-design", area_m2: float = 1.35, **layout: Any) -> Aircraft:
+    modules = {"cell": "sunpower-e60", "layout": layout, "area_m2": area_m2}
+    return sizing.load_aircraft(base, {f"modules.{key}": value for key, value in modules.items()})
+
+
+def refused(base: str = "atlantiksolar-design", **layout: Any) -> str:
+    with pytest.raises(InputError) as error:
+        laid(base, **layout)
+    assert len(error.value.problems) == 1
+    return str(error.value)
+
+
+def overlaps(one: PlacedCell, other: PlacedCell) -> bool:
+    along = min(one.right_m, other.right_m) - max(one.left_m, other.left_m)
+    across = min(one.rear_m, other.rear_m) - max(one.front_m, other.front_m)
+    return min(along, across) > 1e-9
+
+
+# ---- Published counts
+
+
+def test_atlantiksolar_holds_its_88_cells_around_the_joints() -> None:
+    joint = {"name": "joint", "inboard": 0.4528, "outboard": 0.4528, "margin_m": 0.01}
+    plane = laid("atlantiksolar-as2", **SUNPOWER, bays=AS2_BAYS, keep_outs=[joint])
+    assert len(plane.placed_cells()) == 88
+    # 1.35 m2 are published for the 88 cells, rounded to three digits.
+    assert plane.modules.area_m2 == pytest.approx(1.35, abs=0.005)
+    layout = plane.modules.layout
+    assert layout is not None
+    # No cell more would fit: the published count is that of full rows.
+    assert layout.capacity(plane.wing) == 44
+
+
+@pytest.mark.parametrize(("gap_m", "count"), [(0.0, 76), (0.002, 72)])
+def test_solong_holds_its_76_cells_without_gaps(gap_m: float, count: int) -> None:
+    # Of its chord only the aspect ratio is known, an assumption; two rows fit, three do not.
+    layout = CellLayout.model_validate(SUNPOWER | {"gap_m": gap_m, "bays": [{"cells": [1]}]})
+    wing = sizing.load_aircraft("solong").wing
+    assert 2 * layout.capacity(wing) == count
+
+
+def test_sky_sailor_holds_its_216_cells() -> None:
+    # Published: 216 cells, 0.51 m2, hence 23.6 cm2 each; the outline is assumed, 32 mm by 74 mm.
+    bays = [{"cells": [18] * 6}]
+    plane = sizing.load_aircraft(
+        "sky-sailor",
+        {
+            "modules.layout": {
+                "cell_span_m": 0.074,
+                "cell_chord_m": 0.032,
+                "cell_area_m2": 0.51 / 216,
+                "bays": bays,
+            }
+        },
+    )
+    assert len(plane.placed_cells()) == 216
+    assert plane.modules.area_m2 == pytest.approx(0.51, abs=0.005)
+    layout = plane.modules.layout
+    assert layout is not None
+    # A rectangle of the wing's area would hold more.
+    assert 2 * layout.capacity(plane.wing) == 294
+
+
+# ---- Places
+
+
+def test_cells_lie_on_the_wing_apart_from_each_other_and_from_keep_outs() -> None:
+    planform = {"half_span": [0.0, 0.5, 1.0], "relative_chord": [1.2, 1.1, 0.6]}
+    aileron = {"name": "aileron", "inboard": 0.6, "outboard": 0.9, "front": 0.7}
+    plane = laid(
+        area_m2=46 * 0.0153436,
+        **SUNPOWER,
+        gap_m=0.004,
+        planform=planform,
+        keep_outs=[aileron],
+        bays=[
+            {"outboard": 0.5, "front": 0.05, "cells": [10, 9]},
+            {"inboard": 0.5, "front": 0.05, "rear": 0.95, "cells": [4]},
+        ],
+    )
+    cells, wing, layout = plane.placed_cells(), plane.wing, plane.modules.layout
+    assert layout is not None
+    assert len(cells) == layout.count == 46
+    assert not any(overlaps(*pair) for pair in combinations(cells, 2))
+    chord_m = wing.chord_m
+    for cell in cells:
+        for y_m in (abs(cell.left_m), abs(cell.right_m)):
+            at = 2.0 * y_m / wing.wingspan_m
+            # The chord by hand, and leading edges along a straight line of the quarter chords.
+            own_m = chord_m * (1.2 - 0.2 * at if at <= 0.5 else 1.1 - (at - 0.5))
+            edge_m = (1.2 * chord_m - own_m) / 4.0
+            assert cell.front_m >= edge_m + 0.05 * own_m - 1e-9
+            assert cell.rear_m <= edge_m + own_m + 1e-9
+            if 0.6 <= at <= 0.9:
+                assert cell.rear_m <= edge_m + 0.7 * own_m + 0.03  # the fronts differ by the taper
+
+
+def test_keep_outs_take_cells_away() -> None:
+    layout = CellLayout.model_validate(SUNPOWER | {"gap_m": 0.0, "bays": [{"cells": [1]}]})
+    wing = Wing(5.0, 0.26)
+    assert layout.capacity(wing) == 40
+    # 0.05 of 2.5 m are one cell; as a whole chord it takes one of both rows.
+    joint = {"name": "joint", "inboard": 0.5, "outboard": 0.55}
+    kept = CellLayout.model_validate(layout.model_dump() | {"keep_outs": [joint]})
+    assert kept.capacity(wing) == 38
+    rear = joint | {"front": 0.6}
+    kept = CellLayout.model_validate(layout.model_dump() | {"keep_outs": [rear]})
+    assert kept.capacity(wing) == 39
+
+
+def test_cells_on_the_tail() -> None:
+    # 0.87 m by 0.173 m: six cells of 0.125 m with gaps of 2 mm.
+    bays = [{"cells": [20, 20]}]
+    plane = sizing.load_aircraft(
+        "atlantiksolar-design",
+        {
+            "modules.layout": SUNPOWER | {"bays": bays, "tail_cells": [6]},
+            "modules.area_m2": 86 * 0.015625,
+        },
+    )
+    tail = plane.modules.tail
+    assert tail is not None
+    on_tail = [cell for cell in plane.placed_cells() if cell.front_m > tail.horizontal_aft_m]
+    assert len(on_tail) == 6
+    assert sum(cell.left_m + cell.right_m for cell in on_tail) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_counts_follow_from_the_middle_outwards() -> None:
+    layout = CellLayout.model_validate(SUNPOWER | {"bays": [{"cells": [1]}]})
+    wing = Wing(5.65, 0.305)
+    fewer = layout.with_cells(25, wing, None)
+    assert fewer.bays[0].cells == (13, 12)
+    assert len(fewer.placed(wing, None)) == 50
+    with pytest.raises(LayoutError, match="holds 44 cells, not 45"):
+        layout.with_cells(45, wing, None)
+
+
+# ---- What follows from a layout
+
+
+def test_area_and_mppt_mass_follow() -> None:
+    strings = {
+        "cells_in_series": 44,
+        "coldest_c": -20.0,
+        "hottest_c": 70.0,
+        "mppt": {
+            "minimum_voltage_v": 10.0,
+            "maximum_voltage_v": 60.0,
+            "maximum_current_a": 7.0,
+            "mass_kg": 0.08,
+        },
+    }
+    data = DESIGN.model_dump(mode="json", exclude_unset=True)
+    data["modules"] |= {
+        "cell": "sunpower-c60",
+        "layout": SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": strings},
+    }
+    del data["modules"]["area_m2"], data["modules"]["mppt_mass_kg_per_w"]
+    plane = Aircraft.model_validate(data)
+    assert plane.modules.area_m2 == pytest.approx(88 * 0.0153436, rel=1e-12)
+    design = sizing.design_of(plane, sizing_mission())
+    assert design.masses.mppt == pytest.approx(2 * 0.08, rel=1e-12)
+    assert design.masses.modules == pytest.approx(0.59 * 88 * 0.0153436, rel=1e-12)
+    # What follows is not written to a file, and follows again when it is read.
+    again = plane.model_dump(mode="json", exclude_unset=True)
+    assert "area_m2" not in again["modules"]
+    assert Aircraft.model_validate(again) == plane
+
+
+def sizing_mission() -> Any:
+    from missions.library import load_mission
+
+    return load_mission("rafz-july")
+
+
+def test_half_a_cell_has_half_the_current() -> None:
+    half = {"cell_span_m": 0.125, "cell_chord_m": 0.0625, "cell_area_m2": 0.0153436 / 2.0}
+    strings = {
+        "cells_in_series": 22,
+        "coldest_c": -20.0,
+        "hottest_c": 70.0,
+        "mppt": {
+            "minimum_voltage_v": 5.0,
+            "maximum_voltage_v": 60.0,
+            "maximum_current_a": 3.0,
+        },
+    }
+    plane = sizing.load_aircraft(
+        "atlantiksolar-design",
+        {
+            "modules.cell": "sunpower-c60",
+            "modules.layout": half | {"bays": [{"cells": [44] * 4}], "strings": strings},
+            "airframe.wingspan_m": 11.3,
+            "modules.area_m2": 352 * 0.0153436 / 2.0,
+        },
+    )
+    layout = plane.modules.layout
+    assert layout is not None
+    assert layout.strings is not None
+    assert layout.strings.mpp_current_a == pytest.approx(5.93 / 2.0)
+
+
+def test_aircraft_without_layout_are_as_before() -> None:
+    assert DESIGN.placed_cells() == []
+    assert "layout" not in DESIGN.model_dump(exclude_unset=True)["modules"]
+    assert aircraft("atlantiksolar-design").modules.mppt_mass_kg_per_w == 0.0004223
+
+
+# ---- Refused, with the key
+
+
+@pytest.mark.parametrize(
+    ("layout", "words"),
+    [
+        (
+            {"bays": [{"cells": [22, 11, 11]}]},
+            "modules.layout.bays.0.cells: 3 rows of cells of 0.125 m need 0.379 m of chord, the "
+            "bay has 0.3054 m: at most 2",
+        ),
+        (
+            {"bays": [{"cells": [23, 21]}]},
+            "modules.layout.bays.0.cells.0: must be at most 22, the cells of 0.125 m with gaps of "
+            "0.002 m that the row holds (got 23)",
+        ),
+        (
+            {"bays": [{"front": 0.5, "rear": 0.7, "cells": [44]}]},
+            "a row of cells of 0.125 m need 0.125 m of chord, the bay has 0.06108 m: at most 0",
+        ),
+        (
+            {"bays": [{"cells": [22, 20]}]},
+            "modules.area_m2: must be that of the 84 cells of modules.layout, 1.289 m² (got 1.35)",
+        ),
+        (
+            {"bays": [{"cells": [22, 19]}], "tail_cells": [3, 3]},
+            "modules.layout.tail_cells: the cells need 0.252 m of the tail's chord, it has 0.173 m",
+        ),
+        (
+            {"bays": [{"outboard": 0.5, "cells": [11]}, {"inboard": 0.4, "cells": [11]}]},
+            "modules.layout.bays.1.inboard: must be at least outboard of the bay before, 0.5",
+        ),
+        (
+            {"bays": [{"inboard": 0.5, "outboard": 0.5, "cells": [44]}]},
+            "modules.layout.bays.0.outboard: must be above inboard 0.5 (got 0.5)",
+        ),
+        ({"bays": []}, "modules.layout.bays: must have from 1 to 100000 cells"),
+        ({"bays": [{"cells": []}]}, "modules.layout.bays: must have from 1 to 100000 cells"),
+        (
+            {"bays": [{"cells": [22, 22]}], "cell_area_m2": 0.02},
+            "modules.layout.cell_area_m2: must not exceed the outline of a cell, 0.01562 m²",
+        ),
+        (
+            {
+                "bays": [{"cells": [22, 22]}],
+                "planform": {"half_span": [0.0, 1.0], "relative_chord": [1.5, 1.0]},
+            },
+            "the mean of relative_chord along the span must be 1 (got 1.25)",
+        ),
+        ({"bays": [{"cells": [22, 22.5]}]}, "modules.layout.bays.0.cells.1: must be a whole"),
+        ({"bays": [{"cells": [22, 22], "row": 2}]}, "modules.layout.bays.0.row: unknown key"),
+    ],
+)
+def test_wrong_layouts_are_refused(layout: dict[str, Any], words: str) -> None:
+    assert words in refused(**(SUNPOWER | layout))
+
+
+@pytest.mark.parametrize("value", [10**400, float("inf"), "0.1", None, True, [1]])
+@pytest.mark.parametrize("key", ["cell_span_m", "cell_chord_m", "gap_m", "cell_area_m2"])
+def test_no_value_is_a_traceback(key: str, value: Any) -> None:
+    if key == "cell_area_m2" and value is None:
+        return
+    with pytest.raises(InputError):
+        laid(**(SUNPOWER | {"bays": [{"cells": [22, 22]}]} | {key: value}))
+
+
+def test_mass_of_the_mppts_is_given_once() -> None:
+    strings = {
+        "cells_in_series": 44,
+        "coldest_c": -20.0,
+        "hottest_c": 70.0,
+        "mppt": {
+            "minimum_voltage_v": 10.0,
+            "maximum_voltage_v": 60.0,
+            "maximum_current_a": 7.0,
+            "mass_kg": 0.08,
+        },
+    }
+    with pytest.raises(InputError, match=r"modules\.mppt_mass_kg_per_w: leave it out"):
+        sizing.load_aircraft(
+            "atlantiksolar-design",
+            {
+                "modules.cell": "sunpower-c60",
+                "modules.layout": SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": strings},
+            },
+        )

@@ -1,0 +1,91 @@
+"""Strings within the window of their MPPT, held against every number of cells one by one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from sizing.layout.strings import Strings
+
+# SunPower C60, bin J (data sheet of November 2010).
+C60 = {"mpp_voltage_v": 0.582, "open_circuit_voltage_v": 0.687, "mpp_current_a": 5.93}
+LOSS_PER_K = 0.003
+BATTERY_V = (18.0, 25.2)
+
+
+def strings(series: int = 30, conversion: str = "any", **changes: Any) -> Strings:
+    mppt = {"minimum_voltage_v": 8.0, "maximum_voltage_v": 40.0, "maximum_current_a": 7.0}
+    return Strings.model_validate(
+        {
+            "cells_in_series": series,
+            "coldest_c": -20.0,
+            "hottest_c": 75.0,
+            "mppt": mppt | {"conversion": conversion},
+        }
+        | C60
+        | changes
+    )
+
+
+def allowed(series: int, conversion: str) -> bool:
+    """Whether an MPPT takes so many cells, by the voltages of the string itself."""
+    hot_v = series * 0.582 * (1.0 - 0.003 * 50.0)
+    cold_v = series * 0.582 * (1.0 + 0.003 * 45.0)
+    open_v = series * 0.687 * (1.0 + 0.003 * 45.0)
+    inside = hot_v >= 8.0 and open_v <= 40.0
+    if conversion == "step_up":
+        return inside and cold_v <= BATTERY_V[0]
+    if conversion == "step_down":
+        return inside and hot_v >= BATTERY_V[1]
+    return inside
+
+
+@pytest.mark.parametrize("conversion", ["any", "step_up", "step_down"])
+def test_window_is_that_of_every_number_by_itself(conversion: str) -> None:
+    window = strings(conversion=conversion).window(LOSS_PER_K, BATTERY_V)
+    numbers = range(1, 100)
+    inside = [n for n in numbers if window.least <= n <= window.most]
+    assert inside == [n for n in numbers if allowed(n, conversion)]
+    assert [
+        n for n in numbers if strings(n, conversion).trouble(n, LOSS_PER_K, BATTERY_V) is None
+    ] == inside
+
+
+def test_trouble_names_key_and_what_is_allowed() -> None:
+    assert strings(30).trouble(60, LOSS_PER_K, None) is None
+    assert strings(31).trouble(60, LOSS_PER_K, None) == (
+        "cells_in_series",
+        "must divide the 60 cells into whole strings (got 31)",
+    )
+    assert strings(60).trouble(60, LOSS_PER_K, None) == (
+        "cells_in_series",
+        "must be from 17 to 51: the MPPT takes 8 to 40 V, the modules have -20 to 75 °C (got 60)",
+    )
+    assert strings(30, strings_per_mppt=2).trouble(60, LOSS_PER_K, None) == (
+        "strings_per_mppt",
+        "must be at most 1: the MPPT takes 7 A, a string gives 5.93 A (got 2)",
+    )
+
+
+def test_a_coefficient_of_the_voltage_takes_precedence() -> None:
+    one = strings(voltage_coefficient_per_k=0.002)
+    assert one.voltage_v(0.582, 75.0, LOSS_PER_K) == pytest.approx(0.582 * 0.9)
+    assert strings().voltage_v(0.582, 75.0, LOSS_PER_K) == pytest.approx(0.582 * 0.85)
+
+
+@pytest.mark.parametrize(("cells", "series"), [(44, 44), (88, 44), (90, 45), (52, 26), (53, None)])
+def test_fewest_strings_divide_the_cells(cells: int, series: int | None) -> None:
+    found = strings().for_cells(cells, LOSS_PER_K, None)
+    assert (None if found is None else found.cells_in_series) == series
+
+
+def test_mppts_by_strings() -> None:
+    assert strings(22).mppts(88) == 4
+    assert strings(22, strings_per_mppt=3).mppts(88) == 2
+
+
+@pytest.mark.parametrize("key", list(C60))
+def test_a_cell_without_its_numbers_is_refused(key: str) -> None:
+    with pytest.raises(ValueError, match="required key is missing"):
+        strings(**{key: None})

@@ -1,0 +1,154 @@
+"""Tests of whole cells from the command line: output, files, reports and mistakes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from command_line import Run, files
+
+LAYOUT = "modules.layout={cell_span_m: 0.125, cell_chord_m: 0.125, bays: [{cells: [22, 22]}]}"
+PACK = "battery.pack={cells_in_series: 6, cell_mass_kg: 0.0486}"
+SIZE = (
+    *("size", "atlantiksolar-design", "-m", "central-europe-summer"),
+    *("--objective", "min_mass", "--required-excess-time", "3", "--whole-cells"),
+)
+CELLS = ("--set", "modules.cell=sunpower-e60", "--set", LAYOUT, "--set", PACK)
+
+
+def test_sizing_tells_cells_loss_and_neighbours(run: Run) -> None:
+    outcome = run(*SIZE, *CELLS)
+    assert (outcome.code, outcome.err) == (0, "")
+    text = " ".join(outcome.out.split())
+    for words in (
+        "loss by whole cells: total mass",
+        "worse than the relaxed optimum's",
+        "solar cells: ",
+        "battery cells: ",
+        "designs of whole cells",
+    ):
+        assert words in text
+
+
+def test_record_has_cells_and_loss(run: Run) -> None:
+    record = run(*SIZE, *CELLS, "--json").json()
+    cells = record["whole_cells"]
+    value, relaxed = record["objective"]["value"], cells["relaxed"]["value"]
+    assert cells["loss"] == pytest.approx(value / relaxed - 1.0, rel=1e-9)
+    assert cells["chosen"]["value"] == value
+    assert cells["solar_cells"]["count"] == cells["chosen"]["cells"]
+    assert cells["solar_cells"]["area_m2"] == pytest.approx(record["module_area_m2"], rel=1e-12)
+    pack = cells["battery_pack"]
+    assert pack["cells_in_series"] * pack["cells_in_parallel"] == cells["chosen"]["battery_cells"]
+    assert pack["mass_kg"] == pytest.approx(record["battery_mass_kg"], rel=1e-12)
+
+
+@pytest.mark.slow
+def test_folder_has_the_figure_and_a_file_that_flies_the_same(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "sized"
+    outcome = run(*SIZE, *CELLS, "--out", str(folder), "--report", str(tmp_path / "page.html"))
+    assert outcome.code == 0
+    assert "cells.png" in files(folder)
+    record = json.loads((folder / "results.json").read_text())
+    flown = run("analyse", str(folder), "--json").json()
+    assert flown["total_mass_kg"] == pytest.approx(record["total_mass_kg"], rel=1e-12)
+    assert flown["whole_cells"]["solar_cells"] == record["whole_cells"]["solar_cells"]
+    page = (tmp_path / "page.html").read_text()
+    assert "Loss by whole cells" in page
+    assert f"{record['whole_cells']['chosen']['cells']} solar cells; horizontal tail" in page
+    # Every cell is drawn, in the wide and the narrow drawing.
+    assert page.count('class="module"') >= 2 * record["whole_cells"]["chosen"]["cells"]
+
+
+def test_analysis_of_a_file_with_cells_tells_them(run: Run) -> None:
+    voltage = (
+        "battery.voltage={cells_in_series: 6, state_of_charge: [0, 1], cell_voltage_v: [3, 4.2]}"
+    )
+    outcome = run("analyse", "atlantiksolar-design", *CELLS, "--set", voltage)
+    assert outcome.code == 0
+    text = " ".join(outcome.out.split())
+    assert "solar cells: 88, each half of the wing 2 rows of 22" in text
+    assert "battery cells: 60, 6 in series and 10 in parallel, 18.0 to 25.2 V" in text
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            "modules.layout={cell_span_m: 0.125, cell_chord_m: 0.4, cell_area_m2: 0.0153436, "
+            "bays: [{cells: [44]}]}",
+            "modules.layout.bays.0.cells: a row of cells of 0.4 m need 0.4 m of chord",
+        ),
+        ("battery.pack.cells_in_series=7", "battery.mass_kg: must be that of whole cells"),
+        (
+            "modules.layout.strings={cells_in_series: 44, coldest_c: -20, hottest_c: 70, "
+            "mpp_voltage_v: 0.63, open_circuit_voltage_v: 0.73, mpp_current_a: 5.9, "
+            "mppt: {minimum_voltage_v: 9, maximum_voltage_v: 16, maximum_current_a: 7}}",
+            "modules.layout.strings.cells_in_series: must be from 17 to 19",
+        ),
+        ("modules.area_m2=2", "modules.area_m2: must be that of the 88 cells"),
+    ],
+)
+def test_mistakes_are_one_line_with_the_key(run: Run, change: str, words: str) -> None:
+    outcome = run(*SIZE, *CELLS, "--set", change)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert words in outcome.err
+    assert "Traceback" not in outcome.err
+    assert len(outcome.err.strip().splitlines()) == 1
+
+
+def test_mistakes_of_a_file_have_their_line(run: Run, tmp_path: Path) -> None:
+    shown = run("show", "atlantiksolar-design").out
+    text = shown.replace(
+        "modules:  ",
+        "modules:\n  layout:\n    cell_span_m: 0.125\n    cell_chord_m: 0.125\n"
+        "    cell_area_m2: 0.0153436\n    bays:\n"
+        "      - cells: [22, 11, 11]\n#",
+        1,
+    )
+    file = tmp_path / "plane.yaml"
+    file.write_text(text, encoding="utf-8")
+    line = 1 + text[: text.index("- cells")].count("\n")
+    outcome = run("analyse", str(file))
+    assert outcome.code == 2
+    assert f"plane.yaml:{line}:" in outcome.err
+    assert "3 rows of cells of 0.125 m need 0.379 m of chord" in outcome.err
+
+
+@pytest.mark.parametrize("key", ["modules.layout", "battery.pack"])
+def test_a_file_without_cells_is_refused(run: Run, key: str) -> None:
+    given = CELLS[:4] if key == "battery.pack" else CELLS[4:]
+    outcome = run(*SIZE, *given)
+    assert outcome.code == 2
+    assert f"{key}: required key is missing: --whole-cells needs it" in outcome.err
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        ("--sensitivities",),
+        ("--cross-check",),
+        ("--reliability", "0.9"),
+        ("--objective", "longest_season"),
+    ],
+)
+def test_what_does_not_go_with_whole_cells(run: Run, option: tuple[str, ...]) -> None:
+    outcome = run(*SIZE, *CELLS, *option)
+    assert outcome.code == 2
+    assert "--whole-cells does not go with" in outcome.err
+
+
+def test_no_design_of_whole_cells_has_exit_code_1(run: Run) -> None:
+    layout = (
+        "modules.layout={cell_span_m: 2.5, cell_chord_m: 0.125, cell_area_m2: 0.3125, "
+        "bays: [{cells: [1, 1]}]}"
+    )
+    outcome = run(
+        *SIZE,
+        *("--set", layout, "--set", "modules.area_m2=1.25", "--set", PACK),
+        *("--set", "design_space.module_area_m2.maximum=0.6"),
+        *("--set", "design_space.wingspan_m.maximum=6"),
+    )
+    assert outcome.code == 1
+    assert "no design of whole cells" in outcome.out
