@@ -225,7 +225,7 @@ def test_the_line_says_temperature_age_and_what_is_left() -> None:
     line = battery_line(craft, COLD)
     assert line is not None
     assert line.startswith(
-        "battery at 10 C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
+        "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
     )
     text = analyse(craft, COLD).summary().to_text()
     assert "after 180 cycles" in text
