@@ -50,57 +50,52 @@ above one this project is faster, below one it is slower.
 
 _EXPLAINED = {
     "module power": """Sun, clear sky and module power for every combination of latitude, day and
-time in one call. CAM treats direct and diffuse light separately, with the loss by incidence; the
-peers compute only the irradiance on a horizontal plane. pvlib is called with its analytic sun and
-plain NumPy arrays, which is its fastest way; its usual one (SPA, pandas, time zones) is slower and
-more exact.""",
-    "day and night, in a batch": """One repeated day, to its fixed point, with all metrics.
-Hundreds of scenarios are marched together, so that NumPy's overhead for each step is shared: maps
-and sizings are made of such batches. The times are for one scenario of the batch. The peers march
-one or two days and find no fixed point and no metrics.""",
-    "day and night, alone": """The same for a single scenario, where nothing is shared. A plain
-Python loop without metrics or charge limit is then much faster. One case takes about a millisecond
-in any case; thousands of cases should be passed together.""",
+time in one call. CAM includes the diffuse light and the loss by incidence; the peers compute only
+the irradiance on a horizontal plane. pvlib is called in its fastest way, with its analytic sun and
+plain NumPy arrays; its usual one (SPA, pandas, time zones) is slower and more exact.""",
+    "day and night, in a batch": """One repeated day, to its fixed point, with all metrics. Hundreds
+of scenarios are marched together, as in maps and sizings, so that they share NumPy's overhead for
+each step. The times are for one scenario of the batch. The peers march one or two days and find no
+fixed point and no metrics.""",
+    "day and night, alone": """The same for a single scenario. A plain Python loop without metrics
+or charge limit is then much faster. One case takes about a millisecond in any case; thousands of
+cases should be passed together.""",
     "sizing, build and solve": """Least wingspan of perpetual flight with 3 h of excess time on
 three dates. Both sides use the same formulas for masses and power (AeroSandbox's program calls the
 functions of this project), the same solar power as data, a power-law structure and no charge limit.
 AeroSandbox's program is a direct collocation with slack for surplus power, logarithmic design
 variables and good guesses; it is linear in the battery's state. Ours has few variables, as the
-night's deficit and the day's surplus are integrated in closed form. Technology is a parameter, so
-the program is reused after the first sizing of its kind of aircraft. Our time includes the
-simulation that confirms the optimum. The run fails if the optima differ by more than 0.3 %. Both
-are fast. AeroSandbox is in addition a general language for optimisation with its own aerodynamics,
-which is not measured here.""",
+night's deficit and the day's surplus are integrated in closed form, and is reused after the first
+sizing of its kind of aircraft. Our time includes the simulation that confirms the optimum. The run
+fails if the optima differ by more than 0.3 %. AeroSandbox is in addition a general language for
+optimisation with its own aerodynamics, which is not measured here.""",
     "sizing, first of its kind": """The same with nothing kept: expressions, derivatives and solver
-are built anew, as in a process that sizes once. AeroSandbox's time is that of the line above, which
-builds its program every time.""",
+are built anew, as in a process that sizes once. AeroSandbox builds its program every time.""",
     "sizing, solve again": """More requirements for the same aircraft. AeroSandbox keeps its
-program, sets the parameter and starts from the last solution. Ours keeps its program as well and
-goes from one solution to the next by sequential quadratic programming
-(`sizing.optimisation.cells`); the simulator confirms every design.""",
+program, sets the parameter and starts from the last solution. Ours does the same by sequential
+quadratic programming (`sizing.optimisation.cells`); the simulator confirms every design.""",
     "map of 240 sizings": """Twenty latitudes times twelve payloads, three dates each; in the
 southern winter there is no design for heavy payloads. Ours sizes all cells at once, with the
 requirements penalised: an infeasible cell gives its violations in about the time of a feasible one,
 while IPOPT searches the collocation for a feasible point until it stops. AeroSandbox has a limit of
 150 iterations and 1 s for each cell, which determines most of its time in infeasible ones; without
-it some of them took up to 30 s. Its program is built once. An AeroSandbox user could penalise its
-requirements too. Our time includes sun, simulation and cross-check of every cell.""",
+it some of them took up to 30 s. Its program is built once; its user could penalise requirements
+too. Our time includes sun, simulation and cross-check of every cell.""",
     "its feasible cells": """Only the feasible cells of that map, which do not depend on the choice
 of a limit.""",
     "sizing, with simulation": """A whole call of `size_aircraft` for nine scenarios and the spar
 structure, with the charge limit of the aircraft file.""",
     "sizing, solver alone": """The part of it that the solver takes.""",
     "map": """Feasibility map of AtlantikSolar AS-2 by CAM with 5 min steps, all metrics. The C loop
-does the same arithmetic in one thread, compiled where a compiler is found, and its numbers are
-checked against ours. The number of steps is the same, and all numbers have double precision. The
-map is faster than a plain march because it does work only once (the half of a day that mirrors the
-other, sums that several metrics need, deficits of the night in one step) and because blocks of
-cells fit the processor's cache. Results are the same to the last bit for any block. The difference
-from the C loop is the memory traffic between NumPy's operations, which is largest if memory is slow
-or shared. A compiled kernel could save at most the difference between both times of the first line,
-a tenth of the command that writes the map, so none is shipped. The other lines give the cost
-against the number of cells, a process pool of two, the memory, and the map with the longest flight
-of every cell with limited flight.""",
+does the same arithmetic in one thread and double precision, compiled where a compiler is found, and
+its numbers are checked against ours. The map is faster than a plain march because it does work only
+once (the half of a day that mirrors the other, sums that several metrics need, deficits of the
+night in one step) and because blocks of cells fit the processor's cache. Results are the same to
+the last bit for any block. The difference from the C loop is the memory traffic between NumPy's
+operations, which is largest if memory is slow or shared. A compiled kernel could save at most this
+difference, a tenth of the command that writes the map, so none is shipped. The other lines give the
+cost against the number of cells, a process pool of two, the memory, and the map with the longest
+flight of every cell with limited flight.""",
     "weather year": """AtlantikSolar AS-2 through the shipped year. Both loops have the same power
 at the same nodes and compute the same results: dawns, the charge carried over, the charge limit,
 days that close, and a flight from every dawn; in all three, flights with equal energy are joined.

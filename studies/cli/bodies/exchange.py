@@ -30,7 +30,13 @@ def export(options: Export) -> None:
             check_files({"--out": path})
         except OSError as error:
             troubles[path] = error
-        check_table(path, files.design_format(path), files.DESIGN_FORMATS, "--out")
+        known = files.design_format(path)
+        try:
+            check_table(path, known, files.DESIGN_FORMATS, "--out")
+        except click.BadParameter as error:
+            if known is None:
+                raise
+            troubles[path] = error
         missing = files.missing_for(path)
         if missing is not None:
             troubles[path] = click.BadParameter(missing, param_hint="--out")

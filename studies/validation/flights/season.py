@@ -10,7 +10,7 @@ import numpy as np
 
 from missions.dates import date_label
 from missions.library import load_mission
-from missions.mission import Mission, Scenarios
+from missions.mission import Mission, Scenarios, latitude_label
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.performance import performance
@@ -82,7 +82,7 @@ class Seasons(Result):
     def headline(self) -> str:
         """Length as computed and as published."""
         return (
-            f"{AIRCRAFT} at {LATITUDE_DEG:g} N: {self.seasons[0].months:.1f} months of perpetual "
+            f"{AIRCRAFT} at {latitude_label(LATITUDE_DEG)}: {self.seasons[0].months:.1f} months of perpetual "
             f"flight, published {PUBLISHED_MONTHS:g}"
         )
 
