@@ -54,11 +54,12 @@ def _spelled(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-# Numbers of an entry that a parameter follows from, where it is none of them itself.
+# Numbers of an entry that a parameter follows from, the first that it has, where it is none of them
+# itself.
 _FOLLOWS_FROM = {
-    "specific_energy_wh_per_kg": "mass_kg",
-    "charge_limit": "maximum_charge_current_a",
-    "motor_efficiency": "resistance_ohm",
+    "specific_energy_wh_per_kg": ("mass_kg", "typical_mass_kg"),
+    "charge_limit": ("maximum_charge_current_a",),
+    "motor_efficiency": ("resistance_ohm",),
 }
 
 
@@ -122,7 +123,8 @@ def taken(record: Record, key: str, kind: Kind, prefix: str) -> list[Taken]:
         now = getattr(record, field)
         now = now.model_dump(exclude_unset=True) if isinstance(now, Record) else now
         if now == value and field not in given:
-            number = field if field in one.numbers() else _FOLLOWS_FROM.get(field, field)
+            candidates = (field, *_FOLLOWS_FROM.get(field, ()))
+            number = next((key_of for key_of in candidates if key_of in one.numbers()), field)
             found.append(Taken(prefix + field, value, name, one.label, one.source_of(number)))
     return found
 

@@ -79,6 +79,11 @@ def _disagree(key: str, text: str, one: float, other: float) -> None:
         )
 
 
+def _first(*values: float | None) -> float | None:
+    """First of values that is known."""
+    return next((one for one in values if one is not None), None)
+
+
 class CellEntry(Entry):
     """A solar cell; currents, voltages and area are those of one cell.
 
@@ -155,10 +160,12 @@ class CellEntry(Entry):
 
 
 class BatteryEntry(Entry):
-    """A battery cell, or the whole pack of an aircraft.
+    """A battery cell, or a whole pack.
 
-    ``energy_wh`` is voltage times capacity where it is not given. ``specific_energy_wh_per_kg``
-    stands where a source gives it and no mass.
+    What counts is what a data sheet guarantees: ``capacity_ah`` and ``energy_wh`` are its least
+    ones, ``mass_kg`` is its largest. The keys with ``typical_`` are its typical ones, and count
+    where it has no others. The energy is voltage times capacity where it is not given.
+    ``specific_energy_wh_per_kg`` is what the source states, and counts where there is no mass.
     """
 
     kind_of_entry: ClassVar[str] = "battery"
@@ -166,25 +173,50 @@ class BatteryEntry(Entry):
     kind: Literal["cell", "pack"] = "cell"
     nominal_voltage_v: PositiveReal | None = None
     capacity_ah: PositiveReal | None = None
+    typical_capacity_ah: PositiveReal | None = None
     energy_wh: PositiveReal | None = None
+    typical_energy_wh: PositiveReal | None = None
     mass_kg: PositiveReal | None = None
+    typical_mass_kg: PositiveReal | None = None
     specific_energy_wh_per_kg: PositiveReal | None = None
     maximum_charge_current_a: PositiveReal | None = None
     dc_resistance_ohm: PositiveReal | None = None
 
     @model_validator(mode="after")
+    def _check_order(self) -> BatteryEntry:
+        for less, more in (
+            ("capacity_ah", "typical_capacity_ah"),
+            ("energy_wh", "typical_energy_wh"),
+            ("typical_mass_kg", "mass_kg"),
+        ):
+            low, high = getattr(self, less), getattr(self, more)
+            if low is not None and high is not None and low > high:
+                raise PydanticCustomError(
+                    "order",
+                    "must be at most {more}, which is {high} (got {low})",
+                    {"key": less, "more": more, "high": f"{high:g}", "low": f"{low:g}"},
+                )
+        return self
+
+    @model_validator(mode="after")
     def _check_physics(self) -> BatteryEntry:
-        product = self._voltage_times_capacity
-        if self.energy_wh is not None and product is not None:
-            _disagree("energy_wh", "energy, and voltage times capacity", self.energy_wh, product)
-        if self._energy_over_mass is not None and self.specific_energy_wh_per_kg is not None:
+        for prefix in ("", "typical_"):
+            energy = getattr(self, f"{prefix}energy_wh")
+            product = self._times_voltage(getattr(self, f"{prefix}capacity_ah"))
+            if energy is not None and product is not None:
+                key = f"{prefix}energy_wh"
+                _disagree(key, "energy, and voltage times capacity", energy, product)
+        # Makers state the typical value, or the guaranteed one.
+        stated, ratios = self.specific_energy_wh_per_kg, self._energies_over_mass
+        if ratios and stated is not None:
+            nearest = min(ratios, key=lambda ratio: abs(ratio - stated))
             _disagree(
                 "specific_energy_wh_per_kg",
                 "specific energy, and energy over mass",
-                self.specific_energy_wh_per_kg,
-                self._energy_over_mass,
+                stated,
+                nearest,
             )
-        if self._energy_over_mass is None and self.specific_energy_wh_per_kg is None:
+        if not ratios and stated is None:
             raise PydanticCustomError(
                 "no_energy",
                 "or mass_kg with energy_wh (or with nominal_voltage_v and capacity_ah) is needed",
@@ -192,44 +224,77 @@ class BatteryEntry(Entry):
             )
         return self
 
-    @property
-    def _voltage_times_capacity(self) -> float | None:
-        if self.nominal_voltage_v is None or self.capacity_ah is None:
+    def _times_voltage(self, capacity_ah: float | None) -> float | None:
+        if self.nominal_voltage_v is None or capacity_ah is None:
             return None
-        return self.nominal_voltage_v * self.capacity_ah
+        return self.nominal_voltage_v * capacity_ah
+
+    @property
+    def _least_energy(self) -> float | None:
+        return _first(self.energy_wh, self._times_voltage(self.capacity_ah))
+
+    @property
+    def _typical_energy(self) -> float | None:
+        return _first(self.typical_energy_wh, self._times_voltage(self.typical_capacity_ah))
+
+    @property
+    def _energies_over_mass(self) -> list[float]:
+        """Wh/kg of the energies that are known, the one that counts first."""
+        mass = self.mass
+        energies = (self._least_energy, self._typical_energy)
+        return [] if mass is None else [one / mass for one in energies if one is not None]
+
+    @property
+    def capacity(self) -> float | None:
+        """Capacity that counts [Ah]: the least, else the typical one."""
+        return _first(self.capacity_ah, self.typical_capacity_ah)
 
     @property
     def energy(self) -> float | None:
-        """Energy [Wh], None where it is not known."""
-        return self._voltage_times_capacity if self.energy_wh is None else self.energy_wh
+        """Energy that counts [Wh], None where it is not known."""
+        return _first(self._least_energy, self._typical_energy)
 
     @property
-    def _energy_over_mass(self) -> float | None:
-        energy = self.energy
-        return None if energy is None or self.mass_kg is None else energy / self.mass_kg
+    def mass(self) -> float | None:
+        """Mass that counts [kg]: the largest, else the typical one."""
+        return _first(self.mass_kg, self.typical_mass_kg)
 
     @property
     def specific_energy(self) -> float:
         """Energy over mass, else what the source gives [Wh/kg]."""
-        ratio = self._energy_over_mass
-        known = self.specific_energy_wh_per_kg if ratio is None else ratio
+        known = _first(*self._energies_over_mass, self.specific_energy_wh_per_kg)
         assert known is not None  # refused at validation
         return known
 
     @property
+    def basis(self) -> Literal["min/max", "typical", "stated", "pack"]:
+        """What the specific energy is: least energy over largest mass, or what else there is."""
+        if self.kind == "pack":
+            return "pack"
+        if not self._energies_over_mass:
+            return "stated"
+        guaranteed = self._least_energy is not None and self.mass_kg is not None
+        return "min/max" if guaranteed else "typical"
+
+    @property
     def charge_rate_per_h(self) -> float | None:
         """Largest charge current over capacity [1/h]."""
-        if self.maximum_charge_current_a is None or self.capacity_ah is None:
+        capacity = self.capacity
+        if self.maximum_charge_current_a is None or capacity is None:
             return None
-        return self.maximum_charge_current_a / self.capacity_ah
+        return self.maximum_charge_current_a / capacity
 
     @property
     def loss_at_1c(self) -> float | None:
         """Share of the voltage that the resistance takes at 1 C, ``R C / U`` [-]."""
-        resistance, voltage = self.dc_resistance_ohm, self.nominal_voltage_v
-        if resistance is None or voltage is None or self.capacity_ah is None:
+        resistance, voltage, capacity = (
+            self.dc_resistance_ohm,
+            self.nominal_voltage_v,
+            self.capacity,
+        )
+        if resistance is None or voltage is None or capacity is None:
             return None
-        return resistance * self.capacity_ah / voltage
+        return resistance * capacity / voltage
 
     def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Specific energy of the pack, and the charge limit where its current is known."""

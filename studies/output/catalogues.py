@@ -17,20 +17,25 @@ _TITLES: dict[Kind, str] = {
     "motors": "motors: airframe.propulsion.motor",
 }
 _NOTES: dict[Kind, str] = {
-    "cells": "Mass with 0.20 kg/m² of encapsulation and cables.",
+    "cells": "Mass with 0.20 kg/m² of encapsulation and cables. What is unknown is that of the "
+    "aircraft's file, else the default.",
     "batteries": "Wh/kg of the cells; battery.cell_mass_fraction is their share of a pack. "
-    "Charge: current over capacity. Loss: at 1C.",
+    "Basis: min/max is the least energy over the largest mass of the data sheet; typical has a "
+    "typical capacity or mass, since the sheet has no other; stated is the maker's Wh/kg; pack is "
+    "a whole pack. Compare cells of one basis: typical and stated values are up to 10 % above "
+    "min/max. Charge: current over capacity. Loss: at 1 C.",
     "motors": "Efficiency: the best at 24 V; at more or less current it is lower.",
 }
 _COLUMNS: dict[Kind, tuple[Column, ...]] = {
     "cells": (
         Column("efficiency_stc", "efficiency", "%", ".1f"),
         Column("efficiency_am0", "AM0", "%", ".1f"),
-        Column("temperature_coefficient_per_k", "temp. coeff.", "%/K", ".2f"),
-        Column("mass_kg_per_m2", "mass", "kg/m2", ".2f"),
+        Column("temperature_coefficient_per_k", "temp. coeff.", "%/K", ".2f", "unknown"),
+        Column("mass_kg_per_m2", "mass", "kg/m2", ".2f", "unknown"),
     ),
     "batteries": (
         Column("specific_energy_wh_per_kg", "energy", "Wh/kg", ".0f"),
+        Column("basis"),
         Column("capacity_ah", "capacity", "Ah", ".3g"),
         Column("charge_rate_per_h", "charge", "1/h", ".2f"),
         Column("loss_at_1c", "loss", "%", ".1f"),
@@ -52,7 +57,7 @@ def catalogue_table(kind: Kind) -> Table:
     return Table(_TITLES[kind], columns, rows, (_NOTES[kind],))
 
 
-def _values(one: Entry) -> Sequence[float | None]:
+def _values(one: Entry) -> Sequence[float | str | None]:
     if isinstance(one, CellEntry):
         mass = one.parameters({"efficiency_stc": 1.0}).get("mass_kg_per_m2")
         return (
@@ -63,7 +68,8 @@ def _values(one: Entry) -> Sequence[float | None]:
     if isinstance(one, BatteryEntry):
         return (
             one.specific_energy,
-            one.capacity_ah,
+            one.basis,
+            one.capacity,
             one.charge_rate_per_h,
             _percent(one.loss_at_1c),
         )
@@ -93,7 +99,9 @@ def sources_table(kind: Kind) -> Table:
 
 
 def catalogue_record(kind: Kind) -> dict[str, Any]:
-    """Entries of a catalogue by their names, JSON-ready: numbers and sources."""
+    """Entries of a catalogue by their names, JSON-ready: numbers, sources, basis of batteries."""
     return {
-        name: one.model_dump(mode="json", exclude_none=True) for name, one in entries(kind).items()
+        name: one.model_dump(mode="json", exclude_none=True)
+        | ({"basis": one.basis} if isinstance(one, BatteryEntry) else {})
+        for name, one in entries(kind).items()
     }

@@ -49,9 +49,14 @@ def test_cells_obey_detailed_balance_and_their_own_data_sheet(cell: CellEntry) -
     # Shockley and Queisser (1961), one junction under one sun: 33.7 %. De Vos (1980), three
     # junctions under one sun: 49 %.
     space = cell.efficiency_am0 is not None
-    for efficiency, limit in ((cell.efficiency_stc, 0.337), (cell.efficiency_am0, 0.49)):
+    limit = 0.49 if "triple junction" in cell.label else 0.337
+    for efficiency in (cell.efficiency_stc, cell.efficiency_am0):
         assert efficiency is None or 0.1 < efficiency < limit
     assert space or cell.efficiency_stc is not None
+    # Silicon modules of the CEC data base lose 0.26 (heterojunction) to 0.45 %/K; GaAs, of a wider
+    # band gap, loses a fraction of it.
+    lost = cell.temperature_coefficient_per_k
+    assert lost is None or (lost < 0.001 if "GaAs" in cell.label else 0.0025 < lost < 0.0045)
     power, area = cell.mpp_power_w, cell.area_m2
     if power is not None and area is not None:
         light = (cell.am0_irradiance_w_per_m2 if space else 1000.0) or np.nan
@@ -68,19 +73,78 @@ def test_cells_obey_detailed_balance_and_their_own_data_sheet(cell: CellEntry) -
 def test_specific_energy_is_voltage_times_capacity_over_mass(battery: BatteryEntry) -> None:
     # Lithium cells of today and of aircraft that flew.
     assert 150.0 < battery.specific_energy < 520.0
-    if battery.nominal_voltage_v and battery.capacity_ah:
-        energy = battery.nominal_voltage_v * battery.capacity_ah
-        # Molicel's typical energy is 2 % more than the product, LG's 3 %.
-        assert battery.energy == pytest.approx(energy, rel=0.035)
-        if battery.mass_kg:
-            assert battery.specific_energy == pytest.approx(energy / battery.mass_kg, rel=0.035)
+    capacity = battery.capacity_ah or battery.typical_capacity_ah
+    mass = battery.mass_kg or battery.typical_mass_kg
+    if battery.nominal_voltage_v and capacity:
+        energy = battery.nominal_voltage_v * capacity
+        # Molicel's energies are 2 % more and 1 % less than the product.
+        assert battery.energy == pytest.approx(energy, rel=0.025)
+        if mass:
+            assert battery.specific_energy == pytest.approx(energy / mass, rel=0.025)
         if battery.kind == "cell":
             assert 3.2 <= battery.nominal_voltage_v <= 3.9
     rate = battery.charge_rate_per_h
-    assert rate is None or 0.3 < rate <= 5.0
+    # The slowest is a pack that takes 6 of 23.7 Ah an hour, the fastest a cell that takes 25 of
+    # its minimum of 4.85 Ah.
+    assert rate is None or 0.25 < rate <= 5.2
     loss = battery.loss_at_1c
     low = parameter("battery.resistance.loss_at_1c")
     assert loss is None or low.minimum <= loss <= low.maximum
+
+
+def test_cells_are_compared_on_what_their_data_sheets_guarantee() -> None:
+    batteries = entries("batteries")
+    # LG: 3100 mAh or more, 44.5 g and 1.0 g of tolerance; Samsung: 3350 mAh or more, 50 g or less.
+    for name, wh, kg in (
+        ("lg-mh1", 3.7 * 3.1, 0.0455),
+        ("samsung-35e", 3.6 * 3.35, 0.050),
+        ("molicel-p45b", 15.5, 0.070),
+        ("lg-m50lt", 17.6, 0.0685),
+    ):
+        one = batteries[name]
+        assert isinstance(one, BatteryEntry)
+        assert one.basis == "min/max"
+        assert one.specific_energy == pytest.approx(wh / kg)
+
+
+@pytest.mark.parametrize("battery", BATTERIES, ids=label)
+def test_every_battery_says_its_basis(battery: BatteryEntry) -> None:
+    if battery.kind == "pack":
+        assert battery.basis == "pack"
+    elif battery.mass_kg and (battery.capacity_ah or battery.energy_wh):
+        assert battery.basis == "min/max"
+    elif battery.mass_kg or (battery.typical_mass_kg and battery.nominal_voltage_v):
+        assert battery.basis == "typical"
+    else:
+        assert battery.basis == "stated"
+        assert battery.specific_energy == battery.specific_energy_wh_per_kg
+    # Typical values are never the worse ones.
+    for less, more in (
+        (battery.capacity_ah, battery.typical_capacity_ah),
+        (battery.energy_wh, battery.typical_energy_wh),
+        (battery.typical_mass_kg, battery.mass_kg),
+    ):
+        assert less is None or more is None or less < more
+
+
+def test_typical_values_count_where_there_are_no_guaranteed_ones() -> None:
+    def entry(**numbers: float) -> BatteryEntry:
+        typical = {"typical_capacity_ah": 3.5, "typical_mass_kg": 0.048, "nominal_voltage_v": 3.6}
+        return BatteryEntry.model_validate({**SOUND, **typical, **numbers})
+
+    one = entry(maximum_charge_current_a=1.75, dc_resistance_ohm=0.036)
+    assert (one.basis, one.capacity, one.mass) == ("typical", 3.5, 0.048)
+    assert one.specific_energy == pytest.approx(3.6 * 3.5 / 0.048)
+    assert one.charge_rate_per_h == pytest.approx(0.5)
+    assert one.loss_at_1c == pytest.approx(0.036 * 3.5 / 3.6)
+    half = entry(mass_kg=0.049)
+    assert (half.basis, half.mass) == ("typical", 0.049)
+    whole = entry(mass_kg=0.049, capacity_ah=3.4)
+    assert (whole.basis, whole.capacity) == ("min/max", 3.4)
+    assert whole.specific_energy == pytest.approx(3.6 * 3.4 / 0.049)
+    # What a maker states may be the typical value: here 7 % above the least energy over mass.
+    stated = entry(mass_kg=0.049, capacity_ah=3.3, specific_energy_wh_per_kg=259.0)
+    assert stated.specific_energy == pytest.approx(3.6 * 3.3 / 0.049)
 
 
 @pytest.mark.parametrize("motor", MOTORS, ids=label)
@@ -131,6 +195,26 @@ SOUND = {"label": "mine", "source": "measured on the bench"}
         (
             BatteryEntry,
             {"energy_wh": 20.0, "nominal_voltage_v": 3.6, "capacity_ah": 3.0, "mass_kg": 0.05},
+            "do not agree",
+        ),
+        (
+            BatteryEntry,
+            {"mass_kg": 0.05, "energy_wh": 11.0, "typical_energy_wh": 10.0},
+            "must be at most typical_energy_wh, which is 10",
+        ),
+        (
+            BatteryEntry,
+            {"mass_kg": 0.05, "typical_mass_kg": 0.051, "energy_wh": 11.0},
+            "must be at most mass_kg, which is 0.05",
+        ),
+        (
+            BatteryEntry,
+            {
+                "typical_energy_wh": 20.0,
+                "nominal_voltage_v": 3.6,
+                "typical_capacity_ah": 3.0,
+                "mass_kg": 0.05,
+            },
             "do not agree",
         ),
         (CellEntry, {"efficiency_stc": 0.2, "sources": {"area_m2": "a paper"}}, "no number"),
