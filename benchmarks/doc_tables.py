@@ -125,7 +125,7 @@ def _reliabilities() -> str:
 def _season_shares() -> str:
     """Wingspans that a share of the days of a real season takes."""
     columns = (
-        Column("asked", "share asked for"),
+        Column("asked", "required share"),
         Column("wingspan", "wingspan [m]"),
         Column("mass", "total mass [kg]"),
         Column("days", "days that close"),
