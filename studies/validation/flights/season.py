@@ -82,8 +82,8 @@ class Seasons(Result):
     def headline(self) -> str:
         """Length as computed and as published."""
         return (
-            f"{AIRCRAFT} at {latitude_label(LATITUDE_DEG)}: {self.seasons[0].months:.1f} months of perpetual "
-            f"flight, published {PUBLISHED_MONTHS:g}"
+            f"{AIRCRAFT} at {latitude_label(LATITUDE_DEG)}: {self.seasons[0].months:.1f} months of "
+            f"perpetual flight, published {PUBLISHED_MONTHS:g}"
         )
 
     def table(self) -> Table:
