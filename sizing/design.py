@@ -32,6 +32,7 @@ from sizing.parameters import catalogue, replaced
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion, air_of
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess
+from sizing.structures.flight_envelope import flight_envelope
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
 from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
@@ -363,7 +364,13 @@ def structure_assessment(
     sized = _sized_rib_wing(aircraft, mission, design)
     if sized is None:
         return None
-    return replace(assess(*sized), remarks=tuple(_structure_remarks(aircraft, *sized)))
+    assert isinstance(aircraft.airframe, ParametricAirframe)
+    polar = flown_at(aircraft.airframe.aerodynamics, design.variables.lift_coefficient)
+    return replace(
+        assess(*sized),
+        remarks=tuple(_structure_remarks(aircraft, *sized)),
+        envelope=flight_envelope(*sized, float(polar.maximum_lift_coefficient)),
+    )
 
 
 def _structure_remarks(

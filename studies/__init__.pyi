@@ -29,6 +29,7 @@ from .output.cycle_plots import plot_cycle as plot_cycle
 from .output.cycle_plots import plot_flight as plot_flight
 from .output.cycle_plots import plot_masses as plot_masses
 from .output.cycle_plots import plot_sensitivities as plot_sensitivities
+from .output.envelope_plot import plot_flight_envelope as plot_flight_envelope
 from .output.figures.drawing import save_figure as save_figure
 from .output.figures.options import FigureOptions as FigureOptions
 from .output.grid_files import to_table as to_table

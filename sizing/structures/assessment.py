@@ -10,6 +10,7 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value
+from sizing.structures.flight_envelope import FlightEnvelope
 from sizing.structures.loads import StructureInputs, limit_load_factor
 from sizing.structures.parts import Wing, largest
 from sizing.structures.rib_wing import RibWingStructure
@@ -89,6 +90,8 @@ class StructureAssessment:
         Battery in the spar and in the pod [kg].
     remarks : tuple of str
         What the criteria do not cover, or where a key is read otherwise than before.
+    envelope : FlightEnvelope or None
+        Airspeeds and load factors of manoeuvres and gusts.
     """
 
     limit_load_factor: float
@@ -109,12 +112,16 @@ class StructureAssessment:
     wing_battery_kg: float
     pod_battery_kg: float
     remarks: tuple[str, ...] = ()
+    envelope: FlightEnvelope | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready."""
-        torsion = None if self.torsion is None else dict(vars(self.torsion))
-        remarks = list(self.remarks)
-        return {**vars(self), "torsion": torsion, "remarks": remarks, "text": self.headline()}
+        record = {**vars(self), "remarks": list(self.remarks), "text": self.headline()}
+        envelope = record.pop("envelope")
+        return record | {
+            "torsion": None if self.torsion is None else dict(vars(self.torsion)),
+            "flight_envelope": None if envelope is None else envelope.to_dict(),
+        }
 
     def headline(self) -> str:
         """What sizes the structure, and under which load, in a line."""

@@ -5,18 +5,20 @@ from __future__ import annotations
 import copy
 import dataclasses
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 from missions.dates import date_code
 from missions.mission import MAXIMUM_SCENARIOS
 from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.objectives import Objective
-from sizing.results.analysis import analyse
+from sizing.results.analysis import Analysis, analyse
 from sizing.results.sizing import SizingStudy, sensitivity_records
 from sizing.results.tables import data_frame
+from sizing.structures.rib_wing import RibWingStructure
 from studies.output import cycle_plots
 from studies.output.cell_plots import plot_cells
+from studies.output.envelope_plot import plot_flight_envelope
 from studies.output.figures import drawing
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
@@ -100,11 +102,12 @@ def sizing_figures(
     parts, sized = result.design.masses._asdict(), study.sized_aircraft()
     mission = study.sized_mission()
 
+    @cache
+    def flown() -> Analysis:
+        return analyse(sized, mission, model=solar.model, correction=solar.correction, replay=False)
+
     def cycle() -> Figure:
-        flown = analyse(
-            sized, mission, model=solar.model, correction=solar.correction, replay=False
-        )
-        return cycle_plots.plot_cycle(flown, figure=figure)
+        return cycle_plots.plot_cycle(flown(), figure=figure)
 
     def masses() -> Figure:
         notes = (drawing.outside_ranges(study.extrapolations),)
@@ -120,6 +123,8 @@ def sizing_figures(
         )
 
     drawn = {"cycle.png": cycle, "masses.png": masses}
+    if isinstance(getattr(sized.airframe, "structure", None), RibWingStructure):
+        drawn["flight-envelope.png"] = lambda: plot_flight_envelope(flown(), figure=figure)
     if sized.modules.layout is not None:
         drawn["cells.png"] = partial(plot_cells, sized, figure=figure)
     if worth:

@@ -1,0 +1,86 @@
+"""The flight envelope against CS-23 by hand, and against what the structure is sized for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import missions
+import sizing
+import studies
+from sizing.structures.flight_envelope import FlightEnvelope
+
+MISSION = missions.load_mission("rafz-july")
+
+
+def envelope(**changes: object) -> FlightEnvelope:
+    keys = {f"airframe.structure.{key}": value for key, value in changes.items()}
+    structure = sizing.analyse(
+        sizing.load_aircraft("atlantiksolar-design", keys), MISSION
+    ).structure
+    assert structure is not None
+    assert structure.envelope is not None
+    return structure.envelope
+
+
+def test_numbers_by_hand() -> None:
+    aircraft = sizing.load_aircraft("atlantiksolar-design")
+    flown = sizing.analyse(aircraft, MISSION)
+    one, mass_kg = envelope(), flown.total_mass_kg
+    area_m2 = 5.65**2 / 18.5
+    # Lift at C_L max 1.4 carries the weight at the stall, in air of sea level.
+    assert 0.5 * 1.225 * one.stall_speed_m_per_s**2 * area_m2 * 1.4 == pytest.approx(
+        mass_kg * 9.80665, rel=1e-6
+    )
+    air = MISSION.air_state()
+    ratio = float(air.density_kg_per_m3) / 1.225
+    assert one.cruise_speed_m_per_s == pytest.approx(flown.airspeed_m_per_s * ratio**0.5)
+    assert one.dive_speed_m_per_s == pytest.approx(1.5 * one.cruise_speed_m_per_s)
+    assert one.manoeuvre_load_factor == pytest.approx(2.1 + 10900.0 / (mass_kg + 4536.0))
+    # CS 23.341 with the lift slope of the lifting line.
+    slope, chord = 2.0 * np.pi * 18.5 / 20.5, 5.65 / 18.5
+    mu = 2.0 * mass_kg / (float(air.density_kg_per_m3) * area_m2 * chord * slope)
+    alleviation = 0.88 * mu / (5.3 + mu)
+    for speed, gust, increment in (
+        (one.cruise_speed_m_per_s, 15.25, one.cruise_gust_increment),
+        (one.dive_speed_m_per_s, 7.6, one.dive_gust_increment),
+    ):
+        pressure = mass_kg * 9.80665 / area_m2
+        by_hand = alleviation * 1.225 * slope * gust * speed / (2.0 * pressure)
+        assert increment == pytest.approx(by_hand, rel=1e-6)
+
+
+@pytest.mark.parametrize("gust", [0.0, 5.0, 15.25, 25.0])
+def test_structure_is_sized_for_the_outline(gust: float) -> None:
+    one = envelope(cruise_gust_m_per_s=gust)
+    most = max(one.cruise_gust_increment, one.dive_gust_increment)
+    # The smooth maximum lies above both by a few hundredths.
+    up = max(one.manoeuvre_load_factor, 1.0 + most)
+    down = max(one.negative_manoeuvre_load_factor, most - 1.0)
+    assert up - 1e-9 <= one.limit_load_factor <= 1.05 * up
+    assert down - 1e-9 <= one.negative_limit_load_factor <= 1.1 * down
+
+
+def test_manoeuvres_are_limited_by_lift_and_code() -> None:
+    one = envelope()
+    up, down = one.manoeuvre([0.0, one.stall_speed_m_per_s, one.dive_speed_m_per_s, 1e3])
+    assert up == pytest.approx([0.0, 1.0, (one.dive_speed_m_per_s / one.stall_speed_m_per_s) ** 2,
+                                one.manoeuvre_load_factor])  # fmt: skip
+    assert down == pytest.approx([0.0, -1.0, 0.0, 0.0])
+
+
+def test_another_structure_has_no_envelope() -> None:
+    aircraft = sizing.load_aircraft(
+        "atlantiksolar-design", {"airframe.structure": {"model": "spar"}}
+    )
+    with pytest.raises(ValueError, match="has no rib_wing"):
+        studies.plot_flight_envelope(sizing.analyse(aircraft, MISSION))
+    drawn = studies.plot_flight_envelope(
+        sizing.analyse(sizing.load_aircraft("atlantiksolar-design"), MISSION)
+    )
+    labels = drawn.axes[0].get_legend_handles_labels()[1]
+    assert labels == [
+        "manoeuvres",
+        "gusts at cruise and dive speed",
+        "limit loads of the structure",
+    ]
