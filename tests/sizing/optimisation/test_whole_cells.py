@@ -14,7 +14,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.layout.cells import Wing
 from sizing.limits import meets_requirements
-from sizing.optimisation.whole_cells import without_whole_cells
+from sizing.optimisation.whole_cell_designs import without_whole_cells
 from sizing.performance import performance_of_designs
 from sizing.results.sizing import SizingStudy
 
