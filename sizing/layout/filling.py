@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -79,14 +80,14 @@ def _with_entry(raw: Mapping[str, Any], entry: CellEntry | None) -> dict[str, An
 def _part_of(raw: Mapping[str, Any], area_m2: float | None) -> float:
     """Part of the catalogue's cell that a cell of the layout is: 1, or less if it was cut [-].
 
-    Current goes with the area, voltage does not. Corners that are cut make an area up to a fifth
-    less than the outline: that of a round wafer in it is.
+    Current goes with the area, voltage does not. A whole cell has at least the area of the round
+    wafer in its outline; a half of one has less of the outline of the whole.
     """
     span_m, chord_m = raw.get("cell_span_m"), raw.get("cell_chord_m")
     if area_m2 is None or not is_positive(span_m) or not is_positive(chord_m):
         return 1.0
     outline, own = span_m * chord_m, raw.get("cell_area_m2")
-    if 0.8 * outline <= area_m2 <= outline:
+    if math.pi / 4.0 * outline <= area_m2 <= outline:
         return 1.0
     return (own if is_positive(own) else outline) / area_m2
 

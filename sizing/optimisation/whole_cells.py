@@ -13,7 +13,6 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, DesignSpace
@@ -63,20 +62,6 @@ class WholeCells:
             return None
         worse = self.chosen.value - best
         return (-worse if self.relaxed.objective.maximised else worse) / abs(best)
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        design = self.relaxed.design
-        variables = {} if design is None else design.variables.chosen()
-        return {
-            "loss": self.loss,
-            "relaxed": {
-                "value": self.relaxed.objective_value,
-                **{name: float(value) for name, value in variables.items()},
-            },
-            "chosen": None if self.chosen is None else dict(self.chosen.__dict__),
-            "tried": [dict(one.__dict__) for one in self.tried],
-        }
 
 
 def size_whole_cells(
