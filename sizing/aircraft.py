@@ -22,8 +22,8 @@ from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
 from sizing.energy.battery import Battery
-from sizing.layout.cells import CellLayout, LayoutError, PlacedCell, Wing
-from sizing.layout.filling import laid_out, mppt_mass_kg
+from sizing.layout.cells import CellLayout, PlacedCell, Wing
+from sizing.layout.filling import check_layout, laid_out, mppt_mass_kg
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
 from sizing.structures.models import Structure
 from sizing.structures.spar import SparStructure
@@ -508,21 +508,10 @@ class Aircraft(FileRecord):
 
     @model_validator(mode="after")
     def _check_layout(self) -> Aircraft:
-        try:
-            self.placed_cells()
-        except LayoutError as error:
-            raise wrong_value(f"modules.layout.{error.key}", str(error)) from error
-        layout = self.modules.layout
-        if layout is None or layout.strings is None:
-            return self
-        ends_v, conversion = self.battery.ends_v, layout.strings.mppt.conversion
-        if ends_v is None and conversion != "any":
-            text = f"required key is missing: modules.layout.strings.mppt has {conversion}"
-            raise wrong_value("battery.voltage", text)
-        loss_per_k = self.modules.temperature_coefficient_per_k
-        trouble = layout.strings.trouble(layout.count, loss_per_k, ends_v)
-        if trouble is not None:
-            raise wrong_value(f"modules.layout.strings.{trouble[0]}", trouble[1])
+        modules = self.modules
+        if modules.layout is not None:
+            loss_per_k, ends_v = modules.temperature_coefficient_per_k, self.battery.ends_v
+            check_layout(modules.layout, self.wing, modules.tail, loss_per_k, ends_v)
         return self
 
     @model_validator(mode="after")

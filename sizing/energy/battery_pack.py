@@ -151,7 +151,10 @@ def _of_entry(data: Mapping[str, Any]) -> dict[str, Any]:
         return {}
     if one.kind == "pack":
         raise wrong_value("pack", f"is of no use here: {one.label} is a whole pack, not a cell")
-    keys = {"cell_mass_kg": one.mass_kg, "maximum_charge_current_a": one.maximum_charge_current_a}
+    mass = one.mass_kg
+    if mass is None and one.energy is not None:
+        mass = one.energy / one.specific_energy
+    keys = {"cell_mass_kg": mass, "maximum_charge_current_a": one.maximum_charge_current_a}
     return {key: value for key, value in keys.items() if value is not None}
 
 

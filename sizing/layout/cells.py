@@ -269,7 +269,7 @@ class CellLayout(Record):
         end_m, found = bay.outboard * half_m, []
         taken = sorted(
             (low, high)
-            for low, high, ahead, behind in self.kept_out(wing)
+            for low, high, ahead, behind in self._kept_out(wing)
             if ahead < rear_m - _ROUNDING and behind > front_m + _ROUNDING
         )
         for low_m, high_m in [*taken, (end_m, math.inf)]:
@@ -286,20 +286,27 @@ class CellLayout(Record):
                     left_m, left_m + self.cell_span_m, front_m, front_m + self.cell_chord_m
                 )
 
-    def kept_out(self, wing: Wing) -> Iterator[tuple[float, float, float, float]]:
-        """Parts without cells: both ends along the span, front and rear [m]."""
+    def kept_out_corners(self, wing: Wing) -> list[list[tuple[float, float]]]:
+        """Corners of the parts without cells: right of the middle, and aft [m]."""
         half_m = wing.wingspan_m / 2.0
-        for part in self.keep_outs:
-            ends = [
-                (self.leading_edge_m(wing, at), self.chord_m(wing, at))
-                for at in (part.inboard, part.outboard)
+        return [
+            [
+                (at * half_m + beyond * part.margin_m, edge_m + place * chord_m)
+                for at, beyond, places in (
+                    (part.inboard, -1.0, (part.rear, part.front)),
+                    (part.outboard, 1.0, (part.front, part.rear)),
+                )
+                for edge_m, chord_m in [(self.leading_edge_m(wing, at), self.chord_m(wing, at))]
+                for place in places
             ]
-            yield (
-                part.inboard * half_m - part.margin_m,
-                part.outboard * half_m + part.margin_m,
-                min(edge + part.front * chord for edge, chord in ends),
-                max(edge + part.rear * chord for edge, chord in ends),
-            )
+            for part in self.keep_outs
+        ]
+
+    def _kept_out(self, wing: Wing) -> Iterator[tuple[float, float, float, float]]:
+        """Rectangles around them: both ends along the span, front and rear [m]."""
+        for corners in self.kept_out_corners(wing):
+            along, aft = zip(*corners, strict=True)
+            yield min(along), max(along), min(aft), max(aft)
 
     def _on_tail(self, tail: TailGeometry | None) -> Iterator[PlacedCell]:
         if not self.tail_cells:

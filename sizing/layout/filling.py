@@ -1,20 +1,22 @@
-"""What a layout of cells gives modules: their area, and the mass of their MPPTs."""
+"""What a layout of cells gives modules, and whether an aircraft holds it."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from missions.files.errors import InputError
-from sizing.layout.cells import CellLayout
+from sizing.layout.cells import CellLayout, LayoutError, Wing
 from solar.schema import Record, is_positive, wrong_value
+from solar.shading import TailGeometry
 
 if TYPE_CHECKING:
     from sizing.catalogues.entries import CellEntry
 
-__all__ = ["laid_out", "mppt_mass_kg"]
+__all__ = ["check_layout", "laid_out", "mppt_mass_kg"]
 
 _OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
 _HALF_A_CELL = 0.5
@@ -78,14 +80,14 @@ def _with_entry(raw: Mapping[str, Any], entry: CellEntry | None) -> dict[str, An
 def _part_of(raw: Mapping[str, Any], area_m2: float | None) -> float:
     """Part of the catalogue's cell that a cell of the layout is: 1, or less if it was cut [-].
 
-    Current goes with the area, voltage does not. Corners that are cut make an area up to a fifth
-    less than the outline: that of a round wafer in it is.
+    Current goes with the area, voltage does not. A whole cell has at least the area of the round
+    wafer in its outline; a half of one has less of the outline of the whole.
     """
     span_m, chord_m = raw.get("cell_span_m"), raw.get("cell_chord_m")
     if area_m2 is None or not is_positive(span_m) or not is_positive(chord_m):
         return 1.0
     outline, own = span_m * chord_m, raw.get("cell_area_m2")
-    if 0.8 * outline <= area_m2 <= outline:
+    if math.pi / 4.0 * outline <= area_m2 <= outline:
         return 1.0
     return (own if is_positive(own) else outline) / area_m2
 
@@ -95,3 +97,26 @@ def mppt_mass_kg(layout: CellLayout | None) -> float | None:
     if layout is None or layout.strings is None or layout.strings.mppt.mass_kg is None:
         return None
     return layout.strings.mppts(layout.count) * layout.strings.mppt.mass_kg
+
+
+def check_layout(
+    layout: CellLayout,
+    wing: Wing,
+    tail: TailGeometry | None,
+    loss_per_k: float,
+    battery_v: tuple[float, float] | None,
+) -> None:
+    """Refuse an aircraft whose wing and tail do not hold the cells, or whose MPPT the strings."""
+    try:
+        layout.placed(wing, tail)
+    except LayoutError as error:
+        raise wrong_value(f"modules.layout.{error.key}", str(error)) from error
+    strings = layout.strings
+    if strings is None:
+        return
+    if battery_v is None and strings.mppt.conversion != "any":
+        text = f"required key is missing: modules.layout.strings.mppt has {strings.mppt.conversion}"
+        raise wrong_value("battery.voltage", text)
+    trouble = strings.trouble(layout.count, loss_per_k, battery_v)
+    if trouble is not None:
+        raise wrong_value(f"modules.layout.strings.{trouble[0]}", trouble[1])

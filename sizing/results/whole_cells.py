@@ -8,9 +8,10 @@ from typing import Any
 from sizing.aircraft import Aircraft
 from sizing.layout.cells import rows_text
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.whole_cells import WholeCells
 from sizing.parameters import unit_text
 from sizing.results.records import finite_values
-from sizing.results.tables import Column, Table
+from sizing.results.tables import UNLIMITED, Column, Table
 
 __all__ = ["cells_lines", "cells_record", "loss_line", "neighbour_table"]
 
@@ -101,21 +102,26 @@ def _counted(number: int, noun: str) -> str:
 def loss_line(record: Mapping[str, Any], objective: Objective) -> str:
     """What whole cells cost, from the record of a sizing."""
     chosen, loss = record["chosen"], record["loss"]
-    relaxed = f"{record['relaxed']['value']:.4g} {unit_text(objective.unit)}".rstrip()
-    if chosen is None or loss is None:
-        return f"relaxed optimum: {objective.label} {relaxed}"
-    value = f"{chosen['value']:.4g} {unit_text(objective.unit)}".rstrip()
-    return (
-        f"loss by whole cells: {objective.label} {value}, {100.0 * loss:.1f} % worse than the "
-        f"relaxed optimum's {relaxed}"
-    )
+    relaxed = f"the relaxed optimum's {_value(record['relaxed'], objective)}"
+    if chosen is None:
+        return f"no whole cells beside {relaxed}"
+    text = f"{objective.label} {_value(chosen, objective)}"
+    if loss is None:
+        return f"whole cells: {text}, beside {relaxed}"
+    return f"loss by whole cells: {text}, {100.0 * loss:.1f} % worse than {relaxed}"
+
+
+def _value(design: Mapping[str, Any], objective: Objective) -> str:
+    """Objective of a design with its unit; JSON has null for an unlimited one."""
+    value = design["value"]
+    return UNLIMITED if value is None else f"{value:.4g} {unit_text(objective.unit)}".rstrip()
 
 
 def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
     """Designs of whole cells that were tried, the best first, infeasible ones with the reason."""
     tried = record["tried"]
-    feasible = [one for one in tried if one["value"] is not None]
-    infeasible = [one for one in tried if one["value"] is None]
+    feasible = [one for one in tried if not one["reason"]]
+    infeasible = [one for one in tried if one["reason"]]
     room = max(_SHOWN - len(infeasible), _SHOWN // 2)
     shown = [*feasible[:room], *infeasible[: _SHOWN - min(room, len(feasible))]]
     strung = any(one["strings"] is not None for one in tried)
@@ -131,13 +137,28 @@ def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
         ),
         Column("reason", "why not", missing=""),
     ]
-    rows = tuple(tuple(one[column.name] for column in columns) for one in shown)
+    unlimited = {"value": UNLIMITED}
+    rows = tuple(
+        tuple(
+            (one | unlimited if one["value"] is None and not one["reason"] else one)[column.name]
+            for column in columns
+        )
+        for one in shown
+    )
     left = len(tried) - len(shown)
     notes = (f"{left} more were tried; the record of the sizing has all",) if left else ()
     return Table("designs of whole cells", tuple(columns), rows, notes)
 
 
-def sizing_record(study_cells: Any, aircraft: Aircraft) -> dict[str, Any]:
-    """Whole cells of a sizing, JSON-ready."""
-    record: dict[str, Any] = finite_values(study_cells.to_dict())
-    return record | (cells_record(aircraft) if study_cells.aircraft is not None else {})
+def sizing_record(cells: WholeCells, aircraft: Aircraft) -> dict[str, Any]:
+    """Whole cells of a sizing, JSON-ready: an unlimited objective is null."""
+    design = cells.relaxed.design
+    variables = {} if design is None else design.variables.chosen()
+    relaxed = {"value": cells.relaxed.objective_value} | variables
+    record: dict[str, Any] = {
+        "loss": cells.loss,
+        "relaxed": finite_values(relaxed),
+        "chosen": None if cells.chosen is None else finite_values(cells.chosen.__dict__),
+        "tried": [finite_values(one.__dict__) for one in cells.tried],
+    }
+    return record | (cells_record(aircraft) if cells.aircraft is not None else {})

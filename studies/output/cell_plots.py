@@ -68,8 +68,8 @@ def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
         PatchCollection(outlines, facecolor=GREY, edgecolor=ink(), linewidth=0.8, alpha=0.5)
     )
     taken = [
-        Rectangle((side * low if side > 0.0 else -high, front), high - low, rear - front)
-        for low, high, front, rear in layout.kept_out(wing)
+        Polygon([(side * y, x) for y, x in corners])
+        for corners in layout.kept_out_corners(wing)
         for side in (-1.0, 1.0)
     ]
     axes.add_collection(

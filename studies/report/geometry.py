@@ -94,14 +94,16 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
     structure = airframe.structure if isinstance(airframe, ParametricAirframe) else None
     rib_wing = structure if isinstance(structure, RibWingStructure) else None
     rule = rib_wing or _RULE
-    tail, tail_note, tail_known = _tail(aircraft.modules.tail, rib_wing, span_m, chord_m)
-    modules, modules_note, modules_known = _module_places(aircraft, span_m, chord_m)
     layout = aircraft.modules.layout
+    # Cells lie on the tail of the file, whatever size a rule gives it.
+    sizing_rule = None if layout is not None and layout.tail_cells else rib_wing
+    tail, tail_note, tail_known = _tail(aircraft.modules.tail, sizing_rule, span_m, chord_m)
+    modules, modules_note, modules_known = _module_places(aircraft, span_m, chord_m)
     dihedral_deg, from_m = _dihedral(geometry, span_m)
     notes = [
         "Wing: a rectangle of wingspan and aspect ratio, as all models take it."
         if layout is None or layout.planform is None
-        else "Wing: modules.layout.planform; the models take a rectangle of its area.",
+        else "Wing: modules.layout.planform and its mean chord; the models take a rectangle.",
         modules_note,
         tail_note,
     ]

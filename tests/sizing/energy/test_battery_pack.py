@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,7 +13,15 @@ from missions.files.errors import InputError
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import Battery, RuleChargeLimit
 
-# LG INR18650 MH1 by its data sheet: 3.2 Ah of 3.7 V, 44.5 g, charged with 3.1 A.
+# A cell of 3.2 Ah, 3.7 V and 44.5 g that is charged with 3.1 A.
+ENTRY = """\
+label: a cell
+source: numbers of this test
+nominal_voltage_v: 3.7
+capacity_ah: 3.2
+mass_kg: 0.0445
+maximum_charge_current_a: 3.1
+"""
 VOLTAGE = {
     "cells_in_series": 6,
     "state_of_charge": [0.0, 0.2, 1.0],
@@ -20,12 +29,19 @@ VOLTAGE = {
 }
 
 
+@pytest.fixture
+def cell(tmp_path: Path) -> str:
+    file = tmp_path / "cell.yaml"
+    file.write_text(ENTRY, encoding="utf-8")
+    return str(file)
+
+
 def battery(**data: Any) -> Battery:
-    return Battery.model_validate({"cell": "lg-mh1"} | data)
+    return Battery.model_validate(data)
 
 
-def test_mass_energy_voltage_and_current_are_those_of_the_cells() -> None:
-    one = battery(pack={"cells_in_parallel": 9}, voltage=VOLTAGE)
+def test_mass_energy_voltage_and_current_are_those_of_the_cells(cell: str) -> None:
+    one = battery(cell=cell, pack={"cells_in_parallel": 9}, voltage=VOLTAGE)
     assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
     # The catalogue keeps six digits of the energy over mass.
     assert one.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
@@ -37,15 +53,17 @@ def test_mass_energy_voltage_and_current_are_those_of_the_cells() -> None:
     assert limit.c_rate_per_h == pytest.approx(3.1 / 3.2, rel=1e-5)
 
 
-def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy() -> None:
-    one = battery(cell_mass_fraction=0.9, pack={"cells_in_series": 6, "cells_in_parallel": 9})
+def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy(cell: str) -> None:
+    one = battery(
+        cell=cell, cell_mass_fraction=0.9, pack={"cells_in_series": 6, "cells_in_parallel": 9}
+    )
     assert one.mass_kg == pytest.approx(54 * 0.0445 / 0.9, rel=1e-12)
     assert one.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
 
 
-def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells() -> None:
+def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells(cell: str) -> None:
     window = {"minimum_state_of_charge": 0.1, "maximum_state_of_charge": 0.9}
-    one = battery(pack={"cells_in_parallel": 9} | window, voltage=VOLTAGE)
+    one = battery(cell=cell, pack={"cells_in_parallel": 9} | window, voltage=VOLTAGE)
     assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
     assert one.battery_energy_wh == pytest.approx(0.8 * 54 * 3.2 * 3.7, rel=1e-5)
     assert one.ends_v == pytest.approx((6 * 3.2, 6 * 4.1))
@@ -56,20 +74,28 @@ def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells() -> Non
     assert power_w == pytest.approx(9 * 3.1 * 6 * 3.7, rel=1e-4)
 
 
-def test_cells_in_parallel_follow_from_a_mass_of_whole_cells() -> None:
-    one = battery(mass_kg=2.403, pack={"cells_in_series": 6})
+def test_cells_in_parallel_follow_from_a_mass_of_whole_cells(cell: str) -> None:
+    one = battery(cell=cell, mass_kg=2.403, pack={"cells_in_series": 6})
     assert one.pack is not None
     assert one.pack.cells_in_parallel == 9
     assert one.mass_kg == pytest.approx(2.403, rel=1e-12)
 
 
-def test_what_follows_is_not_written_and_follows_again() -> None:
+def test_what_follows_is_not_written_and_follows_again(cell: str) -> None:
     data = DESIGN.model_dump(mode="json", exclude_unset=True)
-    data["battery"] = {"cell": "lg-mh1", "voltage": VOLTAGE, "pack": {"cells_in_parallel": 9}}
+    data["battery"] = {"cell": cell, "voltage": VOLTAGE, "pack": {"cells_in_parallel": 9}}
     plane = Aircraft.model_validate(data)
     written = plane.model_dump(mode="json", exclude_unset=True)
     assert "mass_kg" not in written["battery"]
     assert Aircraft.model_validate(written) == plane
+
+
+def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path: Path) -> None:
+    file = tmp_path / "cell.yaml"
+    known = ENTRY.replace("mass_kg: 0.0445", "specific_energy_wh_per_kg: 250")
+    file.write_text(known, encoding="utf-8")
+    one = battery(cell=str(file), pack={"cells_in_series": 6, "cells_in_parallel": 9})
+    assert one.mass_kg == pytest.approx(54 * 3.2 * 3.7 / 250.0, rel=1e-12)
 
 
 @pytest.mark.parametrize(

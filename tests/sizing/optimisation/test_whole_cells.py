@@ -14,7 +14,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.layout.cells import Wing
 from sizing.limits import meets_requirements
-from sizing.optimisation.whole_cells import without_whole_cells
+from sizing.optimisation.whole_cell_designs import without_whole_cells
 from sizing.performance import performance_of_designs
 from sizing.results.sizing import SizingStudy
 
@@ -236,3 +236,23 @@ def test_an_aircraft_without_cells_is_refused() -> None:
     aircraft = sizing.load_aircraft("atlantiksolar-design")
     with pytest.raises(ValueError, match=r"need modules\.layout"):
         sizing.size(aircraft, MISSION, whole_cells=True)
+
+
+def test_unlimited_excess_time_is_no_loss_and_no_failure() -> None:
+    polar = sizing.load_aircraft(
+        "atlantiksolar-design",
+        {
+            "modules.cell": "sunpower-e60",
+            "modules.layout": WHOLE_CELLS,
+            "battery.pack": PACK,
+            "design_space.wingspan_m.maximum": 5.65,
+        },
+    )
+    summer = load_mission("rafz-july", {"latitude_deg": 82.0, "dates": {"on": "06-21"}})
+    study = sizing.size(polar, summer, "max_excess_time", whole_cells=True)
+    assert study.result.objective_value == np.inf
+    assert study.whole_cells is not None
+    assert study.whole_cells.loss is None
+    assert "whole cells: excess time unlimited" in str(study.summary())
+    chosen = study.to_dict()["whole_cells"]["chosen"]
+    assert (chosen["value"], chosen["reason"]) == (None, "")

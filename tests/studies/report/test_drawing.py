@@ -106,3 +106,31 @@ def test_dihedral_raises_the_tips() -> None:
     assert drawing.height_m(0.0) == 0.0
     # 6 degrees from 1.27 m to 2.825 m.
     assert drawing.height_m(2.825) == pytest.approx(0.1634, abs=2e-4)
+
+
+def test_whole_cells_are_drawn_on_wing_and_tail() -> None:
+    layout = {
+        "cell_span_m": 0.125,
+        "cell_chord_m": 0.125,
+        "planform": {"half_span": [0.0, 0.6, 1.0], "relative_chord": [1.1, 1.1, 0.6]},
+        "bays": [{"outboard": 0.6, "cells": [12, 12]}],
+        "tail_cells": [6],
+    }
+    plane = load_aircraft(
+        "atlantiksolar-design", {"modules.layout": layout, "modules.area_m2": 54 * 0.125**2}
+    )
+    drawing = aircraft_drawing(plane)
+    assert len(drawing.modules) == 54
+    assert "modules" not in drawing.schematic
+    tail = drawing.tail
+    on_tail = [one for one in drawing.modules if one.front_m > drawing.chord_m]
+    assert len(on_tail) == 6
+    for one in on_tail:
+        assert one.front_m >= tail.horizontal_aft_m
+        assert one.rear_m <= tail.horizontal_aft_m + tail.horizontal_chord_m
+        assert max(-one.left_m, one.right_m) <= tail.horizontal_span_m / 2.0
+    svg = three_view(drawing, name="a", key="a", width=940.0, kind="wide")
+    assert "54 solar cells" in svg
+    assert len(shapes(svg, "module")) >= 54
+    # Root, break and tip of both halves, along both edges; the root is one place.
+    assert len(shapes(svg, "wing")[0]) == 10
