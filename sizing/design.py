@@ -352,9 +352,7 @@ def structure_inputs(
     )
 
 
-def structure_parts(
-    aircraft: Aircraft, mission: Mission | FlightConditions, design: Design
-) -> StructureParts | None:
+def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
     """Masses of the structure's parts.
 
     Returns masses [kg]; None where the model of the structure knows no parts.
@@ -404,7 +402,7 @@ def _structure_remarks(
 
 
 def _sized_rib_wing(
-    aircraft: Aircraft, mission: Mission | FlightConditions, design: Design
+    aircraft: Aircraft, mission: Mission, design: Design
 ) -> tuple[RibWingStructure, StructureInputs] | None:
     """Rib wing of an aircraft and what it is sized from; None where it has another structure."""
     airframe = aircraft.airframe
@@ -414,9 +412,9 @@ def _sized_rib_wing(
     structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
     if not isinstance(structure, RibWingStructure):
         return None
-    known = isinstance(mission, FlightConditions)
-    air, mass_kg = mission if known else FlightConditions.of(mission, aircraft), design.total_mass_kg
-    return structure, structure_inputs(aircraft, variables, air, mass_kg, design.airspeed_m_per_s)
+    air, mass_kg = FlightConditions.of(mission, aircraft), design.total_mass_kg
+    airspeed = design.airspeed_m_per_s
+    return structure, structure_inputs(aircraft, variables, air, mass_kg, airspeed)
 
 
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:

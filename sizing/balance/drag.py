@@ -28,8 +28,6 @@ from solar.schema import (
 
 __all__ = ["BuiltUpPolar", "DragComponents", "DragShares", "Pod", "skin_friction"]
 
-_SLENDER = 1.0  # a body is longer than thick
-
 
 def skin_friction(reynolds: Value, laminar_fraction: float) -> Value:
     """Skin friction coefficient of a flat plate, laminar over a share of it [-].
@@ -70,7 +68,7 @@ class Pod(Record):
 
     @model_validator(mode="after")
     def _check_slender(self) -> Pod:
-        if self.length_m <= _SLENDER * self.diameter_m:
+        if self.length_m <= self.diameter_m:
             message = "must be above diameter_m, {diameter} (got {length})"
             context = {
                 "key": "length_m",
@@ -83,7 +81,7 @@ class Pod(Record):
     @property
     def volume_m3(self) -> float:
         """Volume of all of these pods [m3]."""
-        return self.count * pi / 6.0 * self.diameter_m**2 * self.length_m
+        return float(self.count * pi / 6.0 * self.diameter_m**2 * self.length_m)
 
     @property
     def wetted_m2(self) -> float:
@@ -91,7 +89,7 @@ class Pod(Record):
         slenderness = self.length_m / self.diameter_m
         eccentricity = (1.0 - slenderness**-2) ** 0.5
         stretched = slenderness / eccentricity * asin(eccentricity)
-        return self.count * pi / 2.0 * self.diameter_m**2 * (1.0 + stretched)
+        return float(self.count * pi / 2.0 * self.diameter_m**2 * (1.0 + stretched))
 
 
 class DragComponents(Record):
@@ -144,7 +142,7 @@ class DragShares(NamedTuple):
 class Booms(NamedTuple):
     """Tubes between wing and tail; of the structure's model."""
 
-    count: int
+    number: int
     diameter_m: Value
 
 
@@ -153,8 +151,8 @@ class BuiltUpPolar:
     """Polar of a wing with the drag of the other parts, for one wing.
 
     ``base``: polar of the file at the lift coefficient of level flight. ``components``: none leaves
-    the base's drag. ``static_margin``: over the mean aerodynamic chord, whose trim drag counts; none
-    leaves trim out. ``moment``: of the wing about its aerodynamic centre.
+    the base's drag. ``static_margin``: over the mean aerodynamic chord, whose trim drag counts;
+    none leaves trim out. ``moment``: of the wing about its aerodynamic centre.
     """
 
     base: DragPolar | WingPolar
@@ -240,8 +238,8 @@ class BuiltUpPolar:
                 (planes.vertical_m2, planes.fin_chord_m),
             )
         )
-        count, thick_m = self.booms
-        booms = count * pi * thick_m * planes.arm_m / area_m2 * it.boom_interference
+        number, thick_m = self.booms
+        booms = number * pi * thick_m * planes.arm_m / area_m2 * it.boom_interference
         booms = booms * _body_form(planes.arm_m / thick_m)
         booms = booms * skin_friction(per_m * planes.arm_m, it.boom_laminar_fraction)
         pods = 0.0

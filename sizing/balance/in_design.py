@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from sizing.aerodynamics.parabolic import DragPolar, Polar
 from sizing.aerodynamics.wing_polar import WingPolar
-from sizing.aircraft import ParametricAirframe
 from sizing.balance.drag import Booms, BuiltUpPolar
 from sizing.balance.surfaces import wing_of
 from sizing.parameters import all_replaced
 from sizing.smooth import Value
 from sizing.structures.models import StructureModel
 from sizing.structures.rib_wing import RibWingStructure
+
+if TYPE_CHECKING:
+    from sizing.aircraft import ParametricAirframe
 
 __all__ = ["polar_with_tail", "structure_with_tail"]
 
@@ -25,7 +27,8 @@ def structure_with_tail(
     if airframe.tail is None:
         return structure
     wing = wing_of(airframe.planform, wingspan_m, aspect_ratio)
-    return all_replaced(cast(Any, structure), airframe.tail.structure_keys(wing))
+    changed = all_replaced(cast(Any, structure), airframe.tail.structure_keys(wing))
+    return cast(StructureModel, changed)
 
 
 def polar_with_tail(

@@ -73,9 +73,9 @@ class Positions(Record):
 class Balance(Record):
     """Key ``airframe.balance``: masses with their places, and the static margin that is asked for.
 
-    ``weighed``: every mass of the aircraft, instead of the build-up. ``static_margin``: neutral point
-    behind the centre of gravity, over the mean aerodynamic chord; ``moved`` is put where it comes
-    out, by the limits of ``foremost_chords`` and ``rearmost_chords``.
+    ``weighed``: every mass of the aircraft, instead of the build-up. ``static_margin``: neutral
+    point behind the centre of gravity, over the mean aerodynamic chord; ``moved`` is put where it
+    comes out; a sizing keeps it between ``foremost_chords`` and ``rearmost_chords``.
     """
 
     positions_chords: Positions = Positions()

@@ -110,9 +110,9 @@ def trim(
 
     ``C_Lt = (C_M0 + C_L (x_cg - x_w)/c)/(eta V_h)`` (Etkin and Reid, eq. 2.3,6 with 2.3,14).
     Induced drag of both planes together is Prandtl's of a biplane without gap,
-    ``L_w^2/(pi q b_w^2) + 2 (b_t/b_w) L_w L_t/(pi q b_w b_t) + L_t^2/(pi q b_t^2)``: Laitone, E. V.,
-    Ideal Tail Load for Minimum Aircraft Drag, Journal of Aircraft 15 (1978), p. 190. The wing's own
-    term has the span efficiency of the drag polar, and so have the others.
+    ``L_w^2/(pi q b_w^2) + 2 (b_t/b_w) L_w L_t/(pi q b_w b_t) + L_t^2/(pi q b_t^2)``: Laitone,
+    E. V., Ideal Tail Load for Minimum Aircraft Drag, Journal of Aircraft 15 (1978), p. 190. All
+    terms have the span efficiency of the drag polar.
 
     ``lift``: of the aircraft, on the wing area. ``moment``: of the wing about its aerodynamic
     centre, on the mean aerodynamic chord. ``gravity_x_m``: centre of gravity.

@@ -10,13 +10,15 @@ from sizing.results.tables import Column, Line, Table
 
 __all__ = ["balance_blocks", "balance_lines", "balance_table", "drag_record", "drag_table"]
 
-_WORDS = {
+_DRAG_WORDS = {
     "wing_profile": "wing, profile",
     "wing_induced": "wing, induced",
     "horizontal_tail": "horizontal tail",
     "vertical_tail": "vertical tail",
     "gaps": "gaps, leaks, protuberances",
-    "other": "other (constants of the file)",
+    "other": "constants of the file",
+}
+_MASS_WORDS = {
     "mppt": "MPPT",
     "spar_caps": "spar caps",
     "spar_web": "spar web",
@@ -43,7 +45,7 @@ def drag_table(shares: DragShares) -> Table:
         Column("share", "share", "%", ".1f"),
     )
     rows = [
-        (_WORDS.get(name, name), float(one), 100.0 * float(one / shares.total))
+        (_DRAG_WORDS.get(name, name), float(one), 100.0 * float(one / shares.total))
         for name, one in (*shares._asdict().items(), ("sum", shares.total))
         if one != 0.0
     ]
@@ -71,14 +73,14 @@ def balance_table(balance: BalanceAssessment) -> Table:
         Column("mass", "mass", "kg", ".3f"),
         Column("place", "behind leading edge", "m", ".3f"),
     )
-    rows = [(_WORDS.get(one.name, one.name), one.mass_kg, one.x_m) for one in balance.items]
+    rows = [(_MASS_WORDS.get(one.name, one.name), one.mass_kg, one.x_m) for one in balance.items]
     rows.append(("centre of gravity", balance.mass_kg, balance.gravity_m))
     return Table("balance, from the leading edge of the wing root", columns, tuple(rows))
 
 
 def balance_lines(balance: BalanceAssessment) -> list[str]:
     """Static margin, tail, trim and controls in sentences."""
-    tail, level = balance.planes, balance.level
+    tail, level, out = balance.planes, balance.level, balance.motor_out
     stable = "stable" if balance.static_margin > 0.0 else "unstable"
     lines = [
         f"Static margin {100.0 * balance.static_margin:.1f} % of the mean aerodynamic chord "
@@ -89,15 +91,15 @@ def balance_lines(balance: BalanceAssessment) -> list[str]:
         f"{tail.arm_m:.2f} m behind the wing; trimmed C_L {level.wing_lift:.3f} of the wing and "
         f"{level.tail_lift:.3f} of the tail, trim drag {level.drag:+.5f} "
         f"({100.0 * level.drag / balance.drag_coefficient:+.1f} % of the drag).",
-        f"At 1.2 times the stall speed: elevator {-balance.elevator_deg:+.1f}° (up positive) of "
-        f"{balance.elevator_limit_deg:g}° trims; the rudder holds "
-        f"{balance.sideslip_deg:.0f}° of sideslip"
-        + (
-            "."
-            if balance.motor_out is None
-            else f"; one motor out needs {100.0 * balance.motor_out:.0f} % of it."
-        ),
+        f"Elevator, trailing edge up positive, of {balance.elevator_limit_deg:g}°: "
+        f"{-balance.elevator_deg:+.1f}° trims 1.2 times the stall speed, "
+        f"{-balance.elevator_at_stall_deg:+.1f}° the stall. Rudder at 1.2 times the stall speed: "
+        f"{balance.sideslip_deg:.0f}° of sideslip, {balance.crosswind_m_per_s:.1f} m/s of crosswind"
+        + ("." if out is None else f"; one motor out needs {100.0 * out:.0f} % of it."),
     ]
+    if (moved := balance.moved) is not None:
+        where = f"{abs(moved.x_m):.3f} m {'behind' if moved.x_m >= 0.0 else 'ahead of'}"
+        lines[0] += f" For it {moved.name} of {moved.mass_kg:.3f} kg is {where} the leading edge."
     off = balance.mass_kg / balance.design_mass_kg - 1.0
     if abs(off) > _CLOSE:
         lines.append(
