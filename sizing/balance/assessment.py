@@ -36,10 +36,10 @@ class BalanceAssessment:
     """Balance in level flight, controls at 1.2 times the stall speed.
 
     ``items``: masses with their places. ``moved``: the one that is put where the static margin
-    asks for it; None where none is asked for. ``design_mass_kg``: of the mass budget, which a weighed
-    list need not meet. ``found``: neutral point. ``sideslip_deg``: held by the whole rudder.
-    ``motor_out``: share of the rudder that one of two motors, at the fronts of two booms, needs;
-    None with another number of them.
+    asks for it; None where none is asked for. ``design_mass_kg``: of the mass budget, which a
+    weighed list need not meet. ``found``: neutral point. ``sideslip_deg``: held by the whole
+    rudder. ``motor_out``: share of the rudder that one of two motors, at the fronts of two booms,
+    needs; None with another number of them.
     """
 
     items: tuple[Item, ...]
