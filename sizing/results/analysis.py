@@ -225,7 +225,7 @@ class Analysis(Result):
         return structure_assessment(self.aircraft, self.mission, self.performance.design)
 
     @cached_property
-    def drag_build_up(self) -> DragShares | None:
+    def drag_coefficients(self) -> DragShares | None:
         """Drag coefficients of the parts in level flight; None without ``airframe.drag``."""
         return drag_shares(self.aircraft, self.mission, self.performance.design)
 
@@ -314,8 +314,8 @@ class Analysis(Result):
         cells = cells_record(self.aircraft)
         if cells:
             result["whole_cells"] = cells
-        if self.drag_build_up is not None:
-            result["drag_build_up"] = drag_record(self.drag_build_up)
+        if self.drag_coefficients is not None:
+            result["drag_coefficients"] = drag_record(self.drag_coefficients)
         if self.balance is not None:
             result["balance"] = self.balance.to_dict()
         result |= catalogue_records(self.aircraft)

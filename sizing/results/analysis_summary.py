@@ -56,7 +56,7 @@ def summary(analysis: Analysis) -> Summary:
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks.append(power_line(analysis.power_budget))
     blocks += structure_blocks(analysis.structure)
-    blocks += balance_blocks(analysis.drag_build_up, analysis.balance)
+    blocks += balance_blocks(analysis.drag_coefficients, analysis.balance)
     if several:
         blocks.append(scenario_table(analysis))
     if analysis.relaxations:

@@ -111,7 +111,7 @@ def budget_section(subject: Subject) -> Section:
     power = Bars(
         "load in level flight", "W", ".2f", used.rows(), "load", note=used.note(),
     )  # fmt: skip
-    shares, balance = subject.analysis.drag_build_up, subject.analysis.balance
+    shares, balance = subject.analysis.drag_coefficients, subject.analysis.balance
     parts = [] if shares is None else [drag_table(shares)]
     parts += [] if balance is None else [balance_table(balance)]
     told = [] if balance is None else [Text(text) for text in balance_lines(balance)]

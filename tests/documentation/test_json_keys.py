@@ -34,6 +34,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         [
             [AS2, "--mission", "rafz-28h"],
             [AS2, "--set", "mission.climb={ceiling_m: 1000}"],
+            ["twin-boom-design"],
             [AS2, "--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"],
             [AS2, *CELLS],
         ],
@@ -44,6 +45,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         [
             [DESIGN, *SUMMER, "--sensitivities", "--cross-check"],
             ["sky-sailor", *SUMMER, "--required-excess-time", "12"],
+            ["twin-boom-design", "--mission", "rafz-july"],
             [
                 *(DESIGN, *SUMMER, "--set", "mission.uncertainty_margins.battery_capacity=0.9"),
                 *("--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"),
@@ -109,6 +111,7 @@ COMMON = {"aircraft", "mission", "mission_is_default"}
 OPEN = {
     "sobol",
     *("sobol", "spar_caps", "spar_web"),
+    *("balance", "drag_coefficients"),
     *(
         "others",
         "masses_kg",

@@ -120,12 +120,12 @@ def test_a_sizing_keeps_the_margin_within_the_ends_of_the_moved_mass(rear: float
 def test_results_have_what_the_file_asks_for() -> None:
     record = sizing.analyse(TWIN, MISSION).to_dict()
     assert record["balance"]["static_margin"] == pytest.approx(0.1)
-    parts = record["drag_build_up"]
+    parts = record["drag_coefficients"]
     assert parts["total"] == pytest.approx(
         sum(v for k, v in parts.items() if k not in ("total", "parasitic"))
     )
     plain = sizing.analyse(DESIGN, MISSION).to_dict()
-    assert not {"balance", "drag_build_up"} & plain.keys()
+    assert not {"balance", "drag_coefficients"} & plain.keys()
 
 
 @pytest.mark.parametrize(
