@@ -20,7 +20,12 @@ from missions.provenance import Provenance
 from missions.uncertainty import Uncertainty
 from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
-from sizing.balance.checks import check_balance, without_own_constants
+from sizing.balance.checks import (
+    cells_on_planform,
+    check_balance,
+    check_planforms,
+    without_own_constants,
+)
 from sizing.balance.drag import DragComponents
 from sizing.balance.masses import Balance
 from sizing.balance.surfaces import Planform, Tail
@@ -475,6 +480,16 @@ class Aircraft(FileRecord):
         elif isinstance(propulsion, OperatingPointPropulsion):
             entries += propulsion.taken()
         return entries
+
+    @model_validator(mode="before")
+    @classmethod
+    def _cells_on_planform(cls, data: Any) -> Any:
+        return cells_on_planform(data)
+
+    @model_validator(mode="after")
+    def _check_planforms(self) -> Aircraft:
+        check_planforms(getattr(self.airframe, "planform", None), self.modules.layout)
+        return self
 
     @model_validator(mode="after")
     def _check_lift(self) -> Aircraft:

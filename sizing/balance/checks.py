@@ -5,15 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from pydantic_core import PydanticCustomError
 
 from sizing.structures.rib_wing import RibWingStructure
 
 if TYPE_CHECKING:
     from sizing.aircraft import ParametricAirframe
+    from sizing.balance.surfaces import Planform
+    from sizing.layout.cells import CellLayout
 
-__all__ = ["check_balance", "without_own_constants"]
+__all__ = ["cells_on_planform", "check_balance", "check_planforms", "without_own_constants"]
 
+# Chords over the mean chord that count as the same: a table of cells may have four digits.
+_SAME_CHORD = 1e-3
 # Of the structure's model, which airframe.tail stands for.
 _TAIL_KEYS = ("fuselage_chords", "horizontal_tail_ratio", "vertical_tail_ratio")
 # Of the drag polars, which airframe.drag stands for: none unless the file says so.
@@ -30,6 +35,44 @@ def without_own_constants(data: Any) -> Any:
         return data
     keys = _DRAG_CONSTANTS.get(polar.get("model", "parabolic"), ())
     return {**data, "aerodynamics": {**dict.fromkeys(keys, 0.0), **polar}}
+
+
+def _relative_chords(inner: float, taper: float) -> dict[str, tuple[float, ...]]:
+    """Planform of two panels as that of cells: chord over the mean chord along the half-span."""
+    root = 1.0 / (inner + (1.0 - inner) * (1.0 + taper) / 2.0)
+    if inner == 0.0:
+        return {"half_span": (0.0, 1.0), "relative_chord": (root, taper * root)}
+    return {"half_span": (0.0, inner, 1.0), "relative_chord": (root, root, taper * root)}
+
+
+def cells_on_planform(data: Any) -> Any:
+    """Aircraft whose cells lie on the wing of ``airframe.planform``, unless they have their own."""
+    airframe, modules = (_mapping(data, key) for key in ("airframe", "modules"))
+    planform, layout = _mapping(airframe, "planform"), _mapping(modules, "layout")
+    shape: list[Any] = [planform.get(key) for key in ("inner_fraction", "taper_ratio")]
+    valid = all(isinstance(one, int | float) and 0.0 <= one <= 1.0 for one in shape)
+    if not (valid and layout) or "planform" in layout or shape[0] == 1.0:
+        return data
+    placed = {**layout, "planform": _relative_chords(*shape)}
+    return {**data, "modules": {**modules, "layout": placed}}
+
+
+def _mapping(holder: Any, key: str) -> Mapping[str, Any]:
+    """Mapping under a key; empty where there is none."""
+    found = holder.get(key) if isinstance(holder, Mapping) else None
+    return found if isinstance(found, Mapping) else {}
+
+
+def check_planforms(wing: Planform | None, layout: CellLayout | None) -> None:
+    """Refuse cells on another planform than that of the wing."""
+    if wing is None or layout is None or layout.planform is None:
+        return
+    cells, shape = layout.planform, _relative_chords(wing.inner_fraction, wing.taper_ratio)
+    places = sorted({*cells.half_span, *shape["half_span"]})
+    own = np.interp(places, cells.half_span, cells.relative_chord)
+    if not np.allclose(own, np.interp(places, shape["half_span"], shape["relative_chord"]),
+                       atol=_SAME_CHORD):  # fmt: skip
+        _refuse("modules.layout.planform", "is another wing than airframe.planform; give one")
 
 
 def check_balance(airframe: ParametricAirframe) -> None:

@@ -128,6 +128,28 @@ def test_results_have_what_the_file_asks_for() -> None:
     assert not {"balance", "drag_coefficients"} & plain.keys()
 
 
+LAYOUT = {"cell_span_m": 0.125, "cell_chord_m": 0.125, "bays": [{"cells": [8, 8]}]}
+
+
+def test_cells_lie_on_the_wing_of_the_airframe() -> None:
+    cells = {"modules.area_m2": 32 * 0.125**2, "modules.layout": LAYOUT}
+    # Two rows of 0.25 m reach to where the chord is 0.25 m: neither the tip of 0.217 m.
+    with pytest.raises(InputError, match=r"2 rows of cells of 0\.125 m need"):
+        sizing.load_aircraft("twin-boom-design", cells)
+    bays = {"modules.layout": {**LAYOUT, "bays": [{"outboard": 0.6, "cells": [8, 8]}]}}
+    craft = sizing.load_aircraft("twin-boom-design", {**cells, **bays})
+    layout, wing = craft.modules.layout, balance().wing
+    assert layout is not None
+    assert layout.chord_m(craft.wing, 0.0) == pytest.approx(wing.root_chord_m)
+    assert layout.chord_m(craft.wing, 1.0) == pytest.approx(0.6 * wing.root_chord_m)
+    written = craft.model_dump(mode="json", exclude_unset=True)
+    assert sizing.Aircraft.model_validate(written) == craft
+    other = {"half_span": [0.0, 1.0], "relative_chord": [1.2, 0.8]}
+    both = {**cells, "modules.layout": {**LAYOUT, "planform": other}}
+    with pytest.raises(InputError, match="is another wing than"):
+        sizing.load_aircraft("twin-boom-design", both)
+
+
 @pytest.mark.parametrize(
     ("name", "changes", "words"),
     [
