@@ -20,6 +20,15 @@ from missions.provenance import Provenance
 from missions.uncertainty import Uncertainty
 from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.balance.checks import (
+    cells_on_planform,
+    check_balance,
+    check_planforms,
+    without_own_constants,
+)
+from sizing.balance.drag import DragComponents
+from sizing.balance.masses import Balance
+from sizing.balance.surfaces import Planform, Tail
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
 from sizing.energy.battery import Battery
 from sizing.layout.cells import CellLayout, PlacedCell, Wing
@@ -141,6 +150,20 @@ class ParametricAirframe(Record):
     other_mass_kg: NonNegativeReal = 0.0
     distributed_battery_fraction: Annotated[float, Strict(), Field(ge=0.0, le=1.0)] = 1.0
     maximum_module_coverage: Fraction = 0.85
+    planform: Planform | None = None
+    tail: Tail | None = None
+    drag: DragComponents | None = None
+    balance: Balance | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drag_by_parts(cls, data: Any) -> Any:
+        return without_own_constants(data)
+
+    @model_validator(mode="after")
+    def _check_balance(self) -> ParametricAirframe:
+        check_balance(self)
+        return self
 
     @model_validator(mode="before")
     @classmethod
@@ -457,6 +480,16 @@ class Aircraft(FileRecord):
         elif isinstance(propulsion, OperatingPointPropulsion):
             entries += propulsion.taken()
         return entries
+
+    @model_validator(mode="before")
+    @classmethod
+    def _cells_on_planform(cls, data: Any) -> Any:
+        return cells_on_planform(data)
+
+    @model_validator(mode="after")
+    def _check_planforms(self) -> Aircraft:
+        check_planforms(getattr(self.airframe, "planform", None), self.modules.layout)
+        return self
 
     @model_validator(mode="after")
     def _check_lift(self) -> Aircraft:

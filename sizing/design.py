@@ -28,6 +28,7 @@ from sizing.aerodynamics.parabolic import (
 )
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
+from sizing.balance.in_design import polar_with_tail, structure_with_tail
 from sizing.parameters import catalogue, replaced
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion, air_of
 from sizing.smooth import Value
@@ -229,7 +230,12 @@ def parametric_design(
         mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
     )
     air = given.with_payload_of(variables)
-    aerodynamics = flown_at(airframe.aerodynamics, variables.lift_coefficient)
+    aerodynamics = polar_with_tail(
+        airframe,
+        flown_at(airframe.aerodynamics, variables.lift_coefficient),
+        variables.wingspan_m,
+        variables.aspect_ratio,
+    )
     shaft_w = level_flight_power_w(
         aerodynamics,
         mass_kg=total_mass_kg,
@@ -306,9 +312,10 @@ def _masses(
     modules = aircraft.modules
     modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
     rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
+    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
     return Masses(
-        structure=airframe.structure.mass_kg(
-            _structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s)
+        structure=structure.mass_kg(
+            structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s)
         ),
         propulsion=propulsion.mass_kg(
             propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
@@ -322,7 +329,7 @@ def _masses(
     )
 
 
-def _structure_inputs(
+def structure_inputs(
     aircraft: Aircraft,
     variables: DesignVariables,
     air: FlightConditions,
@@ -401,11 +408,13 @@ def _sized_rib_wing(
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         return None
-    if not isinstance(airframe.structure, RibWingStructure):
+    variables = design.variables
+    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
+    if not isinstance(structure, RibWingStructure):
         return None
     air, mass_kg = FlightConditions.of(mission, aircraft), design.total_mass_kg
     airspeed = design.airspeed_m_per_s
-    return airframe.structure, _structure_inputs(aircraft, design.variables, air, mass_kg, airspeed)
+    return structure, structure_inputs(aircraft, variables, air, mass_kg, airspeed)
 
 
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:

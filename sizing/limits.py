@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
+from sizing.balance.placing import moved_ends
 from sizing.design import Design, FlightConditions, flown_at
 from sizing.parameters import label, unit
 from sizing.propulsion.chain import Propulsion
@@ -175,6 +176,9 @@ def design_requirements(
         if limit.maximum is not None:
             text = f"{label(name)} exceeds its maximum {limit.maximum:g}{of} by {{missed}}"
             rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
+    moved = "the mass that is moved for the static margin lies {missed} of a chord beyond its end"
+    ends = moved_ends(aircraft, conditions, design)
+    rows += [Requirement(end, value, moved) for end, value in ends.items()]
     return [*rows, *aircraft.design_space.own_requirements(it)]
 
 

@@ -138,12 +138,17 @@ class DragPolar(AtLiftCoefficient):
         Value
             On the wing area [-].
         """
+        profile, induced, parasitic = self.parts(aspect_ratio, reynolds)
+        return profile + parasitic + induced
+
+    def parts(self, aspect_ratio: Value, reynolds: Value) -> tuple[Value, Value, Value]:
+        """Profile and induced drag of the wing, and all else, as coefficients [-]."""
         profile = (
             self.profile_drag_coefficient
             * (reynolds / self.reference_reynolds) ** -self.reynolds_exponent
         )
         induced = self.lift_coefficient**2 / (pi * self.span_efficiency * aspect_ratio)
-        return profile + self.parasitic_drag_coefficient + induced
+        return profile, induced, self.parasitic_drag_coefficient
 
 
 class OwnDragPolar(AtLiftCoefficient):

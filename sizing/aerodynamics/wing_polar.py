@@ -295,6 +295,13 @@ class WingPolar(Record):
             parasitic=self.parasitic_drag_coefficient,
         )
 
+    def parts(self, aspect_ratio: Value, reynolds: Value) -> tuple[Value, Value, Value]:
+        """Profile and induced drag of the wing, and all else, calibrated coefficients [-]."""
+        one = self.build_up(self.flight_lift_coefficient, aspect_ratio, reynolds)
+        shares = (one.profile, one.induced, one.tail + one.fuselage + one.parasitic)
+        profile, induced, other = (self.calibration * share for share in shares)
+        return profile, induced, other
+
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:

@@ -12,6 +12,8 @@ from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
+from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
+from sizing.balance.drag import DragShares
 from sizing.design import ImpossibleDesignError, design_of, structure_assessment
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance, performance, performance_after_days
@@ -19,6 +21,7 @@ from sizing.relaxation import Relaxation
 from sizing.relaxed_flight import relaxed_flight
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results import quantities as q
+from sizing.results.balance import drag_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import (
     catalogue_records,
@@ -221,6 +224,16 @@ class Analysis(Result):
         """What sizes the structure; None where the aircraft's model of it does not say."""
         return structure_assessment(self.aircraft, self.mission, self.performance.design)
 
+    @cached_property
+    def drag_coefficients(self) -> DragShares | None:
+        """Drag coefficients of the parts in level flight; None without ``airframe.drag``."""
+        return drag_shares(self.aircraft, self.mission, self.performance.design)
+
+    @cached_property
+    def balance(self) -> BalanceAssessment | None:
+        """Centre of gravity, static margin and trim; None without ``airframe.balance``."""
+        return balance_assessment(self.aircraft, self.mission, self.performance.design)
+
     @property
     def masses_kg(self) -> dict[str, float] | None:
         """Mass budget [kg]; None for a measured aircraft, whose parts are not known."""
@@ -301,6 +314,10 @@ class Analysis(Result):
         cells = cells_record(self.aircraft)
         if cells:
             result["whole_cells"] = cells
+        if self.drag_coefficients is not None:
+            result["drag_coefficients"] = drag_record(self.drag_coefficients)
+        if self.balance is not None:
+            result["balance"] = self.balance.to_dict()
         result |= catalogue_records(self.aircraft)
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)

@@ -14,6 +14,7 @@ from sizing.performance import Performance
 from sizing.replay import CalendarRun
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
+from sizing.results.balance import balance_blocks
 from sizing.results.battery import battery_line
 from sizing.results.notes import (
     catalogue_blocks,
@@ -55,6 +56,7 @@ def summary(analysis: Analysis) -> Summary:
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks.append(power_line(analysis.power_budget))
     blocks += structure_blocks(analysis.structure)
+    blocks += balance_blocks(analysis.drag_coefficients, analysis.balance)
     if several:
         blocks.append(scenario_table(analysis))
     if analysis.relaxations:

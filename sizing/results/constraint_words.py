@@ -20,6 +20,8 @@ _REQUIREMENTS = {
     "excess_time": ("required excess time", "mission.required_excess_time_h"),
     "days_that_close": ("days of the record that close", ""),
     "whole_cells": ("wing that holds the cells", "modules.layout"),
+    "moved_mass_foremost": ("moved mass at its foremost", "airframe.balance.foremost_chords"),
+    "moved_mass_rearmost": ("moved mass at its rearmost", "airframe.balance.rearmost_chords"),
     "always_lit": ("solar power above the load at all times", ""),
 }
 _ENDS = ("maximum", "minimum")

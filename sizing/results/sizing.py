@@ -14,6 +14,7 @@ from missions.files.overrides import with_values
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.design import (
     Design,
     DesignVariables,
@@ -224,6 +225,12 @@ class SizingStudy(Result):
         return None if design is None else power_budget(self.aircraft, self.mission, design)
 
     @cached_property
+    def balance(self) -> BalanceAssessment | None:
+        """Balance of the optimum; None without one, or without ``airframe.balance``."""
+        design = self.result.design
+        return None if design is None else balance_assessment(self.aircraft, self.mission, design)
+
+    @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """What the optimum takes from outside the range of a model.
 
@@ -251,6 +258,8 @@ class SizingStudy(Result):
         budget, structure = self.power_budget, self.structure
         record["power_budget"] = None if budget is None else budget.to_dict()
         record["structure"] = None if structure is None else structure.to_dict()
+        if self.balance is not None:
+            record["balance"] = self.balance.to_dict()
         record |= {"model": self.solar.model, "correction": self.solar.correction}
         record["uncertainty"] = None
         if self.low is not None and self.high is not None and self.result.simulated is not None:

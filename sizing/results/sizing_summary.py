@@ -20,6 +20,7 @@ from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.parameters import unit_text
 from sizing.performance import Performance
 from sizing.results.analysis_summary import uncertainty_line
+from sizing.results.balance import balance_lines
 from sizing.results.battery import battery_line
 from sizing.results.constraint_words import constraint_words, parameter_words
 from sizing.results.notes import (
@@ -65,6 +66,8 @@ def summary(study: SizingStudy) -> Summary:
     blocks += _whole_cells(study)
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)
+    if study.balance is not None:
+        blocks += [Line(text) for text in balance_lines(study.balance)]
     blocks += _confidence(study)
     if study.reliability is not None:
         blocks.append(reliability_text(study.reliability, study))

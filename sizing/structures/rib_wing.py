@@ -105,6 +105,7 @@ class RibWingStructure(Record):
     vertical_tail_ratio: PositiveReal = 0.045
     tail_kg_per_m2: NonNegativeReal = 0.35
     tail_lift_coefficient: PositiveReal = 1.0
+    booms: Annotated[int, Strict(), Field(ge=1, le=2)] = 1
     boom_diameter_chords: PositiveReal = 0.1
     minimum_boom_thickness_m: PositiveReal = 0.5e-3
     pod_wetted_area_ratio: NonNegativeReal = 0.08
@@ -429,15 +430,15 @@ class RibWingStructure(Record):
         return self.sheet_density_kg_per_m3 * area_m2 * (nose_m + wedge * chord_m)
 
     def _boom_kg(self, area_m2: Value, chord_m: Value, equivalent_airspeed: Value) -> Value:
-        """Tube that carries the tail's largest lift at dive speed, no thinner than the gauge."""
+        """Tubes that share the tail's largest lift at dive speed, no thinner than the gauge."""
         length_m = self.fuselage_chords * chord_m
         diameter_m = self.boom_diameter_chords * chord_m
         dive = self.dive_speed_ratio * equivalent_airspeed
         tail_m2 = self.horizontal_tail_ratio / self.fuselage_chords * area_m2
         tail_n = self.tail_lift_coefficient * 0.5 * SEA_LEVEL_DENSITY_KG_PER_M3 * dive**2 * tail_m2
-        moment = self.safety_factor * tail_n * length_m
+        moment = self.safety_factor * tail_n * length_m / self.booms
         strength = 4.0 * moment / (pi * diameter_m**2 * self.laminate_strength_pa)
         critical = _TUBE_KNOCKDOWN * 2.0 * self.laminate_modulus_pa / diameter_m
         buckling = (4.0 * moment / (pi * diameter_m**2 * critical)) ** 0.5
         wall = smooth_maximum(smooth_maximum(strength, buckling), self.minimum_boom_thickness_m)
-        return self.laminate_density_kg_per_m3 * pi * diameter_m * wall * length_m
+        return self.booms * (self.laminate_density_kg_per_m3 * pi * diameter_m * wall * length_m)

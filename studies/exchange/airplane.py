@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,7 +33,7 @@ def missing_library() -> str | None:
     return "needs AeroSandbox: pip install aerosandbox (the extra 'exchange')"
 
 
-def to_aerosandbox(aircraft: Aircraft) -> asb.Airplane:
+def to_aerosandbox(aircraft: Aircraft, gravity_m: float | None = None) -> asb.Airplane:
     """Aircraft as an airplane of AeroSandbox: wing and tail planes, in its axes and units.
 
     Parameters
@@ -41,11 +41,15 @@ def to_aerosandbox(aircraft: Aircraft) -> asb.Airplane:
     aircraft : Aircraft
         Parametric or measured; without its section in AeroSandbox's database the wing has a
         symmetric one.
+    gravity_m : float, optional
+        Centre of gravity behind the leading edge of the wing root [m], such as
+        ``analysis.balance.gravity_m``.
 
     Returns
     -------
     aerosandbox.Airplane
-        With the reference quantities of the models, about the quarter chord of the wing.
+        With the reference quantities of the models, about the centre of gravity, or without it
+        about the quarter chord of the wing.
 
     Raises
     ------
@@ -57,7 +61,7 @@ def to_aerosandbox(aircraft: Aircraft) -> asb.Airplane:
         raise ImportError(missing)
     import aerosandbox as asb
 
-    surfaces = lifting_surfaces(aircraft)
+    surfaces = lifting_surfaces(aircraft, gravity_m)
     return asb.Airplane(
         name=_script_name(aircraft.name),
         xyz_ref=[surfaces.reference_x_m, 0.0, 0.0],
@@ -71,39 +75,40 @@ def to_aerosandbox(aircraft: Aircraft) -> asb.Airplane:
     )
 
 
-def airplane_text(aircraft: Aircraft, file_format: str) -> str:
+def airplane_text(aircraft: Aircraft, file_format: str, gravity_m: float | None = None) -> str:
     """Content of a file that holds the geometry of an aircraft.
 
     ``file_format``: AVL with the coordinates of its airfoils, OpenVSP, or a script that makes the
     airplane of :func:`to_aerosandbox`.
     """
-    return _WRITERS[file_format](aircraft)
+    return _WRITERS[file_format](aircraft, gravity_m)
 
 
-def _avl(aircraft: Aircraft) -> str:
+def _avl(aircraft: Aircraft, gravity_m: float | None) -> str:
     import aerosandbox as asb
 
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "wing.avl"
-        asb.AVL(to_aerosandbox(aircraft), asb.OperatingPoint()).write_avl(target)
+        asb.AVL(to_aerosandbox(aircraft, gravity_m), asb.OperatingPoint()).write_avl(target)
         text = target.read_text(encoding="utf-8")
         # AVL looks for files of airfoils in its own folder, and goes on without a camber where it
         # finds none: their coordinates go into the file.
         for file in sorted(Path(folder).glob("wing.avl.*")):
             _, _, points = file.read_text(encoding="utf-8").partition("\n")
             text = text.replace(f"AFIL\n{file}\n", f"AIRFOIL\n{points.strip()}\n")
-    return _commented(text, "!", aircraft)
+    return _commented(text, "!", lifting_surfaces(aircraft, gravity_m).notes)
 
 
-def _vspscript(aircraft: Aircraft) -> str:
+def _vspscript(aircraft: Aircraft, gravity_m: float | None) -> str:
     with tempfile.TemporaryDirectory() as folder:
-        text = to_aerosandbox(aircraft).export_OpenVSP_vspscript(Path(folder) / "wing.vspscript")
-    return _commented(text, "//", aircraft)
+        airplane = to_aerosandbox(aircraft, gravity_m)
+        text = airplane.export_OpenVSP_vspscript(Path(folder) / "wing.vspscript")
+    return _commented(text, "//", lifting_surfaces(aircraft, gravity_m).notes)
 
 
-def _script(aircraft: Aircraft) -> str:
+def _script(aircraft: Aircraft, gravity_m: float | None) -> str:
     """Python that makes the airplane: for those who go on from there."""
-    surfaces = lifting_surfaces(aircraft)
+    surfaces = lifting_surfaces(aircraft, gravity_m)
     lines = [
         f"# {note}"
         for note in (f"{_script_name(aircraft.name)}: wing and tail planes.", *surfaces.notes)
@@ -129,7 +134,7 @@ def _script(aircraft: Aircraft) -> str:
     return "\n".join(lines) + "\n"
 
 
-_WRITERS: dict[str, Callable[[Aircraft], str]] = {
+_WRITERS: dict[str, Callable[[Aircraft, float | None], str]] = {
     "avl": _avl,
     "vspscript": _vspscript,
     "py": _script,
@@ -206,10 +211,10 @@ def _drag_options(surface: LiftingSurface) -> dict[str, Any]:
     return {"drag_polar": lifts | drags}
 
 
-def _commented(text: str, mark: str, aircraft: Aircraft) -> str:
+def _commented(text: str, mark: str, lines: Sequence[str]) -> str:
     """Text with notes behind its first line, which in AVL is the title."""
     first, _, rest = text.partition("\n")
-    notes = "".join(f"{mark} {note}\n" for note in lifting_surfaces(aircraft).notes)
+    notes = "".join(f"{mark} {note}\n" for note in lines)
     return f"{first}\n{notes}{rest}" if mark == "!" else f"{notes}{text}"
 
 

@@ -41,10 +41,10 @@ _TECHNOLOGY = (
 class Entry:
     """A quantity of a design, with its value.
 
-    ``group``: what it is about: ``geometry``, ``masses``, ``flight``, ``power``, ``energy`` or
-    ``technology``. ``key``: name in files and JSON, with its unit. ``label``, ``symbol``, ``unit``:
-    in words; in LaTeX, empty where there is none; ``1`` for no unit. ``value``: none where the
-    aircraft has none; infinite where it is unlimited.
+    ``group``: what it is about: ``geometry``, ``masses``, ``balance``, ``flight``, ``power``,
+    ``energy`` or ``technology``. ``key``: name in files and JSON, with its unit. ``label``,
+    ``symbol``, ``unit``: in words; in LaTeX, empty where there is none; ``1`` for no unit.
+    ``value``: none where the aircraft has none; infinite where it is unlimited.
     """
 
     group: str
@@ -97,6 +97,7 @@ def design_sheet(analysis: Analysis) -> DesignSheet:
     quantities = (
         *_of_catalogue("geometry", _GEOMETRY, analysis),
         *_masses(analysis),
+        *_balance(analysis),
         *_of_catalogue("flight", _FLIGHT, analysis),
         *_of_catalogue("power", _POWER, analysis),
         *_of_catalogue("energy", _STORAGE, analysis),
@@ -170,6 +171,20 @@ def _masses(analysis: Analysis) -> list[Entry]:
     mass_kg = float(design.total_mass_kg)
     values = ((q.TOTAL_MASS, mass_kg), (q.WING_LOADING, mass_kg / float(design.wing_area_m2)))
     return [*masses, *(_entry("masses", one, value) for one, value in values)]
+
+
+def _balance(analysis: Analysis) -> list[Entry]:
+    """Centre of gravity and static margin, where the file has a balance."""
+    found = analysis.balance
+    if found is None:
+        return []
+    place = "behind the leading edge of the wing root"
+    values = (
+        ("centre_of_gravity_m", f"centre of gravity {place}", "x_g", "m", found.gravity_m),
+        ("neutral_point_m", f"neutral point {place}", "x_n", "m", float(found.found.x_m)),
+        ("static_margin", "static margin", r"\sigma_s", "1", found.static_margin),
+    )
+    return [Entry("balance", *one) for one in values]
 
 
 def _energy(analysis: Analysis) -> list[Entry]:

@@ -51,7 +51,8 @@ def export_design(
     ----------
     aircraft : Aircraft
     mission : Mission
-        Where its flight and energy are those of; geometry alone does not depend on it.
+        Where its flight and energy are those of; geometry alone does not depend on it but for the
+        centre of gravity.
     path : str or path-like
         Ends in ``.avl`` (AVL), ``.vspscript`` (OpenVSP), ``.py`` (a
         script for AeroSandbox), ``.tex`` (a table of LaTeX), ``.xlsx`` (a workbook of the design,
@@ -83,7 +84,8 @@ def design_bytes(analysis: Analysis, path: str) -> bytes:
     """Content of a file of a design."""
     ending = design_format(path)
     if ending is not None and ending in GEOMETRY_FORMATS:
-        return airplane_text(analysis.aircraft, ending).encode()
+        gravity_m = None if analysis.balance is None else analysis.balance.gravity_m
+        return airplane_text(analysis.aircraft, ending, gravity_m).encode()
 
     sheet = design_sheet(analysis)
     if ending == "tex":

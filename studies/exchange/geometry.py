@@ -1,8 +1,9 @@
 """Lifting surfaces of an aircraft, as other tools for aerodynamics describe them.
 
 Axes are those of AeroSandbox and AVL: x aft, y to the right, z up, from the leading edge of the
-wing root [m]. The planform is what the models of this package take: a rectangle, with the dihedral
-and the incidence of the module geometry where the file has one, and two rectangular tail planes.
+wing root [m]. The planform is what the models of this package take: a rectangle, or the panels of
+``airframe.planform``, with the dihedral and the incidence of the module geometry where the file has
+one, and rectangular tail planes.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ import numpy as np
 from sizing.aerodynamics.parabolic import OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.balance.drag import BuiltUpPolar
+from sizing.balance.in_design import polar_with_tail
+from sizing.balance.surfaces import wing_of
 from studies.report.geometry import Drawing, aircraft_drawing
 
 __all__ = [
@@ -72,7 +76,8 @@ class LiftingSurface:
 class Surfaces:
     """All lifting surfaces, what coefficients refer to, and where the numbers come from.
 
-    ``reference_x_m``: quarter chord of the wing, which moments refer to.
+    ``reference_x_m``: centre of gravity, or else quarter chord of the wing, which moments refer to.
+    ``chord_m``: mean aerodynamic chord.
     ``other_drag_coefficient``: drag of everything but the wing, on the wing area [-].
     """
 
@@ -85,8 +90,11 @@ class Surfaces:
     notes: tuple[str, ...]
 
 
-def lifting_surfaces(aircraft: Aircraft) -> Surfaces:
-    """Wing and tail planes of an aircraft."""
+def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surfaces:
+    """Wing and tail planes of an aircraft.
+
+    ``gravity_m``: centre of gravity behind the leading edge of the wing root; None: not known.
+    """
     drawing = aircraft_drawing(aircraft)
     shape, shape_note = _wing_shape(aircraft, drawing)
     wing = LiftingSurface(
@@ -94,7 +102,7 @@ def lifting_surfaces(aircraft: Aircraft) -> Surfaces:
     )
     tail_shape = SectionShape(None, _tail_thickness(aircraft))
     notes = [
-        "Wing: a rectangle of wingspan and aspect ratio, as all models take it.",
+        drawing.notes[0],
         shape_note,
         *(note for note in drawing.notes if note.startswith(("Tail", "Dihedral"))),
         "Drag: profile drag of the wing, all else as a constant, from the file's drag polar."
@@ -102,15 +110,21 @@ def lifting_surfaces(aircraft: Aircraft) -> Surfaces:
         else "Drag: induced drag alone, as the drag model of the user's own knows no parts."
         if isinstance(aircraft.airframe, ParametricAirframe)
         else "Drag: induced drag alone, as a measured aircraft has no drag polar.",
-        "No fuselage, no control surfaces, no centre of gravity: the models have none.",
+        "No fuselage, no control surfaces, no centre of gravity: the models have none."
+        if gravity_m is None
+        else f"Moments refer to the centre of gravity, {gravity_m:.4f} m behind the leading edge "
+        "of the wing root. No fuselage, no control surfaces.",
     ]
-    span, chord = drawing.wingspan_m, drawing.chord_m
+    span, area_m2 = drawing.wingspan_m, drawing.wingspan_m * drawing.chord_m
+    planform = getattr(aircraft.airframe, "planform", None)
+    wing_chords = wing_of(planform, span, aircraft.airframe.aspect_ratio)
+    quarter_m = _QUARTER * drawing.chord_at(0.0)
     return Surfaces(
         surfaces=(wing, *_tail_surfaces(drawing, tail_shape)),
-        wing_area_m2=span * chord,
-        chord_m=chord,
+        wing_area_m2=area_m2,
+        chord_m=float(wing_chords.aerodynamic_chord_m),
         wingspan_m=span,
-        reference_x_m=_QUARTER * chord,
+        reference_x_m=quarter_m if gravity_m is None else gravity_m,
         other_drag_coefficient=_other_drag(aircraft),
         notes=tuple(notes),
     )
@@ -119,11 +133,18 @@ def lifting_surfaces(aircraft: Aircraft) -> Surfaces:
 def _wing_sections(drawing: Drawing) -> list[Section]:
     """Root, where the dihedral begins, and tip; the chord line is set at its incidence."""
     half = drawing.wingspan_m / 2.0
-    places = [0.0, half]
+    places = {0.0, half, *(y for y, _ in drawing.chords)}
     if drawing.dihedral_deg and 0.0 < drawing.dihedral_from_m < half:
-        places.insert(1, drawing.dihedral_from_m)
+        places.add(drawing.dihedral_from_m)
     return [
-        Section(0.0, y, drawing.height_m(y), drawing.chord_m, drawing.incidence_deg) for y in places
+        Section(
+            drawing.front_at(y),
+            y,
+            drawing.height_m(y),
+            drawing.chord_at(y),
+            drawing.incidence_deg,
+        )
+        for y in sorted(places)
     ]
 
 
@@ -135,10 +156,13 @@ def _tail_surfaces(drawing: Drawing, shape: SectionShape) -> list[LiftingSurface
     )
     root = tail.boom_height_m
     ends = sorted((root, root + tail.vertical_height_m))
-    vertical = tuple(Section(tail.vertical_aft_m, 0.0, z, tail.vertical_chord_m, 0.0) for z in ends)
+    apart = max(drawing.booms_m)
+    vertical = tuple(
+        Section(tail.vertical_aft_m, apart, z, tail.vertical_chord_m, 0.0) for z in ends
+    )
     return [
         LiftingSurface("horizontal tail", True, horizontal, shape),
-        LiftingSurface("vertical tail", False, vertical, shape),
+        LiftingSurface("vertical tail", apart > 0.0, vertical, shape),
     ]
 
 
@@ -158,6 +182,9 @@ def _wing_shape(aircraft: Aircraft, drawing: Drawing) -> tuple[SectionShape, str
 
 
 def _tail_thickness(aircraft: Aircraft) -> float:
+    own = getattr(aircraft.airframe, "tail", None)
+    if own is not None:
+        return float(own.thickness_ratio)
     polar = getattr(aircraft.airframe, "aerodynamics", None)
     return polar.tail_thickness_ratio if isinstance(polar, WingPolar) else _TAIL_THICKNESS
 
@@ -189,6 +216,12 @@ def _other_drag(aircraft: Aircraft) -> float:
     polar = getattr(aircraft.airframe, "aerodynamics", None)
     if polar is None or isinstance(polar, OwnDragPolar):
         return 0.0
+    airframe = aircraft.airframe
+    if isinstance(airframe, ParametricAirframe) and airframe.drag is not None:
+        built = polar_with_tail(airframe, polar, airframe.wingspan_m, airframe.aspect_ratio)
+        assert isinstance(built, BuiltUpPolar)
+        reynolds = _reynolds(polar) if isinstance(polar, WingPolar) else polar.reference_reynolds
+        return float(built.shares(reynolds).parasitic)
     if not isinstance(polar, WingPolar):
         return float(polar.parasitic_drag_coefficient)
     lift = polar.flight_lift_coefficient

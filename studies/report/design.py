@@ -12,6 +12,7 @@ from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results import quantities as q
+from sizing.results.balance import balance_lines, balance_table, drag_table
 from sizing.results.constraint_words import constraint_words
 from sizing.results.sizing_summary import (
     cross_check_line,
@@ -110,6 +111,10 @@ def budget_section(subject: Subject) -> Section:
     power = Bars(
         "load in level flight", "W", ".2f", used.rows(), "load", note=used.note(),
     )  # fmt: skip
+    shares, balance = subject.analysis.drag_coefficients, subject.analysis.balance
+    parts = [] if shares is None else [drag_table(shares)]
+    parts += [] if balance is None else [balance_table(balance)]
+    told = [] if balance is None else [Text(text) for text in balance_lines(balance)]
     budget, worst = flown.cycle.energy_budget, subject.analysis.worst
     where = flown.day.scenarios.label(worst)
     solar, unserved = (float(values[worst]) for values in (budget.solar_wh, budget.unserved_wh))
@@ -128,7 +133,10 @@ def budget_section(subject: Subject) -> Section:
         tuple((label, float(value)) for label, value in rows if abs(float(value)) >= 0.5),
         note=note,
     )  # fmt: skip
-    return Section("budgets", "Mass, power and energy", [masses, power, energy])
+    blocks: list[Block] = [masses, power, energy]
+    if parts:
+        blocks.append(Tables(tuple(parts)))
+    return Section("budgets", "Mass, power and energy", [*blocks, *told])
 
 
 def _mass_rows(aircraft: Aircraft, design: Design) -> tuple[tuple[str, float], ...]:

@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+
+import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.balance.surfaces import QUARTER
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.structures.rib_wing import RibWingStructure
 from solar.geometry import ModuleGeometry
 from solar.shading import TailGeometry
+from studies.report.surfaces import Rectangle, balanced_surfaces, tapered_band
 
 __all__ = ["Drawing", "Rectangle", "aircraft_drawing"]
 
@@ -29,15 +32,6 @@ _AREA_TOLERANCE = 0.05
 _TAIL_TOLERANCE = 0.1
 
 
-class Rectangle(NamedTuple):
-    """Rectangle in the plan view: right of the symmetry plane, and behind the leading edge [m]."""
-
-    left_m: float
-    right_m: float
-    front_m: float
-    rear_m: float
-
-
 @dataclass(frozen=True)
 class Drawing:
     """What is drawn of an aircraft; positions are from the leading edge of the wing root [m].
@@ -50,7 +44,9 @@ class Drawing:
     planes and the height of the boom. ``nose_m``, ``pod_m``, ``pod_depth_m``, ``boom_m``: nose
     ahead of the leading edge, length and depth of the pod, diameter of the boom. ``schematic``:
     parts that no model has numbers for: ``modules``, ``tail``, ``spar``, ``section``, ``pod``.
-    ``notes``: where every part comes from.
+    ``notes``: where every part comes from. ``chords``: places right of the middle, from root to
+    tip, with the chord there as the models have it; its quarter line is straight. ``booms_m``:
+    places of the booms, each with a fin.
     """
 
     wingspan_m: float
@@ -70,6 +66,17 @@ class Drawing:
     boom_m: float
     schematic: frozenset[str]
     notes: tuple[str, ...]
+    chords: tuple[tuple[float, float], ...]
+    booms_m: tuple[float, ...] = (0.0,)
+
+    def chord_at(self, right_m: float) -> float:
+        """Chord of the wing at a place of the span [m]."""
+        places, chords = zip(*self.chords, strict=True)
+        return float(np.interp(abs(right_m), places, chords))
+
+    def front_at(self, right_m: float) -> float:
+        """Leading edge behind that of the root at a place of the span [m]."""
+        return QUARTER * (self.chord_at(0.0) - self.chord_at(right_m))
 
     @property
     def tail_end_m(self) -> float:
@@ -97,12 +104,19 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
     layout = aircraft.modules.layout
     # Cells lie on the tail of the file, whatever size a rule gives it.
     sizing_rule = None if layout is not None and layout.tail_cells else rib_wing
-    tail, tail_note, tail_known = _tail(aircraft.modules.tail, sizing_rule, span_m, chord_m)
+    balanced = balanced_surfaces(airframe)
+    if balanced.tail is None:
+        tail, tail_note, tail_known = _tail(aircraft.modules.tail, sizing_rule, span_m, chord_m)
+    else:
+        tail, tail_known = balanced.tail, True
+        tail_note = "Tail: airframe.tail of the aircraft file; the booms end at its quarter chord."
     modules, modules_note, modules_known = _module_places(aircraft, span_m, chord_m)
+    if not modules_known and balanced.tapered:
+        modules = tapered_band(balanced.chords, aircraft.modules.area_m2)
     dihedral_deg, from_m = _dihedral(geometry, span_m)
     notes = [
-        "Wing: a rectangle of wingspan and aspect ratio, as all models take it."
-        if layout is None or layout.planform is None
+        balanced.wing_note
+        if layout is None or layout.planform is None or balanced.tapered
         else "Wing: modules.layout.planform and its mean chord; the models take a rectangle.",
         modules_note,
         tail_note,
@@ -130,9 +144,7 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
         spar_m=_SPAR_CHORD_FRACTION * chord_m,
         modules=modules,
         modules_are="areas of solar modules" if layout is None else "solar cells",
-        outline=((-span_m / 2.0, 0.0, chord_m), (span_m / 2.0, 0.0, chord_m))
-        if layout is None
-        else tuple(layout.outline(aircraft.wing)),
+        outline=balanced.outline if layout is None else tuple(layout.outline(aircraft.wing)),
         tail=tail,
         nose_m=_NOSE_CHORDS * chord_m,
         pod_m=(_NOSE_CHORDS + _POD_CHORDS) * chord_m,
@@ -140,6 +152,8 @@ def aircraft_drawing(aircraft: Aircraft) -> Drawing:
         boom_m=rule.boom_diameter_chords * chord_m,
         schematic=frozenset(schematic),
         notes=tuple(notes),
+        chords=balanced.chords,
+        booms_m=balanced.booms_m,
     )
 
 

@@ -119,16 +119,19 @@ def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
     tail, half = drawing.tail, drawing.wingspan_m / 2.0
     looks = _looks(drawing, "tail", "tail")
     pod, boom = drawing.pod_depth_m / 2.0, drawing.boom_m / 2.0
-    canvas.shape(view.box(-boom, boom, 0.0, drawing.tail_end_m), _looks(drawing, "tail", "body"))
+    for place in drawing.booms_m:
+        tube = view.box(place - boom, place + boom, 0.0, drawing.tail_end_m)
+        canvas.shape(tube, _looks(drawing, "tail", "body"))
     canvas.shape(_pod(view, drawing, pod), "body schematic")
     side = tail.horizontal_span_m / 2.0
     rear = tail.horizontal_aft_m + tail.horizontal_chord_m
     canvas.shape(view.box(-side, side, tail.horizontal_aft_m, rear), looks)
-    canvas.line(
-        view.at(0.0, tail.vertical_aft_m),
-        view.at(0.0, tail.vertical_aft_m + tail.vertical_chord_m),
-        "fin",
-    )
+    for place in drawing.booms_m:
+        canvas.line(
+            view.at(place, tail.vertical_aft_m),
+            view.at(place, tail.vertical_aft_m + tail.vertical_chord_m),
+            "fin",
+        )
     canvas.shape(_wing_outline(view, drawing), "wing")
     for m in drawing.modules:
         canvas.shape(
@@ -172,10 +175,11 @@ def _dimensions_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
         canvas.line((place[0], place[1] - 4.0), (place[0], over - 4.0), "extension")
     canvas.dimension((left[0], over), (right[0], over), f"{drawing.wingspan_m:.2f} m")
     beside = right[0] + 14.0
-    top, bottom = view.at(half, 0.0)[1], view.at(half, drawing.chord_m)[1]
+    tip_m, front_m = drawing.chord_at(half), drawing.front_at(half)
+    top, bottom = view.at(half, front_m)[1], view.at(half, front_m + tip_m)[1]
     for y in (top, bottom):
         canvas.line((right[0] + 3.0, y), (beside + 4.0, y), "extension")
-    canvas.dimension((beside, top), (beside, bottom), f"{drawing.chord_m:.3f} m")
+    canvas.dimension((beside, top), (beside, bottom), f"{tip_m:.3f} m")
     side = tail.horizontal_span_m / 2.0
     rear = view.at(0.0, tail.horizontal_aft_m + tail.horizontal_chord_m)[1]
     arm_x = view.at(side, 0.0)[0] + 22.0
@@ -195,14 +199,17 @@ def _dimensions_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
 
 def _draw_ahead(canvas: Canvas, drawing: Drawing, view: _View) -> None:
     tail, half = drawing.tail, drawing.wingspan_m / 2.0
-    thick = drawing.thickness_ratio * drawing.chord_m / 2.0
-    places = [-half, -drawing.dihedral_from_m, drawing.dihedral_from_m, half]
-    upper = [view.at(y, -drawing.height_m(y) - thick) for y in places]
-    lower = [view.at(y, -drawing.height_m(y) + thick) for y in reversed(places)]
+    inner = [y for y, _ in drawing.chords[1:-1]]
+    right = sorted([drawing.dihedral_from_m, *inner, half])
+    places = [*(-y for y in reversed(right)), *right]
+    thick = {y: drawing.thickness_ratio * drawing.chord_at(y) / 2.0 for y in places}
+    upper = [view.at(y, -drawing.height_m(y) - thick[y]) for y in places]
+    lower = [view.at(y, -drawing.height_m(y) + thick[y]) for y in reversed(places)]
     fin = drawing.thickness_ratio * tail.vertical_chord_m / 2.0
     root, end, top = _tail_heights(drawing)
     looks = _looks(drawing, "tail", "tail")
-    canvas.shape(view.box(-fin, fin, -max(root, end), -min(root, end)), looks)
+    for y in drawing.booms_m:
+        canvas.shape(view.box(y - fin, y + fin, -max(root, end), -min(root, end)), looks)
     plane = drawing.thickness_ratio * tail.horizontal_chord_m / 2.0
     side = tail.horizontal_span_m / 2.0
     canvas.shape(view.box(-side, side, -top - plane, -top + plane), looks)
@@ -244,7 +251,7 @@ def _draw_side(canvas: Canvas, drawing: Drawing, view: _View) -> None:
     )  # fmt: skip
     tip_m = drawing.height_m(drawing.wingspan_m / 2.0)
     if tip_m:
-        canvas.shape(_wing_section(view, drawing, tip_m), "wing tip")
+        canvas.shape(_wing_section(view, drawing, drawing.wingspan_m / 2.0), "wing tip")
     canvas.shape(_wing_section(view, drawing, 0.0), _looks(drawing, "section", "wing"))
     right = view.at(max(fin_rear, drawing.tail_end_m), 0.0)[0] + 14.0
     heights = sorted((view.at(0.0, -root)[1], view.at(0.0, -end)[1]))
@@ -279,14 +286,15 @@ def _half_thickness(x: float) -> float:
     return float(root * x**0.5 + sum(a * x ** (i + 1) for i, a in enumerate(powers)))
 
 
-def _wing_section(view: _View, drawing: Drawing, height_m: float) -> list[Point]:
+def _wing_section(view: _View, drawing: Drawing, right_m: float) -> list[Point]:
     """Section of the wing at its incidence, nose up about the leading edge."""
-    pitch = math.radians(drawing.incidence_deg)
+    height_m, front_m = drawing.height_m(right_m), drawing.front_at(right_m)
+    chord_m, pitch = drawing.chord_at(right_m), math.radians(drawing.incidence_deg)
     turned = (
         (x * math.cos(pitch) + z * math.sin(pitch), -x * math.sin(pitch) + z * math.cos(pitch))
         for x, z in _section(drawing.thickness_ratio)
     )
-    return [view.at(drawing.chord_m * x, -drawing.chord_m * z - height_m) for x, z in turned]
+    return [view.at(front_m + chord_m * x, -chord_m * z - height_m) for x, z in turned]
 
 
 # ---- Legend and scale

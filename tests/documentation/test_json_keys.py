@@ -37,13 +37,15 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [AS2, "--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"],
             [AS2, *CELLS],
         ],
-        set(),
+        # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size".
+        {"balance", "drag_coefficients"},
     ),
     "size": (
         "cli.md",
         [
             [DESIGN, *SUMMER, "--sensitivities", "--cross-check"],
             ["sky-sailor", *SUMMER, "--required-excess-time", "12"],
+            ["twin-boom-design", "--mission", "rafz-july"],
             [
                 *(DESIGN, *SUMMER, "--set", "mission.uncertainty_margins.battery_capacity=0.9"),
                 *("--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"),
@@ -109,6 +111,7 @@ COMMON = {"aircraft", "mission", "mission_is_default"}
 OPEN = {
     "sobol",
     *("sobol", "spar_caps", "spar_web"),
+    *("balance", "drag_coefficients"),
     *(
         "others",
         "masses_kg",

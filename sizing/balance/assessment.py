@@ -1,0 +1,195 @@
+"""Balance of a design: masses with their places, static margin, trim, control authority."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import degrees, sin
+from typing import Any
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.balance.drag import DragShares
+from sizing.balance.in_design import polar_with_tail
+from sizing.balance.masses import Item, centre_of_gravity
+from sizing.balance.placing import balance_items, balanced_airframe, body_volume_m3
+from sizing.balance.stability import (
+    NeutralPoint,
+    Trim,
+    directional_stability,
+    elevator_deflection,
+    neutral_point,
+    trim,
+)
+from sizing.balance.surfaces import TailPlanes, Wing, wing_of
+from sizing.design import Design, FlightConditions, flown_at
+from sizing.limits import DesignInFlight
+from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.smooth import Value
+
+__all__ = ["BalanceAssessment", "balance_assessment", "drag_shares"]
+
+_SLOW = 1.2  # speed over the stall speed at which the controls are assessed
+
+
+@dataclass(frozen=True)
+class BalanceAssessment:
+    """Balance in level flight, controls at 1.2 times the stall speed.
+
+    ``items``: masses with their places. ``moved``: the one that is put where the static margin
+    asks for it; None where none is asked for. ``design_mass_kg``: of the mass budget, which a
+    weighed list need not meet. ``found``: neutral point. ``sideslip_deg``: held by the whole
+    rudder. ``motor_out``: share of the rudder that one of two motors, at the fronts of two booms,
+    needs; None with another number of them.
+    """
+
+    items: tuple[Item, ...]
+    moved: Item | None
+    design_mass_kg: float
+    wing: Wing
+    planes: TailPlanes
+    found: NeutralPoint
+    gravity_m: float
+    level: Trim
+    drag_coefficient: float
+    elevator_deg: float
+    elevator_at_stall_deg: float
+    elevator_limit_deg: float
+    directional_slope: float
+    sideslip_deg: float
+    crosswind_m_per_s: float
+    motor_out: float | None
+
+    @property
+    def static_margin(self) -> float:
+        """Neutral point behind the centre of gravity, over the mean aerodynamic chord [-]."""
+        return float((self.found.x_m - self.gravity_m) / self.wing.aerodynamic_chord_m)
+
+    def in_chord(self, x_m: float) -> float:
+        """Place over the mean aerodynamic chord, behind its leading edge [-]."""
+        return float((x_m - self.wing.at_chord(0.0)) / self.wing.aerodynamic_chord_m)
+
+    @property
+    def mass_kg(self) -> float:
+        """Sum of the items [kg]."""
+        return float(sum(item.mass_kg for item in self.items))
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return {
+            "items": [item._asdict() for item in self.items],
+            "moved": None if self.moved is None else self.moved.name,
+            "mass_kg": self.mass_kg,
+            "centre_of_gravity_m": self.gravity_m,
+            "neutral_point_m": float(self.found.x_m),
+            "aerodynamic_chord_m": float(self.wing.aerodynamic_chord_m),
+            "aerodynamic_chord_leading_edge_m": float(self.wing.at_chord(0.0)),
+            "static_margin": self.static_margin,
+            "downwash_slope": float(self.found.downwash),
+            "lift_slope_per_rad": float(self.found.slope),
+            "tail": {name: float(one) for name, one in self.planes._asdict().items()},
+            "tail_lift_coefficient": float(self.level.tail_lift),
+            "wing_lift_coefficient": float(self.level.wing_lift),
+            "trim_drag_coefficient": float(self.level.drag),
+            "elevator_deg": self.elevator_deg,
+            "elevator_at_stall_deg": self.elevator_at_stall_deg,
+            "elevator_limit_deg": self.elevator_limit_deg,
+            "directional_slope_per_rad": self.directional_slope,
+            "rudder_sideslip_deg": self.sideslip_deg,
+            "rudder_crosswind_m_per_s": self.crosswind_m_per_s,
+            "motor_out_rudder_share": self.motor_out,
+        }
+
+
+def drag_shares(aircraft: Aircraft, mission: Mission, design: Design) -> DragShares | None:
+    """Drag of the parts in level flight; None where the file does not build it up."""
+    it = DesignInFlight(aircraft, design, FlightConditions.of(mission, aircraft))
+    airframe = aircraft.airframe
+    if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
+        return None
+    polar = _polar(airframe, design, it.lift_coefficient)
+    return DragShares(*(float(one) for one in polar.shares(it.reynolds_number)))
+
+
+def _polar(airframe: ParametricAirframe, design: Design, lift: Value) -> Any:
+    """Polar of a design at a lift coefficient, built up where the file asks for it."""
+    variables = design.variables
+    return polar_with_tail(
+        airframe,
+        flown_at(airframe.aerodynamics, lift),
+        variables.wingspan_m,
+        variables.aspect_ratio,
+    )
+
+
+def balance_assessment(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> BalanceAssessment | None:
+    """Balance of a design of floats; None where the file has no tail or no balance."""
+    own = balanced_airframe(aircraft)
+    if own is None:
+        return None
+    airframe, tail, balance = own
+    conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
+    it = DesignInFlight(aircraft, design, conditions)
+    variables = design.variables
+    wing = wing_of(airframe.planform, variables.wingspan_m, variables.aspect_ratio)
+    wing = Wing(*(float(one) for one in wing))
+    planes, body_m3 = tail.planes(wing), body_volume_m3(airframe)
+    found = neutral_point(wing, tail, planes, body_m3)
+    items = tuple(
+        Item(one.name, float(one.mass_kg), float(one.x_m))
+        for one in balance_items(aircraft, conditions, design)
+        if float(one.mass_kg) > 0.0
+    )
+    asked = None if balance.static_margin is None else balance.moved
+    moved = next((item for item in items if item.name == asked), None)
+    gravity_m = float(centre_of_gravity(items))
+    lift = float(it.lift_coefficient)
+    stall_lift = lift * float(it.stall_margin) ** 2
+    slow_lift = stall_lift / _SLOW**2
+    moment = balance.pitching_moment_coefficient
+    efficiency = getattr(airframe.aerodynamics, "span_efficiency", 1.0)
+    level, slow, stall = (
+        trim(wing, tail, planes, lift=one, moment=moment, gravity_x_m=gravity_m,
+             span_efficiency=efficiency)
+        for one in (lift, slow_lift, stall_lift)
+    )  # fmt: skip
+    directional = directional_stability(wing, tail, planes, gravity_x_m=gravity_m, body_m3=body_m3)
+    drag, slow_drag = (
+        float(_polar(airframe, design, one).drag_coefficient(wing.aspect_ratio, reynolds))
+        for one, reynolds in (
+            (lift, it.reynolds_number),
+            (slow_lift, it.reynolds_number * (lift / slow_lift) ** 0.5),
+        )
+    )
+    elevator, at_stall = (
+        degrees(elevator_deflection(tail, found, level, other, one - lift))
+        for other, one in ((slow, slow_lift), (stall, stall_lift))
+    )
+    sideslip = float(directional.rudder / directional.slope)
+    slow_speed = float(design.airspeed_m_per_s) * (lift / slow_lift) ** 0.5
+    twin = _motors(airframe) == 2 and getattr(airframe.structure, "booms", 1) == 2
+    yawing = slow_drag * planes.horizontal_span_m / 2.0 / wing.wingspan_m
+    return BalanceAssessment(
+        items=items,
+        moved=moved,
+        design_mass_kg=float(design.total_mass_kg),
+        wing=wing,
+        planes=planes,
+        found=found,
+        gravity_m=gravity_m,
+        level=level,
+        drag_coefficient=drag,
+        elevator_deg=elevator,
+        elevator_at_stall_deg=at_stall,
+        elevator_limit_deg=tail.elevator_deflection_deg,
+        directional_slope=float(directional.slope),
+        sideslip_deg=degrees(sideslip),
+        crosswind_m_per_s=slow_speed * sin(sideslip),
+        motor_out=float(yawing / directional.rudder) if twin else None,
+    )
+
+
+def _motors(airframe: ParametricAirframe) -> int:
+    chain = airframe.propulsion
+    return chain.propulsors if isinstance(chain, OperatingPointPropulsion) else 1

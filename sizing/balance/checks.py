@@ -1,0 +1,126 @@
+"""What the keys of balance and trim need of one another in an aircraft's file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+
+from sizing.structures.rib_wing import RibWingStructure
+
+if TYPE_CHECKING:
+    from sizing.aircraft import ParametricAirframe
+    from sizing.balance.surfaces import Planform
+    from sizing.layout.cells import CellLayout
+
+__all__ = ["cells_on_planform", "check_balance", "check_planforms", "without_own_constants"]
+
+# Chords over the mean chord that count as the same: a table of cells may have four digits.
+_SAME_CHORD = 1e-3
+# Of the structure's model, which airframe.tail stands for.
+_TAIL_KEYS = ("fuselage_chords", "horizontal_tail_ratio", "vertical_tail_ratio")
+# Of the drag polars, which airframe.drag stands for: none unless the file says so.
+_DRAG_CONSTANTS = {
+    "parabolic": ("parasitic_drag_coefficient",),
+    "wing_polar": ("tail_area_ratio", "fuselage_wetted_area_ratio"),
+}
+
+
+def without_own_constants(data: Any) -> Any:
+    """Airframe whose polar has no drag of its own for what ``drag`` builds up."""
+    polar = data.get("aerodynamics") if isinstance(data, Mapping) else None
+    if not isinstance(polar, Mapping) or data.get("drag") is None:
+        return data
+    keys = _DRAG_CONSTANTS.get(polar.get("model", "parabolic"), ())
+    return {**data, "aerodynamics": {**dict.fromkeys(keys, 0.0), **polar}}
+
+
+def _relative_chords(inner: float, taper: float) -> dict[str, tuple[float, ...]]:
+    """Planform of two panels as that of cells: chord over the mean chord along the half-span."""
+    root = 1.0 / (inner + (1.0 - inner) * (1.0 + taper) / 2.0)
+    if inner == 0.0:
+        return {"half_span": (0.0, 1.0), "relative_chord": (root, taper * root)}
+    return {"half_span": (0.0, inner, 1.0), "relative_chord": (root, root, taper * root)}
+
+
+def cells_on_planform(data: Any) -> Any:
+    """Aircraft whose cells lie on the wing of ``airframe.planform``, unless they have their own."""
+    airframe, modules = (_mapping(data, key) for key in ("airframe", "modules"))
+    planform, layout = _mapping(airframe, "planform"), _mapping(modules, "layout")
+    shape: list[Any] = [planform.get(key) for key in ("inner_fraction", "taper_ratio")]
+    valid = all(isinstance(one, int | float) and 0.0 <= one <= 1.0 for one in shape)
+    if not (valid and layout) or "planform" in layout or shape[0] == 1.0:
+        return data
+    placed = {**layout, "planform": _relative_chords(*shape)}
+    return {**data, "modules": {**modules, "layout": placed}}
+
+
+def _mapping(holder: Any, key: str) -> Mapping[str, Any]:
+    """Mapping under a key; empty where there is none."""
+    found = holder.get(key) if isinstance(holder, Mapping) else None
+    return found if isinstance(found, Mapping) else {}
+
+
+def check_planforms(wing: Planform | None, layout: CellLayout | None) -> None:
+    """Refuse cells on another planform than that of the wing."""
+    if wing is None or layout is None or layout.planform is None:
+        return
+    cells, shape = layout.planform, _relative_chords(wing.inner_fraction, wing.taper_ratio)
+    places = sorted({*cells.half_span, *shape["half_span"]})
+    own = np.interp(places, cells.half_span, cells.relative_chord)
+    if not np.allclose(own, np.interp(places, shape["half_span"], shape["relative_chord"]),
+                       atol=_SAME_CHORD):  # fmt: skip
+        _refuse("modules.layout.planform", "is another wing than airframe.planform; give one")
+
+
+def check_balance(airframe: ParametricAirframe) -> None:
+    """Refuse keys that lack what they need, and what is given twice."""
+    balance = airframe.balance
+    for key in ("drag", "balance"):
+        if getattr(airframe, key) is not None and airframe.tail is None:
+            _refuse("tail", f"required key is missing: airframe.{key} needs it")
+    if airframe.tail is not None:
+        _check_structure(airframe.structure)
+    trimmed = balance is not None and balance.static_margin is not None
+    polar = airframe.aerodynamics
+    if polar.model == "own" and (airframe.drag is not None or trimmed):
+        key = "drag" if airframe.drag is not None else "balance.static_margin"
+        _refuse("aerodynamics.model", f"must be parabolic or wing_polar with airframe.{key} "
+                "(got own)")  # fmt: skip
+    if airframe.drag is not None and polar.model == "wing_polar":
+        for key in _DRAG_CONSTANTS["wing_polar"]:
+            if (value := getattr(polar, key)) > 0.0:
+                text = f"must be 0 with airframe.drag, which has that part (got {value:g})"
+                _refuse(f"aerodynamics.{key}", text)
+    if balance is not None and trimmed:
+        _check_moved(airframe)
+
+
+def _check_structure(structure: Any) -> None:
+    if not isinstance(structure, RibWingStructure):
+        _refuse("structure.model", "must be rib_wing with airframe.tail, as it alone has the tail "
+                f"as a part (got {structure.model})")  # fmt: skip
+    for key in _TAIL_KEYS:
+        if key in structure.model_fields_set and not structure.is_unchecked():
+            value = getattr(structure, key)
+            _refuse(f"structure.{key}", f"follows from airframe.tail; give one (got {value:g})")
+
+
+def _check_moved(airframe: ParametricAirframe) -> None:
+    assert airframe.balance is not None
+    moved = airframe.balance.moved
+    nothing = {
+        "battery": airframe.distributed_battery_fraction == 1.0,
+        "avionics": airframe.avionics_mass_kg == 0.0,
+        "other": airframe.other_mass_kg == 0.0,
+    }
+    if nothing[moved]:
+        allowed = ", ".join(name for name, none in nothing.items() if not none) or "none has mass"
+        why = "is all in the wing's spar" if moved == "battery" else "has no mass"
+        _refuse("balance.moved", f"{moved} {why}; allowed here: {allowed} (got {moved})")
+
+
+def _refuse(key: str, text: str) -> None:
+    raise PydanticCustomError("balance", "{text}", {"key": key, "text": text})

@@ -1,0 +1,265 @@
+"""Drag of tails, booms, pods and gaps by handbook formulas, instead of one parasitic constant.
+
+``C_D = C_f F Q S_wet/S``: skin friction, form factor, interference (Raymer, D. P., Aircraft Design:
+A Conceptual Approach, eq. 12.24). Arithmetic only, for floats, arrays and symbols.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import asin, pi
+from typing import NamedTuple
+
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
+
+from sizing.aerodynamics.parabolic import DragPolar
+from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.balance.stability import neutral_point, trim
+from sizing.balance.surfaces import Tail, TailPlanes, Wing
+from sizing.smooth import Value
+from solar.schema import (
+    NonNegativeReal,
+    PositiveInteger,
+    PositiveReal,
+    Record,
+    UnitInterval,
+)
+
+__all__ = ["BuiltUpPolar", "DragComponents", "DragShares", "Pod", "skin_friction"]
+
+
+def skin_friction(reynolds: Value, laminar_fraction: float) -> Value:
+    """Skin friction coefficient of a flat plate, laminar over a share of it [-].
+
+    ``1.328 Re^-1/2`` and ``0.074 Re^-1/5`` (Schlichting, Boundary-Layer Theory), averaged by the
+    share as Raymer does in section 12.5.3.
+    """
+    laminar, turbulent = 1.328 * reynolds**-0.5, 0.074 * reynolds**-0.2
+    return laminar_fraction * laminar + (1.0 - laminar_fraction) * turbulent
+
+
+def _plane_form(thickness_ratio: float) -> float:
+    """Form factor of a section: Hoerner, Fluid-Dynamic Drag, chapter 6, as for wing polars."""
+    return 1.0 + 2.0 * thickness_ratio + 60.0 * thickness_ratio**4
+
+
+def _plane_wetted(thickness_ratio: float) -> float:
+    """Wetted area of a plane over its area: Raymer, eq. 7.11."""
+    return 1.977 + 0.52 * thickness_ratio
+
+
+def _body_form(slenderness: Value) -> Value:
+    """Form factor of a body, ``1 + 60/f^3 + f/400`` with length over diameter: Raymer, 12.31."""
+    return 1.0 + 60.0 / slenderness**3 + slenderness / 400.0
+
+
+class Pod(Record):
+    """Pod or nacelle as an ellipsoid of revolution along the airspeed.
+
+    ``interference`` is 1.3 for a body on the wing (Raymer, section 12.5.5).
+    """
+
+    length_m: PositiveReal
+    diameter_m: PositiveReal
+    count: PositiveInteger = 1
+    laminar_fraction: UnitInterval = 0.0
+    interference: PositiveReal = 1.3
+
+    @model_validator(mode="after")
+    def _check_slender(self) -> Pod:
+        if self.length_m <= self.diameter_m:
+            message = "must be above diameter_m, {diameter} (got {length})"
+            context = {
+                "key": "length_m",
+                "diameter": f"{self.diameter_m:g}",
+                "length": f"{self.length_m:g}",
+            }
+            raise PydanticCustomError("pod", message, context)
+        return self
+
+    @property
+    def volume_m3(self) -> float:
+        """Volume of all of these pods [m3]."""
+        return float(self.count * pi / 6.0 * self.diameter_m**2 * self.length_m)
+
+    @property
+    def wetted_m2(self) -> float:
+        """Surface of all of these pods, that of ellipsoids [m2]."""
+        slenderness = self.length_m / self.diameter_m
+        eccentricity = (1.0 - slenderness**-2) ** 0.5
+        stretched = slenderness / eccentricity * asin(eccentricity)
+        return float(self.count * pi / 2.0 * self.diameter_m**2 * (1.0 + stretched))
+
+
+class DragComponents(Record):
+    """What has drag besides the wing; tails and booms are those of tail and structure.
+
+    ``gaps_fraction``: of the profile drag of wing and components, for gaps of control surfaces,
+    leaks and protuberances (Raymer, section 12.5.7: 5 to 10 % of propeller aircraft).
+    """
+
+    pods: tuple[Pod, ...] = ()
+    tail_laminar_fraction: UnitInterval = 0.5
+    tail_interference: PositiveReal = 1.05
+    boom_laminar_fraction: UnitInterval = 0.0
+    boom_interference: PositiveReal = 1.0
+    gaps_fraction: NonNegativeReal = 0.05
+
+    @property
+    def volume_m3(self) -> float:
+        """Volume of all pods [m3]."""
+        return sum(pod.volume_m3 for pod in self.pods)
+
+
+class DragShares(NamedTuple):
+    """Drag coefficients of the parts, on the wing area [-]; their sum is that of the aircraft.
+
+    ``other``: constants of the file's polar. ``trim``: of the static margin that is asked for.
+    """
+
+    wing_profile: Value
+    wing_induced: Value
+    horizontal_tail: Value
+    vertical_tail: Value
+    booms: Value
+    pods: Value
+    gaps: Value
+    other: Value
+    trim: Value
+
+    @property
+    def total(self) -> Value:
+        """Sum of the parts."""
+        return sum(self[1:], self[0])
+
+    @property
+    def parasitic(self) -> Value:
+        """What one constant stands for without components: all but wing and trim."""
+        return sum(self[3:-1], self[2])
+
+
+class Booms(NamedTuple):
+    """Tubes between wing and tail; of the structure's model."""
+
+    number: int
+    diameter_m: Value
+
+
+@dataclass(frozen=True)
+class BuiltUpPolar:
+    """Polar of a wing with the drag of the other parts, for one wing.
+
+    ``base``: polar of the file at the lift coefficient of level flight. ``components``: none leaves
+    the base's drag. ``static_margin``: over the mean aerodynamic chord, whose trim drag counts;
+    none leaves trim out. ``moment``: of the wing about its aerodynamic centre.
+    """
+
+    base: DragPolar | WingPolar
+    wing: Wing
+    tail: Tail
+    booms: Booms
+    components: DragComponents | None = None
+    static_margin: float | None = None
+    moment: float = 0.0
+
+    @property
+    def flight_lift_coefficient(self) -> Value:
+        """Lift coefficient of level flight [-]."""
+        return self.base.flight_lift_coefficient
+
+    @property
+    def maximum_lift_coefficient(self) -> Value:
+        """Lift coefficient at the stall [-]."""
+        return self.base.maximum_lift_coefficient
+
+    def airspeed_m_per_s(
+        self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
+    ) -> Value:
+        """Airspeed of level flight [m/s], that of the base."""
+        return self.base.airspeed_m_per_s(
+            mass_kg=mass_kg, wing_area_m2=wing_area_m2, density_kg_per_m3=density_kg_per_m3
+        )
+
+    def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
+        """Drag coefficient of the aircraft in level flight [-]; the wing is this polar's own."""
+        return self.shares(reynolds).total
+
+    @property
+    def planes(self) -> TailPlanes:
+        """Tail planes of this wing."""
+        return self.tail.planes(self.wing)
+
+    @property
+    def body_m3(self) -> float:
+        """Volume of the pods [m3]."""
+        return 0.0 if self.components is None else self.components.volume_m3
+
+    def shares(self, reynolds: Value) -> DragShares:
+        """Drag of the parts.
+
+        Parameters
+        ----------
+        reynolds
+            Reynolds number of the mean chord [-].
+
+        Returns
+        -------
+        DragShares
+            Coefficients on the wing area [-].
+        """
+        profile, induced, other = self.base.parts(self.wing.aspect_ratio, reynolds)
+        horizontal, vertical, booms, pods, gaps = self._components(profile, reynolds)
+        return DragShares(
+            wing_profile=profile,
+            wing_induced=induced,
+            horizontal_tail=horizontal,
+            vertical_tail=vertical,
+            booms=booms,
+            pods=pods,
+            gaps=gaps,
+            other=other,
+            trim=0.0 if self.static_margin is None else self._trim_drag(self.static_margin),
+        )
+
+    def _components(self, profile: Value, reynolds: Value) -> tuple[Value, ...]:
+        """Tail planes, booms, pods, and the gaps of them and the wing."""
+        it = self.components
+        if it is None:
+            return (0.0,) * 5
+        planes, tail, area_m2 = self.planes, self.tail, self.wing.area_m2
+        per_m = reynolds / self.wing.mean_chord_m
+        plane = _plane_form(tail.thickness_ratio) * _plane_wetted(tail.thickness_ratio)
+        plane = plane * it.tail_interference / area_m2
+        horizontal, vertical = (
+            plane * m2 * skin_friction(per_m * chord_m, it.tail_laminar_fraction)
+            for m2, chord_m in (
+                (planes.horizontal_m2, planes.horizontal_chord_m),
+                (planes.vertical_m2, planes.fin_chord_m),
+            )
+        )
+        number, thick_m = self.booms
+        booms = number * pi * thick_m * planes.arm_m / area_m2 * it.boom_interference
+        booms = booms * _body_form(planes.arm_m / thick_m)
+        booms = booms * skin_friction(per_m * planes.arm_m, it.boom_laminar_fraction)
+        pods = 0.0
+        for pod in it.pods:
+            factor = _body_form(pod.length_m / pod.diameter_m) * pod.interference
+            friction = skin_friction(per_m * pod.length_m, pod.laminar_fraction)
+            pods = pods + friction * factor * pod.wetted_m2 / area_m2
+        gaps = it.gaps_fraction * (profile + horizontal + vertical + booms + pods)
+        return horizontal, vertical, booms, pods, gaps
+
+    def _trim_drag(self, static_margin: float) -> Value:
+        """Trim drag at a static margin, whatever masses bring it about."""
+        wing, planes = self.wing, self.planes
+        neutral_m = neutral_point(wing, self.tail, planes, self.body_m3).x_m
+        return trim(
+            wing,
+            self.tail,
+            planes,
+            lift=self.flight_lift_coefficient,
+            moment=self.moment,
+            gravity_x_m=neutral_m - static_margin * wing.aerodynamic_chord_m,
+            span_efficiency=self.base.span_efficiency,
+        ).drag

@@ -1,0 +1,124 @@
+"""Where the masses of an aircraft are: positions of its parts, or a list of what was weighed.
+
+Positions in chords are behind the leading edge of the wing root, in mean chords, so that they grow
+with the wing; those of weighed masses are in metres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
+
+from sizing.balance.surfaces import Wing
+from sizing.smooth import Value
+from sizing.structures.parts import StructureParts
+from solar.schema import Name, PositiveReal, Real, Record
+
+__all__ = ["Balance", "Item", "Movable", "Positions", "WeighedMass", "centre_of_gravity"]
+
+# What a static margin may be had by: a mass that is free to lie anywhere.
+Movable = Literal["battery", "avionics", "other"]
+_Margin = Annotated[float, Strict(), Field(gt=-1.0, lt=2.0)]
+# Centroids of the wing's parts over its chord: the spar where the section is thickest; skin of both
+# sides; area of a four-digit section (Abbott and von Doenhoff, Theory of Wing Sections, section
+# 6.4: 0.42); sheeted nose and a light trailing edge (assumption).
+_WING_PARTS = {"spar_caps": 0.3, "spar_web": 0.3, "covering": 0.5, "ribs": 0.42, "edges": 0.2}
+_SPAR = 0.3
+# Mass of a tail plane lies behind its quarter chord (assumption: at 0.4 of its chord).
+_TAIL_MASS = 0.15
+
+
+class Item(NamedTuple):
+    """A mass and its place behind the leading edge of the wing root [m]."""
+
+    name: str
+    mass_kg: Value
+    x_m: Value
+
+
+def centre_of_gravity(items: Sequence[Item]) -> Value:
+    """Place of the centre of gravity [m], ``sum(m x)/sum(m)``."""
+    mass = sum((item.mass_kg for item in items[1:]), items[0].mass_kg)
+    return sum((i.mass_kg * i.x_m for i in items[1:]), items[0].mass_kg * items[0].x_m) / mass
+
+
+class WeighedMass(Record):
+    """A mass as weighed, with its place behind the leading edge of the wing root."""
+
+    name: Name
+    mass_kg: PositiveReal
+    x_m: Real
+
+
+class Positions(Record):
+    """Places of what the build-up has no place for, in mean chords; all are assumptions.
+
+    A tractor ahead of the wing, a pod about its leading edge. ``battery`` is the share of it that
+    is not in the wing.
+    """
+
+    propulsion: Real = -0.6
+    battery: Real = 0.0
+    modules: Real = 0.5
+    mppt: Real = 0.2
+    avionics: Real = 0.2
+    payload: Real = 0.3
+    other: Real = 0.2
+    pod: Real = 0.1
+
+
+class Balance(Record):
+    """Key ``airframe.balance``: masses with their places, and the static margin that is asked for.
+
+    ``weighed``: every mass of the aircraft, instead of the build-up. ``static_margin``: neutral
+    point behind the centre of gravity, over the mean aerodynamic chord; ``moved`` is put where it
+    comes out; a sizing keeps it between ``foremost_chords`` and ``rearmost_chords``.
+    """
+
+    positions_chords: Positions = Positions()
+    weighed: tuple[WeighedMass, ...] = ()
+    static_margin: _Margin | None = None
+    moved: Movable = "battery"
+    foremost_chords: Real | None = None
+    rearmost_chords: Real | None = None
+    pitching_moment_coefficient: Real = -0.1
+
+    @model_validator(mode="after")
+    def _check_choice(self) -> Balance:
+        fore, rear = self.foremost_chords, self.rearmost_chords
+        if self.weighed and self.static_margin is not None:
+            message = "follows from weighed; give one of them (got {value})"
+            context = {"key": "static_margin", "value": f"{self.static_margin:g}"}
+            raise PydanticCustomError("balance", message, context)
+        if fore is not None and rear is not None and fore >= rear:
+            message = "must be above foremost_chords, {fore} (got {rear})"
+            context = {"key": "rearmost_chords", "fore": f"{fore:g}", "rear": f"{rear:g}"}
+            raise PydanticCustomError("balance", message, context)
+        return self
+
+
+def wing_and_tail_items(
+    parts: StructureParts, wing: Wing, tail_x_m: Value, pod_x_m: Value
+) -> list[Item]:
+    """Parts of a rib wing; joints are spread over all of them.
+
+    ``tail_x_m``: centroid of the tail planes. The boom reaches from the wing's quarter chord to it.
+    """
+    masses = parts._asdict()
+    places = {name: wing.at_chord(share) for name, share in _WING_PARTS.items()}
+    places |= {"tails": tail_x_m, "boom": (wing.quarter_m + tail_x_m) / 2.0, "pod": pod_x_m}
+    items = [Item(name, masses[name], x_m) for name, x_m in places.items()]
+    return [*items, Item("joints", masses["joints"], centre_of_gravity(items))]
+
+
+def spar_x_m(wing: Wing) -> Value:
+    """Place of what lies in the spar [m]."""
+    return wing.at_chord(_SPAR)
+
+
+def tail_mass_x_m(wing: Wing, arm_m: Value, chord_m: Value) -> Value:
+    """Centroid of the tail planes [m]."""
+    return wing.quarter_m + arm_m + _TAIL_MASS * chord_m

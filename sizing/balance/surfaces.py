@@ -1,0 +1,183 @@
+"""Planform of the wing, and size of the tail planes.
+
+Positions are behind the leading edge of the wing root [m]. The formulas use arithmetic only, so
+that floats, arrays and symbols pass alike.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Annotated, NamedTuple
+
+from pydantic import Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
+
+from sizing.smooth import Value
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
+
+__all__ = ["QUARTER", "Planform", "Tail", "TailPlanes", "Wing", "lift_slope"]
+
+QUARTER = 0.25  # aerodynamic centre of a thin section over its chord
+_ControlChord = Annotated[float, Strict(), Field(ge=0.05, le=1.0)]
+_Deflection = Annotated[float, Strict(), Field(gt=0.0, le=45.0)]
+
+
+def lift_slope(aspect_ratio: Value) -> Value:
+    """Lift slope of a straight wing or tail plane of any aspect ratio [1/rad].
+
+    ``2 pi AR/(2 + sqrt(4 + AR^2))``, Helmbold's equation: Raymer, D. P., Aircraft Design: A
+    Conceptual Approach, eq. 12.6, without sweep at low Mach numbers.
+    """
+    return 2.0 * pi * aspect_ratio / (2.0 + (4.0 + aspect_ratio**2) ** 0.5)
+
+
+class Wing(NamedTuple):
+    """Wing with a straight quarter-chord line.
+
+    ``mean_chord_m``: area over span. ``aerodynamic_chord_m``: ``(2/S) int c^2 dy``, the mean
+    aerodynamic chord, which the static margin counts in.
+    """
+
+    wingspan_m: Value
+    aspect_ratio: Value
+    root_chord_m: Value
+    aerodynamic_chord_m: Value
+
+    @property
+    def mean_chord_m(self) -> Value:
+        """Area over span [m]."""
+        return self.wingspan_m / self.aspect_ratio
+
+    @property
+    def area_m2(self) -> Value:
+        """Wing area [m2]."""
+        return self.wingspan_m * self.mean_chord_m
+
+    @property
+    def quarter_m(self) -> Value:
+        """Place of the quarter-chord line [m], on which the aerodynamic centre lies."""
+        return QUARTER * self.root_chord_m
+
+    def at_chord(self, fraction: float) -> Value:
+        """Place of the mean aerodynamic chord at a fraction of it [m]."""
+        return self.quarter_m + (fraction - QUARTER) * self.aerodynamic_chord_m
+
+
+class Planform(Record):
+    """Wing of two panels to a side: a rectangle inside, straight taper outside.
+
+    ``inner_fraction``: of the half-span, which is a rectangle. ``taper_ratio``: chord of the tip
+    over that of the root.
+    """
+
+    inner_fraction: Annotated[float, Strict(), Field(ge=0.0, lt=1.0)]
+    taper_ratio: Fraction
+
+    def wing(self, wingspan_m: Value, aspect_ratio: Value) -> Wing:
+        """Chords of a wing of this planform; the area stays span squared over aspect ratio."""
+        outer, taper = 1.0 - self.inner_fraction, self.taper_ratio
+        mean = self.inner_fraction + outer * (1.0 + taper) / 2.0
+        square = self.inner_fraction + outer * (1.0 + taper + taper**2) / 3.0
+        root_m = wingspan_m / aspect_ratio / mean
+        return Wing(wingspan_m, aspect_ratio, root_m, root_m * (square / mean))
+
+
+_RECTANGLE = Planform(inner_fraction=0.0, taper_ratio=1.0)
+
+
+def wing_of(planform: Planform | None, wingspan_m: Value, aspect_ratio: Value) -> Wing:
+    """Wing of a planform; a rectangle where the file has none."""
+    return (planform or _RECTANGLE).wing(wingspan_m, aspect_ratio)
+
+
+class TailPlanes(NamedTuple):
+    """Tail planes of an aircraft; areas are those of both halves and of all fins.
+
+    ``arm_m``: from the quarter chord of the wing to that of both tail planes. ``fin_height_m``,
+    ``fin_chord_m``: of one fin.
+    """
+
+    arm_m: Value
+    horizontal_m2: Value
+    horizontal_span_m: Value
+    horizontal_chord_m: Value
+    vertical_m2: Value
+    fin_height_m: Value
+    fin_chord_m: Value
+
+
+class Tail(Record):
+    """Tail planes by their volume coefficients or areas; both have the same arm.
+
+    ``V_h = S_h l/(S c)`` with the mean aerodynamic chord, ``V_v = S_v l/(S b)`` (Raymer, eq. 6.26
+    and 6.27). With an arm in chords and volume coefficients the tail grows with the wing.
+    """
+
+    arm_m: PositiveReal | None = None
+    arm_chords: PositiveReal | None = None
+    horizontal_volume: PositiveReal | None = None
+    horizontal_area_m2: PositiveReal | None = None
+    vertical_volume: PositiveReal | None = None
+    vertical_area_m2: PositiveReal | None = None
+    horizontal_aspect_ratio: PositiveReal = 5.0
+    vertical_aspect_ratio: PositiveReal = 2.0
+    fins: Annotated[int, Strict(), Field(ge=1, le=2)] = 1
+    horizontal_height_m: Real = 0.0
+    thickness_ratio: NonNegativeReal = 0.08
+    dynamic_pressure_ratio: Fraction = 0.9
+    elevator_chord_fraction: _ControlChord = 0.3
+    elevator_deflection_deg: _Deflection = 20.0
+    rudder_chord_fraction: _ControlChord = 0.4
+    rudder_deflection_deg: _Deflection = 25.0
+
+    @model_validator(mode="after")
+    def _check_sizes(self) -> Tail:
+        for one, other in (
+            ("arm_m", "arm_chords"),
+            ("horizontal_volume", "horizontal_area_m2"),
+            ("vertical_volume", "vertical_area_m2"),
+        ):
+            given = [key for key in (one, other) if getattr(self, key) is not None]
+            if not given:
+                context = {"key": one, "other": other}
+                raise PydanticCustomError(
+                    "tail_size", "required key is missing (or {other}, above 0)", context
+                )
+            if len(given) > 1:
+                context = {"key": other, "one": one, "value": f"{getattr(self, other):g}"}
+                raise PydanticCustomError(
+                    "tail_size", "give this or {one}, not both (got {value})", context
+                )
+        return self
+
+    def planes(self, wing: Wing) -> TailPlanes:
+        """Tail planes behind a wing."""
+        arm_m = self.arm_m or wing.mean_chord_m * self.arm_chords
+        per_arm = wing.area_m2 / arm_m
+        horizontal = self.horizontal_area_m2
+        if horizontal is None:
+            horizontal = self.horizontal_volume * per_arm * wing.aerodynamic_chord_m
+        vertical = self.vertical_area_m2
+        if vertical is None:
+            vertical = self.vertical_volume * per_arm * wing.wingspan_m
+        chord_m = (horizontal / self.horizontal_aspect_ratio) ** 0.5
+        fin_m = (vertical / self.fins / self.vertical_aspect_ratio) ** 0.5
+        return TailPlanes(
+            arm_m=arm_m,
+            horizontal_m2=horizontal,
+            horizontal_span_m=self.horizontal_aspect_ratio * chord_m,
+            horizontal_chord_m=chord_m,
+            vertical_m2=vertical,
+            fin_height_m=self.vertical_aspect_ratio * fin_m,
+            fin_chord_m=fin_m,
+        )
+
+    def structure_keys(self, wing: Wing) -> dict[str, Value]:
+        """What the structure's model has of the tail, by its own keys; both in mean chords."""
+        planes = self.planes(wing)
+        volume = planes.arm_m / (wing.area_m2 * wing.mean_chord_m)
+        return {
+            "fuselage_chords": planes.arm_m / wing.mean_chord_m,
+            "horizontal_tail_ratio": planes.horizontal_m2 * volume,
+            "vertical_tail_ratio": planes.vertical_m2 * volume,
+        }

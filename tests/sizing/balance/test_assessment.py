@@ -1,0 +1,205 @@
+"""Tests of the balance of whole aircraft, and of sizings that keep a static margin."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import DESIGN, aircraft, shipped_mission
+
+import sizing
+from missions.files.errors import InputError
+from sizing.balance.assessment import BalanceAssessment, balance_assessment
+from sizing.design import closed_design, design_of, variables_of
+from sizing.structures.rib_wing import RibWingStructure
+
+MISSION = shipped_mission()
+TWIN = aircraft("twin-boom-design")
+TAIL = "airframe.tail={arm_chords: 4, horizontal_volume: 0.35, vertical_volume: 0.02}"
+
+
+def balance(*overrides: str, name: str = "twin-boom-design") -> BalanceAssessment:
+    craft = aircraft(name, *overrides)
+    found = balance_assessment(craft, MISSION, design_of(craft, MISSION))
+    assert found is not None
+    return found
+
+
+def test_the_items_are_the_mass_budget() -> None:
+    found = balance()
+    assert found.mass_kg == pytest.approx(found.design_mass_kg, rel=1e-9)
+    moments = sum(item.mass_kg * item.x_m for item in found.items)
+    assert found.gravity_m == pytest.approx(moments / found.mass_kg)
+
+
+@pytest.mark.parametrize("margin", [-0.05, 0.0, 0.08, 0.2])
+def test_the_moved_mass_brings_the_margin_that_is_asked_for(margin: float) -> None:
+    found = balance(f"airframe.balance.static_margin={margin}")
+    assert found.static_margin == pytest.approx(margin, abs=1e-9)
+    (moved,) = (item for item in found.items if item.name == "battery")
+    assert found.moved == moved
+    # 1.3 of 6.5 kg move: the centre of gravity by a fifth of it.
+    other = balance(f"airframe.balance.static_margin={margin + 0.01}")
+    assert other.moved is not None
+    way = (moved.x_m - other.moved.x_m) * moved.mass_kg / found.mass_kg
+    assert way == pytest.approx(0.01 * found.wing.aerodynamic_chord_m, rel=1e-4)
+
+
+def test_trim_drag_of_the_margin_is_in_the_power() -> None:
+    """The power of two margins differs by the trim drag that is reported of both."""
+    one, two = (
+        aircraft("twin-boom-design", f"airframe.balance.static_margin={margin}",
+                 "airframe.propulsion={kind: constant, mass_kg_per_w: 0}")
+        for margin in (0.05, 0.6)
+    )  # fmt: skip
+    designs = [design_of(craft, MISSION) for craft in (one, two)]
+    drags = [
+        found.level.drag / found.drag_coefficient
+        for craft, design in zip((one, two), designs, strict=True)
+        if (found := balance_assessment(craft, MISSION, design)) is not None
+    ]
+    powers = [design.propulsion_power_w for design in designs]
+    assert powers[1] > powers[0]
+    # Without its trim drag either aircraft takes the same power.
+    assert powers[0] * (1.0 - drags[0]) == pytest.approx(powers[1] * (1.0 - drags[1]), rel=1e-9)
+
+
+def test_weighed_masses_replace_the_build_up() -> None:
+    weighed = "[{name: nose, mass_kg: 2, x_m: -0.2}, {name: rest, mass_kg: 4, x_m: 0.25}]"
+    found = balance(f"airframe.balance={{weighed: {weighed}}}", TAIL, name="atlantiksolar-design")
+    assert found.gravity_m == pytest.approx(0.1)
+    assert [item.name for item in found.items] == ["nose", "rest"]
+    # What the airframe's models need not meet, a line says.
+    result = sizing.analyse(
+        aircraft("atlantiksolar-design", TAIL, f"airframe.balance={{weighed: {weighed}}}"), MISSION
+    )
+    assert "off the mass budget of 6.9" in " ".join(str(result.summary()).split())
+
+
+def test_a_tail_of_the_structures_own_size_weighs_the_same() -> None:
+    """The volumes of the structure's model, given as those of a tail: 0.045/AR on the span."""
+    tail = (
+        "airframe.tail={arm_chords: 4, horizontal_volume: 0.35, "
+        f"vertical_volume: {0.045 / 18.5!r}}}"
+    )
+    plain, given = (design_of(one, MISSION) for one in (DESIGN, aircraft(DESIGN.name, tail)))
+    assert given.total_mass_kg == pytest.approx(plain.total_mass_kg, rel=1e-12)
+
+
+def test_two_booms_share_the_load_of_the_tail() -> None:
+    def boom_kg(number: int, gauge_m: float) -> float:
+        model = RibWingStructure(model="rib_wing", booms=number, minimum_boom_thickness_m=gauge_m)
+        return float(model._boom_kg(1.7, 0.3, 30.0))
+
+    # By strength the wall follows the moment, of which each boom has half; by gauge two weigh twice
+    # as much. Smooth maxima lie up to 2 % above either.
+    assert boom_kg(2, 1e-6) == pytest.approx(boom_kg(1, 1e-6), rel=0.02)
+    assert boom_kg(2, 0.01) == pytest.approx(2.0 * boom_kg(1, 0.01), rel=0.02)
+
+
+def test_arrays_of_designs_are_the_same_as_single_ones() -> None:
+    some = variables_of(TWIN)._replace(wingspan_m=np.array([4.5, 5.0, 5.5]))
+    many = closed_design(TWIN, MISSION, some)
+    assert many.total_mass_kg[1] == pytest.approx(design_of(TWIN, MISSION).total_mass_kg, rel=1e-9)
+
+
+@pytest.mark.parametrize("rear", [1.2, 0.3])
+def test_a_sizing_keeps_the_margin_within_the_ends_of_the_moved_mass(rear: float) -> None:
+    craft = aircraft("twin-boom-design", f"airframe.balance.rearmost_chords={rear}")
+    study = sizing.size(craft, MISSION, required_excess_time_h=2.0)
+    found = study.balance
+    assert study.status.name == "optimal"
+    assert found is not None
+    assert found.static_margin == pytest.approx(0.1, abs=1e-6)
+    assert found.moved is not None
+    assert found.moved.x_m / found.wing.mean_chord_m <= rear + 1e-4
+    assert ("moved_mass_rearmost" in study.result.active_constraints) == (rear == 0.3)
+
+
+def test_results_have_what_the_file_asks_for() -> None:
+    record = sizing.analyse(TWIN, MISSION).to_dict()
+    assert record["balance"]["static_margin"] == pytest.approx(0.1)
+    parts = record["drag_coefficients"]
+    assert parts["total"] == pytest.approx(
+        sum(v for k, v in parts.items() if k not in ("total", "parasitic"))
+    )
+    plain = sizing.analyse(DESIGN, MISSION).to_dict()
+    assert not {"balance", "drag_coefficients"} & plain.keys()
+
+
+LAYOUT = {"cell_span_m": 0.125, "cell_chord_m": 0.125, "bays": [{"cells": [8, 8]}]}
+
+
+def test_cells_lie_on_the_wing_of_the_airframe() -> None:
+    cells = {"modules.area_m2": 32 * 0.125**2, "modules.layout": LAYOUT}
+    # Two rows of 0.25 m reach to where the chord is 0.25 m: neither the tip of 0.217 m.
+    with pytest.raises(InputError, match=r"2 rows of cells of 0\.125 m need"):
+        sizing.load_aircraft("twin-boom-design", cells)
+    bays = {"modules.layout": {**LAYOUT, "bays": [{"outboard": 0.6, "cells": [8, 8]}]}}
+    craft = sizing.load_aircraft("twin-boom-design", {**cells, **bays})
+    layout, wing = craft.modules.layout, balance().wing
+    assert layout is not None
+    assert layout.chord_m(craft.wing, 0.0) == pytest.approx(wing.root_chord_m)
+    assert layout.chord_m(craft.wing, 1.0) == pytest.approx(0.6 * wing.root_chord_m)
+    written = craft.model_dump(mode="json", exclude_unset=True)
+    assert sizing.Aircraft.model_validate(written) == craft
+    other = {"half_span": [0.0, 1.0], "relative_chord": [1.2, 0.8]}
+    both = {**cells, "modules.layout": {**LAYOUT, "planform": other}}
+    with pytest.raises(InputError, match="is another wing than"):
+        sizing.load_aircraft("twin-boom-design", both)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "words"),
+    [
+        ("twin-boom-design", {"airframe.tail.arm_chords": None}, "tail.arm_m: required key is mis"),
+        ("twin-boom-design", {"airframe.tail.arm_m": 1.2}, "tail.arm_chords: give this or arm_m"),
+        ("twin-boom-design", {"airframe.tail.horizontal_volume": None}, "horizontal_area_m2, abov"),
+        ("twin-boom-design", {"airframe.tail.fins": 3}, "fins: must be at most 2"),
+        ("twin-boom-design", {"airframe.tail": None}, "airframe.tail: required key is missing"),
+        ("twin-boom-design", {"airframe.planform.taper_ratio": 0.0}, r"taper_ratio: .*\(got 0"),
+        ("twin-boom-design", {"airframe.structure": {"model": "spar"}}, "must be rib_wing"),
+        (
+            "twin-boom-design",
+            {"airframe.structure.fuselage_chords": 4.0},
+            r"structure.fuselage_chords: follows from airframe.tail; give one \(got 4\)",
+        ),
+        (
+            "twin-boom-design",
+            {"airframe.distributed_battery_fraction": 1.0},
+            r"all in the wing's spar; allowed here: avionics, other \(got battery\)",
+        ),
+        ("twin-boom-design", {"airframe.balance.moved": "payload"}, "'battery', 'avionics' or 'ot"),
+        ("twin-boom-design", {"airframe.balance.rearmost_chords": -2.0}, "above foremost_chords"),
+        (
+            "twin-boom-design",
+            {"airframe.balance.weighed": [{"name": "a", "mass_kg": 1.0, "x_m": 0.0}]},
+            "static_margin: follows from weighed",
+        ),
+        (
+            "twin-boom-design",
+            {"airframe.drag.pods": [{"length_m": 0.1, "diameter_m": 0.2}]},
+            r"pods.0.length_m: must be above diameter_m, 0.2 \(got 0.1\)",
+        ),
+        (
+            "twin-boom-design",
+            {
+                "airframe.aerodynamics": {
+                    "model": "wing_polar",
+                    "airfoil": "mh115",
+                    "design_aspect_ratio": 15.0,
+                    "design_reynolds": 150e3,
+                    "tail_area_ratio": 0.1,
+                }
+            },
+            r"tail_area_ratio: must be 0 with airframe.drag",
+        ),
+    ],
+)
+def test_mistakes_are_one_line_with_key_and_value(
+    name: str, changes: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(InputError, match=words) as raised:
+        sizing.load_aircraft(name, changes)
+    assert len(str(raised.value).splitlines()) == 1

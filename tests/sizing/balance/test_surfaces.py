@@ -1,0 +1,55 @@
+"""Tests of planforms and tail planes against integrals over the span."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sizing.balance.surfaces import Planform, Tail, lift_slope, wing_of
+
+
+@pytest.mark.parametrize(("inner", "taper"), [(0.0, 1.0), (0.0, 0.4), (0.6, 0.6), (0.9, 0.2)])
+def test_chords_are_those_of_the_integrals(inner: float, taper: float) -> None:
+    wing = Planform(inner_fraction=inner, taper_ratio=taper).wing(5.0, 15.0)
+    x = np.linspace(0.0, 1.0, 200_001)
+    chord = wing.root_chord_m * np.interp(x, [0.0, inner, 1.0], [1.0, 1.0, taper])
+    area = 5.0 * np.trapezoid(chord, x)
+    square = 5.0 * np.trapezoid(chord**2, x)
+    assert area == pytest.approx(25.0 / 15.0, rel=1e-8)
+    assert wing.area_m2 == pytest.approx(area, rel=1e-8)
+    assert wing.aerodynamic_chord_m == pytest.approx(square / area, rel=1e-8)
+
+
+def test_a_wing_without_planform_is_a_rectangle() -> None:
+    wing = wing_of(None, 5.65, 18.5)
+    assert wing.root_chord_m == wing.aerodynamic_chord_m == 5.65 / 18.5
+    assert wing.at_chord(0.25) == wing.quarter_m
+
+
+def test_lift_slope_has_its_limits() -> None:
+    # Thin airfoils have 2 pi; slender wings pi/2 AR (Jones, NACA TR 835).
+    assert lift_slope(1e6) == pytest.approx(2.0 * math.pi, rel=1e-5)
+    assert lift_slope(1e-3) == pytest.approx(0.5 * math.pi * 1e-3, rel=1e-3)
+
+
+def test_tail_has_its_volume_coefficients() -> None:
+    wing = wing_of(None, 5.0, 15.0)
+    by_volume = Tail(arm_chords=4.0, horizontal_volume=0.5, vertical_volume=0.02, fins=2)
+    planes = by_volume.planes(wing)
+    assert planes.arm_m == pytest.approx(4.0 / 3.0)
+    volume = planes.horizontal_m2 * planes.arm_m / (wing.area_m2 * wing.aerodynamic_chord_m)
+    assert volume == pytest.approx(0.5)
+    assert planes.vertical_m2 * planes.arm_m / (wing.area_m2 * 5.0) == pytest.approx(0.02)
+    assert planes.horizontal_span_m * planes.horizontal_chord_m == pytest.approx(
+        planes.horizontal_m2
+    )
+    assert 2.0 * planes.fin_height_m * planes.fin_chord_m == pytest.approx(planes.vertical_m2)
+    by_area = Tail(
+        arm_m=4.0 / 3.0,
+        horizontal_area_m2=planes.horizontal_m2,
+        vertical_area_m2=planes.vertical_m2,
+        fins=2,
+    )
+    assert by_area.planes(wing) == pytest.approx(planes)

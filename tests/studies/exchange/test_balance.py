@@ -1,0 +1,99 @@
+"""Tests of what exports and drawings have of an aircraft with tail, taper and balance."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from builders import DESIGN, aircraft
+from command_line import Run
+
+import missions
+import sizing
+from studies.exchange.design_sheet import design_sheet
+from studies.exchange.files import design_bytes
+from studies.exchange.geometry import lifting_surfaces
+from studies.report.geometry import aircraft_drawing
+from studies.report.three_view import three_view
+
+TWIN = aircraft("twin-boom-design")
+ANALYSIS = sizing.analyse(TWIN, missions.load_mission("rafz-july"), replay=False)
+
+
+def test_surfaces_have_the_areas_and_places_of_the_file() -> None:
+    assert ANALYSIS.balance is not None
+    found, planes = lifting_surfaces(TWIN, 0.13), ANALYSIS.balance.planes
+    wing, horizontal, vertical = found.surfaces
+    halves = (
+        (out.y_m - into.y_m) * (into.chord_m + out.chord_m) / 2.0
+        for into, out in pairwise(wing.sections)
+    )
+    assert 2.0 * sum(halves) == pytest.approx(25.0 / 15.0)
+    quarters = [one.x_m + 0.25 * one.chord_m for one in wing.sections]
+    assert quarters == pytest.approx([quarters[0]] * len(quarters))
+    tip = horizontal.sections[-1]
+    assert 2.0 * tip.y_m * tip.chord_m == pytest.approx(planes.horizontal_m2)
+    assert tip.x_m + 0.25 * tip.chord_m - quarters[0] == pytest.approx(planes.arm_m)
+    root, end = vertical.sections
+    # Two fins at the ends of the horizontal tail.
+    assert vertical.symmetric
+    assert root.y_m == end.y_m == pytest.approx(tip.y_m)
+    assert 2.0 * (end.z_m - root.z_m) * root.chord_m == pytest.approx(planes.vertical_m2)
+    assert found.reference_x_m == 0.13
+    assert ANALYSIS.drag_coefficients is not None
+    # At the polar's Reynolds number, not far from that of the flight.
+    parasitic = ANALYSIS.drag_coefficients.parasitic
+    assert found.other_drag_coefficient == pytest.approx(parasitic, rel=0.02)
+
+
+def test_files_carry_the_centre_of_gravity() -> None:
+    assert ANALYSIS.balance is not None
+    gravity_m = ANALYSIS.balance.gravity_m
+    script = design_bytes(ANALYSIS, "a.py").decode()
+    assert f"xyz_ref=[{gravity_m:.6g}, 0.0, 0.0]" in script
+    sheet = design_sheet(ANALYSIS).to_dict()
+    assert sheet["centre_of_gravity_m"] == pytest.approx(gravity_m)
+    assert sheet["static_margin"] == pytest.approx(0.1)
+    plain = design_sheet(sizing.analyse(DESIGN, missions.load_mission("rafz-july"), replay=False))
+    assert "static_margin" not in plain.to_dict()
+
+
+def test_views_show_both_booms_and_the_taper() -> None:
+    drawing = aircraft_drawing(TWIN)
+    assert len(drawing.booms_m) == 2
+    assert drawing.chord_at(2.5) == pytest.approx(0.6 * drawing.chord_at(0.0))
+    assert drawing.front_at(0.0) == 0.0 < drawing.front_at(2.5)
+    areas = [(m.right_m - m.left_m) * (m.rear_m - m.front_m) for m in drawing.modules]
+    assert sum(areas) == pytest.approx(TWIN.modules.area_m2)
+    svg = three_view(drawing, name="a", key="a", width=940.0, kind="wide")
+    plain = three_view(aircraft_drawing(DESIGN), name="a", key="a", width=940.0, kind="wide")
+    assert svg.count('class="fin"') == 2 * plain.count('class="fin"') == 2
+
+
+def test_a_report_has_drag_and_balance(run: Run, tmp_path: Path) -> None:
+    target = tmp_path / "twin.html"
+    assert run("report", "twin-boom-design", "--out", str(target)).code == 0
+    text = target.read_text(encoding="utf-8")
+    for words in ("Drag budget of level flight", "Balance, from the leading edge", "Static margin"):
+        assert words in text
+
+
+def test_a_sized_aircraft_keeps_its_balance(run: Run, tmp_path: Path) -> None:
+    folder = str(tmp_path / "sized")
+    arguments = ("twin-boom-design", "-m", "rafz-july", "--required-excess-time", "2")
+    assert run("size", *arguments, "--out", folder).code == 0
+    record = run("analyse", folder, "--json").json()
+    assert record["balance"]["static_margin"] == pytest.approx(0.1)
+
+
+def test_a_mistake_in_a_file_names_its_line(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "bad.yaml"
+    text = run("show", "twin-boom-design").out
+    line = next(i for i, one in enumerate(text.splitlines(), 1) if "arm_chords" in one)
+    file.write_text(text.replace("arm_chords: 4.2", "arm_chords: -4"), encoding="utf-8")
+    outcome = run("validate", str(file))
+    assert outcome.code == 2
+    assert f"bad.yaml:{line}:" in outcome.err
+    assert "airframe.tail.arm_chords: must be greater than 0 (got -4)" in outcome.err
+    assert len(outcome.err.splitlines()) == 1
