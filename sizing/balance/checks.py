@@ -51,7 +51,7 @@ def cells_on_planform(data: Any) -> Any:
     planform, layout = _mapping(airframe, "planform"), _mapping(modules, "layout")
     shape: list[Any] = [planform.get(key) for key in ("inner_fraction", "taper_ratio")]
     valid = all(isinstance(one, int | float) and 0.0 <= one <= 1.0 for one in shape)
-    if not (valid and layout) or "planform" in layout or shape[0] == 1.0:
+    if not (valid and layout) or "planform" in layout or shape[0] == 1.0 or shape[1] == 0.0:
         return data
     placed = {**layout, "planform": _relative_chords(*shape)}
     return {**data, "modules": {**modules, "layout": placed}}

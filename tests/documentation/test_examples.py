@@ -38,6 +38,10 @@ DRAWING = [
     ),
     ("battery_outlook.py", r"23 September, 500 Wh/kg: \d\.\d\d m"),
     ("design_chart.py", r"aspect ratio 18\.5\n  3 m: no battery .*\n  4 m: at most \d\.\d\d h"),
+    (
+        "twin_boom_propulsion.py",
+        r"18\.0 V: at best 0\.\d{3} with (.*\n)+two motors: 6\.\d\d kg.*\none geared motor: ",
+    ),
     ("reliable_design.py", r"no margin: 3\.\d\d m, 3\d\.\d %\n(.*\n)+99 %: 4\.\d\d m"),
     (
         "span_for_a_season.py",

@@ -132,7 +132,7 @@ LAYOUT = {"cell_span_m": 0.125, "cell_chord_m": 0.125, "bays": [{"cells": [8, 8]
 
 
 def test_cells_lie_on_the_wing_of_the_airframe() -> None:
-    cells = {"modules.area_m2": 32 * 0.125**2, "modules.layout": LAYOUT}
+    cells = {"modules.layout": LAYOUT}
     # Two rows of 0.25 m reach to where the chord is 0.25 m: neither the tip of 0.217 m.
     with pytest.raises(InputError, match=r"2 rows of cells of 0\.125 m need"):
         sizing.load_aircraft("twin-boom-design", cells)
