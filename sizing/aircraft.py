@@ -21,6 +21,7 @@ from missions.uncertainty import Uncertainty
 from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
+from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.energy.battery import Battery
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
 from sizing.structures.models import SparStructure, Structure
@@ -50,6 +51,7 @@ ENTRY_KEYS.update(
     ),
     motor=("motor_efficiency",),
     table=(),
+    product=PARTS_OF_PROPELLER,
 )
 # A wing that is covered whole by an optimiser is so to its tolerance, about 1e-8.
 _FULL_WING = 1e-6
@@ -420,6 +422,7 @@ class Aircraft(FileRecord):
             texts |= own_entries(propulsion, "motor")
         if isinstance(propulsion, OperatingPointPropulsion):
             texts |= propulsion.propeller.texts_read()
+            texts |= own_entries(propulsion.propeller, "product")
         polar = getattr(self.airframe, "aerodynamics", None)
         if isinstance(polar, WingPolar) and (text := polar.contents_read()) is not None:
             texts[polar.airfoil] = text

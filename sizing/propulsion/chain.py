@@ -23,7 +23,7 @@ from pydantic_core import PydanticCustomError
 from missions.air import GAS_CONSTANT_AIR, Air
 from missions.files.errors import InputError
 from missions.files.texts import read_text, texts_as_read
-from sizing.catalogues.choice import Taken, filled, found_entry
+from sizing.catalogues.choice import Taken, filled, found_entry, taken
 from sizing.own_models import propulsion_mass_function
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.smooth import Value
@@ -132,10 +132,12 @@ class Propulsion(Record):
 class PropellerChoice(Record):
     """A propeller by its diameter and pitch, or by the files of its table.
 
-    ``table``: see :func:`sizing.read_propeller`, which also says what ``any_speed`` is; there
-    ``diameter_m`` is needed only where the files do not tell it.
+    ``product`` names an entry of the catalogue, which gives what the file does not. ``table``: see
+    :func:`sizing.read_propeller`, which also says what ``any_speed`` is; there ``diameter_m`` is
+    needed only where the files do not tell it.
     """
 
+    product: Text | None = None
     diameter_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
     pitch_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
     blades: Annotated[int, Strict(), Field(ge=2, le=12)] = 2
@@ -146,12 +148,19 @@ class PropellerChoice(Record):
     # Texts of the tables by path, as read when the record was made.
     _texts: dict[str, str] | None = PrivateAttr(default=None)
 
+    @model_validator(mode="wrap")
+    @classmethod
+    def _from_catalogue(
+        cls, data: Any, handler: ModelWrapValidatorHandler[PropellerChoice]
+    ) -> PropellerChoice:
+        return filled(data, handler, "product", "propellers")
+
     @model_validator(mode="after")
     def _check_choice(self) -> PropellerChoice:
         if self.table is None:
             for key in ("diameter_m", "pitch_m"):
                 if getattr(self, key) is None:
-                    message = "required key is missing (or table, with the propeller's files)"
+                    message = "required key is missing (or product, or table with its files)"
                     raise PydanticCustomError("propeller", message, {"key": key})
             return self
         odd = self.model_fields_set & {"pitch_m", "blades", "chords"}
@@ -244,11 +253,14 @@ class OperatingPointPropulsion(Record):
         )
 
     def taken(self) -> list[Taken]:
-        """Constants of the motor that the catalogue gives, with their sources."""
+        """Values of propeller and motor that the catalogues give, with their sources."""
+        of_propeller = taken(
+            self.propeller, "product", "propellers", "airframe.propulsion.propeller."
+        )
         if not isinstance(self.motor, str):
-            return []
+            return of_propeller
         one = found_entry("motor", "motors", self.motor)
-        return [
+        return of_propeller + [
             Taken(
                 f"airframe.propulsion.motor.{key}", value, self.motor, one.label, one.source_of(key)
             )
