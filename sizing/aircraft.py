@@ -291,7 +291,8 @@ class Limit(Record):
 class DesignSpace(Record):
     """Bounds within which the optimiser may choose.
 
-    Aspect ratio and lift coefficient stay as they are on the airframe if they have no range here.
+    Aspect ratio, lift coefficient, propeller and gear stay as they are on the airframe if they have
+    no range here.
     ``limits`` bounds any other quantity of the design.
     """
 
@@ -300,6 +301,9 @@ class DesignSpace(Record):
     module_area_m2: Range = Range(minimum=0.05, maximum=25.0)
     aspect_ratio: Range | None = None
     lift_coefficient: Range | None = None
+    propeller_diameter_m: Range | None = None
+    propeller_pitch_m: Range | None = None
+    gear_ratio: Range | None = None
     maximum_total_mass_kg: PositiveReal | None = None
     maximum_wing_loading_kg_per_m2: PositiveReal | None = None
     minimum_stall_margin: Annotated[float, Strict(), Field(ge=1.0, le=5.0)] | None = None
@@ -463,6 +467,20 @@ class Aircraft(FileRecord):
                     "maximum": f"{lift.maximum:g}",
                 },
             )
+        return self
+
+    @model_validator(mode="after")
+    def _check_propeller_space(self) -> Aircraft:
+        chain, space = getattr(self.airframe, "propulsion", None), self.design_space
+        if isinstance(chain, OperatingPointPropulsion) and chain.propeller.table is None:
+            return self
+        for key in ("gear_ratio", "propeller_diameter_m", "propeller_pitch_m"):
+            if getattr(space, key) is not None:
+                raise PydanticCustomError(
+                    "no_propeller",
+                    "goes with airframe.propulsion.kind: operating_point, without propeller.table",
+                    {"key": f"design_space.{key}"},
+                )
         return self
 
     @model_validator(mode="after")

@@ -1,16 +1,30 @@
-"""An aircraft whose efficiencies of propulsion are those of its operating point in level flight."""
+"""Aircraft with the efficiencies of their operating point: as constants, or by formulas."""
 
 from __future__ import annotations
 
-from missions.mission import Mission
-from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import ImpossibleDesignError, design_of
-from sizing.propulsion.chain import LINKS, Propulsion
-from sizing.propulsion.operating_point import OperatingPoint, Propulsor, operating_point
+from math import isfinite, log
 
-__all__ = ["with_operating_point"]
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, ParametricAirframe, Range
+from sizing.design import (
+    FlightConditions,
+    ImpossibleDesignError,
+    closed_design,
+    design_of,
+    first_chain,
+    parametric_design,
+    variables_of,
+)
+from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion
+from sizing.propulsion.operating_point import OperatingPoint, Propulsor, operating_point
+from sizing.propulsion.smooth_chain import SmoothPropulsion, fitted_surface
+
+__all__ = ["smooth_at", "smooth_propulsion", "with_operating_point", "with_propulsion"]
 
 _ROUNDS, _TOLERANCE = 50, 1e-10
+# Logarithms within which a search moves from the design in the file: loading of the propeller,
+# Reynolds number, pitch over diameter. Centres are rounded, so that alike cases share a surface.
+_HALF_WIDTHS, _ROUNDED_TO = (log(6.0), log(4.0), 0.2), 0.25
 
 
 def with_operating_point(
@@ -105,5 +119,73 @@ def _with_efficiencies(aircraft: Aircraft, point: OperatingPoint) -> Aircraft:
             },
         }
     )
-    airframe = aircraft.airframe.model_copy(update={"propulsion": changed})
+    return with_propulsion(aircraft, changed)
+
+
+def smooth_at(aircraft: Aircraft, mission: Mission) -> Aircraft:
+    """Aircraft of a file with formulas that have the exact chain's efficiency for its own design.
+
+    One with constants or formulas is returned as it is, one with a propeller by tables gets the
+    constant efficiencies of level flight. Raises :class:`ImpossibleDesignError` if it cannot fly.
+    """
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
+        return aircraft
+    design = design_of(aircraft, mission)
+    assert design.chain is not None
+    if propulsion.propeller.table is not None:
+        return with_propulsion(aircraft, design.chain)
+    flown = with_propulsion(aircraft, smooth := smooth_propulsion(aircraft, mission, propulsion))
+    same = parametric_design(flown, mission, design.variables, design.total_mass_kg)
+    assert same.chain is not None
+    ratio = float(design.chain.efficiency / same.chain.efficiency)
+    return with_propulsion(aircraft, smooth.model_copy(update={"correction": ratio}))
+
+
+def smooth_propulsion(
+    aircraft: Aircraft, mission: Mission, propulsion: OperatingPointPropulsion
+) -> SmoothPropulsion:
+    """Propulsion by formulas, fitted around the conditions of the design in the file."""
+    variables = variables_of(aircraft)
+    usual = closed_design(with_propulsion(aircraft, first_chain(propulsion)), mission, variables)
+    mass_kg = float(usual.total_mass_kg)
+    if not isfinite(mass_kg):
+        # Wrong by a third of the mass, well within the surface.
+        mass_kg = 3.0 * (aircraft.battery.mass_kg + mission.payload.mass_kg)
+    flown = parametric_design(
+        with_propulsion(aircraft, first_chain(propulsion)), mission, variables, mass_kg
+    )
+    assert flown.chain is not None
+    air = FlightConditions.of(mission, aircraft).air
+    thrust_w = flown.propulsion_power_w * flown.chain.efficiency
+    speed = float(flown.airspeed_m_per_s)
+    space, propeller = aircraft.design_space, propulsion.propeller
+    assert propeller.diameter_m is not None
+    assert propeller.pitch_m is not None
+    diameter_m, wider = _middle(space.propeller_diameter_m, propeller.diameter_m)
+    pitch_m, steeper = _middle(space.propeller_pitch_m, propeller.pitch_m)
+    loading = thrust_w / propulsion.propulsors / (air.density_kg_per_m3 * speed**3 * diameter_m**2)
+    reynolds = air.density_kg_per_m3 * speed * diameter_m / air.dynamic_viscosity_pa_s
+    middle = (float(loading), float(reynolds), pitch_m / diameter_m)
+    more = (2.0 * wider, wider, wider + steeper)
+    centre, half = (
+        tuple(_ROUNDED_TO * round(log(one) / _ROUNDED_TO) for one in middle),
+        tuple(a + b for a, b in zip(_HALF_WIDTHS, more, strict=True)),
+    )
+    surface = fitted_surface(propeller.blades, propeller.chords, centre, half)
+    return SmoothPropulsion.of(propulsion, surface)
+
+
+def _middle(ends: Range | None, value: float) -> tuple[float, float]:
+    """Geometric mean of a range, and half the logarithm of its ratio; the value without one."""
+    if ends is None:
+        return value, 0.0
+    return (ends.minimum * ends.maximum) ** 0.5, 0.5 * log(ends.maximum / ends.minimum)
+
+
+def with_propulsion(
+    aircraft: Aircraft, propulsion: Propulsion | OperatingPointPropulsion
+) -> Aircraft:
+    """Aircraft with another propulsion."""
+    airframe = aircraft.airframe.model_copy(update={"propulsion": propulsion})
     return aircraft.model_copy(update={"airframe": airframe})

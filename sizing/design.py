@@ -49,7 +49,7 @@ class ImpossibleDesignError(ValueError):
 class DesignVariables(NamedTuple):
     """What the optimiser chooses.
 
-    The last three are chosen on request; None stands for what aircraft and mission say.
+    The last six are chosen on request; None stands for what aircraft and mission say.
     """
 
     wingspan_m: Value
@@ -59,6 +59,9 @@ class DesignVariables(NamedTuple):
     lift_coefficient: Value | None = None
     payload_mass_kg: Value | None = None
     payload_power_w: Value | None = None
+    propeller_diameter_m: Value | None = None
+    propeller_pitch_m: Value | None = None
+    gear_ratio: Value | None = None
 
     def mapped(self, function: Callable[[Value], Value]) -> DesignVariables:
         """Apply a function to every variable that is chosen."""
@@ -244,6 +247,7 @@ def parametric_design(
     )
     found = airframe.propulsion if chain is None else chain
     if isinstance(found, OperatingPointPropulsion):
+        found = _of_its_size(found, variables)
         found = found.in_flight(shaft_w, airspeed, air.air, _bus_voltage_v(aircraft))
     electric_w = shaft_w / found.efficiency
     return Design(
@@ -266,6 +270,15 @@ def parametric_design(
         constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
         airspeed_m_per_s=airspeed,
         chain=found,
+    )
+
+
+def _of_its_size(
+    propulsion: OperatingPointPropulsion, variables: DesignVariables
+) -> OperatingPointPropulsion:
+    """Propulsion with the propeller and the gear of a design."""
+    return propulsion.sized(
+        variables.propeller_diameter_m, variables.propeller_pitch_m, variables.gear_ratio
     )
 
 
@@ -493,7 +506,7 @@ def closed_design(
             return parametric_design(aircraft, conditions, arrays, total)
 
     propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
         return closed(None)
     chain = _links_of(first_chain(propulsion), lambda one: np.full(np.shape(arrays[0]), one))
     return _settled(closed, chain)
@@ -636,16 +649,6 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
     )
 
 
-def with_level_chain(aircraft: Aircraft, mission: Mission) -> Aircraft:
-    """Aircraft with the constant efficiencies that it has in level flight, as its file gives it."""
-    if not isinstance(getattr(aircraft.airframe, "propulsion", None), OperatingPointPropulsion):
-        return aircraft
-    airframe = aircraft.airframe.model_copy(
-        update={"propulsion": design_of(aircraft, mission).chain}
-    )
-    return aircraft.model_copy(update={"airframe": airframe})
-
-
 def operating_trouble(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
 ) -> str:
@@ -677,7 +680,8 @@ def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> Operati
     flown = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
     power_w = flown.propulsion_power_w * usual.efficiency
     air = FlightConditions.of(mission, aircraft).air
-    return propulsion.point(power_w, flown.airspeed_m_per_s, air, _bus_voltage_v(aircraft))
+    own = _of_its_size(propulsion, design.variables.mapped(float))
+    return own.point(power_w, flown.airspeed_m_per_s, air, _bus_voltage_v(aircraft))
 
 
 def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) -> Aircraft:

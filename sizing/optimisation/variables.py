@@ -127,6 +127,9 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         "total_mass_kg": Range.model_construct(minimum=lightest, maximum=heaviest),
         "aspect_ratio": space.aspect_ratio,
         "lift_coefficient": space.lift_coefficient,
+        "propeller_diameter_m": space.propeller_diameter_m,
+        "propeller_pitch_m": space.propeller_pitch_m,
+        "gear_ratio": space.gear_ratio,
     }
     variables = (
         Variable(name, unit(name), ends.minimum, ends.maximum)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import (
@@ -40,6 +40,8 @@ from solar.schema import (
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint, Propulsor
     from sizing.propulsion.propeller import Propeller
+
+R = TypeVar("R", bound=Record)
 
 __all__ = ["LINKS", "AnyPropulsion", "OperatingPointPropulsion", "PropellerChoice", "Propulsion"]
 
@@ -214,8 +216,12 @@ class OperatingPointPropulsion(Record):
 
     ``propulsors`` of one kind share the thrust. ``motor`` is the name of an entry of the catalogue,
     the path of one's own, or the constants themselves. Masses are those of one propulsor's parts;
-    ``mass_kg_per_w`` comes on top, and is 0 where the motor's mass is known.
+    ``mass_kg_per_w`` comes on top, and is 0 where the motor's mass is known. ``efficiency_factor``
+    is what the propellers have over what is computed.
     """
+
+    # Whether a batch of designs is too dear to have its operating points at every step.
+    is_exact: ClassVar[bool] = True
 
     kind: Literal["operating_point"]
     propulsors: PositiveInteger = 1
@@ -225,6 +231,7 @@ class OperatingPointPropulsion(Record):
     controller: Controller
     wiring_resistance_ohm: NonNegativeReal = 0.0
     maximum_tip_mach: Annotated[float, Strict(), Field(gt=0.0, lt=1.0)] = 0.7
+    efficiency_factor: Annotated[float, Strict(), Field(gt=0.0, le=1.5)] = 1.0
     mass_kg_per_w: NonNegativeReal | None = None
     climb_power_ratio: _ClimbRatio | None = None
     climb_rate_m_per_s: PositiveReal | None = None
@@ -237,15 +244,31 @@ class OperatingPointPropulsion(Record):
             found_entry("motor", "motors", self.motor)
         return self
 
+    def sized(
+        self, diameter_m: Value | None, pitch_m: Value | None, gear_ratio: Value | None
+    ) -> Self:
+        """These parts with a chosen diameter and pitch [m] and gear; None leaves the file's."""
+        wanted = {"diameter_m": diameter_m, "pitch_m": pitch_m}
+        sizes = {key: value for key, value in wanted.items() if value is not None}
+        ratio = {} if gear_ratio is None else {"ratio": gear_ratio}
+        if not sizes and not ratio:
+            return self
+        parts = {"propeller": _rebuilt(self.propeller, sizes), "gear": _rebuilt(self.gear, ratio)}
+        return _rebuilt(self, parts)
+
+    @cached_property
+    def own_motor(self) -> Motor:
+        """Motor of the file, or of the catalogue."""
+        return Motor.from_catalogue(self.motor) if isinstance(self.motor, str) else self.motor
+
     @cached_property
     def propulsor(self) -> Propulsor:
         """One of the propulsors."""
         from sizing.propulsion.operating_point import Propulsor
 
-        motor = self.motor
         return Propulsor(
             propeller=self.propeller.propeller,
-            motor=Motor.from_catalogue(motor) if isinstance(motor, str) else motor,
+            motor=self.own_motor,
             controller=self.controller,
             gear=self.gear,
             wiring_resistance_ohm=self.wiring_resistance_ohm,
@@ -301,11 +324,23 @@ class OperatingPointPropulsion(Record):
         both = operating_point(self.propulsor, thrust_n, speed, Air(*state), bus_voltage_v)
         weight = np.where(both.reason != "", np.inf, both.bus_power_w)
         worse = np.argmax(weight, axis=-1)[..., np.newaxis]
-        return OperatingPoint(
+        point = OperatingPoint(
             *(
                 np.take_along_axis(getattr(both, one.name), worse, axis=-1)[..., 0]
                 for one in fields(OperatingPoint)
             )
+        )
+        return point if self.efficiency_factor == 1.0 else self._by_factor(point)
+
+    def _by_factor(self, point: OperatingPoint) -> OperatingPoint:
+        """Point whose propeller is as much better than computed as the file says."""
+        factor = self.efficiency_factor
+        return replace(
+            point,
+            propeller_efficiency=point.propeller_efficiency * factor,
+            efficiency=point.efficiency * factor,
+            bus_power_w=point.bus_power_w / factor,
+            bus_current_a=point.bus_current_a / factor,
         )
 
     def in_flight(
@@ -323,14 +358,11 @@ class OperatingPointPropulsion(Record):
 
     def with_links(self, efficiencies: Mapping[str, Any]) -> Propulsion:
         """Chain of constants of these parts; efficiencies by :data:`LINKS`, of floats or arrays."""
-        motor = self.propulsor.motor
+        motor = self.own_motor
         parts = (self.propeller, self.gear, motor, self.controller)
         default = 0.0 if motor.mass_kg is not None else _MASS_KG_PER_W
         return Propulsion().model_copy(
-            update={
-                f"{name}_efficiency": float(one) if np.ndim(one) == 0 else np.asarray(one)
-                for name, one in efficiencies.items()
-            }
+            update={f"{name}_efficiency": _unwrapped(one) for name, one in efficiencies.items()}
             | {
                 "fixed_mass_kg": self.propulsors * sum(part.mass_kg or 0.0 for part in parts),
                 "mass_kg_per_w": default if self.mass_kg_per_w is None else self.mass_kg_per_w,
@@ -339,6 +371,19 @@ class OperatingPointPropulsion(Record):
                 "mass_model": self.mass_model,
             }
         )
+
+
+def _rebuilt(record: R, values: Mapping[str, Any]) -> R:
+    """Record with other values, numbers or symbols, and nothing that it has kept; unchecked."""
+    fields = {name: getattr(record, name) for name in type(record).model_fields}
+    built: R = type(record).model_construct(**(fields | dict(values)))  # type: ignore[assignment]
+    return built
+
+
+def _unwrapped(value: Value) -> Value:
+    """Array without a dimension as the number that it is; all else as it is."""
+    single = isinstance(value, np.generic | np.ndarray) and np.ndim(value) == 0
+    return float(value) if single else value
 
 
 def air_of(density_kg_per_m3: Value, dynamic_viscosity: Value, temperature_k: Value) -> Air:

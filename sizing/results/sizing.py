@@ -30,7 +30,7 @@ from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.propulsion import with_fixed_chain
+from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
@@ -180,6 +180,13 @@ class SizingStudy(Result):
             data[section][key] = one.of(self.result.design)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
+        for part, key, value in (
+            ("propeller", "diameter_m", variables.propeller_diameter_m),
+            ("propeller", "pitch_m", variables.propeller_pitch_m),
+            ("gear", "ratio", variables.gear_ratio),
+        ):
+            if value is not None:
+                data["airframe"]["propulsion"].setdefault(part, {})[key] = value
         return data
 
     @cached_property
@@ -384,7 +391,7 @@ def size(
         other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
         required_excess_time_h = other.required_excess_time_h
     options: dict[str, Any] = {"required_excess_time_h": required_excess_time_h}
-    aircraft, start = with_fixed_chain(aircraft, mission, wanted, solar, **options)
+    aircraft, start = with_smooth_chain(aircraft, mission, wanted, solar, **options)
     problems = options["problems"] = SizingProblems(aircraft)
     if reliability is not None:
         if with_sensitivities or with_cross_check:

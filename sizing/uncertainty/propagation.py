@@ -13,6 +13,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.cruise_propulsion import smooth_at
 from sizing.design import (
     Design,
     FlightConditions,
@@ -21,7 +22,6 @@ from sizing.design import (
     measured_design,
     parametric_design,
     variables_of,
-    with_level_chain,
 )
 from sizing.energy.battery import Store
 from sizing.energy.cycle import simulate_cycle
@@ -111,7 +111,7 @@ class Propagation:
         *,
         day: SolarDay | None = None,
     ) -> None:
-        self.aircraft = with_level_chain(aircraft, mission)
+        self.aircraft = smooth_at(aircraft, mission)
         self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: FloatArray | None = None

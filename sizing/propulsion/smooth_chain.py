@@ -1,0 +1,204 @@
+"""A propulsion at its operating point by formulas that a program can differentiate.
+
+The propeller of blade elements is a fitted surface; motor, gear, controller and wiring have their
+own formulas. Both take numbers, arrays and symbols.
+
+A propeller of given blades has, whatever its size and air, one speed of rotation and one efficiency
+for three numbers: the loading ``T / (rho V^2 D^2)``, the Reynolds number ``rho V D / mu`` and pitch
+over diameter. ``ln (n D / V)`` and ``ln (1 / efficiency)`` are Chebyshev polynomials in them.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import e
+from typing import Literal
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from pydantic import Field
+
+from missions.air import Air
+from sizing.propulsion.blade_elements import BladeElementPropeller
+from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion
+from sizing.smooth import Value, chebyshev_series, smooth_maximum
+from solar.schema import Record
+from solar.types import FloatArray
+
+__all__ = ["PropellerSurface", "SmoothPropulsion", "fitted_surface"]
+
+# Degrees in loading, Reynolds number and pitch over diameter.
+_DEGREES = (9, 4, 3)
+# Reynolds numbers and pitches, at Chebyshev nodes, and advance ratios up to no thrust.
+_NODES = (8, 5)
+_ADVANCE_OVER_PITCH = np.linspace(0.08, 1.3, 80)
+# In half-widths: what is fitted, and where the polynomials' interval ends.
+_REACH, _END = 1.15, 1.3
+# Exponent that stands for a logarithm, and width of the corner at the interval's ends.
+_ROOT, _CORNER = 0.1, 0.1
+# Rounds of the voltage behind the wiring, of which each leaves a hundredth of the error or less.
+_WIRING_ROUNDS = 5
+# Of the powers with an empty and a full battery: rounds the corner where they are equal.
+_BLEND = 1e-5
+_Coefficients = tuple[tuple[tuple[float, ...], ...], ...]
+
+
+class PropellerSurface(Record):
+    """Rotation and efficiency of a propeller as polynomials.
+
+    ``centre`` and ``half_width`` are of the logarithms of loading, Reynolds number and pitch over
+    diameter; farther away the polynomials bend towards a constant, so that no search leaves them.
+    """
+
+    centre: tuple[float, float, float]
+    half_width: tuple[float, float, float]
+    rotation: _Coefficients
+    power: _Coefficients
+
+    def rotation_and_power(
+        self, loading: Value, reynolds: Value, pitch_ratio: Value
+    ) -> tuple[Value, Value]:
+        """``n D / V`` and power over thrust power [-]."""
+        places = [
+            _place(one, centre, half)
+            for one, centre, half in zip(
+                (loading, reynolds, pitch_ratio), self.centre, self.half_width, strict=True
+            )
+        ]
+        turns, power = (_series(one, places) for one in (self.rotation, self.power))
+        return e**turns, e**power
+
+
+def _place(value: Value, centre: float, half_width: float) -> Value:
+    """Place between -1 and 1 of a value, held at the ends of the polynomials' interval.
+
+    The logarithm of the value over that of the centre, in half-widths, in arithmetic alone:
+    ``(r^a - r^-a) / (2 a h)``.
+    """
+    root = (value * e**-centre) ** _ROOT
+    t = (root - 1.0 / root) / (2.0 * _ROOT * half_width)
+    above, below = ((t + end) ** 2 + _CORNER**2 for end in (_END, -_END))
+    return (above**0.5 - below**0.5) / (2.0 * _END)
+
+
+def _series(coefficients: _Coefficients, places: list[Value]) -> Value:
+    """Tensor product of Chebyshev polynomials."""
+    first, second, third = places
+    planes = [
+        chebyshev_series([chebyshev_series(row, third) for row in plane], second)
+        for plane in coefficients
+    ]
+    return chebyshev_series(planes, first)
+
+
+@lru_cache(maxsize=64)
+def fitted_surface(
+    blades: int,
+    chords: Literal["thin_electric", "slow_flyer"],
+    centre: tuple[float, float, float],
+    half_width: tuple[float, float, float],
+) -> PropellerSurface:
+    """Surface of the propellers with these blades, by least squares over blade elements."""
+    reynolds, ratios = (
+        np.exp(centre[k] + half_width[k] * _REACH * np.cos(np.pi * (np.arange(n) + 0.5) / n))
+        for k, n in enumerate(_NODES, start=1)
+    )
+    points: list[FloatArray] = []
+    for ratio in ratios:
+        propeller = BladeElementPropeller(1.0, float(ratio), blades, chords)
+        advance, of = np.meshgrid(_ADVANCE_OVER_PITCH * ratio, reynolds)
+        one = np.ones_like(advance)
+        air = Air(288.15 * one, 101325.0 * one, one, one / of)
+        thrust, power = propeller.coefficients(one, 1.0 / advance, air)
+        pulls = (thrust > 0.0) & (power > 0.0)
+        loading = np.where(pulls, thrust, np.nan) / advance**2
+        place = (np.log(loading) - centre[0]) / half_width[0]
+        # As if the loadings were even.
+        weight = np.sqrt(np.abs(np.gradient(place, axis=1)))
+        some = (np.abs(place) < _REACH) & np.isfinite(weight)
+        rows = (loading, of, np.full_like(advance, ratio), 1.0 / advance, power / thrust / advance)
+        points.append(np.array([*(np.log(row[some]) for row in rows), weight[some]]))
+    x, y, (weight,) = np.split(np.concatenate(points, axis=1), [3, 5])
+    first, second, third = (
+        _place(np.exp(row), *ends) for row, *ends in zip(x, centre, half_width, strict=True)
+    )
+    basis = chebyshev.chebvander3d(first, second, third, _DEGREES) * weight[:, np.newaxis]
+    fitted = np.linalg.lstsq(basis, (y * weight).T, rcond=1e-10)[0].T
+    turns, cost = (
+        tuple(tuple(map(tuple, plane)) for plane in one.tolist())
+        for one in fitted.reshape(2, *(one + 1 for one in _DEGREES))
+    )
+    return PropellerSurface(centre=centre, half_width=half_width, rotation=turns, power=cost)
+
+
+class SmoothPropulsion(OperatingPointPropulsion):
+    """Propulsion of an aircraft's file with the propeller of a surface.
+
+    ``correction``: efficiency of the exact chain over that of these formulas, at one design. No
+    file has these two keys.
+    """
+
+    is_exact = False
+
+    surface: PropellerSurface = Field(exclude=True, repr=False)
+    correction: float = Field(default=1.0, exclude=True, repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        parts: OperatingPointPropulsion,
+        surface: PropellerSurface,
+        correction: float = 1.0,
+    ) -> SmoothPropulsion:
+        """These parts with a surface."""
+        fields = {name: getattr(parts, name) for name in OperatingPointPropulsion.model_fields}
+        return cls.model_construct(**fields, surface=surface, correction=correction)
+
+    def in_flight(
+        self,
+        thrust_power_w: Value,
+        airspeed_m_per_s: Value,
+        air: Air,
+        bus_voltage_v: tuple[float, float],
+    ) -> Propulsion:
+        """Chain at an operating point, of the arguments' type; no limit is checked."""
+        density, speed = air.density_kg_per_m3, airspeed_m_per_s
+        diameter = self.propeller.diameter_m
+        assert diameter is not None
+        assert self.propeller.pitch_m is not None
+        thrust_w = thrust_power_w / self.propulsors
+        turns, cost = self.surface.rotation_and_power(
+            thrust_w / (density * speed**3 * diameter**2),
+            density * speed * diameter / air.dynamic_viscosity_pa_s,
+            self.propeller.pitch_m / diameter,
+        )
+        gear, motor = self.gear, self.own_motor
+        rotation = turns * speed / diameter
+        shaft_w = thrust_w * cost
+        torque = shaft_w / (2.0 * np.pi * rotation)
+        motor_torque = torque / (gear.ratio * gear.efficiency)
+        state = motor.state_of(60.0 * rotation * gear.ratio, motor_torque)
+        inlets = [self._inlet(state, volts) for volts in bus_voltage_v]
+        (empty, empty_w), (full, full_w) = inlets
+        bus_w = smooth_maximum(
+            empty_w * bus_voltage_v[0] / empty, full_w * bus_voltage_v[1] / full, _BLEND
+        )
+        motor_w = state.current_a * state.voltage_v
+        # The wiring of the full battery; what the empty one takes more is the controller's.
+        wiring = full / bus_voltage_v[1]
+        links = {
+            "wiring": wiring,
+            "controller": motor_w / (bus_w * wiring),
+            "motor": shaft_w / gear.efficiency / motor_w,
+            "gearbox": gear.efficiency,
+            "propeller": self.efficiency_factor * self.correction / cost,
+        }
+        return self.with_links({name: links[name] for name in LINKS})
+
+    def _inlet(self, state: tuple[Value, Value], bus_v: float) -> tuple[Value, Value]:
+        """Voltage [V] and power [W] at the controller."""
+        voltage = bus_v
+        for _ in range(_WIRING_ROUNDS if self.wiring_resistance_ohm else 0):
+            power_w = self.controller.power_of(*state, voltage)
+            voltage = bus_v - self.wiring_resistance_ohm * power_w / voltage
+        return voltage, self.controller.power_of(*state, voltage)
