@@ -288,6 +288,9 @@ class Limit(Record):
         return self
 
 
+PROPULSION_VARIABLES = ("propeller_diameter_m", "propeller_pitch_m", "gear_ratio")
+
+
 class DesignSpace(Record):
     """Bounds within which the optimiser may choose.
 
@@ -310,6 +313,11 @@ class DesignSpace(Record):
     minimum_climb_rate_m_per_s: PositiveReal | None = None
     maximum_climb_discharge_rate_per_h: PositiveReal | None = None
     limits: dict[LimitedQuantity, Limit] = Field(default_factory=dict)
+
+    def requested_ranges(self) -> dict[str, Range]:
+        """Bounds of the variables that are chosen on request, by name; of those that are."""
+        names = ("aspect_ratio", "lift_coefficient", *PROPULSION_VARIABLES)
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
     def __hash__(self) -> int:
         # A mapping has no hash of its own; aircraft serve as keys of what is kept for them.
@@ -474,7 +482,7 @@ class Aircraft(FileRecord):
         chain, space = getattr(self.airframe, "propulsion", None), self.design_space
         if isinstance(chain, OperatingPointPropulsion) and chain.propeller.table is None:
             return self
-        for key in ("gear_ratio", "propeller_diameter_m", "propeller_pitch_m"):
+        for key in PROPULSION_VARIABLES:
             if getattr(space, key) is not None:
                 raise PydanticCustomError(
                     "no_propeller",

@@ -273,6 +273,21 @@ def parametric_design(
     )
 
 
+def propulsion_margins(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions
+) -> dict[str, Value]:
+    """How far a propulsion by formulas is from the limits of its parts; empty for others."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion) or propulsion.is_exact:
+        return {}
+    assert design.chain is not None
+    # The thrust, whatever the propulsion's own efficiency is.
+    thrust_w = design.propulsion_power_w * design.chain.efficiency
+    own = _of_its_size(propulsion, design.variables)
+    speed, bus_v = design.airspeed_m_per_s, _bus_voltage_v(aircraft)
+    return own.margins(thrust_w, speed, conditions.air, bus_v)
+
+
 def _of_its_size(
     propulsion: OperatingPointPropulsion, variables: DesignVariables
 ) -> OperatingPointPropulsion:

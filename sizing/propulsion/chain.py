@@ -343,6 +343,16 @@ class OperatingPointPropulsion(Record):
             bus_current_a=point.bus_current_a / factor,
         )
 
+    def margins(
+        self,
+        thrust_power_w: Value,
+        airspeed_m_per_s: Value,
+        air: Air,
+        bus_voltage_v: tuple[float, float],
+    ) -> dict[str, Value]:
+        """Margins of the parts by formulas; an exact chain tells a reason instead."""
+        return {}
+
     def in_flight(
         self,
         thrust_power_w: Value,

@@ -18,19 +18,21 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from pydantic import Field
 
-from missions.air import Air
+from missions.air import GAS_CONSTANT_AIR, Air
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion
+from sizing.propulsion.electric import MotorState
+from sizing.propulsion.propeller import HEAT_CAPACITY_RATIO
 from sizing.smooth import Value, chebyshev_series, smooth_maximum
 from solar.schema import Record
 from solar.types import FloatArray
 
 __all__ = ["PropellerSurface", "SmoothPropulsion", "fitted_surface"]
 
-# Degrees in loading, Reynolds number and pitch over diameter.
-_DEGREES = (9, 4, 3)
-# Reynolds numbers and pitches, at Chebyshev nodes, and advance ratios up to no thrust.
-_NODES = (8, 5)
+# Degrees in loading, Reynolds number and pitch over diameter, of a narrow and a wide range of it.
+_NARROW, _DEGREES, _WIDE_DEGREES = 0.35, (9, 4, 3), (11, 5, 7)
+# More Reynolds numbers and pitches than degrees, at Chebyshev nodes; advance ratios to no thrust.
+_MORE_NODES = 3
 _ADVANCE_OVER_PITCH = np.linspace(0.08, 1.3, 80)
 # In half-widths: what is fitted, and where the polynomials' interval ends.
 _REACH, _END = 1.15, 1.3
@@ -38,6 +40,8 @@ _REACH, _END = 1.15, 1.3
 _ROOT, _CORNER = 0.1, 0.1
 # Rounds of the voltage behind the wiring, of which each leaves a hundredth of the error or less.
 _WIRING_ROUNDS = 5
+# What limits of the parts are kept away from: the surface misses the speed of rotation by less.
+_CUSHION = 5e-3
 # Of the powers with an empty and a full battery: rounds the corner where they are equal.
 _BLEND = 1e-5
 _Coefficients = tuple[tuple[tuple[float, ...], ...], ...]
@@ -99,9 +103,10 @@ def fitted_surface(
     half_width: tuple[float, float, float],
 ) -> PropellerSurface:
     """Surface of the propellers with these blades, by least squares over blade elements."""
+    degrees = _DEGREES if half_width[2] < _NARROW else _WIDE_DEGREES
     reynolds, ratios = (
         np.exp(centre[k] + half_width[k] * _REACH * np.cos(np.pi * (np.arange(n) + 0.5) / n))
-        for k, n in enumerate(_NODES, start=1)
+        for k, n in ((1, degrees[1] + _MORE_NODES), (2, degrees[2] + _MORE_NODES))
     )
     points: list[FloatArray] = []
     for ratio in ratios:
@@ -122,11 +127,11 @@ def fitted_surface(
     first, second, third = (
         _place(np.exp(row), *ends) for row, *ends in zip(x, centre, half_width, strict=True)
     )
-    basis = chebyshev.chebvander3d(first, second, third, _DEGREES) * weight[:, np.newaxis]
+    basis = chebyshev.chebvander3d(first, second, third, degrees) * weight[:, np.newaxis]
     fitted = np.linalg.lstsq(basis, (y * weight).T, rcond=1e-10)[0].T
     turns, cost = (
         tuple(tuple(map(tuple, plane)) for plane in one.tolist())
-        for one in fitted.reshape(2, *(one + 1 for one in _DEGREES))
+        for one in fitted.reshape(2, *(one + 1 for one in degrees))
     )
     return PropellerSurface(centre=centre, half_width=half_width, rotation=turns, power=cost)
 
@@ -162,24 +167,9 @@ class SmoothPropulsion(OperatingPointPropulsion):
         bus_voltage_v: tuple[float, float],
     ) -> Propulsion:
         """Chain at an operating point, of the arguments' type; no limit is checked."""
-        density, speed = air.density_kg_per_m3, airspeed_m_per_s
-        diameter = self.propeller.diameter_m
-        assert diameter is not None
-        assert self.propeller.pitch_m is not None
-        thrust_w = thrust_power_w / self.propulsors
-        turns, cost = self.surface.rotation_and_power(
-            thrust_w / (density * speed**3 * diameter**2),
-            density * speed * diameter / air.dynamic_viscosity_pa_s,
-            self.propeller.pitch_m / diameter,
-        )
-        gear, motor = self.gear, self.own_motor
-        rotation = turns * speed / diameter
-        shaft_w = thrust_w * cost
-        torque = shaft_w / (2.0 * np.pi * rotation)
-        motor_torque = torque / (gear.ratio * gear.efficiency)
-        state = motor.state_of(60.0 * rotation * gear.ratio, motor_torque)
-        inlets = [self._inlet(state, volts) for volts in bus_voltage_v]
-        (empty, empty_w), (full, full_w) = inlets
+        rotation, shaft_w, cost = self._propeller(thrust_power_w, airspeed_m_per_s, air)
+        state = self._motor_state(rotation, shaft_w)
+        (empty, empty_w), (full, full_w) = (self._inlet(state, volts) for volts in bus_voltage_v)
         bus_w = smooth_maximum(
             empty_w * bus_voltage_v[0] / empty, full_w * bus_voltage_v[1] / full, _BLEND
         )
@@ -189,13 +179,60 @@ class SmoothPropulsion(OperatingPointPropulsion):
         links = {
             "wiring": wiring,
             "controller": motor_w / (bus_w * wiring),
-            "motor": shaft_w / gear.efficiency / motor_w,
-            "gearbox": gear.efficiency,
+            "motor": shaft_w / self.gear.efficiency / motor_w,
+            "gearbox": self.gear.efficiency,
             "propeller": self.efficiency_factor * self.correction / cost,
         }
         return self.with_links({name: links[name] for name in LINKS})
 
-    def _inlet(self, state: tuple[Value, Value], bus_v: float) -> tuple[Value, Value]:
+    def margins(
+        self,
+        thrust_power_w: Value,
+        airspeed_m_per_s: Value,
+        air: Air,
+        bus_voltage_v: tuple[float, float],
+    ) -> dict[str, Value]:
+        """How far what the parts do is from their limits, relative; of those that have one."""
+        rotation, shaft_w, _ = self._propeller(thrust_power_w, airspeed_m_per_s, air)
+        state = self._motor_state(rotation, shaft_w)
+        least_v = state.voltage_v + state.current_a * self.controller.resistance_ohm
+        wires_v = self.wiring_resistance_ohm * self.controller.power_of(*state, least_v) / least_v
+        tip = ((np.pi * rotation * self.propeller.diameter_m) ** 2 + airspeed_m_per_s**2) ** 0.5
+        sound = (HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * air.temperature_k) ** 0.5
+        motor = self.own_motor
+        used = {
+            "bus_voltage": (least_v + wires_v) / bus_voltage_v[0],
+            "tip_mach": tip / (sound * self.maximum_tip_mach),
+        }
+        if motor.maximum_current_a is not None:
+            used["motor_current"] = state.current_a / motor.maximum_current_a
+        if motor.maximum_power_w is not None:
+            used["motor_power"] = state.current_a * state.voltage_v / motor.maximum_power_w
+        return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
+
+    def _propeller(
+        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air
+    ) -> tuple[Value, Value, Value]:
+        """Speed of rotation [1/s], power at the shaft [W] and power over thrust power [-]."""
+        density, speed = air.density_kg_per_m3, airspeed_m_per_s
+        diameter, pitch = self.propeller.diameter_m, self.propeller.pitch_m
+        assert diameter is not None
+        assert pitch is not None
+        thrust_w = thrust_power_w / self.propulsors
+        turns, cost = self.surface.rotation_and_power(
+            thrust_w / (density * speed**3 * diameter**2),
+            density * speed * diameter / air.dynamic_viscosity_pa_s,
+            pitch / diameter,
+        )
+        return turns * speed / diameter, thrust_w * cost, cost
+
+    def _motor_state(self, rotation_per_s: Value, shaft_w: Value) -> MotorState:
+        """Current and voltage of the motor behind the gear."""
+        gear = self.gear
+        torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
+        return self.own_motor.state_of(60.0 * rotation_per_s * gear.ratio, torque)
+
+    def _inlet(self, state: MotorState, bus_v: float) -> tuple[Value, Value]:
         """Voltage [V] and power [W] at the controller."""
         voltage = bus_v
         for _ in range(_WIRING_ROUNDS if self.wiring_resistance_ohm else 0):

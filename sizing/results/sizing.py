@@ -292,7 +292,8 @@ class SizingStudy(Result):
         assert perf is not None
         assert quantities is not None
         known = design.variables._asdict() | quantities | q.worst_record(perf, [q.LOAD])
-        return [(one, float(known[one.name])) for one in q.SIZED_TABLE]
+        chosen = [one for one in q.CHOSEN_PROPULSION if known[one.name] is not None]
+        return [(one, float(known[one.name])) for one in (*q.SIZED_TABLE, *chosen)]
 
     def to_frame(self) -> pd.DataFrame:
         """Design as rows of quantity, value and unit; values are NaN without an optimum."""
