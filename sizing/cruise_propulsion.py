@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from math import isfinite, log
 
+import numpy as np
+
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe, Range
 from sizing.design import (
+    Design,
     FlightConditions,
     ImpossibleDesignError,
     closed_design,
     design_of,
     first_chain,
+    level_point,
+    operating_trouble,
     parametric_design,
     variables_of,
 )
@@ -19,7 +24,7 @@ from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion
 from sizing.propulsion.operating_point import OperatingPoint, Propulsor, operating_point
 from sizing.propulsion.smooth_chain import SmoothPropulsion, fitted_surface
 
-__all__ = ["smooth_at", "smooth_propulsion", "with_operating_point", "with_propulsion"]
+__all__ = ["corrected", "smooth_at", "smooth_propulsion", "with_operating_point", "with_propulsion"]
 
 _ROUNDS, _TOLERANCE = 50, 1e-10
 # Logarithms within which a search moves from the design in the file: loading of the propeller,
@@ -132,14 +137,34 @@ def smooth_at(aircraft: Aircraft, mission: Mission) -> Aircraft:
     if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
         return aircraft
     design = design_of(aircraft, mission)
-    assert design.chain is not None
     if propulsion.propeller.table is not None:
+        assert design.chain is not None
         return with_propulsion(aircraft, design.chain)
-    flown = with_propulsion(aircraft, smooth := smooth_propulsion(aircraft, mission, propulsion))
-    same = parametric_design(flown, mission, design.variables, design.total_mass_kg)
-    assert same.chain is not None
-    ratio = float(design.chain.efficiency / same.chain.efficiency)
-    return with_propulsion(aircraft, smooth.model_copy(update={"correction": ratio}))
+    smooth = smooth_propulsion(aircraft, mission, propulsion)
+    return with_propulsion(aircraft, corrected(smooth, aircraft, mission, design))
+
+
+def corrected(
+    smooth: SmoothPropulsion, aircraft: Aircraft, mission: Mission, design: Design
+) -> SmoothPropulsion:
+    """Formulas that have the exact propeller's rotation and power at a design.
+
+    Limits of the parts play no part. Raises :class:`ImpossibleDesignError` where the propeller has
+    no speed of rotation.
+    """
+    point = level_point(aircraft, mission, design)
+    own = smooth.sized(*design.variables.mapped(float).of_propulsion)
+    given = (float(point.thrust_power_w) * smooth.propulsors, float(design.airspeed_m_per_s))
+    air = FlightConditions.of(mission, aircraft).air
+    rotation, shaft_w, _ = own.propeller_state(*given, air)
+    ratios = (
+        float(point.rotation_rpm / 60.0 / rotation),
+        float(point.rotation_rpm * point.propeller_torque_nm * np.pi / 30.0 / shaft_w),
+    )
+    if not all(map(isfinite, ratios)):
+        raise ImpossibleDesignError(operating_trouble(aircraft, mission, design.variables))
+    both = tuple(a * b for a, b in zip(smooth.correction, ratios, strict=True))
+    return smooth.model_copy(update={"correction": both})
 
 
 def smooth_propulsion(

@@ -63,6 +63,11 @@ class DesignVariables(NamedTuple):
     propeller_pitch_m: Value | None = None
     gear_ratio: Value | None = None
 
+    @property
+    def of_propulsion(self) -> tuple[Value | None, Value | None, Value | None]:
+        """Diameter and pitch of the propeller [m] and gear."""
+        return self.propeller_diameter_m, self.propeller_pitch_m, self.gear_ratio
+
     def mapped(self, function: Callable[[Value], Value]) -> DesignVariables:
         """Apply a function to every variable that is chosen."""
         return DesignVariables(*(None if v is None else function(v) for v in self))
@@ -292,9 +297,7 @@ def _of_its_size(
     propulsion: OperatingPointPropulsion, variables: DesignVariables
 ) -> OperatingPointPropulsion:
     """Propulsion with the propeller and the gear of a design."""
-    return propulsion.sized(
-        variables.propeller_diameter_m, variables.propeller_pitch_m, variables.gear_ratio
-    )
+    return propulsion.sized(*variables.of_propulsion)
 
 
 def _bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from math import isfinite
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.cruise_propulsion import smooth_propulsion, with_propulsion
+from sizing.cruise_propulsion import corrected, smooth_propulsion, with_propulsion
 from sizing.design import (
     DesignVariables,
     ImpossibleDesignError,
@@ -97,12 +97,12 @@ def with_smooth_chain(
         if result.design is None:
             return flown, start
         start = result.design.variables
-        assert result.design.chain is not None
-        ratio = request.exact_chain(result).efficiency / result.design.chain.efficiency
-        if abs(ratio - 1.0) < _SETTLED:
+        before, smooth = smooth, corrected(smooth, aircraft, mission, result.design)
+        moved = max(abs(a - b) for a, b in zip(smooth.correction, before.correction, strict=True))
+        if moved < _SETTLED:
+            request.exact_chain(result)
             return flown, start
-        smooth = smooth.model_copy(update={"correction": smooth.correction * ratio})
-    raise _no_common_optimum(request, f"their efficiencies still differ by {ratio - 1.0:.1e}")
+    raise _no_common_optimum(request, f"formulas and exact chain still differ by {moved:.1e}")
 
 
 def _with_constants(

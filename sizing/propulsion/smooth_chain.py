@@ -30,18 +30,18 @@ from solar.types import FloatArray
 __all__ = ["PropellerSurface", "SmoothPropulsion", "fitted_surface"]
 
 # Degrees in loading, Reynolds number and pitch over diameter, of a narrow and a wide range of it.
-_NARROW, _DEGREES, _WIDE_DEGREES = 0.35, (9, 4, 3), (11, 5, 7)
-# More Reynolds numbers and pitches than degrees, at Chebyshev nodes; advance ratios to no thrust.
+_NARROW, _DEGREES, _WIDE_DEGREES = 0.35, (9, 4, 3), (9, 4, 5)
+# More nodes than degrees; advance ratios over pitch/diameter in which loadings are searched for.
 _MORE_NODES = 3
-_ADVANCE_OVER_PITCH = np.linspace(0.08, 1.3, 80)
+_ADVANCE_OVER_PITCH = np.linspace(0.08, 1.4, 34)
 # In half-widths: what is fitted, and where the polynomials' interval ends.
 _REACH, _END = 1.15, 1.3
 # Exponent that stands for a logarithm, and width of the corner at the interval's ends.
 _ROOT, _CORNER = 0.1, 0.1
 # Rounds of the voltage behind the wiring, of which each leaves a hundredth of the error or less.
 _WIRING_ROUNDS = 5
-# What limits of the parts are kept away from: the surface misses the speed of rotation by less.
-_CUSHION = 5e-3
+# Limits of the parts are kept by this, which a solver may miss them by.
+_CUSHION = 1e-4
 # Of the powers with an empty and a full battery: rounds the corner where they are equal.
 _BLEND = 1e-5
 _Coefficients = tuple[tuple[tuple[float, ...], ...], ...]
@@ -104,31 +104,19 @@ def fitted_surface(
 ) -> PropellerSurface:
     """Surface of the propellers with these blades, by least squares over blade elements."""
     degrees = _DEGREES if half_width[2] < _NARROW else _WIDE_DEGREES
-    reynolds, ratios = (
-        np.exp(centre[k] + half_width[k] * _REACH * np.cos(np.pi * (np.arange(n) + 0.5) / n))
-        for k, n in ((1, degrees[1] + _MORE_NODES), (2, degrees[2] + _MORE_NODES))
+    loading, reynolds, ratios = (
+        np.exp(middle + half * _REACH * np.cos(np.pi * (np.arange(count) + 0.5) / count))
+        for middle, half, count in zip(
+            centre, half_width, (one + _MORE_NODES for one in degrees), strict=True
+        )
     )
-    points: list[FloatArray] = []
-    for ratio in ratios:
-        propeller = BladeElementPropeller(1.0, float(ratio), blades, chords)
-        advance, of = np.meshgrid(_ADVANCE_OVER_PITCH * ratio, reynolds)
-        one = np.ones_like(advance)
-        air = Air(288.15 * one, 101325.0 * one, one, one / of)
-        thrust, power = propeller.coefficients(one, 1.0 / advance, air)
-        pulls = (thrust > 0.0) & (power > 0.0)
-        loading = np.where(pulls, thrust, np.nan) / advance**2
-        place = (np.log(loading) - centre[0]) / half_width[0]
-        # As if the loadings were even.
-        weight = np.sqrt(np.abs(np.gradient(place, axis=1)))
-        some = (np.abs(place) < _REACH) & np.isfinite(weight)
-        rows = (loading, of, np.full_like(advance, ratio), 1.0 / advance, power / thrust / advance)
-        points.append(np.array([*(np.log(row[some]) for row in rows), weight[some]]))
-    x, y, (weight,) = np.split(np.concatenate(points, axis=1), [3, 5])
+    points = [_samples(float(one), blades, chords, loading, reynolds) for one in ratios]
+    x, y = np.split(np.log(np.concatenate(points, axis=1)), [3])
     first, second, third = (
         _place(np.exp(row), *ends) for row, *ends in zip(x, centre, half_width, strict=True)
     )
-    basis = chebyshev.chebvander3d(first, second, third, degrees) * weight[:, np.newaxis]
-    fitted = np.linalg.lstsq(basis, (y * weight).T, rcond=1e-10)[0].T
+    basis = chebyshev.chebvander3d(first, second, third, degrees)
+    fitted = np.linalg.lstsq(basis, y.T, rcond=1e-10)[0].T
     turns, cost = (
         tuple(tuple(map(tuple, plane)) for plane in one.tolist())
         for one in fitted.reshape(2, *(one + 1 for one in degrees))
@@ -136,28 +124,53 @@ def fitted_surface(
     return PropellerSurface(centre=centre, half_width=half_width, rotation=turns, power=cost)
 
 
+def _samples(
+    pitch_ratio: float,
+    blades: int,
+    chords: Literal["thin_electric", "slow_flyer"],
+    loading: FloatArray,
+    reynolds: FloatArray,
+) -> FloatArray:
+    """Propellers of one pitch near some loadings: these, Reynolds number, pitch, turns and cost."""
+    propeller = BladeElementPropeller(1.0, pitch_ratio, blades, chords)
+
+    def at(advance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        one = np.ones_like(advance)
+        air = Air(288.15 * one, 101325.0 * one, one, one / reynolds[:, np.newaxis])
+        thrust, power = propeller.coefficients(one, 1.0 / advance, air)
+        return thrust / advance**2, power / thrust / advance
+
+    coarse = np.tile(_ADVANCE_OVER_PITCH * pitch_ratio, (len(reynolds), 1))
+    known, _ = at(coarse)
+    advance = np.array(
+        [
+            np.interp(loading, row[::-1], one[::-1])
+            for row, one in zip(np.minimum.accumulate(known, axis=1), coarse, strict=True)
+        ]
+    )
+    found, cost = at(advance)
+    of = np.broadcast_to(reynolds[:, np.newaxis], advance.shape)
+    rows = (found, of, np.full_like(advance, pitch_ratio), 1.0 / advance, cost)
+    return np.array([row[found > 0.0] for row in rows])
+
+
 class SmoothPropulsion(OperatingPointPropulsion):
     """Propulsion of an aircraft's file with the propeller of a surface.
 
-    ``correction``: efficiency of the exact chain over that of these formulas, at one design. No
-    file has these two keys.
+    ``correction``: speed of rotation and power of the exact propeller over those of the surface, at
+    one design. No file has these two keys.
     """
 
     is_exact = False
 
     surface: PropellerSurface = Field(exclude=True, repr=False)
-    correction: float = Field(default=1.0, exclude=True, repr=False)
+    correction: tuple[float, float] = Field(default=(1.0, 1.0), exclude=True, repr=False)
 
     @classmethod
-    def of(
-        cls,
-        parts: OperatingPointPropulsion,
-        surface: PropellerSurface,
-        correction: float = 1.0,
-    ) -> SmoothPropulsion:
+    def of(cls, parts: OperatingPointPropulsion, surface: PropellerSurface) -> SmoothPropulsion:
         """These parts with a surface."""
         fields = {name: getattr(parts, name) for name in OperatingPointPropulsion.model_fields}
-        return cls.model_construct(**fields, surface=surface, correction=correction)
+        return cls.model_construct(**fields, surface=surface)
 
     def in_flight(
         self,
@@ -167,7 +180,7 @@ class SmoothPropulsion(OperatingPointPropulsion):
         bus_voltage_v: tuple[float, float],
     ) -> Propulsion:
         """Chain at an operating point, of the arguments' type; no limit is checked."""
-        rotation, shaft_w, cost = self._propeller(thrust_power_w, airspeed_m_per_s, air)
+        rotation, shaft_w, cost = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
         state = self._motor_state(rotation, shaft_w)
         (empty, empty_w), (full, full_w) = (self._inlet(state, volts) for volts in bus_voltage_v)
         bus_w = smooth_maximum(
@@ -181,7 +194,7 @@ class SmoothPropulsion(OperatingPointPropulsion):
             "controller": motor_w / (bus_w * wiring),
             "motor": shaft_w / self.gear.efficiency / motor_w,
             "gearbox": self.gear.efficiency,
-            "propeller": self.efficiency_factor * self.correction / cost,
+            "propeller": self.efficiency_factor / cost,
         }
         return self.with_links({name: links[name] for name in LINKS})
 
@@ -193,7 +206,7 @@ class SmoothPropulsion(OperatingPointPropulsion):
         bus_voltage_v: tuple[float, float],
     ) -> dict[str, Value]:
         """How far what the parts do is from their limits, relative; of those that have one."""
-        rotation, shaft_w, _ = self._propeller(thrust_power_w, airspeed_m_per_s, air)
+        rotation, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
         state = self._motor_state(rotation, shaft_w)
         least_v = state.voltage_v + state.current_a * self.controller.resistance_ohm
         wires_v = self.wiring_resistance_ohm * self.controller.power_of(*state, least_v) / least_v
@@ -210,7 +223,7 @@ class SmoothPropulsion(OperatingPointPropulsion):
             used["motor_power"] = state.current_a * state.voltage_v / motor.maximum_power_w
         return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
-    def _propeller(
+    def propeller_state(
         self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air
     ) -> tuple[Value, Value, Value]:
         """Speed of rotation [1/s], power at the shaft [W] and power over thrust power [-]."""
@@ -224,6 +237,7 @@ class SmoothPropulsion(OperatingPointPropulsion):
             density * speed * diameter / air.dynamic_viscosity_pa_s,
             pitch / diameter,
         )
+        turns, cost = turns * self.correction[0], cost * self.correction[1]
         return turns * speed / diameter, thrust_w * cost, cost
 
     def _motor_state(self, rotation_per_s: Value, shaft_w: Value) -> MotorState:
