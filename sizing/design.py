@@ -670,10 +670,21 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
 def operating_trouble(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
 ) -> str:
-    """Why the propulsors cannot do level flight, with what would do; empty where they can.
+    """Why the propulsors cannot do level flight, as a sentence; empty where they can.
 
     ``variables``: of the design, by default those of the aircraft's file.
     """
+    reason, where = operating_reason(aircraft, mission, variables), mission.name
+    return reason and (
+        f"the propulsion of {aircraft.name} cannot do level flight on {where} at "
+        f"{mission.altitude_m:g} m: {reason}"
+    )
+
+
+def operating_reason(
+    aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
+) -> str:
+    """What the propulsors cannot do in level flight, with what would do; empty where they can."""
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion):
         return ""
@@ -683,11 +694,7 @@ def operating_trouble(
     design = closed_design(usual, mission, variables)
     if not np.isfinite(design.total_mass_kg):
         return ""
-    reason = str(level_point(aircraft, mission, design).reason)
-    where = f"{mission.name} at {mission.altitude_m:g} m"
-    return reason and (
-        f"the propulsion of {aircraft.name} cannot do level flight on {where}: {reason}"
-    )
+    return str(level_point(aircraft, mission, design).reason)
 
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,12 @@ import studies
 from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.mission import Mission
+from sizing.altitude.ceiling import flight_at_altitude
 from sizing.cruise_propulsion import smooth_propulsion
 from sizing.design import level_point
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.smooth_chain import SmoothPropulsion
+from sizing.sunlight import SolarModel
 
 MISSION = load_mission("rafz-july")
 VOLTAGE = {
@@ -227,3 +230,23 @@ def test_a_propeller_by_tables_is_not_chosen(tmp_path: Path) -> None:
     assert study.design is not None
     exact = sizing.design_of(study.sized_aircraft(), MISSION)
     assert study.design.propulsion_power_w == pytest.approx(exact.propulsion_power_w, rel=5e-4)
+
+
+def test_an_altitude_that_cannot_be_flown_has_its_reason() -> None:
+    own = aircraft()
+    flight = flight_at_altitude(own, MISSION, SolarModel("CAM"), 6000.0)
+    found = re.search(r"bus voltage 18 V is below (\d+\.\d+) V", flight.reason)
+    assert found
+    # The voltage that it names does, one per cent less does not.
+    for factor, flies in ((1.0, True), (0.99, False)):
+        least_v = factor * float(found[1]) / 6.0
+        volts = VOLTAGE | {"cell_voltage_v": [least_v, least_v, 5.0, 5.1]}
+        other = flight_at_altitude(
+            aircraft({"battery.voltage": volts}), MISSION, SolarModel("CAM"), 6000.0
+        )
+        assert (other.reason == "") is flies
+    ceiling = studies.perpetual_ceiling(own, MISSION, highest_m=7000.0, step_m=1000.0)
+    assert "reason" in str(ceiling.summary())
+    reasons = [row["reason"] for row in ceiling.to_dict()["altitudes"]]
+    assert reasons[0] == ""
+    assert "bus voltage" in reasons[-1]
