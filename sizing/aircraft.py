@@ -112,7 +112,11 @@ Aerodynamics = Annotated[
 
 
 class ParametricAirframe(Record):
-    """An aircraft to be sized: masses and power follow from geometry and technology."""
+    """An aircraft to be sized: masses and power follow from geometry and technology.
+
+    ``mass_growth``: contingency on what is built and not bought, structure and ``other_mass_kg``,
+    as a share of them.
+    """
 
     explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS | {
         "mean_chord_m": "the mean chord is airframe.chord_m, in place of aspect_ratio"
@@ -128,6 +132,7 @@ class ParametricAirframe(Record):
     propulsion: AnyPropulsion = Propulsion()
     avionics_mass_kg: NonNegativeReal
     other_mass_kg: NonNegativeReal = 0.0
+    mass_growth: Annotated[float, Strict(), Field(ge=0.0, le=2.0)] = 0.0
     distributed_battery_fraction: Annotated[float, Strict(), Field(ge=0.0, le=1.0)] = 1.0
     maximum_module_coverage: Fraction = 0.85
 

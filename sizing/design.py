@@ -253,7 +253,7 @@ def parametric_design(
     found = airframe.propulsion if chain is None else chain
     if isinstance(found, OperatingPointPropulsion):
         found = _of_its_size(found, variables)
-        found = found.in_flight(shaft_w, airspeed, air.air, _bus_voltage_v(aircraft))
+        found = found.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
     electric_w = shaft_w / found.efficiency
     return Design(
         variables=variables,
@@ -289,7 +289,7 @@ def propulsion_margins(
     # The thrust, whatever the propulsion's own efficiency is.
     thrust_w = design.propulsion_power_w * design.chain.efficiency
     own = _of_its_size(propulsion, design.variables)
-    speed, bus_v = design.airspeed_m_per_s, _bus_voltage_v(aircraft)
+    speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(aircraft)
     return own.margins(thrust_w, speed, conditions.air, bus_v)
 
 
@@ -300,7 +300,7 @@ def _of_its_size(
     return propulsion.sized(*variables.of_propulsion)
 
 
-def _bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
+def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
     """Voltages of the bus with an empty and with a full battery [V]."""
     assert aircraft.battery.voltage is not None  # refused at validation
     return aircraft.battery.voltage.ends_v
@@ -333,8 +333,10 @@ def _masses(
     modules = aircraft.modules
     modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
     rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
+    grown = 1.0 + airframe.mass_growth
     return Masses(
-        structure=airframe.structure.mass_kg(
+        structure=grown
+        * airframe.structure.mass_kg(
             _structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s)
         ),
         propulsion=propulsion.mass_kg(
@@ -345,7 +347,7 @@ def _masses(
         mppt=modules.mppt_mass_kg_per_w * rated_w,
         avionics=airframe.avionics_mass_kg,
         payload=air.payload_mass_kg,
-        other=airframe.other_mass_kg,
+        other=grown * airframe.other_mass_kg,
     )
 
 
@@ -373,7 +375,7 @@ def _structure_inputs(
 
 
 def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
-    """Masses of the structure's parts.
+    """Masses of the structure's parts, without the airframe's mass growth.
 
     Returns masses [kg]; None where the model of the structure knows no parts.
     """
@@ -706,7 +708,7 @@ def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> Operati
     power_w = flown.propulsion_power_w * usual.efficiency
     air = FlightConditions.of(mission, aircraft).air
     own = _of_its_size(propulsion, design.variables.mapped(float))
-    return own.point(power_w, flown.airspeed_m_per_s, air, _bus_voltage_v(aircraft))
+    return own.point(power_w, flown.airspeed_m_per_s, air, bus_voltage_v(aircraft))
 
 
 def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) -> Aircraft:
@@ -743,7 +745,8 @@ def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) 
             f"a total mass of {total_mass_kg:g} kg is less than the {rest_kg:.3f} kg of "
             f"{aircraft.name} without airframe.{key}"
         )
-    changed = airframe.model_copy(update={key: other_kg})
+    grown = 1.0 if isinstance(airframe, MeasuredAirframe) else 1.0 + airframe.mass_growth
+    changed = airframe.model_copy(update={key: other_kg / grown})
     return aircraft.model_copy(update={"airframe": changed})
 
 

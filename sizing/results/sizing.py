@@ -49,6 +49,11 @@ from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import NEGLIGIBLE, check_subjects, finite, finite_values
+from sizing.results.requirement_margins import (
+    RequirementMargin,
+    margin_records,
+    requirement_margins,
+)
 from sizing.results.tables import Result, data_frame
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
@@ -235,6 +240,7 @@ class SizingStudy(Result):
         result = self.result
         record = _result_record(result, self.aircraft, self.mission) | {
             "quantities": self.quantities,
+            "margins": margin_records(self.margins),
             **_design_record(result.design),
             **_simulated_record(result.simulated),
         }
@@ -300,6 +306,15 @@ class SizingStudy(Result):
         values = self.design_values() if self.feasible else [(o, np.nan) for o in q.SIZED_TABLE]
         rows = [(one.label, value, one.unit) for one, value in values]
         return data_frame(rows, columns=["quantity", "value", "unit"])
+
+    @property
+    def margins(self) -> list[RequirementMargin]:
+        """Margin of the optimum on every requirement; empty without one."""
+        flown = self.result.simulated
+        if flown is None or self.design is None:
+            return []
+        required_h = max(self.result.required_excess_time_h, 0.0)
+        return requirement_margins(self.aircraft, flown, required_h)
 
     @property
     def masses_kg(self) -> dict[str, float] | None:

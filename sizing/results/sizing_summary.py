@@ -32,6 +32,7 @@ from sizing.results.notes import (
 from sizing.results.power_budget import power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours, relative_change
+from sizing.results.requirement_margins import requirement_table
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 from sizing.sunlight import SolarModel
@@ -63,6 +64,7 @@ def summary(study: SizingStudy) -> Summary:
         blocks.append(power_line(study.power_budget))
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)
+    blocks.append(requirement_table(study.margins))
     blocks += _confidence(study)
     if study.reliability is not None:
         blocks.append(reliability_text(study.reliability, study))
