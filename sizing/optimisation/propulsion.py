@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft
-from sizing.cruise_propulsion import corrected, smooth_propulsion, with_propulsion
+from sizing.aircraft import PROPULSION_VARIABLES, Aircraft
 from sizing.design import (
     DesignVariables,
     ImpossibleDesignError,
@@ -28,11 +27,12 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.smooth_propulsion import corrected, smooth_propulsion, with_propulsion
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
 __all__ = ["with_smooth_chain"]
 
-_ROUNDS = 12
+_ROUNDS, _NARROWED = 12, 2
 # What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
 _SETTLED, _SETTLED_CONSTANT, _SHRINKS = 1e-6, 1e-4, 0.5
 
@@ -91,12 +91,18 @@ def with_smooth_chain(
         return _with_constants(request, propulsion)
     smooth = smooth_propulsion(aircraft, mission, propulsion)
     start: DesignVariables | None = None
-    for _ in range(_ROUNDS):
+    sizes = set(PROPULSION_VARIABLES) & aircraft.design_space.requested_ranges().keys()
+    for number in range(_ROUNDS):
         flown = with_propulsion(aircraft, smooth)
         result = request.optimum(flown, start)
         if result.design is None:
             return flown, start
         start = result.design.variables
+        if sizes and number < _NARROWED:
+            # Fitted anew, narrowly around the last optimum.
+            smooth = smooth_propulsion(aircraft, mission, propulsion, result.design)
+            smooth = corrected(smooth, aircraft, mission, result.design)
+            continue
         before, smooth = smooth, corrected(smooth, aircraft, mission, result.design)
         moved = max(abs(a - b) for a, b in zip(smooth.correction, before.correction, strict=True))
         if moved < _SETTLED:

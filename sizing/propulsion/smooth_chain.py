@@ -10,6 +10,7 @@ over diameter. ``ln (n D / V)`` and ``ln (1 / efficiency)`` are Chebyshev polyno
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 from math import e
 from typing import Literal
@@ -19,7 +20,6 @@ from numpy.polynomial import chebyshev
 from pydantic import Field
 
 from missions.air import GAS_CONSTANT_AIR, Air
-from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion
 from sizing.propulsion.electric import MotorState
 from sizing.propulsion.propeller import HEAT_CAPACITY_RATIO
@@ -110,18 +110,36 @@ def fitted_surface(
             centre, half_width, (one + _MORE_NODES for one in degrees), strict=True
         )
     )
-    points = [_samples(float(one), blades, chords, loading, reynolds) for one in ratios]
-    x, y = np.split(np.log(np.concatenate(points, axis=1)), [3])
-    first, second, third = (
-        _place(np.exp(row), *ends) for row, *ends in zip(x, centre, half_width, strict=True)
+    # By slices: at every pitch and Reynolds number over the loading, then over these two. One large
+    # system of equations would take longer than everything else.
+    ends = list(zip(centre, half_width, strict=True))
+    slices = np.array(
+        [
+            [
+                _polynomial(_place(found, *ends[0]), np.log(rows).T, degrees[0])
+                for found, *rows in _samples(float(one), blades, chords, loading, reynolds)
+            ]
+            for one in ratios
+        ]
     )
-    basis = chebyshev.chebvander3d(first, second, third, degrees)
-    fitted = np.linalg.lstsq(basis, y.T, rcond=1e-10)[0].T
-    turns, cost = (
-        tuple(tuple(map(tuple, plane)) for plane in one.tolist())
-        for one in fitted.reshape(2, *(one + 1 for one in degrees))
-    )
+    over_reynolds = _along(slices, 1, _place(reynolds, *ends[1]), degrees[1])
+    fitted = np.moveaxis(_along(over_reynolds, 0, _place(ratios, *ends[2]), degrees[2]), -1, 0)
+    fitted = np.swapaxes(fitted, 1, 3)
+    turns, cost = (tuple(tuple(map(tuple, plane)) for plane in one.tolist()) for one in fitted)
     return PropellerSurface(centre=centre, half_width=half_width, rotation=turns, power=cost)
+
+
+def _polynomial(place: FloatArray, values: FloatArray, degree: int) -> FloatArray:
+    """Chebyshev coefficients of columns of values."""
+    basis = chebyshev.chebvander(place, degree)
+    return np.asarray(np.linalg.lstsq(basis, values, rcond=1e-10)[0])
+
+
+def _along(values: FloatArray, axis: int, place: FloatArray, degree: int) -> FloatArray:
+    """Values at places along an axis as Chebyshev coefficients along it."""
+    first = np.moveaxis(values, axis, 0)
+    found = _polynomial(place, first.reshape(len(first), -1), degree)
+    return np.moveaxis(found.reshape(-1, *first.shape[1:]), 0, axis)
 
 
 def _samples(
@@ -130,8 +148,14 @@ def _samples(
     chords: Literal["thin_electric", "slow_flyer"],
     loading: FloatArray,
     reynolds: FloatArray,
-) -> FloatArray:
-    """Propellers of one pitch near some loadings: these, Reynolds number, pitch, turns and cost."""
+) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    """Propellers of one pitch near some loadings: these, ``n D / V`` and power over thrust power.
+
+    One for each Reynolds number.
+    """
+    # Its root finder takes long to import, and most sizings need none.
+    from sizing.propulsion.blade_elements import BladeElementPropeller
+
     propeller = BladeElementPropeller(1.0, pitch_ratio, blades, chords)
 
     def at(advance: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -148,10 +172,9 @@ def _samples(
             for row, one in zip(np.minimum.accumulate(known, axis=1), coarse, strict=True)
         ]
     )
-    found, cost = at(advance)
-    of = np.broadcast_to(reynolds[:, np.newaxis], advance.shape)
-    rows = (found, of, np.full_like(advance, pitch_ratio), 1.0 / advance, cost)
-    return np.array([row[found > 0.0] for row in rows])
+    for found, cost, ratio in zip(*at(advance), advance, strict=True):
+        pulls = found > 0.0
+        yield found[pulls], 1.0 / ratio[pulls], cost[pulls]
 
 
 class SmoothPropulsion(OperatingPointPropulsion):

@@ -177,7 +177,7 @@ def requirement_table(margins: list[RequirementMargin]) -> Table:
     rows = tuple(
         (
             f"{one.label}{' (recommended)' if one.recommended else ''}",
-            f"{one.value:.4g} {one.unit}".strip(),
+            f"{round(one.value, 3):.4g} {one.unit}".strip(),
             f"{one.limit:g} {one.unit}".strip(),
             one.text,
         )

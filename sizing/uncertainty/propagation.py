@@ -13,7 +13,6 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.cruise_propulsion import smooth_at
 from sizing.design import (
     Design,
     FlightConditions,
@@ -29,6 +28,7 @@ from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
 from sizing.parameters import parameter_value, with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
+from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import (

@@ -16,10 +16,10 @@ from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.altitude.ceiling import flight_at_altitude
-from sizing.cruise_propulsion import smooth_propulsion
 from sizing.design import level_point
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.smooth_chain import SmoothPropulsion
+from sizing.smooth_propulsion import smooth_propulsion
 from sizing.sunlight import SolarModel
 
 MISSION = load_mission("rafz-july")
@@ -133,7 +133,7 @@ def test_no_other_diameter_or_gear_is_lighter(
         "diameter_m": chosen.variables.propeller_diameter_m,
         "ratio": chosen.variables.gear_ratio,
     }
-    other = best | {part: factor * best[part]}
+    other = best | {part: factor * float(best[part] or 0.0)}
     try:
         worse = sizing.size(held(chosen.aircraft, **other), MISSION)
     except sizing.ImpossibleDesignError:
