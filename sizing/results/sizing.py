@@ -14,6 +14,7 @@ from missions.files.overrides import with_values
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design import (
     Design,
     DesignVariables,
@@ -42,6 +43,7 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
+from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.relaxation import Relaxation
 from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
@@ -192,6 +194,14 @@ class SizingStudy(Result):
         ):
             if value is not None:
                 data["airframe"]["propulsion"].setdefault(part, {})[key] = value
+        if any(one is not None for one in variables.of_propulsion[:2]):
+            # No longer the product that the file names.
+            propeller = data["airframe"]["propulsion"]["propeller"]
+            own = getattr(self.aircraft.airframe, "propulsion", None)
+            assert isinstance(own, OperatingPointPropulsion)
+            if propeller.pop("product", None) is not None:
+                for key in PARTS_OF_PROPELLER:
+                    propeller.setdefault(key, getattr(own.propeller, key))
         return data
 
     @cached_property

@@ -250,3 +250,27 @@ def test_an_altitude_that_cannot_be_flown_has_its_reason() -> None:
     reasons = [row["reason"] for row in ceiling.to_dict()["altitudes"]]
     assert reasons[0] == ""
     assert "bus voltage" in reasons[-1]
+
+
+def test_a_propeller_efficiency_that_scatters_is_the_factor() -> None:
+    # The shipped file has it with the constants.
+    drawn = sizing.analyse_uncertainty(aircraft(), MISSION, samples=64)
+    assert FACTOR in drawn.values
+    assert drawn.values[FACTOR].std() == pytest.approx(0.03, rel=0.15)
+    other = {"airframe.propulsion.motor_efficiency": {"relative_sigma": 0.03}}
+    with pytest.raises(InputError, match=r"of an operating point .*efficiency_factor scatters"):
+        sizing.analyse_uncertainty(aircraft({"uncertainty.inputs": other}), MISSION, samples=64)
+
+
+def test_a_sized_propeller_is_no_product() -> None:
+    own = aircraft(
+        {"design_space.propeller_diameter_m": {"minimum": 0.4, "maximum": 0.6}},
+        propeller={"product": "apc-22x12e"},
+        gear={"ratio": 2.5, "efficiency": 0.96},
+    )
+    study = sizing.size(own, MISSION)
+    propeller = parts_of(study.sized_aircraft()).propeller
+    assert propeller.product is None
+    assert propeller.pitch_m == pytest.approx(0.3048)
+    assert study.variables is not None
+    assert propeller.diameter_m == study.variables.propeller_diameter_m
