@@ -191,6 +191,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "catalogue-cells": ("catalogues.md", partial(_catalogue, "cells")),
     "catalogue-batteries": ("catalogues.md", partial(_catalogue, "batteries")),
     "catalogue-motors": ("catalogues.md", partial(_catalogue, "motors")),
+    "catalogue-propellers": ("catalogues.md", partial(_catalogue, "propellers")),
     "catalogue-sources": ("catalogues.md", lambda: _markdown(*map(sources_table, KINDS))),
     "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),

@@ -30,6 +30,7 @@ from sizing.balance.drag import DragComponents
 from sizing.balance.masses import Balance
 from sizing.balance.surfaces import Planform, Tail
 from sizing.catalogues.choice import Taken, filled, own_entries, taken
+from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.energy.battery import Battery
 from sizing.layout.cells import CellLayout, PlacedCell, Wing
 from sizing.layout.filling import check_layout, laid_out, mppt_mass_kg
@@ -72,6 +73,7 @@ ENTRY_KEYS.update(
     ),
     motor=("motor_efficiency",),
     table=(),
+    product=PARTS_OF_PROPELLER,
 )
 # A wing that is covered whole by an optimiser is so to its tolerance, about 1e-8.
 _FULL_WING = 1e-6
@@ -132,7 +134,11 @@ Aerodynamics = Annotated[
 
 
 class ParametricAirframe(Record):
-    """An aircraft to be sized: masses and power follow from geometry and technology."""
+    """An aircraft to be sized: masses and power follow from geometry and technology.
+
+    ``mass_growth``: contingency on what is built and not bought, structure and ``other_mass_kg``,
+    as a share of them.
+    """
 
     explained_keys: ClassVar[Mapping[str, str]] = _NO_TOTAL_MASS | {
         "mean_chord_m": "the mean chord is airframe.chord_m, in place of aspect_ratio"
@@ -148,6 +154,7 @@ class ParametricAirframe(Record):
     propulsion: AnyPropulsion = Propulsion()
     avionics_mass_kg: NonNegativeReal
     other_mass_kg: NonNegativeReal = 0.0
+    mass_growth: Annotated[float, Strict(), Field(ge=0.0, le=2.0)] = 0.0
     distributed_battery_fraction: Annotated[float, Strict(), Field(ge=0.0, le=1.0)] = 1.0
     maximum_module_coverage: Fraction = 0.85
     planform: Planform | None = None
@@ -331,10 +338,14 @@ class Limit(Record):
         return self
 
 
+PROPULSION_VARIABLES = ("propeller_diameter_m", "propeller_pitch_m", "gear_ratio")
+
+
 class DesignSpace(Record):
     """Bounds within which the optimiser may choose.
 
-    Aspect ratio and lift coefficient stay as they are on the airframe if they have no range here.
+    Aspect ratio, lift coefficient, propeller and gear stay as they are on the airframe if they have
+    no range here.
     ``limits`` bounds any other quantity of the design.
     """
 
@@ -343,12 +354,20 @@ class DesignSpace(Record):
     module_area_m2: Range = Range(minimum=0.05, maximum=25.0)
     aspect_ratio: Range | None = None
     lift_coefficient: Range | None = None
+    propeller_diameter_m: Range | None = None
+    propeller_pitch_m: Range | None = None
+    gear_ratio: Range | None = None
     maximum_total_mass_kg: PositiveReal | None = None
     maximum_wing_loading_kg_per_m2: PositiveReal | None = None
     minimum_stall_margin: Annotated[float, Strict(), Field(ge=1.0, le=5.0)] | None = None
     minimum_climb_rate_m_per_s: PositiveReal | None = None
     maximum_climb_discharge_rate_per_h: PositiveReal | None = None
     limits: dict[LimitedQuantity, Limit] = Field(default_factory=dict)
+
+    def requested_ranges(self) -> dict[str, Range]:
+        """Bounds of the variables that are chosen on request, by name; of those that are."""
+        names = ("aspect_ratio", "lift_coefficient", *PROPULSION_VARIABLES)
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
     def __hash__(self) -> int:
         # A mapping has no hash of its own; aircraft serve as keys of what is kept for them.
@@ -465,6 +484,7 @@ class Aircraft(FileRecord):
             texts |= own_entries(propulsion, "motor")
         if isinstance(propulsion, OperatingPointPropulsion):
             texts |= propulsion.propeller.texts_read()
+            texts |= own_entries(propulsion.propeller, "product")
         polar = getattr(self.airframe, "aerodynamics", None)
         if isinstance(polar, WingPolar) and (text := polar.contents_read()) is not None:
             texts[polar.airfoil] = text
@@ -515,6 +535,20 @@ class Aircraft(FileRecord):
                     "maximum": f"{lift.maximum:g}",
                 },
             )
+        return self
+
+    @model_validator(mode="after")
+    def _check_propeller_space(self) -> Aircraft:
+        chain, space = getattr(self.airframe, "propulsion", None), self.design_space
+        if isinstance(chain, OperatingPointPropulsion) and chain.propeller.table is None:
+            return self
+        for key in PROPULSION_VARIABLES:
+            if getattr(space, key) is not None:
+                raise PydanticCustomError(
+                    "no_propeller",
+                    "goes with airframe.propulsion.kind: operating_point, without propeller.table",
+                    {"key": f"design_space.{key}"},
+                )
         return self
 
     @model_validator(mode="after")

@@ -51,7 +51,7 @@ class ImpossibleDesignError(ValueError):
 class DesignVariables(NamedTuple):
     """What the optimiser chooses.
 
-    The last three are chosen on request; None stands for what aircraft and mission say.
+    The last six are chosen on request; None stands for what aircraft and mission say.
     """
 
     wingspan_m: Value
@@ -61,6 +61,14 @@ class DesignVariables(NamedTuple):
     lift_coefficient: Value | None = None
     payload_mass_kg: Value | None = None
     payload_power_w: Value | None = None
+    propeller_diameter_m: Value | None = None
+    propeller_pitch_m: Value | None = None
+    gear_ratio: Value | None = None
+
+    @property
+    def of_propulsion(self) -> tuple[Value | None, Value | None, Value | None]:
+        """Diameter and pitch of the propeller [m] and gear."""
+        return self.propeller_diameter_m, self.propeller_pitch_m, self.gear_ratio
 
     def mapped(self, function: Callable[[Value], Value]) -> DesignVariables:
         """Apply a function to every variable that is chosen."""
@@ -251,7 +259,8 @@ def parametric_design(
     )
     found = airframe.propulsion if chain is None else chain
     if isinstance(found, OperatingPointPropulsion):
-        found = found.in_flight(shaft_w, airspeed, air.air, _bus_voltage_v(aircraft))
+        found = _of_its_size(found, variables)
+        found = found.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
     elif found.efficiency_model is not None:
         found = found.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
     electric_w = shaft_w / found.efficiency
@@ -278,7 +287,29 @@ def parametric_design(
     )
 
 
-def _bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
+def propulsion_margins(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions
+) -> dict[str, Value]:
+    """How far a propulsion by formulas is from the limits of its parts; empty for others."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion) or propulsion.is_exact:
+        return {}
+    assert design.chain is not None
+    # The thrust, whatever the propulsion's own efficiency is.
+    thrust_w = design.propulsion_power_w * design.chain.efficiency
+    own = _of_its_size(propulsion, design.variables)
+    speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(aircraft)
+    return own.margins(thrust_w, speed, conditions.air, bus_v)
+
+
+def _of_its_size(
+    propulsion: OperatingPointPropulsion, variables: DesignVariables
+) -> OperatingPointPropulsion:
+    """Propulsion with the propeller and the gear of a design."""
+    return propulsion.sized(*variables.of_propulsion)
+
+
+def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
     """Voltages of the bus with an empty and with a full battery [V]."""
     ends_v = aircraft.battery.ends_v
     assert ends_v is not None  # refused at validation
@@ -313,8 +344,10 @@ def _masses(
     modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
     rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
     structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
+    grown = 1.0 + airframe.mass_growth
     return Masses(
-        structure=structure.mass_kg(
+        structure=grown
+        * structure.mass_kg(
             structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s)
         ),
         propulsion=propulsion.mass_kg(
@@ -325,7 +358,7 @@ def _masses(
         mppt=modules.mppt_mass_kg_per_w * rated_w,
         avionics=airframe.avionics_mass_kg,
         payload=air.payload_mass_kg,
-        other=airframe.other_mass_kg,
+        other=grown * airframe.other_mass_kg,
     )
 
 
@@ -353,7 +386,7 @@ def structure_inputs(
 
 
 def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
-    """Masses of the structure's parts.
+    """Masses of the structure's parts, without the airframe's mass growth.
 
     Returns masses [kg]; None where the model of the structure knows no parts.
     """
@@ -512,7 +545,7 @@ def closed_design(
             return parametric_design(aircraft, conditions, arrays, total)
 
     propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
         return closed(None)
     chain = _links_of(first_chain(propulsion), lambda one: np.full(np.shape(arrays[0]), one))
     return _settled(closed, chain)
@@ -655,23 +688,24 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
     )
 
 
-def with_level_chain(aircraft: Aircraft, mission: Mission) -> Aircraft:
-    """Aircraft with the constant efficiencies that it has in level flight, as its file gives it."""
-    if not isinstance(getattr(aircraft.airframe, "propulsion", None), OperatingPointPropulsion):
-        return aircraft
-    airframe = aircraft.airframe.model_copy(
-        update={"propulsion": design_of(aircraft, mission).chain}
-    )
-    return aircraft.model_copy(update={"airframe": airframe})
-
-
 def operating_trouble(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
 ) -> str:
-    """Why the propulsors cannot do level flight, with what would do; empty where they can.
+    """Why the propulsors cannot do level flight, as a sentence; empty where they can.
 
     ``variables``: of the design, by default those of the aircraft's file.
     """
+    reason, where = operating_reason(aircraft, mission, variables), mission.name
+    return reason and (
+        f"the propulsion of {aircraft.name} cannot do level flight on {where} at "
+        f"{mission.altitude_m:g} m: {reason}"
+    )
+
+
+def operating_reason(
+    aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
+) -> str:
+    """What the propulsors cannot do in level flight, with what would do; empty where they can."""
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion):
         return ""
@@ -681,11 +715,7 @@ def operating_trouble(
     design = closed_design(usual, mission, variables)
     if not np.isfinite(design.total_mass_kg):
         return ""
-    reason = str(level_point(aircraft, mission, design).reason)
-    where = f"{mission.name} at {mission.altitude_m:g} m"
-    return reason and (
-        f"the propulsion of {aircraft.name} cannot do level flight on {where}: {reason}"
-    )
+    return str(level_point(aircraft, mission, design).reason)
 
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
@@ -696,7 +726,8 @@ def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> Operati
     flown = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
     power_w = flown.propulsion_power_w * usual.efficiency
     air = FlightConditions.of(mission, aircraft).air
-    return propulsion.point(power_w, flown.airspeed_m_per_s, air, _bus_voltage_v(aircraft))
+    own = _of_its_size(propulsion, design.variables.mapped(float))
+    return own.point(power_w, flown.airspeed_m_per_s, air, bus_voltage_v(aircraft))
 
 
 def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) -> Aircraft:
@@ -733,7 +764,8 @@ def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) 
             f"a total mass of {total_mass_kg:g} kg is less than the {rest_kg:.3f} kg of "
             f"{aircraft.name} without airframe.{key}"
         )
-    changed = airframe.model_copy(update={key: other_kg})
+    grown = 1.0 if isinstance(airframe, MeasuredAirframe) else 1.0 + airframe.mass_growth
+    changed = airframe.model_copy(update={key: other_kg / grown})
     return aircraft.model_copy(update={"airframe": changed})
 
 

@@ -13,9 +13,14 @@ from numpy.typing import NDArray
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
+from sizing.aircraft import (
+    PROPULSION_VARIABLES,
+    Aircraft,
+    LimitedQuantity,
+    ParametricAirframe,
+)
 from sizing.balance.placing import moved_ends
-from sizing.design import Design, FlightConditions, flown_at
+from sizing.design import Design, FlightConditions, flown_at, propulsion_margins
 from sizing.parameters import label, unit
 from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
@@ -140,6 +145,15 @@ class Requirement(NamedTuple):
     text: str
 
 
+# Limits of the propulsion's parts.
+_OF_PROPULSION = {
+    "bus_voltage": "the empty battery's voltage falls short of the motor's need by {missed}",
+    "tip_mach": "the propeller's tips exceed their Mach number by {missed}",
+    "motor_current": "the motor's current exceeds its maximum by {missed}",
+    "motor_power": "the motor's power exceeds its maximum by {missed}",
+}
+
+
 def design_requirements(
     aircraft: Aircraft, design: Design, conditions: FlightConditions
 ) -> list[Requirement]:
@@ -179,6 +193,9 @@ def design_requirements(
     moved = "the mass that is moved for the static margin lies {missed} of a chord beyond its end"
     ends = moved_ends(aircraft, conditions, design)
     rows += [Requirement(end, value, moved) for end, value in ends.items()]
+    if aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES):
+        margins = propulsion_margins(aircraft, design, conditions)
+        rows += [Requirement(name, one, _OF_PROPULSION[name]) for name, one in margins.items()]
     return [*rows, *aircraft.design_space.own_requirements(it)]
 
 

@@ -5,6 +5,7 @@ A hyperbola replaces the kink: its derivatives exist everywhere, which Newton's 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 # A number, an array or a symbolic expression: whatever the arithmetic is asked to carry.
@@ -46,3 +47,13 @@ def smooth_absolute(value: Value, scale: Value, blend: float = BLEND) -> Value:
     by at most ``blend scale``, at zero.
     """
     return (value * value + (blend * scale) ** 2) ** 0.5
+
+
+def chebyshev_series(coefficients: Iterable[Value], x: Value) -> Value:
+    """Chebyshev series by Clenshaw's recurrence; coefficients may be expressions themselves."""
+    first, *others = coefficients
+    one: Value = 0.0
+    two: Value = 0.0
+    for coefficient in reversed(others):
+        one, two = coefficient + 2.0 * x * one - two, one
+    return first + x * one - two

@@ -93,7 +93,8 @@ class Ceiling(Result):
     def table(self) -> Table:
         """Both ends, some altitudes between them, and the ceiling."""
         scenarios = self.mission.scenarios()
-        several = len(scenarios) > 1
+        several, shown = len(scenarios) > 1, _shown(self.found)
+        reasons = any(flight.reason for flight in shown)
         rows = [
             (
                 flight.altitude_m,
@@ -103,11 +104,13 @@ class Ceiling(Result):
                 flight.solar_energy_wh,
                 flight.airspeed_m_per_s,
                 *([scenarios.label(flight.worst_scenario)] if several else []),
+                *([flight.reason] if reasons else []),
             )
-            for flight in _shown(self.found)
+            for flight in shown
         ]
         worst = (Column("worst_scenario"),) if several else ()
-        return Table("", (*_COLUMNS, *worst), tuple(rows))
+        why = (Column("reason"),) if reasons else ()
+        return Table("", (*_COLUMNS, *worst, *why), tuple(rows))
 
     def to_dict(self) -> dict[str, Any]:
         """Ceiling and all altitudes, JSON-ready."""

@@ -186,8 +186,11 @@ def _as_data(record: BaseModel) -> dict[str, Any]:
     return {
         info.alias or name: getattr(record, name)
         for name, info in type(record).model_fields.items()
-        # Only what was given, and what tells one kind of record from another.
-        if name in record.model_fields_set or typing.get_origin(info.annotation) is typing.Literal
+        # Only what was given in a file, and what tells one kind of record from another.
+        if not info.exclude
+        and (
+            name in record.model_fields_set or typing.get_origin(info.annotation) is typing.Literal
+        )
     }
 
 

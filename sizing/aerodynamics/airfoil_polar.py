@@ -8,7 +8,6 @@ everywhere.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import e, pi
@@ -25,7 +24,7 @@ from sizing.aerodynamics.polar_table import (
     read_polar_text,
     shipped_table,
 )
-from sizing.smooth import Value
+from sizing.smooth import Value, chebyshev_series
 from solar.types import FloatArray
 
 # The branch ends where the slope of lift falls to a tenth of a thin airfoil's, 2 pi/rad [1/deg].
@@ -175,7 +174,7 @@ class AirfoilPolar:
     def maximum_lift(self, reynolds: Value) -> Value:
         """Maximum lift coefficient of the section [-], for Reynolds numbers above zero."""
         inside, below = self._reynolds_coordinates(reynolds)
-        return _chebyshev(self._maximum_lift, inside) / (1.0 + below * below)
+        return chebyshev_series(self._maximum_lift, inside) / (1.0 + below * below)
 
     def profile_drag(self, cl: Value, reynolds: Value) -> Value:
         """Drag coefficient of the section [-] on the branch up to the stall.
@@ -193,15 +192,15 @@ class AirfoilPolar:
             Drag coefficient on the chord [-], above zero for every lift and Reynolds number.
         """
         inside, below = self._reynolds_coordinates(reynolds)
-        top = _chebyshev(self._maximum_lift, inside) - _STALL_DISTANCE
+        top = chebyshev_series(self._maximum_lift, inside) - _STALL_DISTANCE
         lifted = self.least_lift + _ramp(cl - self.least_lift, _LIFT_BLEND)
         clamped = top - _ramp(top - lifted, _LIFT_BLEND)
         share = 2.0 * (clamped - self.least_lift) / (top - self.least_lift) - 1.0
-        rows = [_chebyshev(row, inside) for row in self._log_drag]
+        rows = [chebyshev_series(row, inside) for row in self._log_drag]
         stalled = _ramp(cl - top, _LIFT_BLEND) / _STALL_SCALE
         negative = _ramp(self.least_lift - cl, _LIFT_BLEND) / _NEGATIVE_SCALE
         fence = (1.0 + stalled * stalled) * (1.0 + negative * negative)
-        return e ** _chebyshev(rows, share) * fence * (1.0 + below * below)
+        return e ** chebyshev_series(rows, share) * fence * (1.0 + below * below)
 
     def _reynolds_coordinates(self, reynolds: Value) -> tuple[Value, Value]:
         """Coordinate clamped to the table, and the excess below the lowest Reynolds number."""
@@ -231,16 +230,6 @@ def _shipped_polar(name: str) -> AirfoilPolar:
 def _ramp(x: Value, width: float) -> Value:
     """Smooth maximum of ``x`` and 0: a hyperbola, ``width / 2`` high at 0."""
     return (x + (x * x + width * width) ** 0.5) / 2.0
-
-
-def _chebyshev(coefficients: Iterable[Value], x: Value) -> Value:
-    """Chebyshev series by Clenshaw's recurrence; coefficients may be expressions themselves."""
-    first, *others = coefficients
-    one: Value = 0.0
-    two: Value = 0.0
-    for coefficient in reversed(others):
-        one, two = coefficient + 2.0 * x * one - two, one
-    return first + x * one - two
 
 
 def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
@@ -303,7 +292,7 @@ def _fit_log_drag(
     shares, coordinates, logs = [], [], []
     for branch in branches:
         z = scale.at(branch.reynolds)
-        top = _chebyshev(peak, z) - _STALL_DISTANCE
+        top = chebyshev_series(peak, z) - _STALL_DISTANCE
         lift, log_drag = branch.refined()
         used = (lift >= least_lift) & (lift <= top)
         shares.append(2.0 * (lift[used] - least_lift) / (top - least_lift) - 1.0)

@@ -18,7 +18,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError, operating_trouble
+from sizing.design import ImpossibleDesignError, operating_reason, operating_trouble
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from sizing.validity.ranges import Extrapolation
@@ -41,7 +41,7 @@ class AltitudeFlight:
 
     Power is electric; ``airspeed_m_per_s`` is NaN where unknown, and for an aircraft that cannot
     carry itself all but altitude, air density and excess time (-24 h) is NaN. ``extrapolations``
-    tell what lies outside the range of a model.
+    tell what lies outside the range of a model. ``reason``: why it cannot fly there at all.
     """
 
     altitude_m: float
@@ -55,6 +55,7 @@ class AltitudeFlight:
     module_temperature_c: float
     worst_scenario: int
     extrapolations: tuple[Extrapolation, ...] = ()
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -163,8 +164,11 @@ def flight_at_altitude(
     try:
         result = performance(aircraft, there, solar)
     except ImpossibleDesignError:
+        reason = operating_reason(aircraft, there) or "cannot carry its own mass"
         return AltitudeFlight(
-            altitude_m, _INFEASIBLE_H, *5 * (nan,), density_kg_per_m3, nan, worst_scenario=0
+            *(altitude_m, _INFEASIBLE_H, *5 * (nan,), density_kg_per_m3, nan),
+            worst_scenario=0,
+            reason=reason,
         )
     worst, cycle, design = result.worst_scenario(), result.cycle, result.design
     airspeed = design.airspeed_m_per_s

@@ -56,7 +56,9 @@ def _fixed_items(
     chords = airframe.balance.positions_chords
     places = {name: getattr(chords, name) * wing.mean_chord_m for name in type(chords).model_fields}
     tail_m = tail_mass_x_m(wing, planes.arm_m, planes.horizontal_chord_m)
-    parts = wing_and_tail_items(structure.breakdown(inputs), wing, tail_m, places["pod"])
+    built = structure.breakdown(inputs)
+    grown = type(built)(*((1.0 + airframe.mass_growth) * part for part in built))
+    parts = wing_and_tail_items(grown, wing, tail_m, places["pod"])
     in_pod_kg = structure.wing(inputs).pod_battery_kg
     in_spar_kg = masses.battery - in_pod_kg
     items = [*parts, Item("battery in the wing", in_spar_kg, spar_x_m(wing))]

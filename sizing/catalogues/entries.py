@@ -11,14 +11,25 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from solar.modules import HIGHEST_EFFICIENCY, STC_IRRADIANCE_W_PER_M2
-from solar.schema import Fraction, Name, NonNegativeReal, PositiveReal, Record, Text
+from solar.schema import (
+    Fraction,
+    Name,
+    NonNegativeReal,
+    PositiveInteger,
+    PositiveReal,
+    Record,
+    Text,
+)
 
-__all__ = ["BatteryEntry", "CellEntry", "Entry", "MotorEntry"]
+__all__ = ["BatteryEntry", "CellEntry", "Entry", "MotorEntry", "PropellerEntry"]
 
 # Encapsulation and cables of AtlantikSolar's modules, of 0.59 kg/m2 in all (Oettershagen et al.).
 ENCAPSULATION_KG_PER_M2 = 0.20
 # Two numbers of one data sheet agree within rounding, and its typical with its guaranteed values.
 _AGREEMENT = 0.06
+
+# Keys of an aircraft's file that a propeller's entry may give.
+PARTS_OF_PROPELLER = ("diameter_m", "pitch_m", "blades", "chords", "mass_kg")
 
 _Efficiency = Annotated[Fraction, Field(le=HIGHEST_EFFICIENCY)]
 _Number = dict[str, float]
@@ -362,3 +373,39 @@ class MotorEntry(Entry):
         if not isinstance(voltage, float | int) or isinstance(voltage, bool):
             return {}  # refused by the record
         return {"motor_efficiency": float(f"{self.best_efficiency(voltage):.6g}")}
+
+
+class PropellerEntry(Entry):
+    """A propeller: its size, and the greatest efficiency that is known of it.
+
+    ``computed_efficiency_3000_rpm`` is the greatest of the maker's table at that speed;
+    ``measured_efficiency`` the greatest of a run in a wind tunnel at ``measured_rpm``.
+    """
+
+    kind_of_entry: ClassVar[str] = "propeller"
+
+    diameter_m: PositiveReal
+    pitch_m: PositiveReal
+    blades: PositiveInteger = 2
+    chords: Literal["thin_electric", "slow_flyer"] | None = None
+    mass_kg: PositiveReal | None = None
+    measured_efficiency: Fraction | None = None
+    measured_rpm: PositiveReal | None = None
+    computed_efficiency_3000_rpm: Fraction | None = None
+
+    @model_validator(mode="after")
+    def _check_measurement(self) -> PropellerEntry:
+        if (self.measured_efficiency is None) != (self.measured_rpm is None):
+            message = "goes with measured_efficiency: give both or none"
+            raise PydanticCustomError("propeller", message, {"key": "measured_rpm"})
+        return self
+
+    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Diameter, pitch, blades and what else is known; blade elements give the efficiency.
+
+        With a table only diameter and mass: the table has the coefficients.
+        """
+        with_table = given.get("table") is not None
+        names = ("diameter_m", "mass_kg") if with_table else PARTS_OF_PROPELLER
+        values = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in values.items() if value is not None}

@@ -13,14 +13,19 @@ from missions.files.errors import file_error, printable, shortened
 from missions.files.texts import read_text
 from missions.files.validation import validate
 from missions.files.yaml import Document, parse_yaml
-from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
+from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
 
 __all__ = ["KINDS", "Kind", "entries", "entry", "entry_names", "is_entry_path"]
 
-Kind = Literal["cells", "batteries", "motors"]
+Kind = Literal["cells", "batteries", "motors", "propellers"]
 
 KINDS: Mapping[Kind, type[Entry]] = MappingProxyType(
-    {"cells": CellEntry, "batteries": BatteryEntry, "motors": MotorEntry}
+    {
+        "cells": CellEntry,
+        "batteries": BatteryEntry,
+        "motors": MotorEntry,
+        "propellers": PropellerEntry,
+    }
 )
 _SUFFIXES = (".yaml", ".yml")
 # Names that a message lists: spelled alike, or having what was asked for in their name or label.

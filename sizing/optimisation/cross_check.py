@@ -261,7 +261,9 @@ def _neighbours(aircraft: Aircraft, result: SizingResult, seed: int) -> DesignVa
     assert result.design is not None
     rng = np.random.default_rng(seed)
     centre = result.design.variables
-    bounds = _free_axes(aircraft, result.objective, centre)
+    requested = aircraft.design_space.requested_ranges().items()
+    bounds = {name: (one.minimum, one.maximum) for name, one in requested}
+    bounds |= _free_axes(aircraft, result.objective, centre)
     spread = np.repeat(_SPREADS, _NEIGHBOURS // len(_SPREADS))
     moved = {}
     for name, value in centre.chosen().items():

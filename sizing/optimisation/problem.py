@@ -52,7 +52,7 @@ from sizing.optimisation.variables import (
     limit_rows,
 )
 from sizing.parameters import all_replaced, catalogue, parameter_value
-from sizing.propulsion.chain import Propulsion
+from sizing.propulsion.chain import OperatingPointPropulsion
 from solar.types import FloatArray
 
 Effort = Literal["quick", "still", "steady", "next", "direct"]
@@ -281,9 +281,10 @@ def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> Si
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    if not isinstance(aircraft.airframe.propulsion, Propulsion):
+    propulsion = aircraft.airframe.propulsion
+    if isinstance(propulsion, OperatingPointPropulsion) and propulsion.is_exact:
         raise TypeError(
-            f"the propulsion of {aircraft.name} is at its operating point: with_fixed_chain first"
+            f"the propulsion of {aircraft.name} is at its operating point: with_smooth_chain first"
         )
     chosen = chosen_variables(aircraft, eased=eased)
     # A mapping's order plays no part in the equality of aircraft, but in that of the rows.

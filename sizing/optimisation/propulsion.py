@@ -1,15 +1,18 @@
 """Sizing with a propulsion at its operating point.
 
-The program takes constant efficiencies, which keeps it smooth and small. They are those of the
-exact chain at the optimum, put in and solved for again until they stay.
+The program has formulas that it can differentiate in place of the propulsion's own search for a
+speed of rotation. The exact chain judges the optimum: a factor makes the two equal there, and the
+program is solved again until that factor stays. A propeller by tables, which have corners, has
+constant efficiencies in the program, found in the same way.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import isfinite
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft
+from sizing.aircraft import PROPULSION_VARIABLES, Aircraft
 from sizing.design import (
     DesignVariables,
     ImpossibleDesignError,
@@ -24,14 +27,48 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.smooth_propulsion import corrected, smooth_propulsion, with_propulsion
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
-__all__ = ["with_fixed_chain"]
+__all__ = ["with_smooth_chain"]
 
-_ROUNDS, _SETTLED, _SHRINKS = 12, 1e-4, 0.5
+_ROUNDS, _NARROWED = 12, 2
+# What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
+_SETTLED, _SETTLED_CONSTANT, _SHRINKS = 1e-6, 1e-4, 0.5
 
 
-def with_fixed_chain(
+@dataclass(frozen=True)
+class _Request:
+    """What is sized."""
+
+    aircraft: Aircraft
+    mission: Mission
+    objective: Objective
+    solar: SolarModel
+    required_h: float | None
+
+    def optimum(self, aircraft: Aircraft, start: DesignVariables | None) -> SizingResult:
+        """Optimum with another propulsion; why there is none is not asked."""
+        given = (aircraft, self.mission, self.objective, self.solar)
+        hours = self.required_h
+        if self.objective.of_range:
+            return widest_range(*given, required_excess_time_h=hours).sizing
+        return size_aircraft(*given, required_excess_time_h=hours, start=start, explain=False)
+
+    def exact_chain(self, result: SizingResult) -> Propulsion:
+        """Chain of the parts at an optimum."""
+        assert result.design is not None
+        variables = result.design.variables
+        exact = parametric_design(
+            self.aircraft, self.mission, variables, result.design.total_mass_kg
+        )
+        assert exact.chain is not None
+        if not isfinite(exact.chain.efficiency):
+            raise ImpossibleDesignError(operating_trouble(self.aircraft, self.mission, variables))
+        return exact.chain
+
+
+def with_smooth_chain(
     aircraft: Aircraft,
     mission: Mission,
     objective: Objective,
@@ -39,66 +76,84 @@ def with_fixed_chain(
     *,
     required_excess_time_h: float | None = None,
 ) -> tuple[Aircraft, DesignVariables | None]:
-    """Aircraft with the constant efficiencies that its optimum has at its operating point.
+    """Aircraft whose program can be built, with the exact chain's efficiency at its optimum.
 
-    One with constants is returned as it is. Without an optimum the efficiencies are those of the
-    design in the file, for what explains the failure. Its motor's efficiency is that of all links
-    but the propeller. Also returns the optimum, where one was searched for.
+    One with constants is returned as it is. Also returns the optimum, where one was searched for
+    and found.
 
     Raises :class:`ImpossibleDesignError` if the propulsors cannot do level flight at the optimum.
     """
     propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
         return aircraft, None
+    request = _Request(aircraft, mission, objective, solar, required_excess_time_h)
+    if propulsion.propeller.table is not None:
+        return _with_constants(request, propulsion)
+    smooth = smooth_propulsion(aircraft, mission, propulsion)
+    start: DesignVariables | None = None
+    sizes = set(PROPULSION_VARIABLES) & aircraft.design_space.requested_ranges().keys()
+    for number in range(_ROUNDS):
+        flown = with_propulsion(aircraft, smooth)
+        result = request.optimum(flown, start)
+        if result.design is None:
+            return flown, start
+        start = result.design.variables
+        if sizes and number < _NARROWED:
+            # Fitted anew, narrowly around the last optimum.
+            smooth = smooth_propulsion(aircraft, mission, propulsion, result.design)
+            smooth = corrected(smooth, aircraft, mission, result.design)
+            continue
+        before, smooth = smooth, corrected(smooth, aircraft, mission, result.design)
+        moved = max(abs(a - b) for a, b in zip(smooth.correction, before.correction, strict=True))
+        if moved < _SETTLED:
+            request.exact_chain(result)
+            return flown, start
+    raise _no_common_optimum(request, f"formulas and exact chain still differ by {moved:.1e}")
+
+
+def _with_constants(
+    request: _Request, propulsion: OperatingPointPropulsion
+) -> tuple[Aircraft, DesignVariables | None]:
+    """Aircraft with the constant efficiencies of its optimum.
+
+    Without an optimum they are those of the design in the file, for what explains the failure.
+    """
+    aircraft = request.aircraft
     chain, before = first_chain(propulsion), 0.0
     start: DesignVariables | None = None
     for _ in range(_ROUNDS):
-        fixed = _with(aircraft, chain)
-        result = _optimum(fixed, mission, objective, solar, required_excess_time_h, start)
+        fixed = with_propulsion(aircraft, _in_two_links(chain))
+        result = request.optimum(fixed, start)
         if result.design is None:
             if start is None:
-                fixed = _with(aircraft, design_of(aircraft, mission).chain or chain)
+                own = design_of(aircraft, request.mission).chain or chain
+                fixed = with_propulsion(aircraft, _in_two_links(own))
             return fixed, start
         start = result.design.variables
-        exact = parametric_design(aircraft, mission, start, result.design.total_mass_kg)
-        assert exact.chain is not None
-        if not isfinite(exact.chain.efficiency):
-            raise ImpossibleDesignError(operating_trouble(aircraft, mission, start))
-        moved = exact.chain.efficiency - chain.efficiency
-        if abs(moved) < _SETTLED:
-            return _with(aircraft, exact.chain), start
+        exact = request.exact_chain(result)
+        moved = exact.efficiency - chain.efficiency
+        if abs(moved) < _SETTLED_CONSTANT:
+            return with_propulsion(aircraft, _in_two_links(exact)), start
         # Each round moves by a share of the one before: the rest of the row is its sum.
         share = moved / before if abs(moved) < _SHRINKS * abs(before) else 0.0
-        chain = mixed_chain(exact.chain, chain, share / (1.0 - share))
+        chain = mixed_chain(exact, chain, share / (1.0 - share))
         before = moved
-    raise ImpossibleDesignError(
-        f"design and propulsion of {aircraft.name} have no common optimum on {mission.name}: the "
-        f"efficiency still moves by {abs(before):.1e}"
+    raise _no_common_optimum(request, f"the efficiency still moves by {abs(before):.1e}")
+
+
+def _no_common_optimum(request: _Request, why: str) -> ImpossibleDesignError:
+    return ImpossibleDesignError(
+        f"design and propulsion of {request.aircraft.name} have no common optimum on "
+        f"{request.mission.name}: {why}"
     )
 
 
-def _optimum(
-    aircraft: Aircraft,
-    mission: Mission,
-    objective: Objective,
-    solar: SolarModel,
-    required_h: float | None,
-    start: DesignVariables | None,
-) -> SizingResult:
-    """Optimum with constant efficiencies; why there is none is not asked."""
-    given = (aircraft, mission, objective, solar)
-    if objective.of_range:
-        return widest_range(*given, required_excess_time_h=required_h).sizing
-    return size_aircraft(*given, required_excess_time_h=required_h, start=start, explain=False)
-
-
-def _with(aircraft: Aircraft, chain: Propulsion) -> Aircraft:
-    """Aircraft with a chain whose efficiencies are parameters of the program, of any kind."""
+def _in_two_links(chain: Propulsion) -> Propulsion:
+    """Chain whose efficiencies are parameters of the program: motor's of all but the propeller."""
     links = {
         "wiring_efficiency": None,
         "controller_efficiency": 1.0,
         "gearbox_efficiency": 1.0,
         "motor_efficiency": chain.efficiency / chain.propeller_efficiency,
     }
-    airframe = aircraft.airframe.model_copy(update={"propulsion": chain.model_copy(update=links)})
-    return aircraft.model_copy(update={"airframe": airframe})
+    return chain.model_copy(update=links)

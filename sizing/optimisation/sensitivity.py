@@ -18,7 +18,7 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import FlightConditions
+from sizing.design import FlightConditions, variable_keys
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblem, build_problem
@@ -147,13 +147,9 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
 
 def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:
     """Keys whose values the optimiser chooses: no parameters."""
-    space = aircraft.design_space
+    requested = aircraft.design_space.requested_ranges()
     chosen = {one.key for one in catalogue().values() if objective.variable in (one.key, one.name)}
-    if space.aspect_ratio is not None:
-        chosen.add("airframe.aspect_ratio")
-    if space.lift_coefficient is not None:
-        chosen.add("airframe.aerodynamics.lift_coefficient")
-    return chosen
+    return chosen | {key for key, name in variable_keys().items() if name in requested}
 
 
 def _objective_per_cost(result: SizingResult) -> float:

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from missions.mission import Mission
-from sizing.design import DesignVariables, FlightConditions, closed_design
+from sizing.design import DesignVariables, FlightConditions, closed_design, variable_keys
 from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, SizingProblem, SizingProblems
 from sizing.optimisation.variables import OWN, WIND, WORST_EXCESS, Constraint, Role, Variable
+from sizing.parameters import parameter_value
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
@@ -414,6 +415,8 @@ class ProgramSolver:
             "lift_coefficient": getattr(polar, "flight_lift_coefficient", 1.0),
             WORST_EXCESS: instance.goal_h + 1.0,
         }
+        own = {n: parameter_value(self.aircraft, None, k) for k, n in variable_keys().items()}
+        guess |= {n: v for n, v in own.items() if v is not None and n not in guess}
         guess |= {name: float(value) for name, value in variables.chosen().items()}
         guess["module_area_m2"] = max(guess["module_area_m2"], 1e-3)
         return np.array([v.to_program(guess.get(v.name, v.first_guess)) for v in problem.variables])

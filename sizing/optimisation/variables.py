@@ -125,13 +125,10 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         "battery_mass_kg": space.battery_mass_kg,
         "module_area_m2": space.module_area_m2,
         "total_mass_kg": Range.model_construct(minimum=lightest, maximum=heaviest),
-        "aspect_ratio": space.aspect_ratio,
-        "lift_coefficient": space.lift_coefficient,
+        **space.requested_ranges(),
     }
     variables = (
-        Variable(name, unit(name), ends.minimum, ends.maximum)
-        for name, ends in ranges.items()
-        if ends is not None
+        Variable(name, unit(name), ends.minimum, ends.maximum) for name, ends in ranges.items()
     )
     always: tuple[Variable, ...] = (
         *variables,

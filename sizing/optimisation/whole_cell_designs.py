@@ -20,7 +20,7 @@ from sizing.energy.battery_pack import BatteryPack
 from sizing.layout.cells import CellLayout, Wing
 from sizing.layout.strings import Strings
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.propulsion import with_fixed_chain
+from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import SolarModel
@@ -242,7 +242,7 @@ class CellDesigns:
         """Sizing of a design space."""
         mission, objective, solar = self.given
         options: dict[str, Any] = {"required_excess_time_h": self.required_h}
-        aircraft, settled = with_fixed_chain(aircraft, mission, objective, solar, **options)
+        aircraft, settled = with_smooth_chain(aircraft, mission, objective, solar, **options)
         return size_aircraft(aircraft, mission, objective, solar, start=settled or start, **options)
 
     def _put_in(self, result: SizingResult, numbers: Numbers, strings: Strings | None) -> Aircraft:

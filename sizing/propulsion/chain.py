@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import (
@@ -23,7 +23,7 @@ from pydantic_core import PydanticCustomError
 from missions.air import GAS_CONSTANT_AIR, Air
 from missions.files.errors import InputError
 from missions.files.texts import read_text, texts_as_read
-from sizing.catalogues.choice import Taken, filled, found_entry
+from sizing.catalogues.choice import Taken, filled, found_entry, taken
 from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.smooth import Value
@@ -40,6 +40,8 @@ from solar.schema import (
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint, Propulsor
     from sizing.propulsion.propeller import Propeller
+
+R = TypeVar("R", bound=Record)
 
 __all__ = ["LINKS", "AnyPropulsion", "OperatingPointPropulsion", "PropellerChoice", "Propulsion"]
 
@@ -152,10 +154,12 @@ class Propulsion(Record):
 class PropellerChoice(Record):
     """A propeller by its diameter and pitch, or by the files of its table.
 
-    ``table``: see :func:`sizing.read_propeller`, which also says what ``any_speed`` is; there
-    ``diameter_m`` is needed only where the files do not tell it.
+    ``product`` names an entry of the catalogue, which gives what the file does not. ``table``: see
+    :func:`sizing.read_propeller`, which also says what ``any_speed`` is; there ``diameter_m`` is
+    needed only where the files do not tell it.
     """
 
+    product: Text | None = None
     diameter_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
     pitch_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
     blades: Annotated[int, Strict(), Field(ge=2, le=12)] = 2
@@ -166,12 +170,19 @@ class PropellerChoice(Record):
     # Texts of the tables by path, as read when the record was made.
     _texts: dict[str, str] | None = PrivateAttr(default=None)
 
+    @model_validator(mode="wrap")
+    @classmethod
+    def _from_catalogue(
+        cls, data: Any, handler: ModelWrapValidatorHandler[PropellerChoice]
+    ) -> PropellerChoice:
+        return filled(data, handler, "product", "propellers")
+
     @model_validator(mode="after")
     def _check_choice(self) -> PropellerChoice:
         if self.table is None:
             for key in ("diameter_m", "pitch_m"):
                 if getattr(self, key) is None:
-                    message = "required key is missing (or table, with the propeller's files)"
+                    message = "required key is missing (or product, or table with its files)"
                     raise PydanticCustomError("propeller", message, {"key": key})
             return self
         odd = self.model_fields_set & {"pitch_m", "blades", "chords"}
@@ -225,8 +236,12 @@ class OperatingPointPropulsion(Record):
 
     ``propulsors`` of one kind share the thrust. ``motor`` is the name of an entry of the catalogue,
     the path of one's own, or the constants themselves. Masses are those of one propulsor's parts;
-    ``mass_kg_per_w`` comes on top, and is 0 where the motor's mass is known.
+    ``mass_kg_per_w`` comes on top, and is 0 where the motor's mass is known. ``efficiency_factor``
+    is what the propellers have over what is computed.
     """
+
+    # Whether a batch of designs is too dear to have its operating points at every step.
+    is_exact: ClassVar[bool] = True
 
     kind: Literal["operating_point"]
     propulsors: PositiveInteger = 1
@@ -236,6 +251,7 @@ class OperatingPointPropulsion(Record):
     controller: Controller
     wiring_resistance_ohm: NonNegativeReal = 0.0
     maximum_tip_mach: Annotated[float, Strict(), Field(gt=0.0, lt=1.0)] = 0.7
+    efficiency_factor: Annotated[float, Strict(), Field(gt=0.0, le=1.5)] = 1.0
     mass_kg_per_w: NonNegativeReal | None = None
     climb_power_ratio: _ClimbRatio | None = None
     climb_rate_m_per_s: PositiveReal | None = None
@@ -248,15 +264,31 @@ class OperatingPointPropulsion(Record):
             found_entry("motor", "motors", self.motor)
         return self
 
+    def sized(
+        self, diameter_m: Value | None, pitch_m: Value | None, gear_ratio: Value | None
+    ) -> Self:
+        """These parts with a chosen diameter and pitch [m] and gear; None leaves the file's."""
+        wanted = {"diameter_m": diameter_m, "pitch_m": pitch_m}
+        sizes = {key: value for key, value in wanted.items() if value is not None}
+        ratio = {} if gear_ratio is None else {"ratio": gear_ratio}
+        if not sizes and not ratio:
+            return self
+        parts = {"propeller": _rebuilt(self.propeller, sizes), "gear": _rebuilt(self.gear, ratio)}
+        return _rebuilt(self, parts)
+
+    @cached_property
+    def own_motor(self) -> Motor:
+        """Motor of the file, or of the catalogue."""
+        return Motor.from_catalogue(self.motor) if isinstance(self.motor, str) else self.motor
+
     @cached_property
     def propulsor(self) -> Propulsor:
         """One of the propulsors."""
         from sizing.propulsion.operating_point import Propulsor
 
-        motor = self.motor
         return Propulsor(
             propeller=self.propeller.propeller,
-            motor=Motor.from_catalogue(motor) if isinstance(motor, str) else motor,
+            motor=self.own_motor,
             controller=self.controller,
             gear=self.gear,
             wiring_resistance_ohm=self.wiring_resistance_ohm,
@@ -264,11 +296,14 @@ class OperatingPointPropulsion(Record):
         )
 
     def taken(self) -> list[Taken]:
-        """Constants of the motor that the catalogue gives, with their sources."""
+        """Values of propeller and motor that the catalogues give, with their sources."""
+        of_propeller = taken(
+            self.propeller, "product", "propellers", "airframe.propulsion.propeller."
+        )
         if not isinstance(self.motor, str):
-            return []
+            return of_propeller
         one = found_entry("motor", "motors", self.motor)
-        return [
+        return of_propeller + [
             Taken(
                 f"airframe.propulsion.motor.{key}", value, self.motor, one.label, one.source_of(key)
             )
@@ -309,12 +344,34 @@ class OperatingPointPropulsion(Record):
         both = operating_point(self.propulsor, thrust_n, speed, Air(*state), bus_voltage_v)
         weight = np.where(both.reason != "", np.inf, both.bus_power_w)
         worse = np.argmax(weight, axis=-1)[..., np.newaxis]
-        return OperatingPoint(
+        point = OperatingPoint(
             *(
                 np.take_along_axis(getattr(both, one.name), worse, axis=-1)[..., 0]
                 for one in fields(OperatingPoint)
             )
         )
+        return point if self.efficiency_factor == 1.0 else self._by_factor(point)
+
+    def _by_factor(self, point: OperatingPoint) -> OperatingPoint:
+        """Point whose propeller is as much better than computed as the file says."""
+        factor = self.efficiency_factor
+        return replace(
+            point,
+            propeller_efficiency=point.propeller_efficiency * factor,
+            efficiency=point.efficiency * factor,
+            bus_power_w=point.bus_power_w / factor,
+            bus_current_a=point.bus_current_a / factor,
+        )
+
+    def margins(
+        self,
+        thrust_power_w: Value,
+        airspeed_m_per_s: Value,
+        air: Air,
+        bus_voltage_v: tuple[float, float],
+    ) -> dict[str, Value]:
+        """Margins of the parts by formulas; an exact chain tells a reason instead."""
+        return {}
 
     def in_flight(
         self,
@@ -331,14 +388,11 @@ class OperatingPointPropulsion(Record):
 
     def with_links(self, efficiencies: Mapping[str, Any]) -> Propulsion:
         """Chain of constants of these parts; efficiencies by :data:`LINKS`, of floats or arrays."""
-        motor = self.propulsor.motor
+        motor = self.own_motor
         parts = (self.propeller, self.gear, motor, self.controller)
         default = 0.0 if motor.mass_kg is not None else _MASS_KG_PER_W
         return Propulsion().model_copy(
-            update={
-                f"{name}_efficiency": float(one) if np.ndim(one) == 0 else np.asarray(one)
-                for name, one in efficiencies.items()
-            }
+            update={f"{name}_efficiency": _unwrapped(one) for name, one in efficiencies.items()}
             | {
                 "fixed_mass_kg": self.propulsors * sum(part.mass_kg or 0.0 for part in parts),
                 "mass_kg_per_w": default if self.mass_kg_per_w is None else self.mass_kg_per_w,
@@ -347,6 +401,19 @@ class OperatingPointPropulsion(Record):
                 "mass_model": self.mass_model,
             }
         )
+
+
+def _rebuilt(record: R, values: Mapping[str, Any]) -> R:
+    """Record with other values, numbers or symbols, and nothing that it has kept; unchecked."""
+    fields = {name: getattr(record, name) for name in type(record).model_fields}
+    built: R = type(record).model_construct(**(fields | dict(values)))  # type: ignore[assignment]
+    return built
+
+
+def _unwrapped(value: Value) -> Value:
+    """Array without a dimension as the number that it is; all else as it is."""
+    single = isinstance(value, np.generic | np.ndarray) and np.ndim(value) == 0
+    return float(value) if single else value
 
 
 def air_of(density_kg_per_m3: Value, dynamic_viscosity: Value, temperature_k: Value) -> Air:

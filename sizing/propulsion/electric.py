@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from sizing.catalogues.entries import MotorEntry
 from sizing.catalogues.files import entry
+from sizing.smooth import Value
 from solar.schema import (
     Fraction,
     NonNegativeReal,
@@ -98,10 +99,13 @@ class Motor(Record):
         MotorState
             Of the broadcast shape of the arguments.
         """
-        rpm = np.asarray(speed_rpm, float)
+        return self.state_of(np.asarray(speed_rpm, float), np.asarray(torque_nm, float))
+
+    def state_of(self, rpm: Value, torque_nm: Value) -> MotorState:
+        """As :meth:`state`, of numbers, arrays or symbols."""
         constant = self.speed_constant_rpm_per_v / _RPM_PER_RAD_PER_S
         rise = self.no_load_current_rise_a_per_1000_rpm * rpm / 1000.0
-        current = np.asarray(torque_nm, float) * constant + self.no_load_current_a + rise
+        current = torque_nm * constant + self.no_load_current_a + rise
         return MotorState(
             current, rpm / self.speed_constant_rpm_per_v + current * self.resistance_ohm
         )
@@ -169,11 +173,15 @@ class Controller(Record):
         ndarray
             Power [W].
         """
-        current = motor.current_a
-        resistive = current * (motor.voltage_v + current * self.resistance_ohm)
-        freewheeling = (1.0 - self.duty(motor, voltage_v)) * current * self.freewheel_voltage_v
+        return np.asarray(self.power_of(motor.current_a, motor.voltage_v, voltage_v))
+
+    def power_of(self, current: Value, motor_v: Value, voltage_v: Value) -> Value:
+        """As :meth:`input_power_w`, of numbers, arrays or symbols."""
+        resistive = current * (motor_v + current * self.resistance_ohm)
+        idle_share = 1.0 - self._duty(current, motor_v, voltage_v)
+        freewheeling = idle_share * current * self.freewheel_voltage_v
         switching = self.switching_loss * voltage_v * current
-        return np.asarray(resistive + freewheeling + switching + self.idle_power_w)
+        return resistive + freewheeling + switching + self.idle_power_w
 
     def duty(self, motor: MotorState, voltage_v: FloatArray) -> FloatArray:
         """Share of the time that the bus is on: ``d V - (1 - d) V_f = v + i R``.
@@ -190,6 +198,9 @@ class Controller(Record):
         ndarray
             Duty [-]; above 1 where the voltage does not suffice.
         """
-        needed = motor.voltage_v + motor.current_a * self.resistance_ohm
+        return np.asarray(self._duty(motor.current_a, motor.voltage_v, voltage_v))
+
+    def _duty(self, current: Value, motor_v: Value, voltage_v: Value) -> Value:
+        needed = motor_v + current * self.resistance_ohm
         diode = self.freewheel_voltage_v
-        return np.asarray((needed + diode) / (voltage_v + diode))
+        return (needed + diode) / (voltage_v + diode)

@@ -15,9 +15,16 @@ from numpy.typing import ArrayLike
 from missions.air import GAS_CONSTANT_AIR, Air
 from solar.types import FloatArray
 
-__all__ = ["Coefficients", "Propeller", "PropellerTable", "SpeedCurve", "tip_mach"]
+__all__ = [
+    "HEAT_CAPACITY_RATIO",
+    "Coefficients",
+    "Propeller",
+    "PropellerTable",
+    "SpeedCurve",
+    "tip_mach",
+]
 
-_HEAT_CAPACITY_RATIO = 1.4
+HEAT_CAPACITY_RATIO = 1.4
 # Rounding of an advance ratio that lies on the edge of a table.
 _EDGE = 1e-9
 
@@ -74,7 +81,7 @@ def tip_mach(
     ndarray
         Mach number [-].
     """
-    sound = np.sqrt(_HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * air.temperature_k)
+    sound = np.sqrt(HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * air.temperature_k)
     tip = np.pi * np.asarray(rotation_per_s, float) * diameter_m
     return np.asarray(np.hypot(np.asarray(airspeed_m_per_s, float), tip) / sound)
 

@@ -124,6 +124,9 @@ PAYLOAD_MASS = _of_design("payload_mass_kg", ".3f", "masses.payload")
 PAYLOAD_POWER = _of_design(
     "payload_power_w", ".1f", "variables.payload_power_w", "power of the payload"
 )
+PROPELLER_DIAMETER = _of_design("propeller_diameter_m", ".3f", "variables.propeller_diameter_m")
+PROPELLER_PITCH = _of_design("propeller_pitch_m", ".3f", "variables.propeller_pitch_m")
+GEAR_RATIO = _of_design("gear_ratio", ".2f", "variables.gear_ratio")
 TOTAL_MASS = _of_design("total_mass_kg", ".3f")
 WING_AREA = _of_design("wing_area_m2", ".3f")
 AIRSPEED = _of_design("airspeed_m_per_s", ".2f")
@@ -230,6 +233,8 @@ MAP = (
     *(FULL_CHARGE, SOLAR_ENERGY, LOAD_ENERGY, DAY_LENGTH),
 )
 CHOSEN = (WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA)
+# Where they are chosen.
+CHOSEN_PROPULSION = (PROPELLER_DIAMETER, PROPELLER_PITCH, GEAR_RATIO)
 DESIGN_COLUMNS = (*CHOSEN, PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS)
 # Frame of the draws of uncertain inputs.
 DRAWN = (EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS, PROPULSION_POWER)

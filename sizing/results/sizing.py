@@ -15,6 +15,7 @@ from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
+from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design import (
     Design,
     DesignVariables,
@@ -31,7 +32,7 @@ from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.propulsion import with_fixed_chain
+from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
@@ -44,6 +45,7 @@ from sizing.optimisation.sensitivity import (
 from sizing.optimisation.whole_cells import WholeCells, size_whole_cells
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
+from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.relaxation import Relaxation
 from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
@@ -51,6 +53,11 @@ from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import NEGLIGIBLE, check_subjects, finite, finite_values
+from sizing.results.requirement_margins import (
+    RequirementMargin,
+    margin_records,
+    requirement_margins,
+)
 from sizing.results.tables import Result, data_frame
 from sizing.results.whole_cells import sizing_record
 from sizing.structures.assessment import StructureAssessment
@@ -187,7 +194,27 @@ class SizingStudy(Result):
             data[section][key] = one.of(self.result.design)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
+        self._put_propulsion(data)
         return data if self.whole_cells is not None else self._relaxed(data)
+
+    def _put_propulsion(self, data: dict[str, Any]) -> None:
+        """Put the propeller and the gear of the optimum into the aircraft's data."""
+        variables = self._optimum().variables
+        for part, key, value in (
+            ("propeller", "diameter_m", variables.propeller_diameter_m),
+            ("propeller", "pitch_m", variables.propeller_pitch_m),
+            ("gear", "ratio", variables.gear_ratio),
+        ):
+            if value is not None:
+                data["airframe"]["propulsion"].setdefault(part, {})[key] = value
+        if any(one is not None for one in variables.of_propulsion[:2]):
+            # No longer the product that the file names.
+            propeller = data["airframe"]["propulsion"]["propeller"]
+            own = getattr(self.aircraft.airframe, "propulsion", None)
+            assert isinstance(own, OperatingPointPropulsion)
+            if propeller.pop("product", None) is not None:
+                for key in PARTS_OF_PROPELLER:
+                    propeller.setdefault(key, getattr(own.propeller, key))
 
     def _relaxed(self, data: dict[str, Any]) -> dict[str, Any]:
         """Data without the whole cells of another design, with the technology they had given."""
@@ -252,6 +279,7 @@ class SizingStudy(Result):
         result = self.result
         record = _result_record(result, self.aircraft, self.mission) | {
             "quantities": self.quantities,
+            "margins": margin_records(self.margins),
             **_design_record(result.design),
             **_simulated_record(result.simulated),
         }
@@ -313,13 +341,23 @@ class SizingStudy(Result):
         assert perf is not None
         assert quantities is not None
         known = design.variables._asdict() | quantities | q.worst_record(perf, [q.LOAD])
-        return [(one, float(known[one.name])) for one in q.SIZED_TABLE]
+        chosen = [one for one in q.CHOSEN_PROPULSION if known[one.name] is not None]
+        return [(one, float(known[one.name])) for one in (*q.SIZED_TABLE, *chosen)]
 
     def to_frame(self) -> pd.DataFrame:
         """Design as rows of quantity, value and unit; values are NaN without an optimum."""
         values = self.design_values() if self.feasible else [(o, np.nan) for o in q.SIZED_TABLE]
         rows = [(one.label, value, one.unit) for one, value in values]
         return data_frame(rows, columns=["quantity", "value", "unit"])
+
+    @property
+    def margins(self) -> list[RequirementMargin]:
+        """Margin of the optimum on every requirement; empty without one."""
+        flown = self.result.simulated
+        if flown is None or self.design is None:
+            return []
+        required_h = max(self.result.required_excess_time_h, 0.0)
+        return requirement_margins(self.aircraft, flown, required_h)
 
     @property
     def masses_kg(self) -> dict[str, float] | None:
@@ -425,7 +463,7 @@ def size(
         study = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
         if study is not None:
             return study
-    aircraft, start = with_fixed_chain(aircraft, mission, wanted, solar, **options)
+    aircraft, start = with_smooth_chain(aircraft, mission, wanted, solar, **options)
     problems = options["problems"] = SizingProblems(aircraft)
     if reliability is not None:
         if with_sensitivities or with_cross_check:

@@ -33,6 +33,7 @@ from sizing.results.notes import (
 from sizing.results.power_budget import power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours, relative_change
+from sizing.results.requirement_margins import requirement_table
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table, sizing_record
@@ -68,6 +69,7 @@ def summary(study: SizingStudy) -> Summary:
     blocks += structure_blocks(study.structure)
     if study.balance is not None:
         blocks += [Line(text) for text in balance_lines(study.balance)]
+    blocks.append(requirement_table(study.margins))
     blocks += _confidence(study)
     if study.reliability is not None:
         blocks.append(reliability_text(study.reliability, study))

@@ -10,7 +10,7 @@ from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.margins.survival import check_survival, in_the_record, size_surviving
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.propulsion import with_fixed_chain
+from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.results.records import check_subjects
 from sizing.results.sizing import (
     SizingStudy,
@@ -92,7 +92,7 @@ def size_in_weather(
             f"the mission's clearness of {mission.pessimistic_clearness:g} plays no part: the "
             "clouds are the record's",
         )
-    fixed, _ = with_fixed_chain(aircraft, moved, wanted, solar)
+    fixed, _ = with_smooth_chain(aircraft, moved, wanted, solar)
     survived = size_surviving(
         *(fixed, moved, wanted, solar),
         weather=weather,

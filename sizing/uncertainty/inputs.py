@@ -18,11 +18,14 @@ from missions.mission import Mission
 from missions.uncertainty import Distribution, Normal
 from sizing.aircraft import Aircraft
 from sizing.parameters import MISSION_PREFIX, catalogue, parameter_value
+from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.sunlight import SolarModel
 from solar.types import FloatArray
 
 # Factor on the power of the solar model, whose error was measured in flight.
 SOLAR_MODEL = "solar_model"
+_PROPULSION = "airframe.propulsion."
+_FACTOR = f"{_PROPULSION}efficiency_factor"
 # Share of draws beyond which a distribution is cut off, and that must be possible.
 _TAIL = 1e-4
 
@@ -99,19 +102,24 @@ def uncertain_inputs(
     for owner, prefix in ((aircraft, ""), (mission, MISSION_PREFIX)):
         if owner.uncertainty is None:
             continue
-        for key, distribution in owner.uncertainty.inputs.items():
+        named: dict[str, str] = {}
+        for given, distribution in owner.uncertainty.inputs.items():
+            named[given] = key = _of_operating_point(owner, given, distribution)
             nominal = parameter_value(owner, None, key)
-            place = f"uncertainty.inputs.{key}"
+            place = f"uncertainty.inputs.{given}"
             if nominal is None:
                 message = "is no key of the file that holds a number"
+                if given.startswith(_PROPULSION) and _is_computed(owner):
+                    message += f"; of an operating point {_FACTOR} scatters, by a relative_sigma"
                 problems.append(Problem(owner.name, None, None, place, message))
                 continue
             one = UncertainInput(prefix + key, nominal, distribution)
             problems += _impossible(owner, key, one)
             inputs.append(one)
         pairs += [
-            (prefix + c.between[0], prefix + c.between[1], c.coefficient)
+            (prefix + named.get(one, one), prefix + named.get(other, other), c.coefficient)
             for c in owner.uncertainty.correlations
+            for one, other in [c.between]
         ]
     if model_error and solar.rms_relative > 0.0:
         inputs.append(UncertainInput(SOLAR_MODEL, 1.0, Normal(sigma=solar.rms_relative)))
@@ -119,6 +127,20 @@ def uncertain_inputs(
     if problems or wrong:
         raise InputError([*problems, *wrong])
     return UncertainInputs(tuple(inputs), correlation)
+
+
+def _is_computed(owner: Aircraft | Mission) -> bool:
+    """Whether the efficiencies of the propulsion are those of an operating point."""
+    propulsion = getattr(getattr(owner, "airframe", None), "propulsion", None)
+    return isinstance(propulsion, OperatingPointPropulsion)
+
+
+def _of_operating_point(owner: Aircraft | Mission, key: str, distribution: Distribution) -> str:
+    """Key that an input stands for: of a propeller's efficiency that is computed, its factor."""
+    assert owner.uncertainty is not None
+    relative = getattr(distribution, "relative_sigma", None) is not None
+    named = key == f"{_PROPULSION}propeller_efficiency" and _FACTOR not in owner.uncertainty.inputs
+    return _FACTOR if named and relative and _is_computed(owner) else key
 
 
 def _impossible(owner: Aircraft | Mission, key: str, one: UncertainInput) -> list[Problem]:

@@ -21,14 +21,14 @@ from sizing.design import (
     measured_design,
     parametric_design,
     variables_of,
-    with_level_chain,
 )
 from sizing.energy.battery import Store
 from sizing.energy.cycle import simulate_cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
-from sizing.parameters import with_parameter
-from sizing.propulsion.chain import PARTS
+from sizing.parameters import parameter_value, with_parameter
+from sizing.propulsion.chain import PARTS, Propulsion
+from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import (
@@ -82,9 +82,8 @@ class Flights:
         return Flights(*(getattr(self, name)[:count] for name in Flights.__dataclass_fields__))
 
 
-_PARTS = tuple(
-    f"airframe.propulsion.{part}." for part in ("propeller", "gear", "motor", "controller")
-)
+_PROPULSION, _FACTOR = "airframe.propulsion.", "efficiency_factor"
+_PARTS = tuple(f"{_PROPULSION}{part}." for part in ("propeller", "gear", "motor", "controller"))
 
 
 def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
@@ -92,8 +91,11 @@ def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
-        if key.startswith(_PARTS) or key.removeprefix("airframe.propulsion.") in PARTS:
-            raise ValueError(f"{key} has one operating point for all draws: vary it with `sweep`")
+        if key.startswith(_PARTS) or key.removeprefix(_PROPULSION) in PARTS - {_FACTOR}:
+            raise ValueError(
+                f"{key} has one value for all draws: vary it with `sweep`, or let "
+                f"{_PROPULSION}{_FACTOR} scatter"
+            )
         if key.startswith("battery.charge_limit"):
             # The charger's table of times is one for all batteries of a batch.
             raise ValueError(f"{key} is the same for all draws: vary it with `sweep`")
@@ -115,10 +117,14 @@ class Propagation:
         *,
         day: SolarDay | None = None,
     ) -> None:
-        self.aircraft = with_level_chain(aircraft, mission)
+        self.aircraft = smooth_at(aircraft, mission)
         self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: FloatArray | None = None
+        # Of a propeller by tables, whose efficiencies are constants here.
+        by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
+        given = parameter_value(aircraft, None, _PROPULSION + _FACTOR)
+        self._table_factor = given if by_table else None
 
     def flights(self, values: dict[str, FloatArray]) -> Flights:
         """Fly all draws.
@@ -231,6 +237,8 @@ class Propagation:
     def _case(self, values: dict[str, FloatArray]) -> _Case:
         aircraft, mission = self.aircraft, self.mission
         for key, value in values.items():
+            if key == _PROPULSION + _FACTOR and self._table_factor is not None:
+                key, value = self._of_constants(value)
             if key != SOLAR_MODEL:
                 aircraft, mission = with_parameter(aircraft, mission, key, value)
         count = len(next(iter(values.values()))) if values else 1
@@ -258,6 +266,14 @@ class Propagation:
             solar_factor=each(values.get(SOLAR_MODEL, 1.0)),
             count=count,
         )
+
+    def _of_constants(self, factor: FloatArray) -> tuple[str, FloatArray]:
+        """Key and values by which constant efficiencies have a factor."""
+        key = f"{_PROPULSION}propeller_efficiency"
+        nominal = parameter_value(self.aircraft, None, key)
+        assert nominal is not None
+        assert self._table_factor is not None
+        return key, nominal * factor / self._table_factor
 
     def _powers_of_draws(self, case: _Case, scenario: int) -> tuple[FloatArray, FloatArray]:
         """Solar power and load of every draw in a scenario [W], shape ``(sample, time)``."""

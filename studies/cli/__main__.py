@@ -122,8 +122,8 @@ def cli() -> None:
     """Size solar-electric aircraft and predict how long they remain airborne.
 
     AIRCRAFT and missions are shipped names (see list) or paths of YAML files (see init). AIRCRAFT
-    may also be a folder that --out wrote. Solar cells, batteries and motors have names, too
-    (list --cells). COMMAND --help shows options and an example.
+    may also be a folder that --out wrote. Solar cells, batteries, motors and propellers have names,
+    too (list --cells). COMMAND --help shows options and an example.
     """
 
 

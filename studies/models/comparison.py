@@ -19,7 +19,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, design_of
 from sizing.optimisation.objectives import RESIZE_NAMES, Objective
-from sizing.optimisation.propulsion import with_fixed_chain
+from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance, performance_of_designs
@@ -476,7 +476,7 @@ def _built(
 ) -> Built:
     """Design by a model, as the reference sees it."""
     aircraft, mission = sun.aircraft, sun.mission
-    fixed, start = with_fixed_chain(
+    fixed, start = with_smooth_chain(
         *(aircraft, mission, objective, solar), required_excess_time_h=required_excess_time_h
     )
     result = size_aircraft(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
+from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
 from sizing.catalogues.files import Kind, entries
 from sizing.results.tables import Column, Table
 
@@ -15,6 +15,7 @@ _TITLES: dict[Kind, str] = {
     "cells": "solar cells: modules.cell",
     "batteries": "batteries: battery.cell",
     "motors": "motors: airframe.propulsion.motor",
+    "propellers": "propellers: airframe.propulsion.propeller.product",
 }
 _NOTES: dict[Kind, str] = {
     "cells": "Mass with 0.20 kg/m² of encapsulation and cables. What is unknown is that of the "
@@ -25,6 +26,8 @@ _NOTES: dict[Kind, str] = {
     "a whole pack. Compare cells of one basis: typical and stated values are up to 10 % above "
     "min/max. Charge: current over capacity. Loss: at 1 C.",
     "motors": "Efficiency: the best at 24 V; at more or less current it is lower.",
+    "propellers": "Greatest efficiency: computed by the maker for 3000 rpm, measured in a wind "
+    "tunnel (its speed: --json).",
 }
 _COLUMNS: dict[Kind, tuple[Column, ...]] = {
     "cells": (
@@ -46,6 +49,13 @@ _COLUMNS: dict[Kind, tuple[Column, ...]] = {
         Column("resistance_ohm", "resist.", "ohm", ".3f"),
         Column("no_load_current_a", "no-load", "A", ".2f"),
         Column("efficiency_24_v", "effic.", "%", ".0f"),
+    ),
+    "propellers": (
+        Column("diameter_m", "diameter", "m", ".3f"),
+        Column("pitch_m", "pitch", "m", ".3f"),
+        Column("blades", "blades", "", ".0f"),
+        Column("computed_efficiency_3000_rpm", "computed", "%", ".0f"),
+        Column("measured_efficiency", "measured", "%", ".0f"),
     ),
 }
 
@@ -72,6 +82,14 @@ def _values(one: Entry) -> Sequence[float | str | None]:
             one.capacity,
             one.charge_rate_per_h,
             _percent(one.loss_at_1c),
+        )
+    if isinstance(one, PropellerEntry):
+        return (
+            one.diameter_m,
+            one.pitch_m,
+            one.blades,
+            _percent(one.computed_efficiency_3000_rpm),
+            _percent(one.measured_efficiency),
         )
     assert isinstance(one, MotorEntry)
     return (

@@ -47,6 +47,10 @@ _REQUIREMENTS = {
     "mass_budget": "mass: cannot be lifted",
     "module_coverage": "modules: larger than the wing",
     "airspeed_above_wind": "wind: above the airspeed",
+    "bus_voltage": "propulsion: voltage too low",
+    "tip_mach": "propulsion: tips too fast",
+    "motor_current": "propulsion: current too high",
+    "motor_power": "propulsion: power too high",
 }
 _UNLIMITED = VERMILLION  # a colour that the scale does not have
 

@@ -18,7 +18,7 @@ from sizing.optimisation import cells as cell_sizing
 from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.propulsion import with_fixed_chain
+from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.result import SizingResult
 from sizing.performance import Performance, performance_of_designs
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
@@ -128,7 +128,7 @@ def _programs(
 
     A propulsion at its operating point has the efficiencies of the mission's own optimum.
     """
-    return SizingProblems(with_fixed_chain(aircraft, mission, objective, solar)[0])
+    return SizingProblems(with_smooth_chain(aircraft, mission, objective, solar)[0])
 
 
 def _columns(sizings: CellSizings) -> dict[str, Any]:

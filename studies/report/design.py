@@ -14,6 +14,7 @@ from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results import quantities as q
 from sizing.results.balance import balance_lines, balance_table, drag_table
 from sizing.results.constraint_words import constraint_words
+from sizing.results.requirement_margins import requirement_margins, requirement_table
 from sizing.results.sizing_summary import (
     cross_check_line,
     margin_table,
@@ -93,6 +94,8 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
             q.SOLAR_ENERGY.fact(values[q.SOLAR_ENERGY]),
         ],
     )
+    required_h = max(mission.required_excess_time_h, 0.0)
+    yield requirement_table(requirement_margins(aircraft, analysis.performance, required_h))
 
 
 def _fact(quantity: q.Quantity, of: Design | DesignInFlight) -> tuple[str, str]:

@@ -49,9 +49,15 @@ NAMED_KEYS: dict[str, Kind] = {
     "modules.cell": "cells",
     "battery.cell": "batteries",
     "airframe.propulsion.motor": "motors",
+    "airframe.propulsion.propeller.product": "propellers",
 }
 
-_NAMED_LABELS: dict[Kind, str] = {"cells": "solar cell", "batteries": "battery", "motors": "motor"}
+_NAMED_LABELS: dict[Kind, str] = {
+    "cells": "solar cell",
+    "batteries": "battery",
+    "motors": "motor",
+    "propellers": "propeller",
+}
 
 # How names that the catalogue of parameters has not end -> unit as readers write it; longer first.
 _UNITS = {

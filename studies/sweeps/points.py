@@ -343,7 +343,7 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
     """
     # The optimiser, for those who size.
     from sizing.optimisation.problem import SizingProblems
-    from sizing.optimisation.propulsion import with_fixed_chain
+    from sizing.optimisation.propulsion import with_smooth_chain
     from sizing.optimisation.search import size_aircraft
     from studies.output.sized_columns import sizing_row
 
@@ -356,7 +356,7 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
             sized = held(aircraft, {name: value for name, value in given if name is not None})
             sought = configuration.objective, configuration.solar
             try:
-                sized, _ = with_fixed_chain(sized, mission, *sought)
+                sized, _ = with_smooth_chain(sized, mission, *sought)
             except ImpossibleDesignError as error:
                 rows[number] = {"status": SizingStatus.infeasible, "message": str(error)}
                 continue

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from builders import DESIGN, aircraft, shipped_mission
 
+import missions
 import sizing
 from missions.files.errors import InputError
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
@@ -129,6 +130,15 @@ def test_results_have_what_the_file_asks_for() -> None:
 
 
 LAYOUT = {"cell_span_m": 0.125, "cell_chord_m": 0.125, "bays": [{"cells": [8, 8]}]}
+
+
+@pytest.mark.parametrize("growth", [0.0, 0.15])
+def test_items_add_up_to_the_total_mass(growth: float) -> None:
+    craft = sizing.load_aircraft("twin-boom-design", {"airframe.mass_growth": growth})
+    flown = sizing.analyse(craft, missions.load_mission("rafz-july"))
+    assert flown.balance is not None
+    whole_kg = sum(float(item.mass_kg) for item in flown.balance.items)
+    assert whole_kg == pytest.approx(flown.total_mass_kg, rel=1e-9)
 
 
 def test_cells_lie_on_the_wing_of_the_airframe() -> None:

@@ -9,9 +9,18 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
+from missions.air import standard_air
+from sizing.catalogues.entries import (
+    BatteryEntry,
+    CellEntry,
+    Entry,
+    MotorEntry,
+    PropellerEntry,
+)
 from sizing.catalogues.files import KINDS, Kind, entries
 from sizing.parameters import parameter
+from sizing.propulsion.blade_elements import BladeElementPropeller
+from sizing.propulsion.chain import PropellerChoice
 
 ALL: list[tuple[Kind, str, Entry]] = [
     (kind, name, one) for kind in get_args(Kind) for name, one in entries(kind).items()
@@ -19,6 +28,7 @@ ALL: list[tuple[Kind, str, Entry]] = [
 CELLS = [one for _, _, one in ALL if isinstance(one, CellEntry)]
 BATTERIES = [one for _, _, one in ALL if isinstance(one, BatteryEntry)]
 MOTORS = [one for _, _, one in ALL if isinstance(one, MotorEntry)]
+PROPELLERS = [one for _, _, one in ALL if isinstance(one, PropellerEntry)]
 
 
 def label(one: Any) -> str:
@@ -29,7 +39,8 @@ def test_every_catalogue_has_entries_of_its_kind() -> None:
     assert set(get_args(Kind)) == set(KINDS)
     assert len(CELLS) >= 8
     assert len(BATTERIES) >= 20
-    assert len(MOTORS) >= 10
+    assert len(MOTORS) >= 20
+    assert len(PROPELLERS) >= 20
     labels = [one.label for _, _, one in ALL]
     assert len(set(labels)) == len(labels)
 
@@ -173,6 +184,41 @@ def test_motor_of_a_data_sheet_with_its_maximum_efficiency() -> None:
     assert 24.0 / motor.resistance_ohm == pytest.approx(80.2, rel=0.005)
 
 
+@pytest.mark.parametrize("propeller", PROPELLERS, ids=label)
+def test_a_propeller_is_as_large_as_its_name_says(propeller: PropellerEntry) -> None:
+    inches = propeller.label.split()[-1].rstrip("EFS").split("x")
+    assert [float(one) * 0.0254 for one in inches] == pytest.approx(
+        [propeller.diameter_m, propeller.pitch_m], rel=1e-4
+    )
+
+
+@pytest.mark.parametrize(
+    "propeller",
+    [one for one in PROPELLERS if one.computed_efficiency_3000_rpm is not None],
+    ids=label,
+)
+def test_blade_elements_come_close_to_what_the_maker_computes(propeller: PropellerEntry) -> None:
+    given = {key: one for key, one in propeller.parameters({}).items() if key != "mass_kg"}
+    model = BladeElementPropeller(**given)
+    advance = np.linspace(0.2, 1.2, 101)
+    air = standard_air(0.0)
+    coefficients = model.coefficients(advance * 50.0 * model.diameter_m, 50.0, air)
+    efficiency = np.where(coefficients.thrust > 0.0, advance * coefficients.thrust, 0.0)
+    greatest = float((efficiency / np.abs(coefficients.power)).max())
+    # Two methods and two families of sections: the wind tunnel is as far from either.
+    assert greatest == pytest.approx(propeller.computed_efficiency_3000_rpm, abs=0.045)
+
+
+def test_what_the_file_says_of_a_propeller_wins() -> None:
+    taken = PropellerChoice.model_validate({"product": "apc-10x4-7sf"})
+    assert (taken.diameter_m, taken.chords) == (0.254, "slow_flyer")
+    own = PropellerChoice.model_validate({"product": "apc-10x4-7sf", "pitch_m": 0.2})
+    assert (own.diameter_m, own.pitch_m) == (0.254, 0.2)
+    assert own.model_dump(exclude_unset=True) == {"product": "apc-10x4-7sf", "pitch_m": 0.2}
+    with pytest.raises(ValidationError, match="did you mean apc-19x12e"):
+        PropellerChoice.model_validate({"product": "apc-19x12"})
+
+
 SOUND = {"label": "mine", "source": "measured on the bench"}
 
 
@@ -216,6 +262,11 @@ SOUND = {"label": "mine", "source": "measured on the bench"}
                 "mass_kg": 0.05,
             },
             "do not agree",
+        ),
+        (
+            PropellerEntry,
+            {"diameter_m": 0.3, "pitch_m": 0.2, "measured_efficiency": 0.7},
+            "give both or none",
         ),
         (CellEntry, {"efficiency_stc": 0.2, "sources": {"area_m2": "a paper"}}, "no number"),
     ],

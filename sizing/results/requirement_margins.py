@@ -1,0 +1,194 @@
+"""How far a design is from every requirement on it, in one table.
+
+Besides what is demanded, two margins that a design office looks at: airspeed over stall speed, and
+climb at the highest altitude and with an empty battery.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from missions.air import GRAVITY_M_PER_S2
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.design import Design, FlightConditions, bus_voltage_v, parametric_design
+from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.parameters import label, unit, unit_text
+from sizing.performance import Performance
+from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
+from sizing.results.records import finite
+from sizing.results.tables import Column, Table
+
+__all__ = ["RequirementMargin", "margin_records", "requirement_margins", "requirement_table"]
+
+# Take-off safety speed over stall speed, CS-23.51 and 14 CFR 23.51 (amendment 62).
+RECOMMENDED_STALL_MARGIN = 1.2
+# Thrusts over that of level flight in which the largest is searched for.
+_THRUSTS = np.geomspace(1.0, 30.0, 241)
+
+
+class RequirementMargin(NamedTuple):
+    """A requirement: value, limit, and by how much it is met.
+
+    ``margin`` is relative to the limit, in the unit where ``relative`` is false; below 0 where the
+    requirement is missed. ``recommended``: nobody demands it.
+    """
+
+    name: str
+    label: str
+    value: float
+    limit: float
+    unit: str
+    margin: float
+    relative: bool = True
+    recommended: bool = False
+
+    @property
+    def text(self) -> str:
+        """Margin in words."""
+        if not np.isfinite(self.margin):
+            return "unlimited" if self.margin > 0.0 else "none"
+        if self.relative:
+            return f"{100.0 * self.margin:+.1f} %"
+        return f"{self.margin:+.2f} {self.unit}".strip()
+
+
+def requirement_margins(
+    aircraft: Aircraft, flown: Performance, required_h: float
+) -> list[RequirementMargin]:
+    """Margins of a single design that has been flown.
+
+    ``aircraft``: with the technology of the design. ``required_h``: excess time that is required of
+    every scenario [h].
+    """
+    mission, design, worst = flown.mission, flown.design, flown.worst_scenario()
+    excess_h, charge = (
+        float(np.asarray(one.of(flown))[worst]) for one in (EXCESS_TIME, MINIMUM_CHARGE)
+    )
+    where = f", {flown.day.scenarios.label(worst)}"
+    found = [
+        _absolute("excess_time_h", f"{EXCESS_TIME.label}{where}", excess_h, required_h, "h"),
+        _absolute(
+            *("minimum_state_of_charge", f"{MINIMUM_CHARGE.label}{where}"), 100.0 * charge, 0.0, "%"
+        ),
+    ]
+    if mission.wind_m_per_s > 0.0 and design.airspeed_m_per_s is not None:
+        speed = float(design.airspeed_m_per_s)
+        name, text = "airspeed_above_wind", "airspeed above the wind"
+        found.append(_at_least(name, text, speed, mission.wind_m_per_s, "m/s"))
+    if isinstance(aircraft.airframe, ParametricAirframe):
+        found += _of_parametric(aircraft, mission, design)
+    return found
+
+
+def _of_parametric(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> Iterator[RequirementMargin]:
+    airframe = aircraft.airframe
+    assert isinstance(airframe, ParametricAirframe)
+    conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
+    it = DesignInFlight(aircraft, design, conditions)
+    covered = float(design.variables.module_area_m2 / design.wing_area_m2)
+    most = airframe.maximum_module_coverage
+    yield _at_most("module_coverage", "modules over wing area", covered, most, "")
+    limits = aircraft.design_space.all_limits()
+    for name, limit in limits.items():
+        value, of = float(QUANTITIES[name](it)), unit_text(unit(name))
+        if limit.minimum is not None:
+            yield _at_least(f"{name}_minimum", label(name), value, limit.minimum, of)
+        if limit.maximum is not None:
+            yield _at_most(f"{name}_maximum", label(name), value, limit.maximum, of)
+    if "stall_margin" not in limits:
+        least = RECOMMENDED_STALL_MARGIN
+        one = _at_least("stall_margin", label("stall_margin"), float(it.stall_margin), least, "")
+        yield one._replace(recommended=True)
+    yield from _of_climb(aircraft, mission, design, float(it.rated_power_w))
+    yield from _of_parts(aircraft, mission, design)
+
+
+def _of_climb(
+    aircraft: Aircraft, mission: Mission, design: Design, rated_w: float
+) -> Iterator[RequirementMargin]:
+    """Climb at the highest altitude with the rated power, and with the empty battery's voltage."""
+    highest_m = mission.altitude_m if mission.climb is None else mission.climb.ceiling_m
+    there = mission.at_altitude(highest_m) if highest_m > mission.altitude_m else mission
+    mass_kg = float(design.total_mass_kg)
+    aloft = parametric_design(aircraft, there, design.variables, mass_kg)
+    assert aloft.chain is not None
+    weight_n = mass_kg * GRAVITY_M_PER_S2
+    spare_w = (rated_w - float(aloft.propulsion_power_w)) * float(aloft.chain.efficiency)
+    at = f"at {highest_m:g} m"
+    name, text = "climb_rate_at_highest_altitude_m_per_s", f"climb rate at rated power {at}"
+    yield _absolute(name, text, spare_w / weight_n, 0.0, "m/s")._replace(recommended=True)
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return
+    thrust_w = float(aloft.propulsion_power_w * aloft.chain.efficiency)
+    speed, air = float(aloft.airspeed_m_per_s), FlightConditions.of(there, aircraft).air
+    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
+    empty_v, _ = bus_voltage_v(aircraft)
+    points = own.point(thrust_w * _THRUSTS, speed, air, (empty_v, empty_v))
+    able = np.flatnonzero(np.asarray(points.reason) == "")
+    most = float(_THRUSTS[able[-1]]) if able.size else np.nan
+    name, text = "climb_rate_with_empty_battery_m_per_s", f"climb rate, empty battery, {at}"
+    climb = (most - 1.0) * thrust_w / weight_n
+    yield _absolute(name, text, climb, 0.0, "m/s")._replace(recommended=True)
+
+
+def _of_parts(aircraft: Aircraft, mission: Mission, design: Design) -> Iterator[RequirementMargin]:
+    """Limits of the parts of a propulsion in level flight with an empty battery."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return
+    assert design.chain is not None
+    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
+    thrust_w = float(design.propulsion_power_w * design.chain.efficiency)
+    speed, air = float(design.airspeed_m_per_s), FlightConditions.of(mission, aircraft).air
+    empty_v, _ = bus_voltage_v(aircraft)
+    point = own.point(thrust_w, speed, air, (empty_v, empty_v))
+    yield _at_most("duty", "duty of the controller, empty battery", float(point.duty), 1.0, "")
+    mach = own.maximum_tip_mach
+    yield _at_most("tip_mach", "Mach number of the tips", float(point.tip_mach), mach, "")
+    current = own.own_motor.maximum_current_a
+    if current is not None:
+        used = float(point.motor_current_a)
+        yield _at_most("motor_current", "current of the motor", used, current, "A")
+
+
+def _absolute(name: str, text: str, value: float, limit: float, of: str) -> RequirementMargin:
+    return RequirementMargin(name, text, value, limit, of, value - limit, relative=False)
+
+
+def _at_least(name: str, text: str, value: float, limit: float, of: str) -> RequirementMargin:
+    return RequirementMargin(name, text, value, limit, of, value / limit - 1.0)
+
+
+def _at_most(name: str, text: str, value: float, limit: float, of: str) -> RequirementMargin:
+    return RequirementMargin(name, text, value, limit, of, 1.0 - value / limit)
+
+
+def requirement_table(margins: list[RequirementMargin]) -> Table:
+    """Margins as a table."""
+    columns = (Column("requirement"), Column("value"), Column("limit"), Column("margin"))
+    rows = tuple(
+        (
+            f"{one.label}{' (recommended)' if one.recommended else ''}",
+            f"{round(one.value, 3):.4g} {one.unit}".strip(),
+            f"{one.limit:g} {one.unit}".strip(),
+            one.text,
+        )
+        for one in margins
+    )
+    return Table("margins of the requirements", columns, rows)
+
+
+def margin_records(margins: list[RequirementMargin]) -> list[dict[str, Any]]:
+    """Margins, JSON-ready."""
+    return [
+        one._asdict() | {key: finite(getattr(one, key)) for key in ("value", "margin")}
+        for one in margins
+    ]

@@ -1,0 +1,135 @@
+"""Aircraft whose propulsion at its operating point is formulas, for programs and draws."""
+
+from __future__ import annotations
+
+from math import isfinite, log, pi
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, Range
+from sizing.design import (
+    Design,
+    FlightConditions,
+    ImpossibleDesignError,
+    closed_design,
+    design_of,
+    first_chain,
+    level_point,
+    operating_trouble,
+    parametric_design,
+    variables_of,
+)
+from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.propulsion.smooth_chain import SmoothPropulsion, fitted_surface
+
+__all__ = ["corrected", "smooth_at", "smooth_propulsion", "with_propulsion"]
+
+# Logarithms within which a search moves from the design that is fitted around: loading of the
+# propeller, Reynolds number, pitch over diameter. Centres are rounded: alike cases share a surface.
+_HALF_WIDTHS, _ROUNDED_TO = (log(6.0), log(4.0), 0.25), 0.25
+
+
+def smooth_at(aircraft: Aircraft, mission: Mission) -> Aircraft:
+    """Aircraft of a file with formulas that have the exact chain's efficiency for its own design.
+
+    One with constants or formulas is returned as it is, one with a propeller by tables gets the
+    constant efficiencies of level flight. Raises :class:`ImpossibleDesignError` if it cannot fly.
+    """
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
+        return aircraft
+    design = design_of(aircraft, mission)
+    if propulsion.propeller.table is not None:
+        assert design.chain is not None
+        return with_propulsion(aircraft, design.chain)
+    smooth = smooth_propulsion(aircraft, mission, propulsion)
+    return with_propulsion(aircraft, corrected(smooth, aircraft, mission, design))
+
+
+def corrected(
+    smooth: SmoothPropulsion, aircraft: Aircraft, mission: Mission, design: Design
+) -> SmoothPropulsion:
+    """Formulas that have the exact propeller's rotation and power at a design.
+
+    Limits of the parts play no part. Raises :class:`ImpossibleDesignError` where the propeller has
+    no speed of rotation.
+    """
+    point = level_point(aircraft, mission, design)
+    own = smooth.sized(*design.variables.mapped(float).of_propulsion)
+    given = (float(point.thrust_power_w) * smooth.propulsors, float(design.airspeed_m_per_s))
+    air = FlightConditions.of(mission, aircraft).air
+    rotation, shaft_w, _ = own.propeller_state(*given, air)
+    ratios = (
+        float(point.rotation_rpm / 60.0 / rotation),
+        float(point.rotation_rpm * point.propeller_torque_nm * pi / 30.0 / shaft_w),
+    )
+    if not all(map(isfinite, ratios)):
+        raise ImpossibleDesignError(operating_trouble(aircraft, mission, design.variables))
+    both = tuple(a * b for a, b in zip(smooth.correction, ratios, strict=True))
+    return smooth.model_copy(update={"correction": both})
+
+
+def smooth_propulsion(
+    aircraft: Aircraft,
+    mission: Mission,
+    propulsion: OperatingPointPropulsion,
+    around: Design | None = None,
+) -> SmoothPropulsion:
+    """Propulsion by formulas, fitted around a design.
+
+    ``around``: by default the design in the file, and then as wide as diameter and pitch are free.
+    """
+    space, propeller = aircraft.design_space, propulsion.propeller
+    assert propeller.diameter_m is not None
+    assert propeller.pitch_m is not None
+    if around is None:
+        flown = _usual_design(aircraft, mission, propulsion)
+        diameter_m, wider = _middle(space.propeller_diameter_m, propeller.diameter_m)
+        pitch_m, steeper = _middle(space.propeller_pitch_m, propeller.pitch_m)
+    else:
+        flown, wider, steeper = around, 0.0, 0.0
+        own = propulsion.sized(*around.variables.mapped(float).of_propulsion).propeller
+        assert own.diameter_m is not None
+        assert own.pitch_m is not None
+        diameter_m, pitch_m = own.diameter_m, own.pitch_m
+    assert flown.chain is not None
+    air = FlightConditions.of(mission, aircraft).air
+    thrust_w = float(flown.propulsion_power_w * flown.chain.efficiency) / propulsion.propulsors
+    speed = float(flown.airspeed_m_per_s)
+    loading = thrust_w / (air.density_kg_per_m3 * speed**3 * diameter_m**2)
+    reynolds = air.density_kg_per_m3 * speed * diameter_m / air.dynamic_viscosity_pa_s
+    middle = (float(loading), float(reynolds), pitch_m / diameter_m)
+    more = (2.0 * wider, wider, wider + steeper)
+    centre, half = (
+        tuple(_ROUNDED_TO * round(log(one) / _ROUNDED_TO) for one in middle),
+        tuple(a + b for a, b in zip(_HALF_WIDTHS, more, strict=True)),
+    )
+    surface = fitted_surface(propeller.blades, propeller.chords, centre, half)
+    return SmoothPropulsion.of(propulsion, surface)
+
+
+def _usual_design(
+    aircraft: Aircraft, mission: Mission, propulsion: OperatingPointPropulsion
+) -> Design:
+    """Design in the file with usual efficiencies, whether or not its propulsion can fly it."""
+    usual = with_propulsion(aircraft, first_chain(propulsion))
+    variables = variables_of(aircraft)
+    mass_kg = float(closed_design(usual, mission, variables).total_mass_kg)
+    if not isfinite(mass_kg):
+        # Wrong by a third of the mass, well within the surface.
+        mass_kg = 3.0 * (aircraft.battery.mass_kg + mission.payload.mass_kg)
+    return parametric_design(usual, mission, variables, mass_kg)
+
+
+def _middle(ends: Range | None, value: float) -> tuple[float, float]:
+    """Geometric mean of a range, and half the logarithm of its ratio; the value without one."""
+    if ends is None:
+        return value, 0.0
+    return (ends.minimum * ends.maximum) ** 0.5, 0.5 * log(ends.maximum / ends.minimum)
+
+
+def with_propulsion(
+    aircraft: Aircraft, propulsion: Propulsion | OperatingPointPropulsion
+) -> Aircraft:
+    """Aircraft with another propulsion."""
+    airframe = aircraft.airframe.model_copy(update={"propulsion": propulsion})
+    return aircraft.model_copy(update={"airframe": airframe})
