@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from math import isfinite, log, pi
+from typing import Any
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, Range
+from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design import (
     Design,
+    DesignVariables,
     FlightConditions,
     ImpossibleDesignError,
     closed_design,
@@ -21,7 +24,7 @@ from sizing.design import (
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.propulsion.smooth_chain import SmoothPropulsion, fitted_surface
 
-__all__ = ["corrected", "smooth_at", "smooth_propulsion", "with_propulsion"]
+__all__ = ["corrected", "put_parts_in", "smooth_at", "smooth_propulsion", "with_propulsion"]
 
 # Logarithms within which a search moves from the design that is fitted around: loading of the
 # propeller, Reynolds number, pitch over diameter. Centres are rounded: alike cases share a surface.
@@ -133,3 +136,21 @@ def with_propulsion(
     """Aircraft with another propulsion."""
     airframe = aircraft.airframe.model_copy(update={"propulsion": propulsion})
     return aircraft.model_copy(update={"airframe": airframe})
+
+
+def put_parts_in(data: dict[str, Any], aircraft: Aircraft, variables: DesignVariables) -> None:
+    """Put the chosen propeller and gear into an aircraft's file as data, in place."""
+    if all(one is None for one in variables.of_propulsion):
+        return
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    assert isinstance(propulsion, OperatingPointPropulsion)
+    places = (("propeller", "diameter_m"), ("propeller", "pitch_m"), ("gear", "ratio"))
+    parts = data["airframe"]["propulsion"]
+    for (part, key), value in zip(places, variables.of_propulsion, strict=True):
+        if value is not None:
+            parts.setdefault(part, {})[key] = float(value)
+    sized = any(one is not None for one in variables.of_propulsion[:2])
+    # No longer the product that the file names.
+    if sized and parts["propeller"].pop("product", None) is not None:
+        for key in PARTS_OF_PROPELLER:
+            parts["propeller"].setdefault(key, getattr(propulsion.propeller, key))

@@ -23,6 +23,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
+from sizing.smooth_propulsion import put_parts_in
 from sizing.sunlight import SolarModel
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
@@ -261,6 +262,7 @@ class CellDesigns:
         }
         data["battery"]["pack"] |= {"cells_in_parallel": numbers.parallel}
         data["battery"]["mass_kg"] = self.battery_kg(numbers.parallel)
+        put_parts_in(data, self.aircraft, variables)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = float(variables.lift_coefficient)
         with texts_as_read(self.aircraft.texts_read):

@@ -15,7 +15,6 @@ from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
-from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design import (
     Design,
     DesignVariables,
@@ -45,7 +44,6 @@ from sizing.optimisation.sensitivity import (
 from sizing.optimisation.whole_cells import WholeCells, size_whole_cells
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.relaxation import Relaxation
 from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
@@ -60,6 +58,7 @@ from sizing.results.requirement_margins import (
 )
 from sizing.results.tables import Result, data_frame
 from sizing.results.whole_cells import sizing_record
+from sizing.smooth_propulsion import put_parts_in
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import record_check, stall_margin_within_polar
@@ -194,27 +193,8 @@ class SizingStudy(Result):
             data[section][key] = one.of(self.result.design)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
-        self._put_propulsion(data)
+        put_parts_in(data, self.aircraft, variables)
         return data if self.whole_cells is not None else self._relaxed(data)
-
-    def _put_propulsion(self, data: dict[str, Any]) -> None:
-        """Put the propeller and the gear of the optimum into the aircraft's data."""
-        variables = self._optimum().variables
-        for part, key, value in (
-            ("propeller", "diameter_m", variables.propeller_diameter_m),
-            ("propeller", "pitch_m", variables.propeller_pitch_m),
-            ("gear", "ratio", variables.gear_ratio),
-        ):
-            if value is not None:
-                data["airframe"]["propulsion"].setdefault(part, {})[key] = value
-        if any(one is not None for one in variables.of_propulsion[:2]):
-            # No longer the product that the file names.
-            propeller = data["airframe"]["propulsion"]["propeller"]
-            own = getattr(self.aircraft.airframe, "propulsion", None)
-            assert isinstance(own, OperatingPointPropulsion)
-            if propeller.pop("product", None) is not None:
-                for key in PARTS_OF_PROPELLER:
-                    propeller.setdefault(key, getattr(own.propeller, key))
 
     def _relaxed(self, data: dict[str, Any]) -> dict[str, Any]:
         """Data without the whole cells of another design, with the technology they had given."""
