@@ -28,6 +28,7 @@ from sizing.results.notes import (
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
+from sizing.results.wind import wind_record
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
@@ -274,7 +275,7 @@ class Analysis(Result):
         design, solar = self.performance.design, self.performance.solar
         limited = self.limited_flight
         airspeed = design.airspeed_m_per_s
-        wind = self.mission.wind_m_per_s
+        wind = self.mission.strongest_wind_m_per_s
         result = records[self.worst] | {
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
@@ -297,6 +298,9 @@ class Analysis(Result):
         condition = battery_record(self.aircraft, self.mission)
         if condition is not None:
             result["battery_condition"] = condition
+        winds = wind_record(self.mission)
+        if winds is not None:
+            result["wind"] = winds
         result |= catalogue_records(self.aircraft)
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)

@@ -20,6 +20,7 @@ from sizing.validity.checks import (
     charge_rate_is_open,
     correction_check,
     design_checks,
+    wind_check,
 )
 from sizing.validity.ranges import Check, Extrapolation
 from sizing.validity.told import told
@@ -53,6 +54,7 @@ _PERPETUAL = (Status.perpetual, Status.always_lit)
 _DESCRIBED = {one.variable: one.described for one in MAP}
 _ENDURANCE = {ENDURANCE.variable: ENDURANCE.described}
 _CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
+_WIND = {"wind": ("m s-1", "wind speed, at the mission's percentile")}
 _STATUS = {"status": ("1", "how the repeated day ends")}
 
 
@@ -128,6 +130,7 @@ def prepare(
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
+    described |= {} if mission.wind_statistics is None else _WIND
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
     blanks["status"] = np.int8(Status.failed)
     configuration = MapConfiguration(aircraft, mission, solar, endurance)
@@ -151,8 +154,13 @@ def _extrapolations_of_map(
     known = columns["status"] != Status.failed
     latitude, day = np.meshgrid(grid.latitudes_deg, grid.days, indexing="ij")
     design = design_of(configuration.aircraft, configuration.mission)
+    where, in_wind = configuration.mission, []
+    if "wind" in columns:  # of each cell; that of the mission's own latitudes plays no part
+        where, winds = where.in_wind(0.0), columns["wind"][known]
+        in_wind = list(wind_check(design, winds))
     checks = [
-        *design_checks(configuration.aircraft, configuration.mission, design, configuration.solar),
+        *in_wind,
+        *design_checks(configuration.aircraft, where, design, configuration.solar),
         *correction_check(
             Scenarios(latitude[known], day[known]), configuration.solar, configuration.mission
         ),
@@ -228,6 +236,8 @@ def _cells(
         **{one.variable: one.of(flight) for one in (*MAP, *([ENDURANCE] if endurance else []))},
         "status": flight.cycle.status.astype(np.int8),
     }
+    if mission.wind_statistics is not None:
+        columns["wind"] = mission.scenario_winds_m_per_s(cells)
     for check in charge_rate_check(
         aircraft, mission, flight.design, flight.solar_power_w.max(axis=-1)
     ):
