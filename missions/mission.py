@@ -354,7 +354,10 @@ class Mission(FileRecord):
                 raise ValueError(f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s)")
             self.scenario_winds_m_per_s()
         except InputError as error:
-            trouble = {"why": "the file of winds has mistakes", "problems": error.problems}
+            first = error.problems[0]
+            trouble = {"why": f"{first.source} {first.message}"}
+            if first.line is not None:
+                trouble = {"why": "the table has a mistake", "problems": error.problems}
         except OSError as error:
             trouble = {"why": f"cannot read {given.file!r}: {error.strerror or error}"}
         except ValueError as error:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from missions.files.errors import file_error
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
@@ -345,10 +346,8 @@ def _loiter_ratio_on(
 def _check_one_wind(mission: Mission, solar: SolarModel) -> None:
     """Refuse winds that change while a path is flown from day to day."""
     if solar.needs_path and mission.wind_statistics is not None:
-        raise ValueError(
-            f"{solar.model} on a flight path needs one wind from day to day: give wind_m_per_s "
-            "in place of wind"
-        )
+        message = "needs one wind from day to day: give wind_m_per_s in place of wind"
+        raise file_error(mission.name, f"{solar.label} on a flight path {message}")
 
 
 def _flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> FlownModules:

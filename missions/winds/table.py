@@ -88,10 +88,10 @@ class WindTable:
             if outside.size:
                 known = f"{axis[0]:g}" if len(axis) == 1 else f"{axis[0]:g} to {axis[-1]:g}"
                 hint = hint if self.source == SHIPPED_SOURCE else ""
-                return f"{self.source} has {name} {known} (got {outside[0]:g}){hint}"
+                return f"has {name} {known} (got {outside[0]:g}){hint}"
         missing = [m for m in np.unique(np.asarray(months, int)).tolist() if m not in self.months]
         if missing:
-            return f"{self.source} lacks the month {MONTH_NAMES[missing[0] - 1]}"
+            return f"lacks the month {MONTH_NAMES[missing[0] - 1]}"
         return None
 
     def at(
@@ -117,13 +117,13 @@ class WindTable:
 
         Raises
         ------
-        ValueError
+        InputError
             Outside the table.
         """
         curve = self.curve(latitude_deg, altitude_m, month)
         trouble = self.trouble(percentile=percentile)
         if trouble is not None:
-            raise ValueError(trouble)
+            raise file_error(self.source, trouble)
         lower, upper, weight = _between(self.percentiles, percentile)
         return np.asarray(curve[..., lower] * (1.0 - weight) + curve[..., upper] * weight)
 
@@ -131,7 +131,7 @@ class WindTable:
         """Wind speed of every percentile of the table, on the last axis [m/s]."""
         trouble = self.trouble(latitude_deg=latitude_deg, altitude_m=altitude_m, months=month)
         if trouble is not None:
-            raise ValueError(trouble)
+            raise file_error(self.source, trouble)
         places = np.broadcast_arrays(
             *_between(self.latitude_deg, latitude_deg),
             *_between(self.altitude_m, altitude_m),
@@ -143,6 +143,53 @@ class WindTable:
         southern = winds[south, below, m] * (1.0 - v) + winds[south, above, m] * v
         northern = winds[north, below, m] * (1.0 - v) + winds[north, above, m] * v
         return np.asarray(southern * (1.0 - w) + northern * w)
+
+    def share_below(
+        self,
+        speed_m_per_s: ArrayLike,
+        latitude_deg: ArrayLike,
+        altitude_m: ArrayLike,
+        month: ArrayLike,
+    ) -> FloatArray:
+        """Share of the time in which the wind is at most so strong [-].
+
+        Linear between the percentiles of the table; below the lowest and above the highest the
+        speeds are distributed as Rayleigh's, through that percentile:
+        ``F(v) = 1 - (1 - p)^((v / v_p)^2)``.
+
+        Parameters
+        ----------
+        speed_m_per_s, latitude_deg, altitude_m, month
+            Speed [m/s], latitude [deg], altitude [m] and month; shapes are broadcast.
+
+        Returns
+        -------
+        ndarray
+            From 0 to 1, never falling with the speed.
+
+        Raises
+        ------
+        InputError
+            Outside the table.
+        """
+        curve = self.curve(latitude_deg, altitude_m, month)
+        speed, levels = np.asarray(speed_m_per_s, float), self.percentiles / 100.0
+        share = _rayleigh(speed, curve[..., 0], levels[0])
+        for i in range(len(levels) - 1):
+            low, high = curve[..., i], curve[..., i + 1]
+            width = high - low
+            part = np.where(width > 0.0, (speed - low) / np.where(width > 0.0, width, 1.0), 1.0)
+            between = levels[i] + (levels[i + 1] - levels[i]) * np.clip(part, 0.0, 1.0)
+            share = np.where(speed >= low, between, share)
+        above = _rayleigh(speed, curve[..., -1], levels[-1])
+        return np.asarray(np.where(speed >= curve[..., -1], above, share))
+
+
+def _rayleigh(speed: FloatArray, wind: FloatArray, share: float) -> FloatArray:
+    """Share of Rayleigh's distribution below a speed, of which ``share`` lies below ``wind``."""
+    calm = wind <= 0.0
+    ratio = np.maximum(speed, 0.0) / np.where(calm, 1.0, wind)
+    return np.where(calm, 1.0, -np.expm1(np.log1p(-share) * ratio**2))
 
 
 @lru_cache(maxsize=1)
