@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from missions.dates import month_and_day
+from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of
@@ -26,6 +29,7 @@ from sizing.validity.ranges import Check, Extrapolation
 from sizing.validity.told import told
 from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
+from solar.types import FloatArray
 from studies.engine.run import Cell, Job, compute
 from studies.grid import GridStudy, chunks_of
 from studies.maps.grid import Grid, MapConfiguration, cell_time_s
@@ -127,6 +131,8 @@ def prepare(
 ) -> GridStudy:
     """Check a map and divide it into chunks."""
     grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance)
+    if solar.needs_path:
+        grid.check_winds(mission)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
@@ -237,12 +243,28 @@ def _cells(
         "status": flight.cycle.status.astype(np.int8),
     }
     if mission.wind_statistics is not None:
-        columns["wind"] = mission.scenario_winds_m_per_s(cells)
+        columns["wind"] = _known_winds(mission, cells)
     for check in charge_rate_check(
         aircraft, mission, flight.design, flight.solar_power_w.max(axis=-1)
     ):
         columns["charge_rate"] = check.value
     return columns
+
+
+def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:
+    """Wind of each cell [m/s]; NaN where the table of winds ends, as it changes nothing else."""
+    try:
+        return mission.scenario_winds_m_per_s(cells)
+    except InputError:
+        months = [month_and_day(int(day))[0] for day in cells.day_of_year]
+    pairs = np.column_stack([cells.latitude_deg, months])
+    _, first, place = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
+    winds = np.full(len(first), np.nan)
+    for number, i in enumerate(first.tolist()):
+        one = Scenarios(cells.latitude_deg[i : i + 1], cells.day_of_year[i : i + 1])
+        with suppress(InputError):
+            winds[number] = mission.scenario_winds_m_per_s(one)[0]
+    return winds[place.ravel()]
 
 
 def season_length(data: xr.Dataset) -> xr.DataArray:

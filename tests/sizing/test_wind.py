@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from missions.winds.table import COLUMNS
@@ -91,3 +92,12 @@ def test_a_map_has_the_wind_of_each_cell(windy: Mission) -> None:
     calm = feasibility_map(aircraft, windy.in_wind(0.0), latitudes=[40.0, 50.0], days=[166, 196])
     assert "wind" not in calm
     assert calm["excess_time"].equals(data["excess_time"])
+
+
+def test_a_map_has_no_wind_where_the_table_ends(windy: Mission) -> None:
+    aircraft = load_aircraft("atlantiksolar-as2")
+    data = feasibility_map(aircraft, windy, latitudes=[39.0, 40.0], days=[100, 166])
+    assert np.isnan(data["wind"].to_numpy()).tolist() == [[True, True], [True, False]]
+    assert "failed_cells" not in data.attrs
+    with pytest.raises(InputError, match="has latitude_deg 40 to 50"):
+        feasibility_map(aircraft, windy, latitudes=[39.0, 40.0], days=[166], model="FM")

@@ -71,10 +71,8 @@ def test_what_has_no_answer_is_refused_in_a_line(
     assert not outcome.out
 
 
-@pytest.mark.parametrize("command", ["map", "ceiling"])
-def test_places_outside_the_table_are_refused_by_other_commands(run: Run, command: str) -> None:
-    more = {"map": ("--latitudes", "80:90:5", "--days", "1:365:90"), "ceiling": ()}[command]
-    outside = run(command, DESIGN, *GOOD, *more, "--set", "mission.latitude_deg=85.0")
-    assert "Traceback" not in outside.err
-    if command == "map":
-        assert "has latitude_deg -88 to 88 (got 90)" in outside.err
+def test_a_map_that_needs_the_wind_is_refused_where_no_table_knows_it(run: Run) -> None:
+    cells = ("--latitudes", "80:90:5", "--days", "1:365:91")
+    sized = run("map", DESIGN, *GOOD, *cells, "--resize", "min_wingspan")
+    assert sized.code == 2
+    assert sized.err.splitlines() == ["the shipped table: has latitude_deg -88 to 88 (got 90)"]
