@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -56,8 +55,8 @@ class WindStatistics(Record):
         if self.file is None:
             return shipped_winds()
         if self._is_netcdf:
-            return _of_netcdf(self.file, self._state(), longitude_deg, self.percentile)
-        return _of_text(self.file, read_text(self.file))
+            return _read(self.file, self._state(), longitude_deg, self.percentile)
+        return _read(self.file, self._state())
 
     def speeds(
         self, scenarios: Scenarios, altitude_m: float, longitude_deg: float | None
@@ -74,34 +73,29 @@ class WindStatistics(Record):
         return self.file is not None and self.file.lower().endswith(_NETCDF)
 
     def _state(self) -> str:
-        """Size and time of change of a file that is too large to be read for a comparison."""
+        """Size and time of change of the file, which tell what it holds without reading it."""
         assert self.file is not None
         about = Path(self.file).stat()
         return f"{about.st_size} {about.st_mtime_ns}"
 
     def contents_read(self) -> str | None:
-        """What tells the file's contents from others: its text, or the state of a NetCDF file."""
-        if self.file is None:
-            return None
-        return self._state() if self._is_netcdf else read_text(self.file)
+        """Tell the contents of the file from others; none for the shipped table."""
+        return None if self.file is None else self._state()
 
     @field_serializer("file")
     def _with_contents(self, file: str | None, info: SerializationInfo) -> str | None:
-        """Path, with a checksum of what tells its contents where one asks for contents."""
+        """Path, and what tells its contents from others where one asks for contents."""
         contents = self.contents_read() if (info.context or {}).get("contents") else None
-        return (
-            file if contents is None else f"{file} {hashlib.sha256(contents.encode()).hexdigest()}"
-        )
+        return file if contents is None else f"{file} {contents}"
 
 
 @lru_cache(maxsize=4)
-def _of_text(path: str, text: str) -> WindTable:
-    return wind_table_from_text(text, printable(path))
-
-
-@lru_cache(maxsize=4)
-def _of_netcdf(path: str, state: str, longitude_deg: float | None, percentile: float) -> WindTable:
-    """``state``: tells a changed file from the one that is kept."""
+def _read(
+    path: str, state: str, longitude_deg: float | None = None, percentile: float | None = None
+) -> WindTable:
+    """Table of a file; ``state`` tells a changed one from the one that is kept."""
+    if percentile is None:
+        return wind_table_from_text(read_text(path), printable(path))
     from missions.winds.netcdf import wind_table_from_netcdf  # xarray takes longer than a mission
 
     return wind_table_from_netcdf(path, longitude_deg, also=percentile)
