@@ -137,4 +137,6 @@ def test_the_shipped_file_says_where_it_is_from() -> None:
     head = gzip.decompress(file.read_bytes()).decode()[:1500]
     assert "contains modified Copernicus Climate Change Service information" in head
     assert "MIT License" in head
+    licence = file.parent.joinpath("aerosandbox.LICENSE").read_text()  # type: ignore[attr-defined]
+    assert "this permission notice shall be included in all" in licence
     assert len(file.read_bytes()) < 300_000
