@@ -20,8 +20,10 @@ from missions.air import (
     air_at,
     standard_air,
 )
+from missions.files.errors import InputError
 from missions.flight_path import FlightPath, Heading, Wind
 from missions.uncertainty import Uncertainty
+from missions.winds.statistics import WindStatistics
 from solar.clearsky import ClearSky, named_clear_sky
 from solar.names import CorrectionName, ModelName
 from solar.schema import (
@@ -249,6 +251,8 @@ class Mission(FileRecord):
     turbulence: Turbulence = Turbulence()
     payload: Payload = Payload()
     wind_m_per_s: NonNegativeReal = 0.0
+    # The key of the file is that of the property `wind`, which is older.
+    wind_statistics: WindStatistics | None = Field(default=None, alias="wind")
     wind_from_deg: Heading = 90.0
     flight_path: FlightPath | None = None
     required_excess_time_h: ExcessTime = 0.0
@@ -338,6 +342,30 @@ class Mission(FileRecord):
             )
         return self
 
+    @model_validator(mode="after")
+    def _check_wind(self) -> Mission:
+        """After the count of scenarios: each has its wind."""
+        given = self.wind_statistics
+        if given is None:
+            return self
+        trouble: dict[str, Any] = {}
+        try:
+            if self.wind_m_per_s:
+                raise ValueError(f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s)")
+            self.scenario_winds_m_per_s()
+        except InputError as error:
+            first = error.problems[0]
+            trouble = {"why": f"{first.source} {first.message}"}
+            if first.line is not None:
+                trouble = {"why": "the table has a mistake", "problems": error.problems}
+        except OSError as error:
+            trouble = {"why": f"cannot read {given.file!r}: {error.strerror or error}"}
+        except ValueError as error:
+            trouble = {"why": str(error)}
+        if trouble:
+            raise PydanticCustomError("wind", "{why}", {"key": "wind", **trouble})
+        return self
+
     @property
     def pessimistic_clearness(self) -> float:
         """Clearness of all light, at the worst of its uncertainty margin [-]."""
@@ -376,8 +404,29 @@ class Mission(FileRecord):
 
     @property
     def wind(self) -> Wind:
-        """Steady wind that the flight path is flown in."""
-        return Wind(speed_m_per_s=self.wind_m_per_s, from_deg=self.wind_from_deg)
+        """Steady wind that the flight path is flown in: the strongest of all scenarios."""
+        return Wind(speed_m_per_s=self.strongest_wind_m_per_s, from_deg=self.wind_from_deg)
+
+    @property
+    def strongest_wind_m_per_s(self) -> float:
+        """Wind that an aircraft must be faster than in all scenarios [m/s]."""
+        if self.wind_statistics is None:
+            return self.wind_m_per_s
+        strongest = self.scenario_winds_m_per_s().max(axis=0)
+        # Draws of an uncertain altitude are arrays.
+        return float(strongest) if strongest.ndim == 0 else cast("float", strongest)
+
+    def scenario_winds_m_per_s(self, scenarios: Scenarios | None = None) -> FloatArray:
+        """Wind of each scenario, by default of the mission's own [m/s]."""
+        some = self.scenarios() if scenarios is None else scenarios
+        if self.wind_statistics is None:
+            return np.full(len(some), self.wind_m_per_s)
+        return self.wind_statistics.speeds(some, self.altitude_m, self.longitude_deg)
+
+    def in_wind(self, wind_m_per_s: float) -> Mission:
+        """Same mission in a wind that is the same everywhere and all year."""
+        update = {"wind_m_per_s": wind_m_per_s, "wind_statistics": None}
+        return self.model_copy(update=update)
 
     def latitudes(self) -> list[float]:
         """Latitudes of the mission [deg]."""

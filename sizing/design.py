@@ -175,7 +175,7 @@ class FlightConditions(NamedTuple):
             payload_mass_kg=mission.payload.mass_kg,
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
-            wind_m_per_s=mission.wind_m_per_s,
+            wind_m_per_s=mission.strongest_wind_m_per_s,
             battery_capacity_fraction=_scalar(
                 mission.uncertainty_margins.battery_capacity * battery.capacity_fraction(air_c)
             ),

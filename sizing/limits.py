@@ -199,13 +199,18 @@ def design_requirements(
     return [*rows, *aircraft.design_space.own_requirements(it)]
 
 
-def meets_requirements(aircraft: Aircraft, mission: Mission, design: Design) -> NDArray[np.bool_]:
+def meets_requirements(
+    aircraft: Aircraft, mission: Mission, design: Design, *, wind_m_per_s: Value | None = None
+) -> NDArray[np.bool_]:
     """Whether closed designs keep every requirement on the design itself.
 
-    A payload that the design chooses replaces the mission's. Returns of the designs' shape.
+    A payload that the design chooses replaces the mission's. ``wind_m_per_s``: of each design,
+    instead of the mission's strongest. Returns of the designs' shape.
     """
     heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
     carried = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
+    if wind_m_per_s is not None:
+        carried = carried._replace(wind_m_per_s=wind_m_per_s)
     mass = np.asarray(design.total_mass_kg)
     met = np.isfinite(mass) & (mass <= heaviest * (1.0 + ROW_TOLERANCE))
     with np.errstate(invalid="ignore"):

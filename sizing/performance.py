@@ -297,6 +297,13 @@ def performance_of_pairs(
     scenarios.
     """
     design = closed_design(aircraft, mission, variables)
+    return performance_in_pairs(aircraft, mission, design, solar, day=day)
+
+
+def performance_in_pairs(
+    aircraft: Aircraft, mission: Mission, design: Design, solar: SolarModel, *, day: SolarDay
+) -> Performance:
+    """Simulate designs that are closed already, each in its own scenario of a day."""
     return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)
 
 

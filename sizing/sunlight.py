@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from missions.files.errors import file_error
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
@@ -250,10 +251,13 @@ def modelled_power(
         # In memory the time comes first: the simulator marches over it, all scenarios at once.
         column = time_h[:, np.newaxis]
         return _specific_power(aircraft, mission, model, latitude_deg, day, column).T
+    flown = [mission] * len(scenarios)
+    if mission.wind_statistics is not None:
+        flown = [mission.in_wind(w) for w in mission.scenario_winds_m_per_s(scenarios).tolist()]
     return np.stack(
         [
-            _specific_power(aircraft, mission, model, float(latitude), noon, time_h)
-            for latitude, noon in zip(latitude_deg, day, strict=True)
+            _specific_power(aircraft, one, model, float(latitude), noon, time_h)
+            for one, latitude, noon in zip(flown, latitude_deg, day, strict=True)
         ]
     )
 
@@ -270,6 +274,7 @@ def power_on_calendar(
     ``day_of_year``, ``time_solar_h``: fractional day of year and local solar time [h] at each
     instant. Returns electric power per area of module [W/m2].
     """
+    _check_one_wind(mission, solar)
     latitude = mission.latitudes()[0]
     power = _specific_power(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
     if solar.correction == "loiter":
@@ -304,6 +309,7 @@ def power_in_light(
     ``aircraft``, ``mission``, ``solar``: as for :func:`solar_day`; the mission has a single
     latitude. Returns electric power per area of module [W/m2].
     """
+    _check_one_wind(mission, solar)
     if solar.model in ATTITUDE_MODELS:
         power = mean_power_on_path(
             solar.model,
@@ -335,6 +341,13 @@ def _loiter_ratio_on(
     days, place = np.unique(np.floor(day_of_year).astype(int), return_inverse=True)
     scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), (days - 1) % 365 + 1)
     return np.asarray(Sunlight(aircraft, mission, scenarios).loiter_ratio(model)[place, 0])
+
+
+def _check_one_wind(mission: Mission, solar: SolarModel) -> None:
+    """Refuse winds that change while a path is flown from day to day."""
+    if solar.needs_path and mission.wind_statistics is not None:
+        message = "needs one wind from day to day: give wind_m_per_s in place of wind"
+        raise file_error(mission.name, f"{solar.label} on a flight path {message}")
 
 
 def _flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> FlownModules:

@@ -158,7 +158,11 @@ class _CellSearch(Search):
     def __init__(self, cells: _Cells, cell: int, sunlit: Sequence[int] = ()) -> None:
         required_h = float(cells.required_h[cell])
         held = {name: float(values[cell]) for name, values in cells.payload.items()}
-        instance = replace(ProblemInstance.of(cells.objective, required_h), held=held)
+        instance = replace(
+            ProblemInstance.of(cells.objective, required_h),
+            held=held,
+            wind_m_per_s=float(cells.wind_m_per_s[cell]),
+        )
         super().__init__(
             instance.always_lit(sunlit, all_of_them=len(sunlit) == cells.each),
             required_h,
@@ -184,6 +188,8 @@ class _Cells:
         self.required_h, self.payload, self.seed = required_h, payload, seed
         self.each = each
         self.count = len(self.day.scenarios) // each
+        winds = solver.mission.scenario_winds_m_per_s(self.day.scenarios)
+        self.wind_m_per_s = winds.reshape(-1, each).max(axis=-1)
         self.own = variables_of(solver.aircraft)
         self.last: Solution | None = None
 
@@ -275,8 +281,13 @@ class _Cells:
         )
         return _by_cell(perf, self.each)
 
-    def _keeps_requirements(self, perf: Performance) -> NDArray[np.bool_]:
-        return meets_requirements(self.solver.aircraft, self.solver.mission, perf.design)
+    def _keeps_requirements(self, perf: Performance, cells: NDArray[np.int_]) -> NDArray[np.bool_]:
+        return meets_requirements(
+            self.solver.aircraft,
+            self.solver.mission,
+            perf.design,
+            wind_m_per_s=self.wind_m_per_s[cells],
+        )
 
     def _simulated(self, searches: Sequence[Search]) -> list[Simulated]:
         cells = np.array([one.scenarios[0] // self.each for one in searches])
@@ -287,7 +298,7 @@ class _Cells:
             excess,
             cells * self.each + worst,
             merit_of(self.objective, perf),
-            self._keeps_requirements(perf),
+            self._keeps_requirements(perf, cells),
         )
         return [Simulated(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
@@ -307,12 +318,12 @@ class _Cells:
             factor = np.exp(spread * rng.standard_normal(len(spread)))
             around = np.outer(values, factor if name in free else np.ones_like(factor))
             moved[name] = (np.clip(around, *bounds[name]) if name in bounds else around).ravel()
-        flight = self._performance(DesignVariables(**moved), np.repeat(cells, len(spread)))
+        around_cells = np.repeat(cells, len(spread))
+        flight = self._performance(DesignVariables(**moved), around_cells)
         excess = flight.cycle.excess_time_h.min(axis=-1)
-        good = (excess > 0.0) & (excess >= np.repeat(self.required_h[cells], len(spread)))
-        merit = np.where(
-            good & self._keeps_requirements(flight), merit_of(self.objective, flight), -np.inf
-        )
+        good = (excess > 0.0) & (excess >= self.required_h[around_cells])
+        good &= self._keeps_requirements(flight, around_cells)
+        merit = np.where(good, merit_of(self.objective, flight), -np.inf)
         best, own = merit.reshape(len(cells), -1).max(axis=1), merit_of(self.objective, perf)
         in_hours = ABSOLUTE_TOLERANCE_H if self.objective is Objective.max_excess_time else 0.0
         # Sums rather than differences: the excess time may be infinite on both sides.

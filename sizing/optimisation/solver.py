@@ -60,6 +60,7 @@ class ProblemInstance:
     counts; None where every requirement must be met. ``margin``: by how much more charge the day
     must return than the night takes, relative. ``lit``: scenarios in which the sun must carry the
     nominal load at all times. Their excess time is unlimited and meets any requirement.
+    ``wind_m_per_s``: wind instead of the mission's strongest [m/s].
     """
 
     cost: Mapping[str, float]
@@ -71,6 +72,7 @@ class ProblemInstance:
     penalty: float | None = None
     margin: float = _FIRST_MARGIN
     sunlit: frozenset[int] = frozenset()
+    wind_m_per_s: float | None = None
 
     @classmethod
     def of(cls, objective: Objective, required_h: float) -> ProblemInstance:
@@ -336,8 +338,11 @@ class ProgramSolver:
         lower, upper = np.array(
             [[v.to_program(end) for end in ends[v.name]] for v in problem.variables]
         ).T
+        conditions = self.conditions
+        if instance.wind_m_per_s is not None:
+            conditions = conditions._replace(wind_m_per_s=instance.wind_m_per_s)
         limits = {
-            "p": problem.parameters(weights, self.conditions, suns, margin=instance.margin),
+            "p": problem.parameters(weights, conditions, suns, margin=instance.margin),
             "lbx": lower,
             "ubx": upper,
             "lbg": 0.0,
@@ -400,9 +405,9 @@ class ProgramSolver:
     def _held_values(self, problem: SizingProblem) -> dict[str, float]:
         """Variables that stay as aircraft and mission have them unless they are freed."""
         relative = {v.name: 1.0 for v in problem.of_role(Role.technology, Role.limit)}
-        payload, wind = self.mission.payload, self.mission.wind_m_per_s
+        payload = self.mission.payload
         carried = {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
-        return relative | carried | {WIND: wind}
+        return relative | carried | {WIND: self.conditions.wind_m_per_s}
 
     def _start(
         self, problem: SizingProblem, instance: ProblemInstance, variables: DesignVariables

@@ -32,6 +32,7 @@ from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
 from sizing.results.whole_cells import cells_record
+from sizing.results.wind import wind_record
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
@@ -288,7 +289,7 @@ class Analysis(Result):
         design, solar = self.performance.design, self.performance.solar
         limited = self.limited_flight
         airspeed = design.airspeed_m_per_s
-        wind = self.mission.wind_m_per_s
+        wind = self.mission.strongest_wind_m_per_s
         result = records[self.worst] | {
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
@@ -318,6 +319,9 @@ class Analysis(Result):
             result["drag_coefficients"] = drag_record(self.drag_coefficients)
         if self.balance is not None:
             result["balance"] = self.balance.to_dict()
+        winds = wind_record(self.mission)
+        if winds is not None:
+            result["wind"] = winds
         result |= catalogue_records(self.aircraft)
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)

@@ -27,6 +27,7 @@ from sizing.results.power_budget import power_line
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
 from sizing.results.whole_cells import cells_lines, cells_record
+from sizing.results.wind import wind_rows
 from solar.sun import solar_time_h
 
 
@@ -192,6 +193,7 @@ def _rows(analysis: Analysis) -> list[tuple[str, str]]:
         q.TOTAL_MASS.fact(design.total_mass_kg, ".2f"),
         ("battery", q.BATTERY_ENERGY.fact(design.battery_energy_wh, ".0f")[1]),
         q.AIRSPEED.fact(design.airspeed_m_per_s, ".1f"),
+        *wind_rows(analysis.mission),
         *(one.fact(values[one]) for one in (q.LOAD, q.SOLAR_ENERGY)),
         ("sunrise, sunset (solar time)", _clocks(values[q.SUNRISE], values[q.SUNSET])),
         ("equal power, morning and evening", _clocks(values[morning], values[evening])),

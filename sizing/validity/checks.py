@@ -42,14 +42,19 @@ def design_checks(
     yield from battery_checks(aircraft.battery, mission.air_state().temperature_c)
     yield from altitude_checks(mission, solar, mission.altitude_m)
     yield from _path_check(mission, solar, design)
-    if design.airspeed_m_per_s is not None:
-        ends = (mission.wind_m_per_s, None)
-        yield Check.of("airspeed_m_per_s", "wind", design.airspeed_m_per_s, ends)
+    yield from wind_check(design, mission.strongest_wind_m_per_s)
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
         yield from _measured_checks(airframe, conditions, design)
     else:
         yield from _parametric_checks(DesignInFlight(aircraft, design, conditions), mission)
+
+
+def wind_check(design: Design, wind_m_per_s: ArrayLike) -> Iterator[Check]:
+    """Airspeed of a design, where it is known, in one wind or in that of every cell [m/s]."""
+    if design.airspeed_m_per_s is not None:
+        ends = (wind_m_per_s, None)
+        yield Check.of("airspeed_m_per_s", "wind", design.airspeed_m_per_s, ends)
 
 
 def technology_checks(aircraft: Aircraft) -> Iterator[Check]:

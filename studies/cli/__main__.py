@@ -49,6 +49,7 @@ _COMMANDS = {
     "analyse": _Lazy("analyse", "analyse", "How long it flies, there and then.", "Analyse"),
     "map": _Lazy("map", "map_", "Where and when it flies perpetually.", "Analyse"),
     "ceiling": _Lazy("ceiling", "ceiling", "How high it flies perpetually.", "Analyse"),
+    "station": _Lazy("station", "station", "How often it holds its place in the wind.", "Analyse"),
     "uncertainty": _Lazy(
         *("uncertainty", "uncertainty", "How likely it flies perpetually when inputs scatter."),
         task="Analyse",

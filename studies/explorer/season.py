@@ -41,7 +41,7 @@ _DAYS_ON_PATH = DAYS[::4]
 # Keys of the mission that light knows of; the rest of it changes the load alone. Wind turns the
 # modules of an aircraft that follows a path.
 _KEYS_OF_LIGHT = ("altitude_m", "air", "clear_sky", "clearness", "uncertainty_margins")
-_KEYS_OF_PATH = ("wind_m_per_s", "wind_from_deg", "flight_path")
+_KEYS_OF_PATH = ("wind_m_per_s", "wind_statistics", "wind_from_deg", "flight_path")
 _KEPT = 6  # lights, of 16 MB at most each
 # Of filling a slow map, before others have their turn: while a slider moves, and when it rests.
 _SHORT_TURN_S, _TURN_S = 0.02, 0.12

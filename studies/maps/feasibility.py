@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from missions.dates import month_and_day
+from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of
@@ -20,11 +23,13 @@ from sizing.validity.checks import (
     charge_rate_is_open,
     correction_check,
     design_checks,
+    wind_check,
 )
 from sizing.validity.ranges import Check, Extrapolation
 from sizing.validity.told import told
 from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
+from solar.types import FloatArray
 from studies.engine.run import Cell, Job, compute
 from studies.grid import GridStudy, chunks_of
 from studies.maps.grid import Grid, MapConfiguration, cell_time_s
@@ -53,6 +58,7 @@ _PERPETUAL = (Status.perpetual, Status.always_lit)
 _DESCRIBED = {one.variable: one.described for one in MAP}
 _ENDURANCE = {ENDURANCE.variable: ENDURANCE.described}
 _CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
+_WIND = {"wind": ("m s-1", "wind speed, at the mission's percentile")}
 _STATUS = {"status": ("1", "how the repeated day ends")}
 
 
@@ -125,9 +131,12 @@ def prepare(
 ) -> GridStudy:
     """Check a map and divide it into chunks."""
     grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance)
+    if solar.needs_path:
+        grid.check_winds(mission)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
+    described |= {} if mission.wind_statistics is None else _WIND
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
     blanks["status"] = np.int8(Status.failed)
     configuration = MapConfiguration(aircraft, mission, solar, endurance)
@@ -151,8 +160,13 @@ def _extrapolations_of_map(
     known = columns["status"] != Status.failed
     latitude, day = np.meshgrid(grid.latitudes_deg, grid.days, indexing="ij")
     design = design_of(configuration.aircraft, configuration.mission)
+    where, in_wind = configuration.mission, []
+    if "wind" in columns:  # of each cell; that of the mission's own latitudes plays no part
+        where, winds = where.in_wind(0.0), columns["wind"][known]
+        in_wind = list(wind_check(design, winds))
     checks = [
-        *design_checks(configuration.aircraft, configuration.mission, design, configuration.solar),
+        *in_wind,
+        *design_checks(configuration.aircraft, where, design, configuration.solar),
         *correction_check(
             Scenarios(latitude[known], day[known]), configuration.solar, configuration.mission
         ),
@@ -228,11 +242,29 @@ def _cells(
         **{one.variable: one.of(flight) for one in (*MAP, *([ENDURANCE] if endurance else []))},
         "status": flight.cycle.status.astype(np.int8),
     }
+    if mission.wind_statistics is not None:
+        columns["wind"] = _known_winds(mission, cells)
     for check in charge_rate_check(
         aircraft, mission, flight.design, flight.solar_power_w.max(axis=-1)
     ):
         columns["charge_rate"] = check.value
     return columns
+
+
+def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:
+    """Wind of each cell [m/s]; NaN where the table of winds ends, as it changes nothing else."""
+    try:
+        return mission.scenario_winds_m_per_s(cells)
+    except InputError:
+        months = [month_and_day(int(day))[0] for day in cells.day_of_year]
+    pairs = np.column_stack([cells.latitude_deg, months])
+    _, first, place = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
+    winds = np.full(len(first), np.nan)
+    for number, i in enumerate(first.tolist()):
+        one = Scenarios(cells.latitude_deg[i : i + 1], cells.day_of_year[i : i + 1])
+        with suppress(InputError):
+            winds[number] = mission.scenario_winds_m_per_s(one)[0]
+    return winds[place.ravel()]
 
 
 def season_length(data: xr.Dataset) -> xr.DataArray:

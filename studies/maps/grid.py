@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.dates import DAYS_PER_YEAR, days_of_year
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
@@ -83,6 +83,12 @@ class Grid:
     def cells(self) -> FloatArray:
         """Latitude [deg] and day of all cells, shape ``(cell, 2)``."""
         return np.array(list(itertools.product(self.latitudes_deg, self.days)), float)
+
+    def check_winds(self, mission: Mission) -> None:
+        """Refuse cells whose wind the mission's table does not know, where it matters."""
+        if mission.wind_statistics is not None:
+            latitude, day = self.cells().T
+            mission.scenario_winds_m_per_s(Scenarios(latitude, day.astype(int)))
 
     def chunks(self, cell_s: float) -> list[IntArray]:
         """Numbers of the cells of rectangles: whole rows of latitude if a row is short enough."""

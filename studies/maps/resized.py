@@ -121,6 +121,7 @@ def prepare(
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
     grid = Grid.of(latitudes, days, slow=True)
+    grid.check_winds(mission)
     numbers = grid.chunks(_SIZING_S + cell_time_s(aircraft, mission, solar))
     configuration = MapConfiguration(aircraft, mission, solar, objective=goal)
     chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(SizingStatus, SIZED)

@@ -66,7 +66,7 @@ def transferred_errors(
             [
                 _energy(
                     aircraft,
-                    mission.model_copy(update={"wind_m_per_s": wind, "wind_from_deg": direction}),
+                    mission.in_wind(wind).model_copy(update={"wind_from_deg": direction}),
                     "FM",
                     scenarios,
                     time_h,

@@ -26,6 +26,7 @@ CELLS = (
     *("--set", f"modules.layout.strings={STRINGS}"),
     *("--set", "battery.pack={cells_in_series: 6, cell_mass_kg: 0.0486}"),
 )
+HIGH = ("--set", "mission.altitude_m=12000", "--set", "mission.wind={percentile: 95}")
 
 # Calls that together show every key of a command, and keys that only other calls show.
 CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
@@ -87,6 +88,14 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [AS2, "--latitudes", "40:50:10", "--days", "100:200:100", "--endurance"],
             [DESIGN, "--latitudes", "40:50:10", "--days", "100:200:100", "--resize", "min_mass"],
             [AS2, "--weather", "colorado-2023", "--batteries", "1:2:1"],
+        ],
+        set(),
+    ),
+    "station": (
+        "winds.md",
+        [
+            [DESIGN, *HIGH, "--latitudes", "40:50:10"],
+            [DESIGN, *HIGH, "--altitudes", "10000:12000:2000"],
         ],
         set(),
     ),

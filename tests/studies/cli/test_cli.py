@@ -184,6 +184,7 @@ def test_a_mission_key_without_its_prefix_is_named(run: Run) -> None:
         ("sweep", DESIGN, "--vary", "battery_mass_kg=2,3"),
         ("compare", AS2),
         ("ceiling", AS2),
+        ("station", DESIGN),
         ("efficiencies", AS2),
         ("loiter-correction", AS2),
         ("verify", AS2, "log.csv"),

@@ -1,0 +1,1 @@
+"""Winds that change with latitude, altitude and month: tables of their percentiles."""

@@ -1,0 +1,203 @@
+"""Percentiles of the wind from NetCDF files with its components, such as those of ERA5.
+
+Axes are known by their names, so that their order plays no part; longitudes may count from 0 to 360
+or from -180 to 180, latitudes and levels up or down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, standard_air
+from missions.files.errors import file_error, printable
+from missions.winds.table import WindTable
+from solar.types import FloatArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["PERCENTILES", "wind_table_from_netcdf"]
+
+# What a file is reduced to, beside the percentile that is asked for.
+PERCENTILES = (5.0, 10.0, 25.0, 50.0, 75.0, 90.0, 95.0, 99.0)
+# Names of axes: those of ERA5 before and after its change of 2024, and of the CF conventions.
+_AXES = {
+    "time": ("time", "valid_time"),
+    "latitude": ("latitude", "lat"),
+    "longitude": ("longitude", "lon"),
+    "level": ("pressure_level", "level", "isobaricInhPa", "plev", "height", "altitude"),
+}
+_COMPONENTS = {
+    "eastward_wind": ("u", "u_component_of_wind", "ua"),
+    "northward_wind": ("v", "v_component_of_wind", "va"),
+}
+_PASCALS = {"hpa": 100.0, "millibars": 100.0, "millibar": 100.0, "mbar": 100.0, "pa": 1.0}
+_METRES = {"m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0, "km": 1000.0}
+_STEP_M = 50.0
+
+
+def wind_table_from_netcdf(
+    path: str, longitude_deg: float | None = None, *, also: float | None = None
+) -> WindTable:
+    """Percentiles of the wind speed in a file of its components over time.
+
+    Parameters
+    ----------
+    path : str
+        NetCDF file with eastward and northward wind [m/s] over time, latitude, longitude and
+        pressure or height. Pressures are those of the standard atmosphere.
+    longitude_deg : float, optional
+        The nearest longitude of the file is taken; all of them together without one.
+    also : float, optional
+        A percentile beside :data:`PERCENTILES`.
+
+    Returns
+    -------
+    WindTable
+        At the latitudes, levels and months of the file; its source names the longitude.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, lacks a component or an axis, or has too few times for a month.
+    """
+    source = printable(path)
+    with _opened(path, source) as data:
+        u, v = (_component(data, name, source) for name in _COMPONENTS)
+        u, v = (_arranged(one, source) for one in (u, v))
+        if u.shape != v.shape:
+            raise file_error(source, "has components of the wind on different axes")
+        u, v, at = _at_longitude(u, v, longitude_deg, source)
+        months = _months(u, source)
+        altitude_m = _altitudes_m(u["level"], source)
+        kept = (altitude_m >= MINIMUM_ALTITUDE_M) & (altitude_m <= MAXIMUM_ALTITUDE_M)
+        levels = np.flatnonzero(kept)[np.argsort(altitude_m[kept])]
+        latitudes = u["latitude"].to_numpy().astype(float)
+        if np.any(np.abs(latitudes) > 90.0):
+            raise file_error(source, "has latitudes beyond 90 degrees: its axes may be swapped")
+        if not len(levels):
+            raise file_error(source, f"has no level up to {MAXIMUM_ALTITUDE_M:g} m")
+        percentiles = np.array(sorted({*PERCENTILES, *([] if also is None else [also])}))
+        known = sorted(set(months.tolist()))
+        north = np.argsort(latitudes)
+        winds = np.stack(
+            [
+                _of_latitude(u[:, i, levels], v[:, i, levels], months, known, percentiles)
+                for i in north.tolist()
+            ]
+        )
+    if not np.isfinite(winds).all():
+        raise file_error(source, "has gaps in the wind")
+    fewest = min(int(np.sum(months == month)) for month in known) * u.shape[-1]
+    sampled = percentiles[percentiles <= 100.0 * (1.0 - 1.0 / fewest)]
+    if also is not None and also not in sampled:
+        message = f"has {fewest} values in a month, too few for percentile {also:g}"
+        raise file_error(source, message)
+    table = f"{source} ({at})"
+    return WindTable(
+        table,
+        latitudes[north],
+        altitude_m[levels],
+        tuple(known),
+        sampled,
+        winds[..., : len(sampled)],
+    )
+
+
+@contextmanager
+def _opened(path: str, source: str) -> Iterator[xr.Dataset]:
+    import xarray as xr
+
+    try:
+        data = xr.open_dataset(path)
+    except (OSError, ValueError) as error:
+        reason = str(error).strip().splitlines()[0]
+        raise file_error(source, f"cannot be read as NetCDF: {printable(reason)[:160]}") from error
+    with data:
+        yield data
+
+
+def _component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArray:
+    names = _COMPONENTS[standard_name]
+    for name, one in data.data_vars.items():
+        if name in names or one.attrs.get("standard_name") == standard_name:
+            return one
+    raise file_error(source, f"has no {standard_name} (variables named {', '.join(names)})")
+
+
+def _arranged(one: xr.DataArray, source: str) -> xr.DataArray:
+    """Component with the axes time, latitude, level and longitude, in this order."""
+    for axis, names in _AXES.items():
+        name = next((n for n in names if n in one.coords), None)
+        if name is None:
+            raise file_error(source, f"has no {axis} for {one.name} (named {', '.join(names)})")
+        if name not in one.dims:
+            one = one.expand_dims(name)
+        one = one.rename({name: axis}) if name != axis else one
+    rest = [str(name) for name in one.dims if name not in _AXES]
+    for name in rest:
+        if one.sizes[name] != 1:
+            raise file_error(source, f"has the axis {name} beside time, latitude, longitude, level")
+        one = one.isel({name: 0})
+    return one.transpose("time", "latitude", "level", "longitude")
+
+
+def _at_longitude(
+    u: xr.DataArray, v: xr.DataArray, longitude_deg: float | None, source: str
+) -> tuple[xr.DataArray, xr.DataArray, str]:
+    """Components at the longitude nearest to one, and that in words; all of them without one."""
+    longitudes = u["longitude"].to_numpy().astype(float)
+    if longitude_deg is None:
+        return u, v, f"all {len(longitudes)} longitudes"
+    away = np.abs((longitudes - longitude_deg + 180.0) % 360.0 - 180.0)
+    nearest = int(np.argmin(away))
+    spacing = float(np.min(np.diff(np.sort(longitudes)))) if len(longitudes) > 1 else 0.0
+    if away[nearest] > max(spacing, 1e-6):
+        ends = f"{longitudes.min():g} to {longitudes.max():g}"
+        raise file_error(source, f"has longitudes {ends}, not {longitude_deg:g} of the mission")
+    east = (longitudes[nearest] + 180.0) % 360.0 - 180.0
+    some = slice(nearest, nearest + 1)
+    return u[..., some], v[..., some], f"longitude {east:g}, nearest to {longitude_deg:g}"
+
+
+def _months(u: xr.DataArray, source: str) -> FloatArray:
+    if u["time"].dtype.kind != "M":
+        raise file_error(source, "has times that are no dates")
+    return np.asarray(u["time"].dt.month.to_numpy())
+
+
+def _altitudes_m(level: Any, source: str) -> FloatArray:
+    """Altitude of levels [m]; that of a pressure in the standard atmosphere."""
+    unit = str(level.attrs.get("units", "")).lower()
+    values = level.to_numpy().astype(float)
+    if unit in _METRES:
+        return np.asarray(values * _METRES[unit])
+    if unit not in _PASCALS:
+        known = ", ".join([*_PASCALS, *_METRES])
+        raise file_error(source, f"has levels in {unit or 'no unit'} (known: {known})")
+    heights = np.arange(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M + _STEP_M, _STEP_M)
+    logs = np.log(standard_air(heights).pressure_pa)
+    # Straight in the logarithm between heights 50 m apart, within 0.1 m of the formula.
+    wanted = np.log(values * _PASCALS[unit])
+    altitude = np.interp(-wanted, -logs, heights)
+    outside = (wanted < logs[-1]) | (wanted > logs[0] + 1e-12)
+    return np.where(outside, np.inf, altitude)
+
+
+def _of_latitude(
+    u: xr.DataArray,
+    v: xr.DataArray,
+    months: FloatArray,
+    known: list[int],
+    percentiles: FloatArray,
+) -> FloatArray:
+    """Percentiles at one latitude, shape ``(level, month, percentile)``; one is read at a time."""
+    speed = np.hypot(u.to_numpy(), v.to_numpy()).astype(float)
+    of_months = [
+        np.percentile(speed[months == month], percentiles, axis=(0, 2)).T for month in known
+    ]
+    return np.stack(of_months, axis=1)

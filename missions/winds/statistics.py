@@ -1,0 +1,101 @@
+"""``wind`` of a mission: a percentile of the wind at its latitudes, altitude and months."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field, Strict, field_serializer
+from pydantic_core.core_schema import SerializationInfo
+
+from missions.dates import month_and_day
+from missions.files.errors import printable
+from missions.files.texts import read_text
+from missions.winds.table import WindTable, shipped_winds, wind_table_from_text
+from solar.schema import Record, Text
+
+if TYPE_CHECKING:
+    from missions.mission import Scenarios
+    from solar.types import FloatArray
+
+_NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
+
+
+class WindStatistics(Record):
+    """Wind that is not exceeded for a share of the time, by latitude, altitude and month.
+
+    ``file``: a CSV table or a NetCDF file with wind components; the shipped table without one.
+    """
+
+    percentile: Annotated[float, Strict(), Field(gt=0.0, lt=100.0, allow_inf_nan=False)]
+    file: Text | None = None
+
+    def table(self, longitude_deg: float | None = None) -> WindTable:
+        """Table of winds.
+
+        Parameters
+        ----------
+        longitude_deg : float, optional
+            Of the mission [deg]: the nearest longitude of a NetCDF file is taken, all of them
+            without one. Tables have no longitude.
+
+        Returns
+        -------
+        WindTable
+
+        Raises
+        ------
+        InputError
+            If the file is none or its values cannot be true.
+        OSError
+            If it cannot be read.
+        """
+        if self.file is None:
+            return shipped_winds()
+        if self._is_netcdf:
+            return _read(self.file, self._state(), longitude_deg, self.percentile)
+        return _read(self.file, self._state())
+
+    def speeds(
+        self, scenarios: Scenarios, altitude_m: float, longitude_deg: float | None
+    ) -> FloatArray:
+        """Wind speed in each scenario [m/s]; ``altitude_m`` may be an array, on the last axes."""
+        months = [month_and_day(int(day))[0] for day in scenarios.day_of_year]
+        shape = (len(months),) + (1,) * getattr(altitude_m, "ndim", 0)
+        table = self.table(longitude_deg)
+        latitude = scenarios.latitude_deg.reshape(shape)
+        return table.at(latitude, altitude_m, np.reshape(months, shape), self.percentile)
+
+    @property
+    def _is_netcdf(self) -> bool:
+        return self.file is not None and self.file.lower().endswith(_NETCDF)
+
+    def _state(self) -> str:
+        """Size and time of change of the file, which tell what it holds without reading it."""
+        assert self.file is not None
+        about = Path(self.file).stat()
+        return f"{about.st_size} {about.st_mtime_ns}"
+
+    def contents_read(self) -> str | None:
+        """Tell the contents of the file from others; none for the shipped table."""
+        return None if self.file is None else self._state()
+
+    @field_serializer("file")
+    def _with_contents(self, file: str | None, info: SerializationInfo) -> str | None:
+        """Path, and what tells its contents from others where one asks for contents."""
+        contents = self.contents_read() if (info.context or {}).get("contents") else None
+        return file if contents is None else f"{file} {contents}"
+
+
+@lru_cache(maxsize=4)
+def _read(
+    path: str, state: str, longitude_deg: float | None = None, percentile: float | None = None
+) -> WindTable:
+    """Table of a file; ``state`` tells a changed one from the one that is kept."""
+    if percentile is None:
+        return wind_table_from_text(read_text(path), printable(path))
+    from missions.winds.netcdf import wind_table_from_netcdf  # xarray takes longer than a mission
+
+    return wind_table_from_netcdf(path, longitude_deg, also=percentile)

@@ -1,0 +1,299 @@
+"""Percentiles of the wind over latitude, altitude and month, and reading between them.
+
+Between latitudes, altitudes and percentiles of a table values are linear; each month stands for
+itself. Nothing is read beyond a table's ends.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from missions.dates import MONTH_NAMES
+from missions.files.errors import InputError, Problem, file_error
+from solar.types import FloatArray
+
+__all__ = ["COLUMNS", "SHIPPED_SOURCE", "WindTable", "shipped_winds", "wind_table_from_text"]
+
+COLUMNS = ("latitude_deg", "altitude_m", "month", "percentile", "wind_m_per_s")
+SHIPPED_SOURCE = "the shipped table"
+_SHIPPED = "zonal-p95.csv.gz"
+# Strongest wind of a table: that of the stratosphere's polar night jet is some 200 m/s.
+_STRONGEST_M_PER_S = 400.0
+_ENDS = {
+    "latitude_deg": (-90.0, 90.0),
+    "altitude_m": (-500.0, 80000.0),
+    "month": (1.0, 12.0),
+    "percentile": (0.0, 100.0),
+    "wind_m_per_s": (0.0, _STRONGEST_M_PER_S),
+}
+
+
+class _Between(NamedTuple):
+    """Two neighbours on an axis and the weight of the upper one."""
+
+    lower: NDArray[np.integer]
+    upper: NDArray[np.integer]
+    weight: FloatArray
+
+
+def _between(axis: FloatArray, values: ArrayLike) -> _Between:
+    """Neighbours of values within an axis, which may have a single point."""
+    at = np.asarray(values, float)
+    upper = np.clip(np.searchsorted(axis, at), min(1, len(axis) - 1), len(axis) - 1)
+    lower = np.maximum(upper - 1, 0)
+    width = axis[upper] - axis[lower]
+    weight = np.where(width > 0.0, (at - axis[lower]) / np.where(width > 0.0, width, 1.0), 0.0)
+    return _Between(lower, upper, weight)
+
+
+@dataclass(frozen=True, eq=False)
+class WindTable:
+    """Percentiles of the wind speed, on axes that ascend.
+
+    ``wind_m_per_s`` has the shape ``(latitude, altitude, month, percentile)``.
+    """
+
+    source: str
+    latitude_deg: FloatArray
+    altitude_m: FloatArray
+    months: tuple[int, ...]
+    percentiles: FloatArray
+    wind_m_per_s: FloatArray
+
+    def trouble(
+        self,
+        *,
+        latitude_deg: ArrayLike = (),
+        altitude_m: ArrayLike = (),
+        months: ArrayLike = (),
+        percentile: ArrayLike = (),
+    ) -> str | None:
+        """Why the table does not know some of these, in words; none where it knows all."""
+        asked = (
+            ("latitude_deg", latitude_deg, self.latitude_deg, ""),
+            ("altitude_m", altitude_m, self.altitude_m, ""),
+            ("percentile", percentile, self.percentiles, ": give wind.file with others"),
+        )
+        for name, values, axis, hint in asked:
+            given = np.atleast_1d(np.asarray(values, float))
+            outside = given[(given < axis[0]) | (given > axis[-1])]
+            if outside.size:
+                known = f"{axis[0]:g}" if len(axis) == 1 else f"{axis[0]:g} to {axis[-1]:g}"
+                hint = hint if self.source == SHIPPED_SOURCE else ""
+                return f"has {name} {known} (got {outside[0]:g}){hint}"
+        missing = [m for m in np.unique(np.asarray(months, int)).tolist() if m not in self.months]
+        if missing:
+            return f"lacks the month {MONTH_NAMES[missing[0] - 1]}"
+        return None
+
+    def at(
+        self,
+        latitude_deg: ArrayLike,
+        altitude_m: ArrayLike,
+        month: ArrayLike,
+        percentile: float,
+    ) -> FloatArray:
+        """Wind speed that is not exceeded for ``percentile`` of the time [m/s].
+
+        Parameters
+        ----------
+        latitude_deg, altitude_m, month
+            Latitude [deg], altitude [m] and month from 1 to 12; shapes are broadcast.
+        percentile : float
+            From 0 to 100.
+
+        Returns
+        -------
+        ndarray
+            Linear between the points of the table [m/s].
+
+        Raises
+        ------
+        InputError
+            Outside the table.
+        """
+        curve = self.curve(latitude_deg, altitude_m, month)
+        trouble = self.trouble(percentile=percentile)
+        if trouble is not None:
+            raise file_error(self.source, trouble)
+        lower, upper, weight = _between(self.percentiles, percentile)
+        return np.asarray(curve[..., lower] * (1.0 - weight) + curve[..., upper] * weight)
+
+    def curve(self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike) -> FloatArray:
+        """Wind speed of every percentile of the table, on the last axis [m/s]."""
+        trouble = self.trouble(latitude_deg=latitude_deg, altitude_m=altitude_m, months=month)
+        if trouble is not None:
+            raise file_error(self.source, trouble)
+        places = np.broadcast_arrays(
+            *_between(self.latitude_deg, latitude_deg),
+            *_between(self.altitude_m, altitude_m),
+            np.searchsorted(self.months, np.asarray(month, int)),
+        )
+        south, north, to_north, below, above, to_above, m = places
+        winds = self.wind_m_per_s
+        v, w = to_above[..., np.newaxis], to_north[..., np.newaxis]
+        southern = winds[south, below, m] * (1.0 - v) + winds[south, above, m] * v
+        northern = winds[north, below, m] * (1.0 - v) + winds[north, above, m] * v
+        return np.asarray(southern * (1.0 - w) + northern * w)
+
+    def share_below(
+        self,
+        speed_m_per_s: ArrayLike,
+        latitude_deg: ArrayLike,
+        altitude_m: ArrayLike,
+        month: ArrayLike,
+    ) -> FloatArray:
+        """Share of the time in which the wind is at most so strong [-].
+
+        Linear between the percentiles of the table; below the lowest and above the highest the
+        speeds are distributed as Rayleigh's, through that percentile:
+        ``F(v) = 1 - (1 - p)^((v / v_p)^2)``.
+
+        Parameters
+        ----------
+        speed_m_per_s, latitude_deg, altitude_m, month
+            Speed [m/s], latitude [deg], altitude [m] and month; shapes are broadcast.
+
+        Returns
+        -------
+        ndarray
+            From 0 to 1, never falling with the speed.
+
+        Raises
+        ------
+        InputError
+            Outside the table.
+        """
+        curve = self.curve(latitude_deg, altitude_m, month)
+        speed, levels = np.asarray(speed_m_per_s, float), self.percentiles / 100.0
+        share = _rayleigh(speed, curve[..., 0], levels[0])
+        for i in range(len(levels) - 1):
+            low, high = curve[..., i], curve[..., i + 1]
+            width = high - low
+            part = np.where(width > 0.0, (speed - low) / np.where(width > 0.0, width, 1.0), 1.0)
+            between = levels[i] + (levels[i + 1] - levels[i]) * np.clip(part, 0.0, 1.0)
+            share = np.where(speed >= low, between, share)
+        above = _rayleigh(speed, curve[..., -1], levels[-1])
+        return np.asarray(np.where(speed >= curve[..., -1], above, share))
+
+
+def _rayleigh(speed: FloatArray, wind: FloatArray, share: float) -> FloatArray:
+    """Share of Rayleigh's distribution below a speed, of which ``share`` lies below ``wind``."""
+    calm = wind <= 0.0
+    ratio = np.maximum(speed, 0.0) / np.where(calm, 1.0, wind)
+    return np.where(calm, 1.0, -np.expm1(np.log1p(-share) * ratio**2))
+
+
+@lru_cache(maxsize=1)
+def shipped_winds() -> WindTable:
+    """The shipped table: 95th percentiles, zonal, from 9.1 to 33 km.
+
+    Returns
+    -------
+    WindTable
+        Latitudes from 88 south to 88 north, all months. What it is made of stands in the head of
+        its file and in the documentation.
+    """
+    file = resources.files("missions").joinpath("winds", "data", _SHIPPED)
+    return wind_table_from_text(gzip.decompress(file.read_bytes()).decode(), SHIPPED_SOURCE)
+
+
+def wind_table_from_text(text: str, source: str) -> WindTable:
+    """Table of a CSV text: a row for each latitude, altitude, month and percentile.
+
+    Parameters
+    ----------
+    text : str
+        Comment lines that begin with ``#``, a line of the names :data:`COLUMNS` in any order, rows.
+    source : str
+        What messages call it.
+
+    Returns
+    -------
+    WindTable
+        Every combination of the latitudes, altitudes, months and percentiles is there.
+
+    Raises
+    ------
+    InputError
+        With the line, where a value is missing, no number or out of what is possible, and where a
+        combination is missing or there twice.
+    """
+    lines = text.splitlines()
+    first = next((i for i, s in enumerate(lines) if s.strip() and not s.startswith("#")), None)
+    names = [] if first is None else [name.strip() for name in lines[first].split(",")]
+    if first is None or sorted(names) != sorted(COLUMNS):
+        raise file_error(source, f"has no line of the columns {', '.join(COLUMNS)}")
+    rows = _numbers(lines[first + 1 :], first + 2, names, source)
+    columns = {name: rows[:, names.index(name)] for name in COLUMNS}
+    axes, places = zip(
+        *(np.unique(columns[name], return_inverse=True) for name in COLUMNS[:-1]), strict=True
+    )
+    values = np.full(tuple(len(axis) for axis in axes), np.nan)
+    values[places] = columns["wind_m_per_s"]
+    holes = int(np.isnan(values).sum())
+    if holes or len(rows) != values.size:
+        many = "lacks some of" if holes else "has twice some of"
+        combinations = " x ".join(str(len(axis)) for axis in axes)
+        raise file_error(
+            source,
+            f"{many} the {combinations} combinations of latitude, altitude, month and percentile "
+            f"(rows: {len(rows)})",
+        )
+    falling = np.argwhere(np.diff(values, axis=-1) < 0.0)
+    if len(falling):
+        i, j, k, p = falling[0]
+        raise file_error(
+            source,
+            f"the wind of a higher percentile must not be lower (latitude {axes[0][i]:g}, altitude "
+            f"{axes[1][j]:g}, month {axes[2][k]:g}, percentile {axes[3][p + 1]:g})",
+        )
+    months = tuple(int(month) for month in axes[2])
+    return WindTable(source, axes[0], axes[1], months, axes[3], values)
+
+
+def _numbers(lines: list[str], first: int, names: list[str], source: str) -> FloatArray:
+    """Rows of a table as numbers; the first is the line ``first`` of its file."""
+    kept = [s for s in lines if s.strip()]
+    if not kept:
+        raise file_error(source, "has no row")
+    try:  # fast; what it refuses is read again line by line, to name the place
+        rows = np.loadtxt(io.StringIO("\n".join(kept)), delimiter=",", ndmin=2, comments=None)
+    except ValueError:
+        rows = np.empty((0, 0))
+    wrong = rows.shape[1] != len(names) or any(
+        not np.all((rows[:, i] >= _ENDS[name][0]) & (rows[:, i] <= _ENDS[name][1]))
+        for i, name in enumerate(names)
+    )
+    if wrong or np.any(rows[:, names.index("month")] % 1.0):
+        raise InputError([_first_problem(lines, first, names, source)])
+    return rows
+
+
+def _first_problem(lines: list[str], first: int, names: list[str], source: str) -> Problem:
+    for number, line in enumerate(lines, start=first):
+        parts = line.split(",")
+        if not line.strip():
+            continue
+        if len(parts) != len(names):
+            message = f"has {len(parts)} values, but the table names {len(names)} columns"
+            return Problem(source, number, None, "", message)
+        for name, part in zip(names, parts, strict=True):
+            low, high = _ENDS[name]
+            try:
+                value = float(part)
+            except ValueError:
+                value = float("nan")
+            if not low <= value <= high or (name == "month" and value % 1.0):
+                what = "a whole number" if name == "month" else "a number"
+                message = f"must be {what} from {low:g} to {high:g} (got {part.strip()[:40]!r})"
+                return Problem(source, number, None, name, message)
+    return Problem(source, first, None, "", "cannot be read as a table of numbers")

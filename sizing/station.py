@@ -1,0 +1,153 @@
+"""Station keeping: how fast an aircraft flies perpetually, and how often the wind lets it stay.
+
+An aircraft holds its place while the wind is not faster than it flies. It may fly faster than its
+design does: at a lower lift coefficient, with more power, as far as the repeated day returns the
+energy of the night.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions.dates import month_and_day
+from missions.files.errors import file_error
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.design import Design, design_of, parametric_design
+from sizing.performance import performance_in_pairs
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from solar.types import BoolArray, FloatArray
+
+__all__ = ["FASTEST", "StationKeeping", "faster_flight", "station_keeping"]
+
+# Airspeed over that of the design: more takes over 20 times the power.
+FASTEST = 3.0
+_SPEEDS = 201
+# Halvings of the interval of airspeeds: to 0.01 % of it.
+_HALVINGS = 14
+
+
+@dataclass(frozen=True)
+class StationKeeping:
+    """Scenarios, their wind and what the aircraft can do against it, arrays of one length.
+
+    ``airspeed_m_per_s``: the fastest at which the repeated day is perpetual, NaN where none is.
+    ``share``: of the time in which the wind is at most as fast, 0 where it does not fly
+    perpetually. ``wind_m_per_s``: at the mission's percentile. ``at_end``: whether the airspeed is
+    the fastest that is considered.
+    """
+
+    scenarios: Scenarios
+    airspeed_m_per_s: FloatArray
+    share: FloatArray
+    wind_m_per_s: FloatArray
+    at_end: BoolArray
+
+
+def station_keeping(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    scenarios: Scenarios | None = None,
+) -> StationKeeping:
+    """Share of the time in which an aircraft holds its place while it flies perpetually.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Parametric: the power of a measured one is known at one airspeed alone.
+    mission : Mission
+        With ``wind`` by latitude, altitude and month.
+    solar : SolarModel
+        Solar power model and its correction.
+    scenarios : Scenarios, optional
+        By default those of the mission.
+
+    Returns
+    -------
+    StationKeeping
+
+    Raises
+    ------
+    ValueError
+        For a measured aircraft, a mission without such a wind, or places outside its table.
+    """
+    if not isinstance(aircraft.airframe, ParametricAirframe):
+        raise ValueError(
+            f"{aircraft.name} is a measured aircraft, whose power is known at one airspeed alone: "
+            "station keeping needs a parametric one"
+        )
+    given = mission.wind_statistics
+    if given is None:
+        raise file_error(mission.name, "lacks wind: {percentile: ...}, for station keeping")
+    some = mission.scenarios() if scenarios is None else scenarios
+    winds = mission.scenario_winds_m_per_s(some)
+    day = solar_day(aircraft, mission, solar, scenarios=some)
+    fastest, at_end = _fastest(aircraft, mission, solar, day)
+    months = [month_and_day(int(one))[0] for one in some.day_of_year]
+    table = given.table(mission.longitude_deg)
+    below = table.share_below(fastest, some.latitude_deg, mission.altitude_m, months)
+    share = np.where(np.isfinite(fastest), below, 0.0)
+    return StationKeeping(some, fastest, share, winds, at_end)
+
+
+def faster_flight(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[FloatArray, FloatArray]:
+    """Airspeeds from the design's up, and the least electric power at each or faster.
+
+    The lift coefficient falls with the square of the airspeed, the mass stays. What would be slower
+    and take more power is left out: the aircraft may always fly faster than it must.
+
+    Returns
+    -------
+    airspeed_m_per_s, propulsion_power_w : ndarray
+        Ascending; the power never falls.
+    """
+    airframe = aircraft.airframe
+    assert isinstance(airframe, ParametricAirframe)
+    own = design.variables.lift_coefficient
+    lift = airframe.aerodynamics.flight_lift_coefficient if own is None else own
+    ratio = np.linspace(1.0, FASTEST, _SPEEDS)
+    variables = design.variables._replace(lift_coefficient=lift / ratio**2)
+    flown = parametric_design(aircraft, mission, variables, design.total_mass_kg)
+    power = np.broadcast_to(np.asarray(flown.propulsion_power_w, float), ratio.shape)
+    power = np.where(np.isfinite(power), power, np.inf)
+    least = np.minimum.accumulate(power[::-1])[::-1]
+    return np.asarray(flown.airspeed_m_per_s, float), least
+
+
+def _fastest(
+    aircraft: Aircraft, mission: Mission, solar: SolarModel, day: SolarDay
+) -> tuple[FloatArray, BoolArray]:
+    """Fastest airspeed of a perpetual day in every scenario, and whether nothing faster is known.
+
+    Power never falls with the airspeed, and more load never makes a day perpetual: the interval
+    between an airspeed that is and one that is not is halved.
+    """
+    design = design_of(aircraft, mission)
+    airspeeds, powers = faster_flight(aircraft, mission, design)
+    highest = int(np.flatnonzero(np.isfinite(powers))[-1])
+    count = len(day.scenarios)
+
+    def perpetual(airspeed: FloatArray) -> BoolArray:
+        power = np.interp(airspeed, airspeeds, powers)
+        flown = design._replace(
+            propulsion_power_w=power,
+            airspeed_m_per_s=airspeed,
+            battery_energy_wh=np.full(count, float(design.battery_energy_wh)),
+        )
+        perf = performance_in_pairs(aircraft, mission, flown, solar, day=day)
+        return np.asarray(perf.cycle.perpetual)
+
+    low, high = np.full(count, airspeeds[0]), np.full(count, airspeeds[highest])
+    flies, at_end = perpetual(low), perpetual(high)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2.0
+        good = perpetual(middle)
+        low, high = np.where(good, middle, low), np.where(good, high, middle)
+    fastest = np.where(at_end, airspeeds[highest], np.where(flies, low, np.nan))
+    return fastest, np.asarray(at_end)

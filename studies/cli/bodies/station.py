@@ -1,0 +1,41 @@
+"""What ``solar-uav station`` does."""
+
+from __future__ import annotations
+
+from studies.cli.checks import refuse_climb, require_parametric, require_path
+from studies.cli.commands.station import Station
+from studies.cli.files import load
+from studies.cli.outputs import deliver, figure_of
+from studies.output.formats import csv_bytes, grid_format, table_bytes
+from studies.output.gridded import to_netcdf_bytes
+from studies.station import plot_station
+from studies.station import station as station_by_month
+
+
+def station(options: Station) -> None:
+    """Compute the time on station of each month, and tell it."""
+    case = load(options.case)
+    refuse_climb(case, "station")
+    require_path(case)
+    require_parametric(case, "station needs a parametric aircraft, this one is measured")
+    result = station_by_month(
+        case.aircraft,
+        case.mission,
+        latitudes=options.latitudes,
+        altitudes_m=options.altitudes,
+        model=case.solar.model,
+        correction=case.solar.correction,
+    )
+
+    def content(path: str) -> bytes:
+        kind = grid_format(path)
+        if kind == "nc":
+            return to_netcdf_bytes(result.gridded())
+        frame = result.to_frame()
+        return csv_bytes(frame) if kind == "csv" else table_bytes(frame, f"station.{kind}")
+
+    files = {
+        options.out_file: content,
+        options.plot_file: figure_of(lambda: plot_station(result, figure=options.figure)),
+    }
+    deliver(case, case.named(result.to_dict()), result, files)

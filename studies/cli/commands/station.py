@@ -1,0 +1,55 @@
+"""The command ``solar-uav station``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import click
+
+from studies.cli.command import Command, option
+from studies.cli.options import (
+    CaseOptions,
+    Grid,
+    case_options,
+    figure_options,
+    grid_option,
+    plot_option,
+)
+from studies.output.figures.options import FigureOptions
+
+
+@dataclass(frozen=True)
+class Station:
+    """Tell how much of the time AIRCRAFT (name, file or folder) holds its place, by month.
+
+    Latitude against month, or altitude at the mission's latitude. It flies as fast as the repeated
+    day allows, and the wind is that of the mission's key wind.
+    """
+
+    case: CaseOptions = case_options()
+    latitudes: list[float] | None = option(
+        "--latitudes",
+        type=Grid(-90.0, 90.0, latitudes=True),
+        help="Latitudes [deg], north positive. [default: -70:70:5]",
+    )
+    altitudes: list[float] | None = option(
+        "--altitudes",
+        type=Grid(-500.0, 32000.0),
+        help="Altitudes [m] in place of latitudes.",
+    )
+    out_file: str | None = grid_option("all cells")
+    plot_file: str | None = plot_option("Draw them")
+    figure: FigureOptions = figure_options()
+
+    def __post_init__(self) -> None:
+        """Refuse two kinds of rows."""
+        if self.latitudes is not None and self.altitudes is not None:
+            raise click.UsageError("--altitudes goes in place of --latitudes")
+
+
+station = Command(
+    "station",
+    Station,
+    "studies.cli.bodies.station:station",
+    "solar-uav station my-aircraft.yaml -m my-mission.yaml --latitudes 0:60:5 --plot station.png",
+)

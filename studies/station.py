@@ -1,0 +1,273 @@
+"""Station keeping by month, over latitude or altitude, as text, table, record and figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.dates import MONTH_NAMES, day_of_year
+from missions.mission import Mission, Scenarios, latitude_label
+from sizing.aircraft import Aircraft
+from sizing.design import design_of
+from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.records import finite
+from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
+from sizing.station import FASTEST, StationKeeping, station_keeping
+from sizing.sunlight import SolarModel
+from sizing.validity.checks import design_checks
+from sizing.validity.ranges import Extrapolation
+from sizing.validity.told import together, told
+from solar.names import CorrectionName, ModelName
+from solar.types import FloatArray
+from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
+from studies.output.columns import attributes, extrapolation_attribute
+from studies.output.figures.drawing import Canvas, new_figure, styled
+from studies.output.figures.options import DEFAULT
+from studies.output.gridded import Gridded, Labelled
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+__all__ = ["LATITUDES_DEG", "Station", "plot_station", "station"]
+
+LATITUDES_DEG = np.arange(-70.0, 71.0, 5.0)
+_MIDDLE = 15  # day of a month that stands for it
+_DESCRIBED = {
+    "share": ("1", "share of the time in which it holds its place"),
+    "airspeed": ("m s-1", "fastest airspeed of perpetual flight"),
+    "wind": ("m s-1", "wind speed, at the mission's percentile"),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Station(Result):
+    """Share of the time in which an aircraft holds its place, by row and month.
+
+    ``over``: what the rows are, ``latitude`` [deg] or ``altitude`` [m]. Arrays have the shape
+    ``(row, month)``; ``airspeed_m_per_s`` is NaN where no day is perpetual.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    over: Literal["latitude", "altitude"]
+    rows: FloatArray
+    months: tuple[int, ...]
+    share: FloatArray
+    airspeed_m_per_s: FloatArray
+    wind_m_per_s: FloatArray
+    source: str
+    at_end: bool
+    extrapolations: tuple[Extrapolation, ...] = ()
+
+    def headline(self) -> str:
+        """Best month and place in one line."""
+        best = np.unravel_index(int(np.argmax(self.share)), self.share.shape)
+        name = f"{self.aircraft.name} on {self.mission.name}"
+        if not self.share.any():
+            return f"{name}: no perpetual flight, so that it holds no place"
+        return (
+            f"{name}: holds its place for up to {100.0 * self.share[best]:.0f} % of the time "
+            f"({self._label(int(best[0]))}, {MONTH_NAMES[self.months[best[1]] - 1]})"
+        )
+
+    def summary(self) -> Summary:
+        """Headline and table."""
+        notes = [Line(f"{self.solar.label}; winds from {self.source}", "faint")]
+        if self.at_end:
+            text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
+            notes.insert(0, Line(text, "faint"))
+        outside = extrapolation_blocks(self.extrapolations)
+        return Summary((Line(self.headline(), "strong"), self.table(), *outside, *notes))
+
+    def table(self) -> Table:
+        """Share of the time [%] by row and month; empty where no day is perpetual."""
+        first = Column(self.over, to_right=True)
+        months = tuple(Column(MONTH_NAMES[m - 1], form=".0f") for m in self.months)
+        shown = np.where(np.isfinite(self.airspeed_m_per_s), 100.0 * self.share, np.nan)
+        rows = [(self._label(i), *shown[i].tolist()) for i in range(len(self.rows))][::-1]
+        return Table("share of the time on station [%]", (first, *months), tuple(rows))
+
+    def _label(self, row: int) -> str:
+        value = float(self.rows[row])
+        return latitude_label(value) if self.over == "latitude" else f"{value:.0f} m"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, JSON-ready; null for no airspeed."""
+        name = "latitudes_deg" if self.over == "latitude" else "altitudes_m"
+        speeds = [[finite(one) for one in row] for row in self.airspeed_m_per_s.tolist()]
+        return {
+            "aircraft": self.aircraft.name,
+            "mission": self.mission.name,
+            "model": self.solar.model,
+            "correction": self.solar.correction,
+            "winds": self.source,
+            name: self.rows.tolist(),
+            "months": list(self.months),
+            "share_on_station": self.share.tolist(),
+            "airspeed_m_per_s": speeds,
+            "wind_m_per_s": self.wind_m_per_s.tolist(),
+            "at_fastest_airspeed": self.at_end,
+            "extrapolations": extrapolation_records(self.extrapolations),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row for each latitude or altitude and month."""
+        rows, months = np.meshgrid(self.rows, self.months, indexing="ij")
+        unit = "deg" if self.over == "latitude" else "m"
+        return data_frame(
+            {
+                f"{self.over}_{unit}": rows.ravel(),
+                "month": months.ravel(),
+                "share_on_station": self.share.ravel(),
+                "airspeed_m_per_s": self.airspeed_m_per_s.ravel(),
+                "wind_m_per_s": self.wind_m_per_s.ravel(),
+            }
+        )
+
+    def gridded(self) -> Gridded:
+        """The same on a grid, for NetCDF files."""
+        dims = (self.over, "month")
+        values = (self.share, self.airspeed_m_per_s, self.wind_m_per_s)
+        units = "degrees_north" if self.over == "latitude" else "m"
+        about = {"units": units, "standard_name": self.over}
+        month = {"units": "1", "long_name": "month"}
+        return Gridded(
+            {
+                name: Labelled(dims, array, {"units": unit, "long_name": text})
+                for (name, (unit, text)), array in zip(_DESCRIBED.items(), values, strict=True)
+            },
+            {
+                self.over: Labelled((self.over,), self.rows, about),
+                "month": Labelled(("month",), np.array(self.months), month),
+            },
+            attributes(
+                f"Station keeping of {self.aircraft.name}", self.aircraft, self.mission, self.solar
+            )
+            | extrapolation_attribute(self.extrapolations),
+        )
+
+
+def station(
+    aircraft: Aircraft,
+    mission: Mission,
+    *,
+    latitudes: ArrayLike | None = None,
+    altitudes_m: ArrayLike | None = None,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+) -> Station:
+    """Share of the time in which an aircraft holds its place, by latitude or altitude and month.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Parametric.
+    mission : Mission
+        With ``wind`` by latitude, altitude and month; its dates play no part.
+    latitudes : array_like, optional
+        Latitudes [deg]; by default from 70 south to 70 north, each fifth degree.
+    altitudes_m : array_like, optional
+        Altitudes [m] in place of latitudes, at the mission's first latitude.
+    model, correction : str
+        Solar power model and its correction.
+
+    Returns
+    -------
+    Station
+        The 15th of each month stands for it.
+
+    Raises
+    ------
+    ValueError
+        As :func:`sizing.station.station_keeping`, and if both latitudes and altitudes are given.
+    """
+    if latitudes is not None and altitudes_m is not None:
+        raise ValueError("station keeping goes over latitudes or altitudes, not both")
+    solar = SolarModel(model, correction)
+    given = mission.wind_statistics
+    table = None if given is None else given.table(mission.longitude_deg)
+    months = tuple(range(1, 13)) if table is None else table.months
+    days = np.array([day_of_year(f"{month:02d}-{_MIDDLE}") for month in months])
+
+    def at(where: Mission, north: FloatArray) -> StationKeeping:
+        cells = Scenarios(np.repeat(north, len(days)), np.tile(days, len(north)))
+        return station_keeping(aircraft, where, solar, scenarios=cells)
+
+    over: Literal["latitude", "altitude"] = "latitude" if altitudes_m is None else "altitude"
+    if altitudes_m is None:
+        rows = np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
+        places = [mission]
+        found = [at(mission, rows)]
+    else:
+        rows = np.asarray(altitudes_m, float)
+        here = np.array(mission.latitudes()[:1])
+        places = [mission.at_altitude(height) for height in rows.tolist()]
+        found = [at(where, here) for where in places]
+    shape = (len(rows), len(months))
+
+    def joined(name: str) -> FloatArray:
+        return np.concatenate([getattr(one, name) for one in found]).reshape(shape)
+
+    return Station(
+        *(aircraft, mission, solar, over, rows, months),
+        *(joined("share"), joined("airspeed_m_per_s"), joined("wind_m_per_s")),
+        source="" if table is None else table.source,
+        at_end=bool(np.any(joined("at_end"))),
+        extrapolations=_extrapolations(aircraft, places, solar),
+    )
+
+
+def _extrapolations(
+    aircraft: Aircraft, places: Sequence[Mission], solar: SolarModel
+) -> tuple[Extrapolation, ...]:
+    """What the design takes from outside the range of a model, at all altitudes."""
+    calm = [where.in_wind(0.0) for where in places]  # the share says what the wind does
+    each = [
+        told(design_checks(aircraft, where, design_of(aircraft, where), solar)) for where in calm
+    ]
+    return each[0] if len(each) == 1 else together(each, "altitudes")
+
+
+@styled
+def plot_station(result: Station, *, figure: Canvas = DEFAULT) -> Figure:
+    """Share of the time on station over the months, blank where no day is perpetual.
+
+    Parameters
+    ----------
+    result : Station
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+    """
+    from matplotlib.colors import Normalize
+
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title=f"{result.aircraft.name} on {result.mission.name}: time on station",
+        notes=(f"{result.solar.label}; winds from {result.source}; blank: no perpetual flight",),
+        size_in=(8.5, 5.2),
+        grid="",
+    )
+    rows = result.rows if result.over == "latitude" else result.rows / 1000.0
+    months = np.asarray(result.months, float)
+    percent = np.where(np.isfinite(result.airspeed_m_per_s), 100.0 * result.share, np.nan)
+    mesh = draw_cells(axes, months, rows, percent, Normalize(0.0, 100.0))
+    draw_colour_bar(drawn, mesh, axes, "share of the time on station [%]", unlimited=False)
+    axes.set_xticks(months, [MONTH_NAMES[month - 1] for month in result.months])
+    edges = cell_edges(rows)
+    axes.set_ylim(float(edges[0]), float(edges[-1]))
+    if result.over == "latitude":
+        axes.set(ylabel="latitude")
+        axes.yaxis.set_major_formatter(lambda value, _: latitude_label(value))
+    else:
+        axes.set(ylabel="altitude [km]")
+    return drawn

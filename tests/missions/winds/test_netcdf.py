@@ -1,0 +1,164 @@
+"""NetCDF files with components of the wind, in the layouts of ERA5 and of the CF conventions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from missions.air import standard_air
+from missions.files.errors import InputError
+from missions.mission import Mission
+from missions.winds.netcdf import wind_table_from_netcdf
+
+TIMES = np.arange("2020-01-01", "2021-01-01", dtype="datetime64[D]")
+LATITUDES, LONGITUDES, LEVELS = [50.0, 45.0, 40.0], [0.0, 5.0, 355.0], [30.0, 50.0, 100.0]
+
+
+def era5(times: Any = TIMES, seed: int = 1) -> xr.Dataset:
+    """Winds as the Climate Data Store lays them out since 2024; speeds known by construction."""
+    rng = np.random.default_rng(seed)
+    shape = (len(times), len(LEVELS), len(LATITUDES), len(LONGITUDES))
+    axes = ("valid_time", "pressure_level", "latitude", "longitude")
+    u, v = rng.normal(0.0, 10.0, (2, *shape))
+    return xr.Dataset(
+        {"u": (axes, u), "v": (axes, v)},
+        {
+            "valid_time": times,
+            "pressure_level": ("pressure_level", LEVELS, {"units": "hPa"}),
+            "latitude": LATITUDES,
+            "longitude": LONGITUDES,
+        },
+    )
+
+
+def written(data: xr.Dataset, folder: Path, name: str = "era5.nc") -> str:
+    path = folder / name
+    data.to_netcdf(path, engine="h5netcdf")
+    return str(path)
+
+
+def altitude_m(hpa: float) -> float:
+    heights = np.arange(0.0, 32000.0, 1.0)
+    return float(np.interp(-hpa, -standard_air(heights).pressure_pa / 100.0, heights))
+
+
+def test_percentiles_are_those_of_the_instants_of_a_month(tmp_path: Path) -> None:
+    data = era5()
+    winds = wind_table_from_netcdf(written(data, tmp_path), 5.0)
+    july = data.sel(valid_time="2020-07", latitude=45.0, longitude=5.0, pressure_level=50.0)
+    speeds = np.sort(np.hypot(july["u"], july["v"]).to_numpy())
+    found = winds.at(45.0, altitude_m(50.0), 7, 90.0)
+    # 31 values: nine tenths of the way along them lies on the 28th, 0.9 * 30 = 27 from the first.
+    assert found == pytest.approx(speeds[27], rel=1e-3)
+    assert winds.latitude_deg.tolist() == [40.0, 45.0, 50.0]
+    assert winds.months == tuple(range(1, 13))
+    # 29 days of February make no 99th percentile, nor a 97th.
+    assert winds.percentiles[-1] == 95.0
+
+
+def test_normal_components_make_rayleigh_speeds(tmp_path: Path) -> None:
+    hours = np.arange("2020-07-01", "2020-08-01", dtype="datetime64[h]")
+    winds = wind_table_from_netcdf(written(era5(hours), tmp_path))
+    # Two normal components of 10 m/s: the 95th percentile is 10 sqrt(2 ln 20). 744 hours of 3
+    # longitudes leave it uncertain by sqrt(0.05 * 0.95 / 2232) / density = 0.4 m/s (one sigma).
+    expected = 10.0 * np.sqrt(2.0 * np.log(20.0))
+    assert winds.at(45.0, altitude_m(50.0), 7, 95.0) == pytest.approx(expected, abs=1.6)
+
+
+@pytest.mark.parametrize("longitude", [-4.0, 356.0 - 360.0, -7.4])
+def test_the_nearest_longitude_is_taken_and_told(tmp_path: Path, longitude: float) -> None:
+    data = era5()
+    winds = wind_table_from_netcdf(written(data, tmp_path), longitude)
+    assert f"longitude -5, nearest to {longitude:g}" in winds.source
+    alone = wind_table_from_netcdf(written(data.sel(longitude=[355.0]), tmp_path, "one.nc"))
+    assert np.array_equal(winds.wind_m_per_s, alone.wind_m_per_s)
+
+
+def test_order_and_names_of_axes_play_no_part(tmp_path: Path) -> None:
+    data = era5()
+    one = wind_table_from_netcdf(written(data, tmp_path), 5.0)
+    other = (
+        data.rename(valid_time="time", pressure_level="level", latitude="lat", longitude="lon")
+        .transpose("lon", "lat", "level", "time")
+        .sortby("lat")
+        .assign_coords(lon=[0.0, 5.0, -5.0])
+        .rename(u="eastward", v="northward")
+        .expand_dims(number=[0])
+    )
+    other["eastward"].attrs["standard_name"] = "eastward_wind"
+    other["northward"].attrs["standard_name"] = "northward_wind"
+    other["level"] = ("level", other["level"].to_numpy() * 100.0, {"units": "Pa"})
+    two = wind_table_from_netcdf(written(other, tmp_path, "other.nc"), 5.0)
+    assert np.allclose(one.wind_m_per_s, two.wind_m_per_s, rtol=1e-12)
+    assert np.allclose(one.altitude_m, two.altitude_m)
+
+
+def test_heights_are_heights(tmp_path: Path) -> None:
+    data = era5().rename(pressure_level="height")
+    data["height"] = ("height", [24.0, 20.0, 16.0], {"units": "km"})
+    winds = wind_table_from_netcdf(written(data, tmp_path), 5.0)
+    assert winds.altitude_m.tolist() == [16000.0, 20000.0, 24000.0]
+
+
+def swapped(data: xr.Dataset) -> xr.Dataset:
+    return data.rename(latitude="longitude", longitude="latitude")
+
+
+def without_units(data: xr.Dataset) -> xr.Dataset:
+    data["pressure_level"].attrs.clear()
+    return data
+
+
+def with_gap(data: xr.Dataset) -> xr.Dataset:
+    data["u"][3, 1, 1, 1] = np.nan
+    return data
+
+
+@pytest.mark.parametrize(
+    ("change", "longitude", "message"),
+    [
+        (swapped, None, "has latitudes beyond 90 degrees: its axes may be swapped"),
+        (without_units, 5.0, "has levels in no unit"),
+        (with_gap, 5.0, "has gaps in the wind"),
+        (lambda data: data.drop_vars("v"), 5.0, "has no northward_wind"),
+        (lambda data: data.drop_vars("latitude"), 5.0, "has no latitude for u"),
+        (lambda data: data.expand_dims(member=[0, 1]), 5.0, "has the axis member beside"),
+        (lambda data: data.isel(valid_time=slice(0, 10)), 5.0, "10 values in a month, too few"),
+        (lambda data: data, 120.0, "has longitudes 0 to 355, not 120 of the mission"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_in_a_line(
+    tmp_path: Path, change: Any, longitude: float | None, message: str
+) -> None:
+    path = written(change(era5()), tmp_path)
+    with pytest.raises(InputError) as refused:
+        wind_table_from_netcdf(path, longitude, also=95.0)
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_file_that_is_none(tmp_path: Path) -> None:
+    path = tmp_path / "no.nc"
+    path.write_text("nothing")
+    with pytest.raises(InputError, match=r"no\.nc: cannot be read as NetCDF"):
+        wind_table_from_netcdf(str(path))
+
+
+def test_a_mission_takes_the_winds_of_its_longitude(tmp_path: Path) -> None:
+    path = written(era5(), tmp_path)
+    data = {
+        "name": "own winds",
+        "latitude_deg": 47.5,
+        "longitude_deg": 5.2,
+        "dates": {"on": "07-15"},
+        "altitude_m": 20000.0,
+        "wind": {"percentile": 93.0, "file": path},
+    }
+    mission = Mission.model_validate(data)
+    table = wind_table_from_netcdf(path, 5.2, also=93.0)
+    assert mission.strongest_wind_m_per_s == float(table.at(47.5, 20000.0, 7, 93.0))
+    assert 93.0 in table.percentiles

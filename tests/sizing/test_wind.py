@@ -1,0 +1,103 @@
+"""Winds by latitude and month reach whatever used the one wind: limits, paths, cells."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from missions.files.errors import InputError
+from missions.library import load_mission
+from missions.mission import Mission, Scenarios
+from missions.winds.table import COLUMNS
+from sizing import analyse, size
+from sizing.library import load_aircraft
+from sizing.optimisation.cells import size_cells
+from sizing.sunlight import day_axis_h, modelled_power
+from studies.maps.feasibility import feasibility_map
+
+# Wind [m/s] by latitude and month at 60 % of the time: an own table near the ground.
+WINDS = {(40, 6): 2.0, (40, 7): 4.0, (50, 6): 6.0, (50, 7): 10.5}
+
+
+@pytest.fixture
+def windy(tmp_path: Path) -> Mission:
+    path = tmp_path / "winds.csv"
+    rows = [
+        f"{latitude},{altitude},{month},60,{wind}"
+        for (latitude, month), wind in WINDS.items()
+        for altitude in (0, 1000)
+    ]
+    path.write_text("\n".join([",".join(COLUMNS), *rows]))
+    data = load_mission("central-europe-summer").model_dump(by_alias=True, exclude_unset=True)
+    data |= {
+        "latitude_deg": {"from_deg": 40.0, "to_deg": 50.0, "count": 2},
+        "dates": {"from": "06-15", "to": "07-15", "count": 2},
+        "wind": {"percentile": 60.0, "file": str(path)},
+        "flight_path": {"kind": "circle", "radius_m": 200.0, "airspeed_m_per_s": 12.0},
+    }
+    return Mission.model_validate(data)
+
+
+def test_a_design_is_faster_than_the_strongest_wind(windy: Mission) -> None:
+    aircraft = load_aircraft("atlantiksolar-design")
+    design = size(aircraft, windy).design
+    given = size(aircraft, windy.in_wind(10.5)).design
+    calm = size(aircraft, windy.in_wind(0.0)).design
+    assert design.airspeed_m_per_s == given.airspeed_m_per_s
+    assert float(design.airspeed_m_per_s) >= 10.5 * (1.0 - 1e-6)
+    assert float(calm.airspeed_m_per_s) < 10.5
+
+
+def test_cells_have_the_wind_of_their_own_latitude_and_month(windy: Mission) -> None:
+    aircraft = load_aircraft("atlantiksolar-design")
+    cells = Scenarios(np.array([40.0, 50.0, 50.0]), np.array([166, 166, 196]))
+    found = size_cells(aircraft, windy, cells)
+    winds = np.array([2.0, 6.0, 10.5])
+    assert windy.scenario_winds_m_per_s(cells) == pytest.approx(winds)
+    for i, wind in enumerate(winds.tolist()):
+        one = Scenarios(cells.latitude_deg[i : i + 1], cells.day_of_year[i : i + 1])
+        alone = size_cells(aircraft, windy.in_wind(wind), one)
+        # Within the tolerance of the search: cells start from their neighbours.
+        expected = pytest.approx(float(alone.variables.wingspan_m[0]), rel=5e-3)
+        assert float(found.variables.wingspan_m[i]) == expected
+    assert np.all(found.airspeed_m_per_s >= winds * (1.0 - 1e-6))
+
+
+def test_a_path_is_flown_in_the_wind_of_each_scenario(windy: Mission) -> None:
+    aircraft, noon = load_aircraft("atlantiksolar-as2"), day_axis_h(1.0)
+    scenarios = windy.scenarios()
+    together = modelled_power(aircraft, windy, "FM", scenarios, noon)
+    for i, wind in enumerate(windy.scenario_winds_m_per_s().tolist()):
+        one = Scenarios(scenarios.latitude_deg[i : i + 1], scenarios.day_of_year[i : i + 1])
+        alone = modelled_power(aircraft, windy.in_wind(wind), "FM", one, noon)
+        assert np.array_equal(together[i], alone[0])
+
+
+def test_an_analysis_tells_the_winds(windy: Mission) -> None:
+    analysis = analyse(load_aircraft("atlantiksolar-as2"), windy)
+    record = analysis.to_dict()
+    assert record["wind"]["scenarios_m_per_s"] == pytest.approx([2.0, 4.0, 6.0, 10.5])
+    assert record["airspeed_above_wind"] is False
+    assert "2.0 to 10.5 m/s" in str(analysis)
+    assert "wind" not in analyse(load_aircraft("atlantiksolar-as2"), windy.in_wind(5.0)).to_dict()
+
+
+def test_a_map_has_the_wind_of_each_cell(windy: Mission) -> None:
+    aircraft = load_aircraft("atlantiksolar-as2")
+    data = feasibility_map(aircraft, windy, latitudes=[40.0, 50.0], days=[166, 196])
+    assert data["wind"].to_numpy() == pytest.approx(np.array([[2.0, 4.0], [6.0, 10.5]]))
+    assert "1 of 4 cells" in str(data.attrs["extrapolations"])
+    calm = feasibility_map(aircraft, windy.in_wind(0.0), latitudes=[40.0, 50.0], days=[166, 196])
+    assert "wind" not in calm
+    assert calm["excess_time"].equals(data["excess_time"])
+
+
+def test_a_map_has_no_wind_where_the_table_ends(windy: Mission) -> None:
+    aircraft = load_aircraft("atlantiksolar-as2")
+    data = feasibility_map(aircraft, windy, latitudes=[39.0, 40.0], days=[100, 166])
+    assert np.isnan(data["wind"].to_numpy()).tolist() == [[True, True], [True, False]]
+    assert "failed_cells" not in data.attrs
+    with pytest.raises(InputError, match="has latitude_deg 40 to 50"):
+        feasibility_map(aircraft, windy, latitudes=[39.0, 40.0], days=[166], model="FM")
