@@ -40,7 +40,7 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
     use = high & ~faulty & ~limited
     bins = Bins.of(samples.time_s, samples.run, use)
     notes = [f"{_hours_of(high & limited, flown)} h with charging that may be limited are left out"]
-    notes += [f"{_hours_of(high & faulty, flown)} h in which the MPPT does not track are left out"]
+    notes += [f"{_hours_of(high & faulty, flown)} h with power missing are left out"]
     model = solar_model(flown, np.asarray(samples.index[use], int))
     name = "FM" if samples.detail is not None else "CAM"
     if name == "CAM":
@@ -66,13 +66,13 @@ def _hours_of(mask: BoolArray, flown: Flown) -> str:
 
 
 def _in_faults(verification: Verification) -> BoolArray:
-    """Samples within periods in which the MPPT does not track."""
+    """Samples within periods in which modules or MPPT give less than they can."""
     time_s = verification.samples.time_s
     marked = np.zeros(len(time_s), bool)
     for one in verification.anomalies:
-        if one.kind == "mppt_not_tracking":
+        if one.kind in ("mppt_not_tracking", "modules_missing", "power_loss", "cloud"):
             marked |= (time_s >= one.start_s) & (time_s <= one.end_s)
-    return marked
+    return marked if not marked.all() else np.zeros(len(time_s), bool)
 
 
 def _may_be_limited(flown: Flown, aircraft: Aircraft) -> BoolArray:

@@ -8,7 +8,7 @@ from builders import AS2
 
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray
-from studies.fitting.autocorrelation import correlation_time
+from studies.flight_logs.autocorrelation import correlation_time
 from studies.fitting.channels.channel import Channel
 from studies.fitting.estimation import estimate
 from studies.fitting.parameters import PARAMETERS
