@@ -9,7 +9,7 @@ measurement error that the truth does not know.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -22,11 +22,10 @@ from sizing.aircraft import Aircraft
 from solar.attitude import direction_cosines
 from solar.attitude_models import full_model
 from solar.clearsky import Irradiance
-from solar.sun import SunPosition, sun_position
+from solar.sun import sun_position
 from solar.types import FloatArray
-from studies.flight_logs.samples import ShadedArea, day_of_year
+from studies.flight_logs.causes.forward import ShadedArea, day_of_year
 
-Side = Literal["front", "right", "rear", "left"]
 Period: TypeAlias = tuple[float, float]
 
 START_UTC_S = 1435655640.0  # 30 June 2015, 09:14 UTC: the launch
@@ -37,7 +36,6 @@ _NIGHT_LOAD_W = 43.0
 _BATTERY_ENERGY_WH = 732.0
 _MPPT_V = 20.0
 _GUST_S = 2.0  # over which gusts are correlated
-_CENTRES_DEG: dict[Side, float] = {"front": 0.0, "right": 90.0, "rear": 180.0, "left": 270.0}
 
 
 class Fault(NamedTuple):
@@ -54,15 +52,13 @@ class Faults:
 
     ``mppt``: the MPPT loses the maximum power point while the irradiance is below 250 W/m2.
     ``battery_full``: power is limited to load and a dwindling charge, with the charge near full.
-    ``shading``: direct light is lost on the area that this function says is shaded. ``side_bias``:
-    power is lower by this share with the sun on that side of the nose.
+    ``shading``: direct light is lost on the area that this function says is shaded.
     """
 
     mppt: Period | None = None
     battery_full: Period | None = None
     missing: Period | None = None
     shading: ShadedArea | None = None
-    side_bias: tuple[Side, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -217,14 +213,7 @@ def _truth_of_chunk(
         direct = falling - light.dhi[:, np.newaxis]
         weights = modules.geometry.area_shares
         shaded = (shares * direct) @ weights / np.maximum(falling @ weights, 1e-9)
-    if faults.side_bias is not None:
-        power = power * _side_factor(sun, flown.yaw, *faults.side_bias)
     return _Truth(power * (1.0 - shaded), full.irradiance_w_per_m2, shaded)
-
-
-def _side_factor(sun: SunPosition, yaw: FloatArray, side: Side, lost: float) -> FloatArray:
-    away = np.degrees(sun.azimuth_rad - yaw) - _CENTRES_DEG[side]
-    return np.where(np.abs((away + 180.0) % 360.0 - 180.0) <= 45.0, 1.0 - lost, 1.0)
 
 
 def _instruments(
@@ -306,6 +295,4 @@ def _listed(settings: Settings, truth: _Truth) -> tuple[Fault, ...]:
     if len(dark):
         first, last = (begin + dark[i] / settings.rate_hz for i in (0, -1))
         listed.append(Fault("shading", first, last))
-    if faults.side_bias is not None:
-        listed.append(Fault("side_bias", begin, begin + 3600.0 * settings.duration_h))
     return tuple(listed)

@@ -27,7 +27,7 @@ from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import BoolArray
 from studies.flight_logs.anomalies import Anomalies
 from studies.flight_logs.causes.diagnosis import Diagnosis, diagnose
-from studies.flight_logs.causes.forward import Forward, LogError
+from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
 from studies.flight_logs.errors import (
     ModelErrors,
     Section,
@@ -41,7 +41,6 @@ from studies.flight_logs.errors import (
 from studies.flight_logs.log_view import Anomaly
 from studies.flight_logs.samples import (
     Samples,
-    ShadedArea,
     lit_samples,
     module_geometry,
     tail_shading,
@@ -390,7 +389,7 @@ def verify(
     error = diagnosis.correction if correct else LogError()
     log = log if error == LogError() else error.removed(log)
     try:
-        samples, sources = lit_samples(log, aircraft, mission, geometry, shade)
+        samples, sources = lit_samples(replace(forward, log=log))
     except InputError as night:
         told = log_sentences(diagnosis, aircraft, corrected=False)
         reasons = [text for text, wrong in told if wrong and diagnosis.findings]

@@ -15,7 +15,7 @@ from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.fitting.channels.bins import Bins
 from studies.fitting.channels.channel import Channel, Flown, Predict, ambient_c
-from studies.flight_logs.samples import day_of_year
+from studies.flight_logs.causes.forward import day_of_year
 from studies.flight_logs.verification import Verification
 
 # Below, no air-mass formula is good, and horizon and haze decide; assumption.

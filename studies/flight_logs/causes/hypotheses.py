@@ -18,6 +18,7 @@ Family = Literal["time", "attitude", "level", "modules", "period"]
 # Clocks are searched for to both sides [s]; beyond, the date would be another.
 MOST_CLOCK_S = 14 * 3600.0
 _SHIFT_S, _TURNS, _COARSE, _CANDIDATES = 1800.0, 12, 250, 3
+_ALIKE = 1.1  # misfits of starts that are worth a fit
 _ALL_LOST = 0.97
 _LEAST_SHADOW = 0.0025  # of the peak: smaller shadows drown in the noise
 
@@ -198,9 +199,11 @@ def _starts(row: Row, data: Data, error: LogError) -> Iterator[LogError]:
     coarse, measured = data.forward.of(data.forward.index[some]), data.measured[some]
     grid = [error.plus({"clock_s": s, "heading": t}) for s in shifts for t in turns]
     misfits = np.array([_misfit(measured, coarse.parts(one).power, data.peak) for one in grid])
+    own = _misfit(measured, coarse.parts(error).power, data.peak)
     for place in np.argsort(misfits)[:_CANDIDATES]:
-        turned = (grid[place].heading + np.pi) % (2.0 * np.pi) - np.pi
-        yield replace(grid[place], heading=turned)
+        if misfits[place] < _ALIKE * own:
+            turned = (grid[place].heading + np.pi) % (2.0 * np.pi) - np.pi
+            yield replace(grid[place], heading=turned)
 
 
 def _misfit(measured: FloatArray, power: FloatArray, peak: float) -> float:
