@@ -15,6 +15,7 @@ from studies.flight_logs.causes.diagnosis import Diagnosis, Finding
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.log_view import (
     BRIGHT,
+    LOW_LIGHT_W_PER_M2,
     MERGE_S,
     SMOOTH_S,
     Anomaly,
@@ -25,9 +26,10 @@ from studies.flight_logs.log_view import (
 from studies.flight_logs.samples import Samples
 from studies.flight_logs.verdict import words_of
 
-# Share of the expected power that is left where a battery limits it, and from which it is whole;
+# Share of the expected power that is left where a battery limits it, with and without attitude, and
+# from which it is whole;
 # docs/verify.md gives the reason of each.
-LIMITED, UNLIMITED = 0.90, 0.97
+LIMITED, LIMITED_CAM, UNLIMITED = 0.90, 0.75, 0.97
 LIMITED_LEAST_S = 120.0
 _KINDS: dict[str, Kind] = {
     "modules": "modules_missing",
@@ -83,9 +85,15 @@ class Anomalies:
         """Samples of each period in which the battery limits the power."""
         modules = self.aircraft.modules
         rated = modules.full_load_w_per_m2 * modules.area_m2
-        expected, measured = (self._smooth(v) for v in (self._expected_w, self.samples.measured_w))
+        detail, counts = self.samples.detail, np.ones(len(self.samples.time_s))
+        if detail is not None:  # a limit never acts on little light, where MPPTs may fail
+            counts = np.where(detail.irradiance_w_per_m2 >= LOW_LIGHT_W_PER_M2, 1.0, 0.0)
+        powers = (self._expected_w, self.samples.measured_w)
+        share = np.maximum(self._smooth(counts), 1e-9)
+        expected, measured = (self._smooth(counts * power) / share for power in powers)
         may_be = self.diagnosis.limited[self.samples.index] & (expected >= BRIGHT * rated)
-        flagged = may_be & (measured < LIMITED * expected)
+        left = LIMITED if detail is not None else LIMITED_CAM
+        flagged = may_be & (measured < left * expected)
         not_whole = may_be & (measured < UNLIMITED * expected)
         time_s = self.samples.time_s
         for period in clusters(flagged, time_s, MERGE_S):

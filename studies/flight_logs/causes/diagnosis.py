@@ -154,8 +154,8 @@ def diagnose(forward: Forward, *, search: bool = True) -> Diagnosis:
     )
     if noise is None:
         return known
-    start = fit.hypothesis._replace(start=fit.error)
-    clock, heading = (_offset(data, start, name, noise) for name in ("clock_s", "heading"))
+
+    clock, heading = (_offset(data, fit, name, noise) for name in ("clock_s", "heading"))
     return replace(known, clock=clock, heading=heading)
 
 
@@ -193,7 +193,7 @@ def _round(data: Data, known: Hypothesis, base: Fit) -> tuple[Finding | None, Fi
     guess = Noise(min([base.scale, *(one.fit.scale for one in every)]))
     best = min([base, *(one.fit for one in every)], key=lambda fit: fit.score(guess))
     noise = noise_of(data, best)
-    base = fitted(data, known, noise)
+    base = _again(data, base, noise)
     none = base.score(noise)
     few = sorted(every, key=lambda one: one.fit.score(noise))[:6]
     few = [replace(one, fit=_again(data, one.fit, noise)) for one in few]
@@ -222,12 +222,13 @@ def _same_sun(data: Data, alike: list[Candidate]) -> bool:
     return bool(np.min(np.abs(apart)) < _ALIKE_S)
 
 
-def _offset(data: Data, known: Hypothesis, name: str, noise: Noise) -> tuple[float, float] | None:
+def _offset(data: Data, base: Fit, name: str, noise: Noise) -> tuple[float, float] | None:
     """Clock [s] or heading [rad] with its standard deviation, left free."""
     if name not in data.geometric:
         return None
-    free = tuple(dict.fromkeys((*known.free, name)))
-    fit = fitted(data, known._replace(free=free), noise)
+    free = tuple(dict.fromkeys((*base.hypothesis.free, name)))
+    known = base.hypothesis._replace(start=base.error, free=free, sizes=())
+    fit = fitted(data, known, noise, base)
     return float(getattr(fit.error, name)), fit.sigmas[name]
 
 
@@ -253,4 +254,4 @@ def _some(places: IntArray, most: int) -> IntArray:
 
 def _again(data: Data, fit: Fit, noise: Noise) -> Fit:
     """The same from where it ended, with another noise."""
-    return fitted(data, fit.hypothesis._replace(start=fit.error), noise)
+    return fitted(data, fit.hypothesis._replace(start=fit.error, sizes=()), noise, fit)

@@ -80,6 +80,7 @@ class Hypothesis(NamedTuple):
     start: LogError = LogError()
     free: tuple[str, ...] = ()
     losses: tuple[Loss, ...] = ()
+    sizes: tuple[float, ...] = ()  # of the losses, to start from
     cap_w: float | None = None
     parameters: int = 0  # that were fitted on the way: ends of periods, a cap
     choices: float = 0.0  # twice the logarithm of the number of equals that it is the best of
@@ -227,10 +228,15 @@ class Noise(NamedTuple):
 UNKNOWN_NOISE = Noise()
 
 
-def fitted(data: Data, hypothesis: Hypothesis, noise: Noise = UNKNOWN_NOISE) -> Fit:
-    """Most likely errors under a hypothesis, by iteratively reweighted Gauss-Newton steps."""
+def fitted(
+    data: Data, hypothesis: Hypothesis, noise: Noise = UNKNOWN_NOISE, known: Fit | None = None
+) -> Fit:
+    """Most likely errors under a hypothesis, by iteratively reweighted Gauss-Newton steps.
+
+    ``known``: a fit to start from where it has the same error of the log.
+    """
     problem = _Problem.of(data, hypothesis)
-    state = problem.start()
+    state = problem.start(known)
     for _ in range(_ROUNDS):
         scale = noise.sigma or problem.scale(state)
         step, normal = problem.step(state, scale, noise.worth)
@@ -295,10 +301,16 @@ class _Problem:
         moving = tuple(n for n in data.geometric if n in free)
         return cls(data, hypothesis, names, moving, sigmas)
 
-    def start(self) -> _State:
-        """Nothing but half of what may be lost."""
-        values = np.array([0.5 if n.startswith("loss") else 0.0 for n in self.names])
-        return self._state(self.hypothesis.start, values)
+    def start(self, known: Fit | None) -> _State:
+        """What is known already, and the losses by their size."""
+        values = dict.fromkeys(self.names, 0.0)
+        error, drift = self.hypothesis.start, np.zeros(0)
+        if known is not None and known.error == error:
+            values |= {n: v for n, v in known.values.items() if n in values}
+            drift = known.theta[len(known.values) :]
+        sizes = enumerate(self.hypothesis.sizes)
+        values |= {f"loss{place}": size for place, size in sizes}
+        return self._state(error, np.concatenate([list(values.values()), drift]))
 
     def _state(self, error: LogError, theta: FloatArray) -> _State:
         data, count = self.data, len(self.names)

@@ -104,6 +104,9 @@ class Candidate:
 
     def counts(self) -> bool:
         """Whether it is large enough to matter, and to be no chance."""
+        if len(self.row.free) > 1:
+            rows = [row for row in ROWS if len(row.free) == 1 and row.free[0] in self.row.free]
+            return all(replace(self, row=row).counts() for row in rows)
         return abs(self.size) >= max(self.row.least, 3.0 * self.sigma)
 
 
@@ -116,7 +119,7 @@ def candidates(data: Data, known: Hypothesis, base: Fit, noise: Noise) -> Iterat
     for row in ROWS:
         if used & {*row.free, *row.signs} or not _applies(row, data):
             continue
-        fits = [fitted(data, h, noise) for h in _hypotheses(row, data, known, base, noise)]
+        fits = [fitted(data, h, noise, base) for h in _hypotheses(row, data, known, base, noise)]
         fits = [f for f in fits if abs(f.error.clock_s) <= MOST_CLOCK_S]
         if fits:
             yield Candidate(row, min(fits, key=lambda fit: fit.cost(noise_or(base, noise))))
@@ -163,7 +166,8 @@ def _with_losses(
         if shadow is not None and shadow.max() > _LEAST_SHADOW * data.peak:
             shaded = data.time_s[shadow > _LEAST_SHADOW * data.peak]
             loss = Loss("shadow", float(shaded[0]), float(shaded[-1]), (True,) * count, shadow)
-            yield known._replace(start=base.error, losses=(*known.losses, loss))
+            losses, sizes = (*known.losses, loss), (*_sizes(base), 0.5)
+            yield known._replace(start=base.error, losses=losses, sizes=sizes)
         return
     if row.form == "modules":
         shapes = [Shape("share", group, for_a_while=False) for group in subsets(geometry)]
@@ -179,9 +183,15 @@ def _with_losses(
         yield known._replace(
             start=base.error,
             losses=(*known.losses, one.loss),
+            sizes=(*_sizes(base), one.size),
             parameters=known.parameters + one.ends,
             choices=known.choices + choices,
         )
+
+
+def _sizes(fit: Fit) -> tuple[float, ...]:
+    """Sizes of the losses of a fit."""
+    return tuple(fit.values[f"loss{i}"] for i in range(len(fit.hypothesis.losses)))
 
 
 def _starts(row: Row, data: Data, error: LogError) -> Iterator[LogError]:

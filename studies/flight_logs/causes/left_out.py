@@ -16,7 +16,7 @@ from studies.flight_logs.log_view import SMOOTH_S
 # State of charge from which a battery may take less, and from which it is taken for full; share of
 # what load and battery take from which power may be limited by them: the batteries of one type
 # differ, and so does the logged charge.
-NEAR_FULL, FULL, OF_LIMIT = 0.85, 0.95, 0.8
+NEAR_FULL, FULL, OF_LIMIT = 0.85, 0.98, 0.8
 # Load and power that are alike, as a share of rated power, where no charge is logged.
 _ALIKE = 0.05
 FROZEN_S, _LEAST_FROZEN = 60.0, 10
@@ -38,12 +38,14 @@ def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
         if load is None:
             return np.zeros(len(log), bool)
         return np.asarray((np.abs(power - load) < _ALIKE * rated) & (power > 0.0))
-    charge = np.nan_to_num(log.state_of_charge, nan=0.0)
-    if isinstance(battery.charge_limit, NoChargeLimit) or load is None:
-        return np.asarray(charge >= NEAR_FULL)
-    taken = charge_rate_per_h(battery.charge_limit, np.clip(charge, 0.0, 1.0))
-    taken = taken * battery.battery_energy_wh / float(battery.mean_charge_efficiency) + load
-    return np.asarray((charge >= FULL) | ((charge >= NEAR_FULL) & (power > OF_LIMIT * taken)))
+    charge = np.clip(np.nan_to_num(log.state_of_charge, nan=0.0), 0.0, 1.0)
+    if load is None:
+        return charge >= NEAR_FULL
+    if isinstance(battery.charge_limit, NoChargeLimit):
+        return (charge >= NEAR_FULL) & (power > OF_LIMIT * load)
+    taken = charge_rate_per_h(battery.charge_limit, charge) * battery.battery_energy_wh
+    taken = np.where(charge >= FULL, 0.0, taken / float(battery.mean_charge_efficiency))
+    return np.asarray((charge >= NEAR_FULL) & (power > OF_LIMIT * (taken + load)))
 
 
 def frozen(log: FlightLog) -> Iterator[tuple[str, BoolArray]]:

@@ -28,6 +28,7 @@ class Candidate(NamedTuple):
     """A loss that explains something, and how many of its ends were searched for."""
 
     loss: Loss
+    size: float
     ends: int
     gain: float
 
@@ -65,15 +66,16 @@ class _Sums:
         rows = np.cumsum(base[:, None] * jacobian, axis=0)
         self.mixed = np.concatenate([np.zeros((1, jacobian.shape[1])), rows])
 
-    def gains(self, first: IntArray, last: IntArray) -> FloatArray:
-        """Less misfit by a loss of the best size from one sample to before another."""
+    def gains(self, first: IntArray, last: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Less misfit by a loss of the best size from one sample to before another, and that."""
         mixed = self.mixed[last] - self.mixed[first]
-        product = self.product[last] - self.product[first] - mixed @ self.answer
+        product = mixed @ self.answer - self.product[last] + self.product[first]
         power = self.power[last] - self.power[first]
         power = power - np.sum((mixed @ self.root) ** 2, axis=1)
         enough = self.seen[last] - self.seen[first] >= _LEAST_SAMPLES
-        usable = enough & (power > 1e-9) & (product < 0.0)  # power is lost, never won
-        return np.where(usable, product**2 / np.where(usable, power, 1.0) / self.variance, 0.0)
+        usable = enough & (power > 1e-9) & (product > 0.0)  # power is lost, never won
+        size = np.where(usable, product / np.where(usable, power, 1.0), 0.0)
+        return size * product / self.variance, size
 
 
 def best_losses(
@@ -98,16 +100,17 @@ def best_losses(
         near = np.arange(max(first - width, 0), min(first + width, count))
         ends = np.arange(max(last - width, 1), min(last + width, count) + 1)
         first, last = _best(sums, near, ends if shape.for_a_while else np.array([count]))
-        gain = float(sums.gains(np.array([first]), np.array([last]))[0])
+        gain, size = (float(v[0]) for v in sums.gains(np.array([first]), np.array([last])))
         searched = int(first > 0) + int(last < count)
         start = data.time_s[first] if first > 0 else data.forward.log.time_s[0]
         end = data.time_s[last - 1] if last < count else data.forward.log.time_s[-1]
-        yield Candidate(Loss(shape.form, float(start), float(end), shape.surfaces), searched, gain)
+        loss = Loss(shape.form, float(start), float(end), shape.surfaces)
+        yield Candidate(loss, min(size, 1.0), searched, gain)
 
 
 def _best(sums: _Sums, firsts: IntArray, lasts: IntArray) -> tuple[int, int]:
     first, last = (a.ravel() for a in np.meshgrid(firsts, lasts, indexing="ij"))
     later = last > first
     first, last = first[later], last[later]
-    best = int(np.argmax(sums.gains(first, last)))
+    best = int(np.argmax(sums.gains(first, last)[0]))
     return int(first[best]), int(last[best])

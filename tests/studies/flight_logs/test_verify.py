@@ -295,12 +295,19 @@ def test_limited_power_is_excluded_from_the_errors() -> None:
     assert errors.maximum_w < 2.0
 
 
-@pytest.mark.parametrize(
-    "missing", [["state_of_charge"], ["state_of_charge", "load_w"], ATTITUDE, ["mppt_voltage_v"]]
-)
+@pytest.mark.parametrize("missing", [ATTITUDE, ["mppt_voltage_v"]])
 def test_limited_power_is_found_with_fewer_columns(missing: list[str]) -> None:
     (found,) = without(made(faults=Faults(battery_full=(24.0, 27.0))), *missing).anomalies
     assert found.kind == "battery_full"
+
+
+@pytest.mark.parametrize("missing", [["state_of_charge"], ["state_of_charge", "load_w"]])
+def test_without_a_charge_the_battery_is_among_what_may_be(missing: list[str]) -> None:
+    found = without(made(faults=Faults(battery_full=(24.0, 27.0))), *missing)
+    first = found.anomalies[0]
+    assert first.kind == "mppt_not_tracking"
+    assert "or the battery is nearly full (no state of charge is logged)" in first.evidence
+    assert not found.corrected
 
 
 def test_low_power_at_half_charge_is_not_blamed_on_the_battery() -> None:
