@@ -13,10 +13,9 @@ from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.log_view import SMOOTH_S
 
-# State of charge from which a battery may take less, and from which it is taken for full; share of
-# what load and battery take from which power may be limited by them: the batteries of one type
-# differ, and so does the logged charge.
-NEAR_FULL, FULL, OF_LIMIT = 0.85, 0.98, 0.8
+# State of charge from which a battery may take less; share of what load and battery take from which
+# power may be limited by them: batteries of one type differ, and so does the logged charge.
+NEAR_FULL, OF_LIMIT = 0.85, 0.8
 # Load and power that are alike, as a share of rated power, where no charge is logged.
 _ALIKE = 0.05
 FROZEN_S, _LEAST_FROZEN = 60.0, 10
@@ -44,7 +43,8 @@ def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
     if isinstance(battery.charge_limit, NoChargeLimit):
         return (charge >= NEAR_FULL) & (power > OF_LIMIT * load)
     taken = charge_rate_per_h(battery.charge_limit, charge) * battery.battery_energy_wh
-    taken = np.where(charge >= FULL, 0.0, taken / float(battery.mean_charge_efficiency))
+    taken = taken / float(battery.mean_charge_efficiency)
+    taken = np.where(taken < load, 0.0, taken)  # as good as full
     return np.asarray((charge >= NEAR_FULL) & (power > OF_LIMIT * (taken + load)))
 
 
