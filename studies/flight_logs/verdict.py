@@ -166,8 +166,7 @@ def log_sentences(
             families = frozenset({finding.best.row.family, finding.others[0].row.family})
             text += f"; to tell them apart: {_TO_TELL.get(families, _OTHERWISE)}"
         if finding.best.row.family in ("time", "attitude"):
-            uncertain = "" if diagnosis.certain else ": it is not certain enough to be corrected"
-            text += f"; {how}{uncertain}"
+            text += f"; {how if diagnosis.certain else 'not corrected, since it is not certain'}"
         yield text, finding.best.row.name != "sky"
     for name, offset, scale, unit, unknown in (
         ("clock", diagnosis.clock, 60.0, "min", UNKNOWN_TIME_S),

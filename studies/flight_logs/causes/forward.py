@@ -194,13 +194,13 @@ class Forward:
         angles = error.angles(*(a[index] for a in log.attitude))
         return Sunlight(sun, light, direction_cosines(*angles), angles.yaw_rad)
 
-    def full(self, given: Sunlight) -> ModulePower:
-        """The Full Model in some sunlight."""
+    def full(self, given: Sunlight, ambient_c: FloatArray | None = None) -> ModulePower:
+        """The Full Model in some sunlight, and at another temperature of the air."""
         assert self.geometry is not None
         assert given.to_ned is not None  # the caller checked
         return full_model(
             *(given.light, given.sun.vector_ned, given.to_ned, self.geometry),
-            *(self.aircraft.modules, self.ambient_c()[0]),
+            *(self.aircraft.modules, self.ambient_c()[0] if ambient_c is None else ambient_c),
             shading=self.aircraft.modules.shading,
         )
 

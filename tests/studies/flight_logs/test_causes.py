@@ -273,9 +273,7 @@ def test_every_layout_tells_its_lies(name: str, tmp_path: Path) -> None:
     "truth",
     [
         Truth(),
-        Truth("clock", 37.0),
         Truth("modules", 1.0, 0.35, where=("left front", "left rear")),
-        Truth("power_loss", 1.0, 0.5, 0.56),
     ],
 )
 def test_causes_in_logs_of_another_simulation(truth: Truth) -> None:
