@@ -254,7 +254,9 @@ def fitted(
     _, normal = problem.step(state, noise.sigma or problem.scale(state), noise.worth)
     theta, prior = state.theta, problem.prior(state)
     names, covariance = problem.names, np.linalg.inv(normal)
-    sigmas = np.sqrt(np.diag(covariance))[: len(names)]
+    # What is found of an angle holds the bias that every log has.
+    bias = np.array([LOG_SIGMAS[n] if n in problem.moving else 0.0 for n in names])
+    sigmas = np.hypot(np.sqrt(np.diag(covariance))[: len(names)], bias)
     values = dict(zip(names, theta[: len(names)].tolist(), strict=True))
     return Fit(
         hypothesis=hypothesis,
@@ -308,8 +310,7 @@ class _Problem:
         if known is not None and known.error == error:
             values |= {n: v for n, v in known.values.items() if n in values}
             drift = known.theta[len(known.values) :]
-        sizes = enumerate(self.hypothesis.sizes)
-        values |= {f"loss{place}": size for place, size in sizes}
+        values |= {f"loss{place}": size for place, size in enumerate(self.hypothesis.sizes)}
         return self._state(error, np.concatenate([list(values.values()), drift]))
 
     def _state(self, error: LogError, theta: FloatArray) -> _State:
@@ -329,9 +330,7 @@ class _Problem:
             columns.append((at(other, **changed) - power) / step)
         drifts, spread = data.drifts(data.parts(error), power)
         every = np.concatenate([np.stack(columns, axis=1), drifts], axis=1)
-        theta = (
-            np.concatenate([theta[:count], np.zeros(len(spread))]) if len(theta) == count else theta
-        )
+        theta = np.resize(np.append(theta, np.zeros(len(spread))), count + len(spread))
         # Small errors of clock and angles act in proportion; the rest is in the power already.
         linear = np.array([n in _STEPS for n in self.names] + [True] * len(spread))
         whole = power + every[:, linear] @ theta[linear]

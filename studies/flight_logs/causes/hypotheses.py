@@ -180,6 +180,8 @@ def _with_losses(
         key=lambda one: one.ends * np.log(noise.worth * len(data.time_s)) - one.gain,
     )
     for one in found[:_CANDIDATES]:
+        if one.ends == 0 and row.form != "modules":
+            continue  # missing all the time: that is a gain, or the sky
         yield known._replace(
             start=base.error,
             losses=(*known.losses, one.loss),
