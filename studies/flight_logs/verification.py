@@ -9,8 +9,10 @@ from __future__ import annotations
 import datetime
 import io
 import os
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -121,6 +123,14 @@ class Verification(Result):
     def aircraft(self) -> str:
         """Name of the aircraft."""
         return self.craft.name
+
+    @property
+    def alignment(self) -> SimpleNamespace | None:
+        """Errors of the log as ``to_dict`` has them; deprecated for :attr:`diagnosis`."""
+        message = "Verification.alignment is deprecated: use diagnosis, or to_dict()['alignment']"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        known = self.diagnosis
+        return None if known is None else SimpleNamespace(**self._alignment_record(known))
 
     def headline(self) -> str:
         """Aircraft, log and its length in one line."""

@@ -393,6 +393,7 @@ def noise_of(data: Data, fit: Fit) -> Noise:
     sector = np.floor(data.parts(fit.error).bearing * _SECTORS / (2.0 * np.pi)) % _SECTORS
     hour = np.floor((data.time_s - data.time_s[0]) / _CLUSTER_S)
     cluster = np.unique(_SECTORS * hour + sector, return_inverse=True)[1]
-    effect = float(np.sum(np.bincount(cluster, residual) ** 2) / np.sum(residual**2))
+    power = max(float(np.sum(residual**2)), 1e-300)
+    effect = float(np.sum(np.bincount(cluster, residual) ** 2)) / power
     time = correlation_time(residual, data.run, fit.jacobian.shape[1])
     return Noise(sigma, 1.0 / max(effect, time, 1.0))

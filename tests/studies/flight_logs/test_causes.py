@@ -285,7 +285,8 @@ def test_causes_in_logs_of_another_simulation(truth: Truth) -> None:
 def test_rates_on_logs_that_were_not_looked_at() -> None:
     cases = every(HOLD_OUT)
     found = rates(cases)
-    # What docs/verify.md says of them, in whole logs of 41 with a fault and 19 without.
-    assert found["right cause first"] >= 0.85
-    assert found["wrong blame"] <= 0.05
+    # docs/verify.md has 36 of 41 right, none wrong, no alarm in 19; one log of leeway for the last
+    # digits of other libraries.
+    assert found["right cause first"] >= 35 / 41
+    assert found["wrong blame"] <= 1 / 41
     assert found["false alarms"] == 0.0
