@@ -24,10 +24,10 @@ from scipy.stats import norm, t
 
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray
-from studies.fitting.autocorrelation import correlation_time
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Channel
 from studies.fitting.parameters import FitParameter, with_values
+from studies.flight_logs.autocorrelation import correlation_time
 
 CONFIDENCE = 0.95
 COLLINEAR = 20.0

@@ -256,7 +256,7 @@ def fit_flight(
         reason = next(m for m in missing if m.startswith(name)).partition(": ")[2]
         lacking += [Held(one, one.value(aircraft), reason) for one in own]
     warnings = [sentence for sentence, wrong in verification.log_verdicts() if wrong]
-    warnings += () if verification.alignment is None else verification.alignment.notes
+    warnings += () if verification.diagnosis is None else verification.diagnosis.notes
     warnings += [note for part in estimates for note in part.channel.notes]
     if any(part.channel.name == "solar" and part.fitted for part in estimates):
         warnings.append(

@@ -46,9 +46,12 @@ _MEASURED_WIDTH = 1.8  # wider than the models'
 # Kind of what looks wrong -> its words and hatch.
 _FAULTS: dict[Kind, tuple[str, str]] = {
     "mppt_not_tracking": ("MPPT does not track", "xx"),
-    "battery_full": ("battery full", "\\\\\\"),
+    "power_loss": ("no power", "oo"),
+    "modules_missing": ("modules missing", ".."),
+    "cloud": ("cloud", "--"),
     "shading": ("shading", "++"),
-    "side_bias": ("bias by side", ".."),
+    "battery_full": ("battery full", "\\\\\\"),
+    "frozen_channel": ("channel frozen", "||"),
     "missing_data": ("no data", "///"),
 }
 # More points than this are not told apart on a page.

@@ -9,35 +9,28 @@ measurement error that the truth does not know.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
 from missions.flight_path import Circle, orbit
-from missions.logs.table import FlightLog, log_from_table
+from missions.logs.table import EulerAngles, FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.attitude import direction_cosines
-from solar.attitude_models import full_model
-from solar.clearsky import Irradiance
-from solar.sun import SunPosition, sun_position
 from solar.types import FloatArray
-from studies.flight_logs.samples import ShadedArea, day_of_year
+from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
 
-Side = Literal["front", "right", "rear", "left"]
 Period: TypeAlias = tuple[float, float]
 
 START_UTC_S = 1435655640.0  # 30 June 2015, 09:14 UTC: the launch
 DURATION_H = 28.35
 _EARTH_RADIUS_M = 6371000.0
-_CHUNK = 20_000
 _NIGHT_LOAD_W = 43.0
 _BATTERY_ENERGY_WH = 732.0
 _MPPT_V = 20.0
 _GUST_S = 2.0  # over which gusts are correlated
-_CENTRES_DEG: dict[Side, float] = {"front": 0.0, "right": 90.0, "rear": 180.0, "left": 270.0}
 
 
 class Fault(NamedTuple):
@@ -54,15 +47,13 @@ class Faults:
 
     ``mppt``: the MPPT loses the maximum power point while the irradiance is below 250 W/m2.
     ``battery_full``: power is limited to load and a dwindling charge, with the charge near full.
-    ``shading``: direct light is lost on the area that this function says is shaded. ``side_bias``:
-    power is lower by this share with the sun on that side of the nose.
+    ``shading``: direct light is lost on the area that this function says is shaded.
     """
 
     mppt: Period | None = None
     battery_full: Period | None = None
     missing: Period | None = None
     shading: ShadedArea | None = None
-    side_bias: tuple[Side, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -174,57 +165,25 @@ def lasting(white: FloatArray, step: float) -> FloatArray:
 def _truth(
     aircraft: Aircraft, mission: Mission, time_s: FloatArray, flown: _Flown, faults: Faults
 ) -> _Truth:
-    """Full Model in the true attitude, chunk by chunk."""
-    parts = [
-        _truth_of_chunk(
-            aircraft,
-            mission,
-            time_s[i : i + _CHUNK],
-            _Flown(*(v[i : i + _CHUNK] for v in flown)),
-            faults,
-        )
-        for i in range(0, len(time_s), _CHUNK)
-    ]
-    return _Truth(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-
-
-def _truth_of_chunk(
-    aircraft: Aircraft, mission: Mission, time_s: FloatArray, flown: _Flown, faults: Faults
-) -> _Truth:
-    modules = aircraft.modules
-    assert modules.geometry is not None  # checked by synthetic_log
-    sun = sun_position(time_s, flown.latitude_deg, flown.longitude_deg)
-    light = Irradiance(
-        *(
-            mission.clearness * part
-            for part in mission.sky(
-                day_of_year(time_s),
-                flown.latitude_deg,
-                -sun.vector_ned[..., 2],
-                mission.altitude_m,
-            )
-        )
-    )
-    to_ned = direction_cosines(flown.roll, flown.pitch, flown.yaw)
-    air_c = float(mission.air_state().temperature_c)
-    full = full_model(light, sun.vector_ned, to_ned, modules.geometry, modules, air_c)
-    power = modules.area_m2 * full.specific_power_w_per_m2
-    shaded = np.zeros(len(time_s))
-    if faults.shading is not None:
-        body = np.einsum("...ji,...j->...i", to_ned, sun.vector_ned)
-        shares = faults.shading(body) / np.array([s.area_m2 for s in modules.geometry.surfaces])
-        falling = full.irradiance_by_surface_w_per_m2
-        direct = falling - light.dhi[:, np.newaxis]
-        weights = modules.geometry.area_shares
-        shaded = (shares * direct) @ weights / np.maximum(falling @ weights, 1e-9)
-    if faults.side_bias is not None:
-        power = power * _side_factor(sun, flown.yaw, *faults.side_bias)
-    return _Truth(power * (1.0 - shaded), full.irradiance_w_per_m2, shaded)
-
-
-def _side_factor(sun: SunPosition, yaw: FloatArray, side: Side, lost: float) -> FloatArray:
-    away = np.degrees(sun.azimuth_rad - yaw) - _CENTRES_DEG[side]
-    return np.where(np.abs((away + 180.0) % 360.0 - 180.0) <= 45.0, 1.0 - lost, 1.0)
+    """Full Model in the true attitude, without shading: that is a fault."""
+    none, air_c = np.zeros(len(time_s)), float(mission.air_state().temperature_c)
+    log = FlightLog(
+        source="truth", time_s=time_s, latitude_deg=flown.latitude_deg,
+        longitude_deg=flown.longitude_deg, altitude_m=none + mission.altitude_m,
+        solar_power_w=none, attitude=EulerAngles(flown.roll, flown.pitch, flown.yaw),
+        ambient_temperature_c=none + air_c, mppt_voltage_v=None, load_w=None,
+        state_of_charge=None, rows_read=0, rows_dropped=0, gaps=(), notes=(),
+    )  # fmt: skip
+    modules = aircraft.modules.model_copy(update={"shading_loss": "none"})
+    bare = aircraft.model_copy(update={"modules": modules})
+    forward = Forward(log, bare, mission, modules.geometry, faults.shading, np.arange(len(time_s)))
+    chunks = []
+    for part in forward.chunks():
+        every = part.parts(LogError())
+        shadow = part.shadow_w(LogError())
+        shaded = none[part.index] if shadow is None else shadow / np.maximum(every.power, 1e-9)
+        chunks.append(_Truth(every.power * (1.0 - shaded), every.light, shaded))
+    return _Truth(*(np.concatenate(columns) for columns in zip(*chunks, strict=True)))
 
 
 def _instruments(
@@ -306,6 +265,4 @@ def _listed(settings: Settings, truth: _Truth) -> tuple[Fault, ...]:
     if len(dark):
         first, last = (begin + dark[i] / settings.rate_hz for i in (0, -1))
         listed.append(Fault("shading", first, last))
-    if faults.side_bias is not None:
-        listed.append(Fault("side_bias", begin, begin + 3600.0 * settings.duration_h))
     return tuple(listed)

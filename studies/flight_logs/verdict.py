@@ -1,16 +1,26 @@
-"""One sentence for each model, and one for each thing that the log itself may have wrong."""
+"""One sentence for each model, and one for each thing that may be wrong with log and modules."""
 
 from __future__ import annotations
 
+import datetime
 from collections.abc import Iterator
 
+import numpy as np
+
+from sizing.aircraft import Aircraft
 from solar.names import ModelName
-from studies.flight_logs.alignment.offsets import HALF_HOUR_S, Alignment
+from studies.flight_logs.causes.diagnosis import Diagnosis, snapped
+from studies.flight_logs.causes.fit import Loss
+from studies.flight_logs.causes.hypotheses import Candidate, Family
 from studies.flight_logs.errors import ModelErrors
+from studies.flight_logs.log_view import LOW_LIGHT_W_PER_M2
 
 # The Full Model was within 2 % on average in the report, and a clear day is known to a few per
 # cent: what is within this is as good as the models are.
 AGREES_PERCENT, SCATTER_PERCENT = 3.0, 6.0
+# What is no number: standard deviations above these [s, rad].
+UNKNOWN_TIME_S, UNKNOWN_HEADING = 1800.0, float(np.radians(10.0))
+_AIR_MASS = 1.5  # of the reference spectrum AM1.5
 
 
 def model_sentence(model: ModelName, errors: ModelErrors | None, filter_s: float) -> str:
@@ -39,38 +49,146 @@ def model_sentence(model: ModelName, errors: ModelErrors | None, filter_s: float
     return f"{model} is {abs(mean):.1f} % {word} the flight, and not alike at all hours ({numbers})"
 
 
-def log_sentences(alignment: Alignment, *, corrected: bool) -> Iterator[tuple[str, bool]]:
-    """What the power says of the log itself, and whether it is an error.
+def words_of(candidate: Candidate, aircraft: Aircraft) -> str:
+    """What a cause says, with its size."""
+    size, sigma, row, name = candidate.size, candidate.sigma, candidate.row, candidate.name
+    share = f"{100.0 * abs(size):.0f} +- {100.0 * sigma:.0f} %"
+    if row.signs:
+        return f"{name} wrong"
+    if row.form == "modules":
+        return _modules_words(candidate, aircraft)
+    if row.form == "cap":
+        return f"power sensor saturated at {candidate.fit.hypothesis.cap_w:.0f} W"
+    when = _period(candidate.fit.hypothesis.losses[-1]) if row.form else ""
+    words = {
+        "power loss": f"no power at all {when}",
+        "mppt": f"MPPT held below its point: {share} of the power missing {when}",
+        "cloud": f"cloud: {share} of the direct light missing {when}",
+        "mppt at low light": f"MPPT not tracking below {LOW_LIGHT_W_PER_M2:g} W/m²: {share} of the "
+        f"power missing {when}",
+        "shading": f"shadow of the tail: costs {share} of what it would in proportion to its area",
+        "gain": f"power {100.0 * (1.0 + size):.0f} +- {100.0 * sigma:.0f} % of what the modules "
+        "should give: gain of the sensor, or efficiency of the modules",
+        "sky": _sky_words(size),
+    }
+    if name in words:
+        return words[name]
+    clock = f"clock {_clock_words(size, sigma)}"
+    if name == "clock":
+        return clock
+    if name == "clock and heading":
+        return f"{clock}, and heading off by {_degrees(candidate.fit.error.heading):+.1f} deg"
+    way = {"heading": "clockwise", "roll": "right wing down", "pitch": "nose up"}[name]
+    return f"{name} off by {_degrees(size):+.1f} +- {np.degrees(sigma):.1f} deg ({way} is positive)"
+
+
+def _sky_words(haze: float) -> str:
+    light = 100.0 * abs(1.0 - float(np.exp(-_AIR_MASS * haze)))
+    word, less = ("hazier", "less") if haze > 0.0 else ("clearer", "more")
+    return f"sky {word} than the model's: {light:.0f} % {less} direct light at an air mass of 1.5"
+
+
+def _degrees(angle: float) -> float:
+    return float((np.degrees(angle) + 180.0) % 360.0 - 180.0)
+
+
+def _modules_words(candidate: Candidate, aircraft: Aircraft) -> str:
+    geometry = aircraft.modules.geometry
+    assert geometry is not None  # so that modules could be told apart
+    loss = candidate.fit.hypothesis.losses[-1]
+    names = [s.name for s, on in zip(geometry.surfaces, loss.surfaces, strict=True) if on]
+    gone = abs(1.0 - candidate.size) < max(3.0 * candidate.sigma, 0.05)
+    share = f"{100.0 * candidate.size:.0f} +- {100.0 * candidate.sigma:.0f} %"
+    lost = "give nothing" if gone else f"give {share} less than they should"
+    return (
+        f"modules {', '.join(names)} {lost} {_period(loss) if candidate.jumps else 'all the time'}"
+    )
+
+
+def _period(loss: Loss) -> str:
+    start, end = (
+        datetime.datetime.fromtimestamp(t, datetime.UTC).strftime("%H:%M")
+        for t in (loss.start_s, loss.end_s)
+    )
+    return f"from {start} to {end} UTC"
+
+
+def _clock_words(ahead_s: float, sigma_s: float) -> str:
+    word = "ahead of" if ahead_s > 0.0 else "behind"
+    zone = snapped(ahead_s, sigma_s)
+    hours, minutes = divmod(round(abs(zone) / 60.0), 60)
+    sign = "+" if zone > 0.0 else "-"
+    known = (
+        ""
+        if zone == ahead_s or not zone
+        else (f", as a clock of UTC{sign}{hours:02d}:{minutes:02d} is")
+    )
+    return f"{abs(ahead_s) / 60.0:.1f} +- {sigma_s / 60.0:.1f} min {word} universal time{known}"
+
+
+# What flight would tell causes of two families apart.
+_TO_TELL: dict[frozenset[Family], str] = {
+    frozenset({"attitude"}): "circles in both directions at 15 deg of bank or more",
+    frozenset({"time", "attitude"}): "circles in both directions, in the morning and the afternoon",
+    frozenset(
+        {"attitude", "modules"}
+    ): "circles in both directions: an error of the attitude turns "
+    "with them, missing modules do not",
+    frozenset({"time"}): "a log at another longitude, or a look at the clock and the receiver",
+    frozenset({"level"}): "the same circles at high and at low sun",
+    frozenset({"level", "modules"}): "circles at 15 deg of bank or more with the sun below 40 deg",
+    frozenset({"modules", "period"}): "circles at 15 deg of bank or more with the sun below 40 deg",
+    frozenset({"period"}): "circles at 15 deg of bank or more, and a logged irradiance",
+}
+_OTHERWISE = "a whole day of circles in both directions"
+
+
+def log_sentences(
+    diagnosis: Diagnosis, aircraft: Aircraft, *, corrected: bool
+) -> Iterator[tuple[str, bool]]:
+    """What the power says of log, modules and sky, and whether that is an error.
 
     ``corrected``: whether the models are compared with the corrected log.
     """
     how = "compared as corrected" if corrected else "compared as logged"
-    if alignment.power_unit != "W":
-        yield f"unit of the log: the power is in {alignment.power_unit}, not W; {how}", True
-    if (clock := alignment.clock_ahead_s) is not None:
-        # Beyond two minutes a word says which way.
-        size_s = clock.value if not abs(clock.value) > 120.0 else abs(clock.value)
-        minutes = f"{size_s / 60.0:.1f} +- {clock.sigma / 60.0:.1f} min"
-        if alignment.clock_wrong:
-            word = "ahead of" if clock.value > 0.0 else "behind"
-            zone = _zone(alignment)
-            yield f"clock of the log: {minutes} {word} universal time{zone}; {how}", True
-        else:
-            yield f"clock of the log: right within its uncertainty ({minutes})", False
-    if (heading := alignment.heading_ahead_deg) is not None:
-        size = f"{heading.value:+.1f} +- {heading.sigma:.1f} deg"
-        if alignment.heading_wrong:
-            yield f"heading of the log: off by {size} (clockwise is positive); {how}", True
-        else:
-            yield f"heading of the log: right within its uncertainty ({size})", False
-    for note in alignment.notes:
+    if diagnosis.unit != "W":
+        yield f"unit of the log: the power is in {diagnosis.unit}, not W; {how}", True
+    if diagnosis.factor < 0.0:
+        yield f"sign of the log: the power is negative; {how}", True
+    for finding in diagnosis.findings:
+        text = words_of(finding.best, aircraft)
+        others = [words_of(one, aircraft) for one in finding.others]
+        if finding.battery:
+            others.append(f"battery nearly full ({finding.battery})")
+        if others:
+            text += f"; fits about as well: {'; or '.join(others)}"
+        if finding.others and not finding.alike:
+            families = frozenset({finding.best.row.family, finding.others[0].row.family})
+            text += f"; to tell them apart: {_TO_TELL.get(families, _OTHERWISE)}"
+        if finding.best.row.family in ("time", "attitude"):
+            text += f"; {how if diagnosis.certain else 'not corrected, since it is not certain'}"
+        yield text, finding.best.row.name != "sky"
+    for name, offset, scale, unit, unknown in (
+        ("clock", diagnosis.clock, 60.0, "min", UNKNOWN_TIME_S),
+        ("heading", diagnosis.heading, float(np.radians(1.0)), "deg", UNKNOWN_HEADING),
+    ):
+        key = {"clock": "clock_s"}.get(name, name)
+        if offset is not None and not diagnosis.named(key):
+            yield _offset_sentence(name, offset, scale, unit, unknown), False
+    if diagnosis.sky is not None:
+        yield _sky_words(diagnosis.sky[0]), False
+    for note in diagnosis.notes:
         yield note, False
 
 
-def _zone(alignment: Alignment) -> str:
-    """Time zone that would explain an error of the clock."""
-    half_hours, rest = divmod(alignment.clock_correction_s, HALF_HOUR_S)
-    if rest:
-        return ""
-    hours, half = divmod(int(abs(half_hours)), 2)
-    return f", as a clock of UTC{'+' if half_hours > 0 else '-'}{hours:02d}:{30 * half:02d} is"
+def _offset_sentence(
+    name: str, offset: tuple[float, float], scale: float, unit: str, unknown: float
+) -> str:
+    """Whether an offset that is no finding is right."""
+    value, sigma = offset
+    if not sigma < unknown:
+        return f"{name} not checked: the power does not tell it on this flight"
+    size = f"{value / scale:+.1f} +- {sigma / scale:.1f} {unit}"
+    if abs(value) < 3.0 * sigma:
+        return f"{name} of the log: right within its uncertainty ({size})"
+    return f"{name} of the log: {size}, which errors of model and sky explain about as well"

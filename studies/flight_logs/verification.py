@@ -1,7 +1,7 @@
 """Solar power models against a flight log: errors, and what looks wrong in the flight.
 
-The errors are those of :mod:`studies.flight_logs.errors`; the anomalies are sought by the rules of
-:mod:`studies.flight_logs.limited_charging` and :mod:`studies.flight_logs.anomalies`.
+The errors are those of :mod:`studies.flight_logs.errors`; what is wrong is decided by the causes of
+:mod:`studies.flight_logs.causes`, which compete.
 """
 
 from __future__ import annotations
@@ -9,15 +9,17 @@ from __future__ import annotations
 import datetime
 import io
 import os
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from missions.files.errors import file_error
+from missions.files.errors import InputError, file_error
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
 from missions.logs.table import FlightLog
@@ -25,8 +27,9 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import BoolArray
-from studies.flight_logs.alignment.offsets import Alignment, align
-from studies.flight_logs.anomalies import other_anomalies
+from studies.flight_logs.anomalies import Anomalies
+from studies.flight_logs.causes.diagnosis import Diagnosis, diagnose
+from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
 from studies.flight_logs.errors import (
     ModelErrors,
     Section,
@@ -37,16 +40,14 @@ from studies.flight_logs.errors import (
     sections,
     solar_span,
 )
-from studies.flight_logs.limited_charging import battery_full
-from studies.flight_logs.log_view import Anomaly, LogView
+from studies.flight_logs.log_view import Anomaly
 from studies.flight_logs.samples import (
     Samples,
-    ShadedArea,
     lit_samples,
     module_geometry,
     tail_shading,
 )
-from studies.flight_logs.verdict import log_sentences, model_sentence
+from studies.flight_logs.verdict import log_sentences, model_sentence, words_of
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
@@ -75,14 +76,15 @@ class Verification(Result):
 
     Attributes
     ----------
-    aircraft, mission : str
-        Their names.
+    craft : Aircraft
+    mission : str
+        Its name.
     log : FlightLog
-        The flight, without the errors of clock, heading and unit that were found.
-    alignment : Alignment or None
-        What the power says of clock, heading and unit; None where that was not asked for.
+        The flight, without the errors of clock, angles and unit that were certain.
+    diagnosis : Diagnosis or None
+        What the power says of log, modules and sky; None where that was not asked for.
     corrected : bool
-        Whether the errors found were corrected.
+        Whether errors of the log were corrected.
     whole : Section
         Errors over the whole log.
     samples : Samples
@@ -101,10 +103,10 @@ class Verification(Result):
         What the reader should know.
     """
 
-    aircraft: str
+    craft: Aircraft
     mission: str
     log: FlightLog
-    alignment: Alignment | None
+    diagnosis: Diagnosis | None
     corrected: bool
     whole: Section
     samples: Samples
@@ -116,6 +118,19 @@ class Verification(Result):
     window_filter_s: float
     anomalies: tuple[Anomaly, ...]
     notes: tuple[str, ...]
+
+    @property
+    def aircraft(self) -> str:
+        """Name of the aircraft."""
+        return self.craft.name
+
+    @property
+    def alignment(self) -> SimpleNamespace | None:
+        """Errors of the log as ``to_dict`` has them; deprecated for :attr:`diagnosis`."""
+        message = "Verification.alignment is deprecated: use diagnosis, or to_dict()['alignment']"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        known = self.diagnosis
+        return None if known is None else SimpleNamespace(**self._alignment_record(known))
 
     def headline(self) -> str:
         """Aircraft, log and its length in one line."""
@@ -152,10 +167,10 @@ class Verification(Result):
         }
 
     def log_verdicts(self) -> list[tuple[str, bool]]:
-        """Sentences on clock, heading and unit of the log, and whether each is an error."""
-        if self.alignment is None:
+        """Sentences on what may be wrong with log and modules, and whether each is an error."""
+        if self.diagnosis is None:
             return []
-        return list(log_sentences(self.alignment, corrected=self.corrected))
+        return list(log_sentences(self.diagnosis, self.craft, corrected=self.corrected))
 
     def tables(self) -> list[Table]:
         """Errors of every window and day, and the anomalies if there are any."""
@@ -183,7 +198,8 @@ class Verification(Result):
                 "step_s": log.step_s,
                 "gaps": [_span_record(gap.start_s, gap.end_s) for gap in log.gaps],
             },
-            "alignment": None if self.alignment is None else self._alignment_record(),
+            "alignment": None if self.diagnosis is None else self._alignment_record(self.diagnosis),
+            "causes": [] if self.diagnosis is None else self._causes(self.diagnosis),
             "models": list(self.samples.modelled_w),
             "verdicts": self.verdicts(),
             "excluded_samples": int(self.excluded.sum()),
@@ -193,21 +209,36 @@ class Verification(Result):
             "notes": list(self.notes),
         }
 
-    def _alignment_record(self) -> dict[str, Any]:
-        alignment = self.alignment
-        assert alignment is not None  # the caller checked
-        clock, heading = alignment.clock_ahead_s, alignment.heading_ahead_deg
+    def _alignment_record(self, diagnosis: Diagnosis) -> dict[str, Any]:
+        clock, heading = diagnosis.clock, diagnosis.heading
         return {
-            "power_unit": alignment.power_unit,
-            "clock_ahead_s": None if clock is None else clock.value,
-            "clock_sigma_s": None if clock is None else clock.sigma,
-            "clock_wrong": alignment.clock_wrong,
-            "heading_ahead_deg": None if heading is None else heading.value,
-            "heading_sigma_deg": None if heading is None else heading.sigma,
-            "heading_wrong": alignment.heading_wrong,
+            "power_unit": diagnosis.unit,
+            "clock_ahead_s": None if clock is None else clock[0],
+            "clock_sigma_s": None if clock is None else clock[1],
+            "clock_wrong": diagnosis.named("clock_s"),
+            "heading_ahead_deg": None if heading is None else float(np.degrees(heading[0])),
+            "heading_sigma_deg": None if heading is None else float(np.degrees(heading[1])),
+            "heading_wrong": diagnosis.named("heading"),
             "corrected": self.corrected,
-            "notes": list(alignment.notes),
+            "notes": list(diagnosis.notes),
         }
+
+    def _causes(self, diagnosis: Diagnosis) -> list[dict[str, Any]]:
+        """Causes that were found, each with those that fit about as well."""
+        return [
+            {
+                "cause": one.best.name,
+                "size": one.best.size,
+                "sigma": one.best.sigma,
+                "text": words_of(one.best, self.craft),
+                "battery": one.battery,
+                "others": [
+                    {"cause": o.name, "size": o.size, "text": words_of(o, self.craft)}
+                    for o in one.others
+                ],
+            }
+            for one in diagnosis.findings
+        ]
 
     def to_frame(self) -> pd.DataFrame:
         """Samples with models and errors, one row each."""
@@ -341,8 +372,8 @@ def verify(
     shading : callable, optional
         Shaded area instead of that of the aircraft's own tail.
     correct : bool or None
-        Whether errors of the log's clock, heading and unit are corrected before anything is
-        compared; else they are told only. None: they are not looked for.
+        Whether errors of the log that are certain are corrected before anything is compared; else
+        they are told only. None: nothing is taken to be wrong.
 
     Returns
     -------
@@ -359,17 +390,22 @@ def verify(
     log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     geometry, reasons = module_geometry(log, aircraft)
-    alignment = None if correct is None else align(log, aircraft, mission, geometry)
-    corrected = bool(correct) and alignment is not None and alignment.wrong
-    log = alignment.corrected(log) if corrected and alignment is not None else log
     shade = shading
     if shade is None and geometry is not None:
         shade, reason = tail_shading(aircraft, geometry)
         reasons += [reason] if reason else []
-    samples, sources = lit_samples(log, aircraft, mission, geometry, shade)
-    view = LogView.of(log, samples, aircraft)
-    full, limited = battery_full(view)
-    anomalies = [*full, *other_anomalies(view, limited)]
+    forward = Forward(log, aircraft, mission, geometry, shade, np.arange(len(log)))
+    diagnosis = diagnose(forward, search=correct is not None)
+    error = diagnosis.correction if correct else LogError()
+    log = log if error == LogError() else error.removed(log)
+    try:
+        samples, sources = lit_samples(replace(forward, log=log))
+    except InputError as night:
+        told = log_sentences(diagnosis, aircraft, corrected=False)
+        reasons = [text for text, wrong in told if wrong and diagnosis.findings]
+        raise file_error(log.source, "; ".join([night.problems[0].message, *reasons])) from None
+    found = Anomalies(log, samples, diagnosis, aircraft, error.clock_s)
+    limited = found.excluded()
     masks = tuple(in_window(samples, window) for window in periods)
     for window, mask in zip(periods, masks, strict=True):
         if not mask.any():
@@ -379,11 +415,11 @@ def verify(
     day_s = DAY_FILTER_S if filter_s is None else filter_s
     labelled = zip([window.label for window in periods], masks, strict=True)
     return Verification(
-        aircraft=aircraft.name,
+        craft=aircraft,
         mission=mission.name,
         log=log,
-        alignment=alignment,
-        corrected=corrected,
+        diagnosis=None if correct is None else diagnosis,
+        corrected=error != LogError(),
         whole=sections(samples, limited, day_s, [("all", np.ones(len(limited), bool))])[0],
         samples=samples,
         excluded=limited,
@@ -392,6 +428,6 @@ def verify(
         days=sections(samples, limited, day_s, day_masks(samples)),
         day_filter_s=day_s,
         window_filter_s=window_s,
-        anomalies=tuple(sorted(anomalies, key=lambda a: (a.start_s, a.kind))),
+        anomalies=tuple(found.every()),
         notes=(*log.notes, *reasons, *sources),
     )

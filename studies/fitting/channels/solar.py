@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
 from sizing.sunlight import UNCORRECTED_CAM
-from solar.attitude import direction_cosines
-from solar.attitude_models import full_model
 from solar.clearsky import Irradiance
 from solar.horizontal_models import conceptual_analysis_model
-from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.fitting.channels.bins import Bins
 from studies.fitting.channels.channel import Channel, Flown, Predict, ambient_c
-from studies.flight_logs.samples import day_of_year
+from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.verification import Verification
 
 # Below, no air-mass formula is good, and horizon and haze decide; assumption.
@@ -40,7 +39,7 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
     use = high & ~faulty & ~limited
     bins = Bins.of(samples.time_s, samples.run, use)
     notes = [f"{_hours_of(high & limited, flown)} h with charging that may be limited are left out"]
-    notes += [f"{_hours_of(high & faulty, flown)} h in which the MPPT does not track are left out"]
+    notes += [f"{_hours_of(high & faulty, flown)} h with power missing are left out"]
     model = solar_model(flown, np.asarray(samples.index[use], int))
     name = "FM" if samples.detail is not None else "CAM"
     if name == "CAM":
@@ -66,13 +65,13 @@ def _hours_of(mask: BoolArray, flown: Flown) -> str:
 
 
 def _in_faults(verification: Verification) -> BoolArray:
-    """Samples within periods in which the MPPT does not track."""
+    """Samples within periods in which modules or MPPT give less than they can."""
     time_s = verification.samples.time_s
     marked = np.zeros(len(time_s), bool)
     for one in verification.anomalies:
-        if one.kind == "mppt_not_tracking":
+        if one.kind in ("mppt_not_tracking", "modules_missing", "power_loss", "cloud"):
             marked |= (time_s >= one.start_s) & (time_s <= one.end_s)
-    return marked
+    return marked if not marked.all() else np.zeros(len(time_s), bool)
 
 
 def _may_be_limited(flown: Flown, aircraft: Aircraft) -> BoolArray:
@@ -103,26 +102,21 @@ def solar_model(flown: Flown, index: IntArray) -> Predict:
 
     Returns power of the modules at the samples [W], from an aircraft and a factor on the light.
     """
-    log, mission = flown.log, flown.mission
-    latitude = log.latitude_deg[index]
-    sun = sun_position(log.time_s[index], latitude, log.longitude_deg[index]).vector_ned
-    sky = mission.sky(day_of_year(log.time_s[index]), latitude, -sun[:, 2], log.altitude_m[index])
-    light = Irradiance(*(mission.clearness * part for part in sky))
-    ambient = ambient_c(flown, index)
-    to_ned = None
-    if flown.found.samples.detail is not None and log.attitude is not None:
-        to_ned = direction_cosines(*(angle[index] for angle in log.attitude))
+    log, mission, samples = flown.log, flown.mission, flown.found.samples
+    geometry = None if samples.detail is None else flown.found.craft.modules.geometry
+    forward = Forward(log, flown.found.craft, mission, geometry, None, index)
+    given, ambient = forward.sunlight(LogError()), ambient_c(flown, index)
 
     def power_w(aircraft: Aircraft, factor: float) -> FloatArray:
-        modules, shone = aircraft.modules, Irradiance(*(factor * part for part in light))
-        if to_ned is None or modules.geometry is None:
+        shone = given._replace(light=Irradiance(*(factor * part for part in given.light)))
+        modules = aircraft.modules
+        if given.to_ned is None or modules.geometry is None:
             module_c = mission.air.module_temperature_c
             constant_c = float(ambient.mean()) if module_c is None else module_c
-            specific = conceptual_analysis_model(shone, -sun[:, 2], modules, constant_c)
+            specific = conceptual_analysis_model(shone.light, given.sine, modules, constant_c)
         else:
-            specific = full_model(
-                *(shone, sun, to_ned, modules.geometry, modules, ambient), shading=modules.shading
-            ).specific_power_w_per_m2
+            own = replace(forward, aircraft=aircraft, geometry=modules.geometry)
+            specific = own.full(shone, ambient).specific_power_w_per_m2
         return np.asarray(modules.area_m2 * specific)
 
     return power_w

@@ -59,8 +59,9 @@ def test_the_file_that_is_written_says_where_its_numbers_come_from(
     )
     assert done.exit_code == 0, done.output
     record = json.loads(done.output)
-    # Power that a full battery does not take fits no clock.
-    assert any("clock and heading are not checked" in note for note in record["notes"])
+    # A full battery is no reason to check nothing.
+    assert any("charging that may be limited" in note for note in record["notes"])
+    assert not any("not checked" in note for note in record["notes"])
     craft = load_aircraft(made)
     assert craft.name == "atlantiksolar-as2-fitted"
     assert craft.provenance is not None

@@ -8,10 +8,10 @@ from builders import AS2
 
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray
-from studies.fitting.autocorrelation import correlation_time
 from studies.fitting.channels.channel import Channel
 from studies.fitting.estimation import estimate
 from studies.fitting.parameters import PARAMETERS
+from studies.flight_logs.autocorrelation import correlation_time
 
 COUNT = 200
 NIGHT = np.zeros(COUNT, int)

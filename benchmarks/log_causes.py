@@ -1,0 +1,169 @@
+"""Truth against verdict on flight logs of an independent simulation.
+
+``python -m benchmarks.log_causes`` prints the tables of ``docs/verify.md``: the half of the logs
+that was looked at while the table of causes was made, and the half that was not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import warnings
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from multiprocessing import Pool
+
+import numpy as np
+
+from benchmarks.independent_logs import HOLD_OUT, TRUTHS, TUNING, Truth, made
+from missions.library import load_mission
+from missions.logs.table import log_from_table
+from sizing.library import load_aircraft
+from studies.flight_logs.verification import Verification, verify
+
+# Aims: shares of right causes named first, of wrong blames and of false alarms; errors of clock
+# [s] and heading [deg] where they are the truth.
+LEAST_RIGHT, MOST_WRONG, MOST_FALSE = 0.9, 0.02, 0.02
+CLOCK_S, HEADING_DEG = 120.0, 3.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """A truth, and what was said of it."""
+
+    number: int
+    truth: Truth
+    said: tuple[str, ...]  # causes of the first finding, the likeliest first
+    more: tuple[str, ...]  # causes of further findings
+    error: float | None  # of clock [s] or heading [deg], where that is the truth
+    text: str
+
+    @property
+    def expected(self) -> str:
+        """Name of the true cause."""
+        return NAMES.get(self.truth.cause, self.truth.cause)
+
+    @property
+    def right(self) -> bool:
+        """Whether the true cause is named first and nothing else is blamed."""
+        first = self.said[0] if self.said else "nothing"
+        return first == self.expected and not self.more
+
+    @property
+    def wrong(self) -> bool:
+        """Whether something is blamed and the true cause is not among it."""
+        return bool(self.said) and (self.expected not in self.said or bool(self.more))
+
+
+NAMES = {
+    "roll_sign": "sign of roll",
+    "pitch_sign": "sign of pitch",
+    "yaw_sign": "sign of yaw",
+    "longitude_sign": "sign of longitude",
+    "power_loss": "power loss",
+    "power_sign": "sign of power",
+}
+
+
+def judged(number: int, seed: int) -> Case:
+    """Fly, verify and compare with the truth."""
+    warnings.simplefilter("ignore")  # ranges of the models, which are not the subject
+    truth, aircraft = TRUTHS[number], load_aircraft("atlantiksolar-as2")
+    log = log_from_table(made(aircraft, truth, seed + number).rows, f"{seed + number}.csv")
+    result = verify(aircraft, log, load_mission("rafz-28h"))
+    named = [*_said(result), ()]
+    said, more = named[0], named[1:]
+    # What is said of the sky accuses nobody.
+    others = tuple(name for names in more for name in names if name != "sky")
+    texts = [text for text, wrong in result.log_verdicts() if wrong or "sky" in text]
+    return Case(number, truth, said, others, _error(result, truth), " | ".join(texts))
+
+
+def _said(result: Verification) -> Iterator[tuple[str, ...]]:
+    """Causes that are blamed, each with those that fit as well."""
+    diagnosis = result.diagnosis
+    assert diagnosis is not None
+    if diagnosis.unit != "W":
+        yield ("unit",)
+    if diagnosis.factor < 0.0:
+        yield ("sign of power",)
+    if diagnosis.stuck:
+        yield ("frozen",)
+    if diagnosis.sky is not None and not diagnosis.findings:
+        yield ("sky",)
+    for finding in diagnosis.findings:
+        yield tuple(one.name for one in (finding.best, *finding.others))
+
+
+def _error(result: Verification, truth: Truth) -> float | None:
+    """Error of the clock [s] or the heading [deg] where that is the truth and is found."""
+    assert result.diagnosis is not None
+    clock, heading = result.diagnosis.clock, result.diagnosis.heading
+    if truth.cause == "clock" and clock is not None:
+        return clock[0] - 60.0 * truth.size
+    if truth.cause == "heading" and heading is not None:
+        return float((np.degrees(heading[0]) - truth.size + 180.0) % 360.0 - 180.0)
+    return None
+
+
+def every(seed: int, numbers: Sequence[int] | None = None, workers: int = 1) -> list[Case]:
+    """All logs of a half, or some of them."""
+    jobs = [(number, seed) for number in (range(len(TRUTHS)) if numbers is None else numbers)]
+    if workers == 1:
+        return [judged(*job) for job in jobs]
+    with Pool(workers) as pool:
+        return pool.starmap(judged, jobs, chunksize=1)
+
+
+def rates(cases: Sequence[Case]) -> dict[str, float]:
+    """Shares that the aims are about."""
+    faulty = [one for one in cases if one.truth.cause != "nothing"]
+    clean = [one for one in cases if one.truth.cause == "nothing"]
+    clocks = [abs(c.error) for c in faulty if c.truth.cause == "clock" and c.error is not None]
+    headings = [abs(c.error) for c in faulty if c.truth.cause == "heading" and c.error is not None]
+    return {
+        "right cause first": float(np.mean([one.right for one in faulty])),
+        "wrong blame": float(np.mean([one.wrong for one in faulty])),
+        "false alarms": float(np.mean([bool(set(one.said) - {"sky"}) for one in clean])),
+        "clocks within 2 min": float(np.mean(np.array(clocks) <= CLOCK_S)),
+        "headings within 3 deg": float(np.mean(np.array(headings) <= HEADING_DEG)),
+    }
+
+
+def table(cases: Sequence[Case]) -> str:
+    """Truth against verdict as a table in Markdown."""
+    rows: dict[str, Counter[str]] = {}
+    for one in cases:
+        full = ", battery full" if one.truth.full and one.truth.cause == "nothing" else ""
+        said = " or ".join(one.said) or "nothing"
+        rows.setdefault(one.expected + full, Counter())[said] += 1
+    lines = ["| truth | logs | verdict |", "|---|---|---|"]
+    for truth, counts in rows.items():
+        verdicts = "; ".join(f"{name} ({count})" for name, count in counts.most_common())
+        lines.append(f"| {truth} | {counts.total()} | {verdicts} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Print both halves."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--half", choices=("tuning", "hold-out", "both"), default="both")
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--each", action="store_true", help="print every log")
+    options = parser.parse_args()
+    for name, seed in (("tuning", TUNING), ("hold-out", HOLD_OUT)):
+        if options.half not in (name, "both"):
+            continue
+        cases = every(seed, workers=options.workers)
+        print(f"\n{name}: {len(cases)} logs\n\n{table(cases)}\n")
+        for what, share in rates(cases).items():
+            print(f"{what}: {100.0 * share:.1f} %")
+        for one in cases:
+            if options.each or not (one.right or (one.expected == "nothing" and not one.said)):
+                print(f"{one.number:3d} {one.truth}: {one.said} {one.more} {one.error} {one.text}")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

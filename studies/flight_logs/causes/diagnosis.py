@@ -1,0 +1,257 @@
+"""Which cause wins, which fit as well, and what may be corrected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from missions.logs.table import FlightLog
+from solar.types import BoolArray, FloatArray, IntArray
+from studies.flight_logs.causes.fit import (
+    UNKNOWN_NOISE,
+    Data,
+    Fit,
+    Hypothesis,
+    Noise,
+    fitted,
+    noise_of,
+)
+from studies.flight_logs.causes.fit import modelled as modelled_power
+from studies.flight_logs.causes.forward import Forward, LogError
+from studies.flight_logs.causes.hypotheses import ROWS, Candidate, candidates
+from studies.flight_logs.causes.left_out import NEAR_FULL, frozen, may_be_limited
+
+# Differences of the criterion: Kass, R. E., Raftery, A. E. (1995), Journal of the American
+# Statistical Association 90(430), 773-795. Strong evidence for a cause, very strong evidence
+# against those that fit worse, and what is worth no more than a bare mention.
+CLEAR, ALIKE, BARE = 6.0, 10.0, 2.0
+# Extinction per air mass that no clear day with a Linke turbidity of 2 to 5 has.
+UNUSUAL_HAZE = 0.2
+# Clouds: nothing is known where the power scatters by more than this share of its peak.
+MOST_SCATTER = 0.1
+_SAMPLES, _LEAST_SAMPLES = 1200, 60
+_DARK = 0.02  # share of the peak below which there is nothing to compare
+_ROUNDS = 3
+_MOSTLY = 0.8
+_SECONDS_PER_DEG, _DAY_S, _ALIKE_S = 240.0, 86400.0, 120.0
+_UNITS = {1.0: "W", 1e-3: "kW", 1e3: "mW"}
+# Offsets of time zones from universal time that exist [h].
+_ZONES_H = (*range(-12, 15), -9.5, -3.5, 3.5, 4.5, 5.5, 5.75, 6.5, 8.75, 9.5, 10.5, 12.75)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A cause that clearly explains the log better than nothing, and those that fit alike.
+
+    ``battery``: why a nearly full battery might be behind missing power; empty if it cannot.
+    ``alike``: whether all give the same sun: a clock and a longitude of wrong sign may.
+    """
+
+    best: Candidate
+    others: tuple[Candidate, ...] = ()
+    battery: str = ""
+    alike: bool = False
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What the power says of log, modules and sky.
+
+    ``factor``: logged power over that in watts. ``findings``: causes in the order of what they
+    explain. ``clock``, ``heading``: how far they are off, with standard deviations [s, rad]; None
+    if the power does not tell. ``fit``: all that is known. ``expected_w``: power of all samples if
+    nothing were lost; ``limited``, ``stuck``: those in which charging may be limited, and those of
+    channels that are frozen.
+    """
+
+    factor: float
+    limited: BoolArray
+    stuck: tuple[tuple[str, BoolArray], ...]
+    expected_w: FloatArray
+    findings: tuple[Finding, ...] = ()
+    clock: tuple[float, float] | None = None
+    heading: tuple[float, float] | None = None
+    fit: Fit | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """Unit of the power."""
+        return _UNITS[abs(self.factor)]
+
+    @property
+    def sky(self) -> tuple[float, float] | None:
+        """Extinction per air mass beyond the model's, if clear days do not have it, and sigma."""
+        if self.fit is None or self.named("haze"):
+            return None
+        value, sigma = self.fit.values["haze"], self.fit.sigmas["haze"]
+        return (value, sigma) if abs(value) > max(UNUSUAL_HAZE, 3.0 * sigma) else None
+
+    def named(self, free: str) -> bool:
+        """Whether an error of the log is among what may be wrong."""
+        every = [c for one in self.findings for c in (one.best, *one.others)]
+        return any(free in one.row.free for one in every)
+
+    @property
+    def certain(self) -> bool:
+        """Whether errors of the log won alone, and the level of the power does not jump."""
+        return not any(f.best.jumps or (f.others and not f.alike) for f in self.findings)
+
+    @property
+    def correction(self) -> LogError:
+        """What is wrong with the log, as far as that is certain."""
+        error = LogError(factor=self.factor)
+        if self.fit is None or not self.certain:
+            return error
+        for one in self.findings:
+            row = one.best.row
+            values = {n: getattr(self.fit.error, n) for n in row.free if hasattr(error, n)}
+            error = replace(error, **values, signs=error.signs | set(row.signs))
+        return replace(error, clock_s=snapped(error.clock_s, self.fit.sigmas["clock_s"]))
+
+
+def snapped(ahead_s: float, sigma_s: float) -> float:
+    """A clock's error, or that of the time zone that it is nearer to than it is known."""
+    zone = 3600.0 * min(_ZONES_H, key=lambda hours: abs(3600.0 * hours - ahead_s))
+    return zone if abs(ahead_s - zone) <= sigma_s else ahead_s
+
+
+def diagnose(forward: Forward, *, search: bool = True) -> Diagnosis:
+    """Let all causes compete for what a log shows.
+
+    ``search``: else nothing is taken to be wrong, and only the level of the model is fitted.
+    """
+    log = forward.log
+    modelled = np.concatenate([part.parts(LogError()).power for part in forward.chunks()])
+    factor = _factor(log.solar_power_w, modelled) if search else 1.0
+    measured = log.solar_power_w / factor
+    limited = may_be_limited(replace(log, solar_power_w=measured), forward.aircraft)
+    stuck = tuple(frozen(log))
+    known = Diagnosis(factor, limited, stuck, modelled)
+    peak = float(np.quantile(measured, 0.98))
+    sunlit = (measured > _DARK * peak) | (modelled > _DARK * modelled.max(initial=0.0))
+    usable = np.flatnonzero(sunlit & ~np.any([limited, *(mask for _, mask in stuck)], axis=0))
+    if len(usable) < _LEAST_SAMPLES or not peak > 0.0:
+        note = "clock, angles and modules are not checked: too little power"
+        return replace(known, notes=(note,) if search else ())
+    index = _some(usable, _SAMPLES)
+    data = Data.of(forward.of(index), measured[index])
+    findings, fit, noise = _findings(data) if search else ((), fitted(data, Hypothesis()), None)
+    if noise is not None and noise.sigma > MOST_SCATTER * data.peak:
+        note = "clock, angles and modules are not checked: the power scatters too much (clouds?)"
+        return replace(known, notes=(note,))
+    bare = fit.hypothesis._replace(losses=(), cap_w=None)
+    expected = [
+        modelled_power(part.parts(fit.error), fit.values, bare, part.log.time_s[part.index])
+        for part in forward.chunks()
+    ]
+    known = replace(
+        known,
+        expected_w=np.concatenate(expected),
+        findings=tuple(replace(one, battery=_battery(log, one)) for one in findings),
+        fit=fit,
+    )
+    if noise is None:
+        return known
+
+    clock, heading = (_offset(data, fit, name, noise) for name in ("clock_s", "heading"))
+    return replace(known, clock=clock, heading=heading)
+
+
+def _battery(log: FlightLog, finding: Finding) -> str:
+    """Why a nearly full battery might be behind a loss: it takes less than expected."""
+    if finding.best.name not in ("mppt", "modules", "cloud") or not finding.best.jumps:
+        return ""
+    loss = finding.best.fit.hypothesis.losses[-1]
+    inside = (log.time_s >= loss.start_s) & (log.time_s <= loss.end_s)
+    if log.state_of_charge is None:
+        return "no state of charge is logged"
+    high = float(np.mean(log.state_of_charge[inside] >= NEAR_FULL))
+    return f"charge above {NEAR_FULL:.0%} all the time" if high > _MOSTLY else ""
+
+
+def _findings(data: Data) -> tuple[tuple[Finding, ...], Fit, Noise]:
+    """Causes one after the other, as long as one clearly explains more."""
+    findings: list[Finding] = []
+    known, base = Hypothesis(), fitted(data, Hypothesis())
+    for _ in range(_ROUNDS):
+        found, base, noise = _round(data, known, base)
+        if found is None:
+            break
+        findings.append(found)
+        base = found.best.fit
+        known = base.hypothesis._replace(start=base.error)
+        if found.others:
+            break
+    return tuple(findings), base, noise
+
+
+def _round(data: Data, known: Hypothesis, base: Fit) -> tuple[Finding | None, Fit, Noise]:
+    """The cause that explains most of what is left, if any clearly does."""
+    every = list(candidates(data, known, base, UNKNOWN_NOISE))
+    guess = Noise(min([base.scale, *(one.fit.scale for one in every)]))
+    best = min([base, *(one.fit for one in every)], key=lambda fit: fit.score(guess))
+    noise = noise_of(data, best)
+    base = _again(data, base, noise)
+    none = base.score(noise)
+    few = sorted(every, key=lambda one: one.fit.score(noise))[:6]
+    few = [replace(one, fit=_again(data, one.fit, noise)) for one in few]
+    few = [one for one in few if one.counts() and none - one.fit.score(noise) > CLEAR]
+    if not few:
+        return None, base, noise
+    least = min(one.fit.score(noise) for one in few)
+    alike = [one for one in few if one.fit.score(noise) < least + ALIKE]
+    # A difference that is not worth more than a bare mention leaves the order of the table.
+    order = [row.name for row in ROWS]
+    alike.sort(key=lambda one: (max(one.fit.score(noise) - least, BARE), order.index(one.row.name)))
+    # Two errors are not blamed where one of them is enough.
+    alike = [
+        a for a in alike if not any(set(b.row.free) < set(a.row.free) for b in alike if b.row.free)
+    ]
+    return Finding(alike[0], tuple(alike[1:]), alike=_same_sun(data, alike)), base, noise
+
+
+def _same_sun(data: Data, alike: list[Candidate]) -> bool:
+    """Whether a clock and the sign of the longitude put the sun in one place, to two minutes."""
+    if {one.name for one in alike} != {"clock", "sign of longitude"}:
+        return False
+    clock = next(one.size for one in alike if one.name == "clock")
+    turned = 2.0 * float(np.mean(data.forward.log.longitude_deg)) * _SECONDS_PER_DEG
+    apart = (np.array([clock - turned, clock + turned]) + 0.5 * _DAY_S) % _DAY_S - 0.5 * _DAY_S
+    return bool(np.min(np.abs(apart)) < _ALIKE_S)
+
+
+def _offset(data: Data, base: Fit, name: str, noise: Noise) -> tuple[float, float] | None:
+    """Clock [s] or heading [rad] with its standard deviation, left free."""
+    if name not in data.geometric:
+        return None
+    free = tuple(dict.fromkeys((*base.hypothesis.free, name)))
+    known = base.hypothesis._replace(start=base.error, free=free, sizes=())
+    fit = fitted(data, known, noise, base)
+    return float(getattr(fit.error, name)), fit.sigmas[name]
+
+
+def _factor(measured: FloatArray, modelled: FloatArray) -> float:
+    """Measured power over that in watts: a power of thousand, and a sign."""
+    sign = -1.0 if measured.sum() < 0.0 else 1.0
+    typical, usual = (float(np.quantile(np.abs(p), 0.9)) for p in (measured, modelled))
+    typical /= max(usual, 1e-9)
+    for factor in _UNITS:
+        if 0.1 < typical / factor < 10.0:
+            return sign * factor
+    return sign
+
+
+def _some(places: IntArray, most: int) -> IntArray:
+    """At most so many places, spread evenly but not regularly: a stride could meet the orbits."""
+    if len(places) <= most:
+        return places
+    edges = np.linspace(0, len(places), most + 1)
+    within = edges[:-1] + np.random.default_rng(0).random(most) * np.diff(edges)
+    return np.asarray(places[np.unique(within.astype(int))], int)
+
+
+def _again(data: Data, fit: Fit, noise: Noise) -> Fit:
+    """The same from where it ended, with another noise."""
+    return fitted(data, fit.hypothesis._replace(start=fit.error, sizes=()), noise, fit)
