@@ -23,6 +23,9 @@ _CLASSES: dict[str, tuple[type[Aircraft] | type[Mission], str]] = {
     "mission": (Mission, MISSION_PREFIX),
 }
 
+# Record of an aircraft's file, its key that whole cells give, and the key that describes them.
+_FROM_CELLS = (("modules", "area_m2", "layout"), ("battery", "mass_kg", "pack"))
+
 
 def file_schema(kind: Literal["aircraft", "mission"]) -> dict[str, Any]:
     """JSON Schema, draft 2020-12, of a file.
@@ -41,6 +44,13 @@ def file_schema(kind: Literal["aircraft", "mission"]) -> dict[str, Any]:
     for key, known in catalogue().items():
         if key.startswith(MISSION_PREFIX) == bool(prefix) and "." in prefix + key:
             _describe_node(schema, schema, key.removeprefix(prefix).split("."), known)
+    if record is Aircraft:
+        del schema["$defs"]["BatteryPack"]["required"]  # voltage, mass and catalogue give them
+    for name, key, instead in _FROM_CELLS if record is Aircraft else ():
+        for node in _alternatives(schema, schema["properties"][name]):
+            if key in node.get("required", ()):
+                node["required"].remove(key)
+                node["anyOf"] = [{"required": [one]} for one in (key, instead)]
     text = f"{kind.capitalize()} file of solar-uav {__version__}."
     return {"$schema": _DIALECT, **schema, "title": f"solar-uav {kind}", "description": text}
 
