@@ -53,9 +53,15 @@ class Case:
     @property
     def wrong(self) -> bool:
         """Whether something is blamed and the true cause is not among it."""
-        return bool(self.said) and (self.expected not in self.said or bool(self.more))
+        return self.blames and (self.expected not in self.said or bool(self.more))
+
+    @property
+    def blames(self) -> bool:
+        """Whether anything is blamed: what is said of the sky or a full battery accuses nobody."""
+        return bool(self.more) or (bool(self.said) and self.said[0] not in NO_BLAME)
 
 
+NO_BLAME = ("sky", "battery full")
 NAMES = {
     "roll_sign": "sign of roll",
     "pitch_sign": "sign of pitch",
@@ -74,8 +80,8 @@ def judged(number: int, seed: int) -> Case:
     result = verify(aircraft, log, load_mission("rafz-28h"))
     named = [*_said(result), ()]
     said, more = named[0], named[1:]
-    # What is said of the sky accuses nobody.
-    others = tuple(name for names in more for name in names if name != "sky")
+    blamed = [names for names in more if names and names[0] not in NO_BLAME]
+    others = tuple(name for names in blamed for name in names)
     texts = [text for text, wrong in result.log_verdicts() if wrong or "sky" in text]
     return Case(number, truth, said, others, _error(result, truth), " | ".join(texts))
 
@@ -93,7 +99,8 @@ def _said(result: Verification) -> Iterator[tuple[str, ...]]:
     if diagnosis.sky is not None and not diagnosis.findings:
         yield ("sky",)
     for finding in diagnosis.findings:
-        yield tuple(one.name for one in (finding.best, *finding.others))
+        names = tuple(one.name for one in (finding.best, *finding.others))
+        yield ("battery full", *names) if finding.normal else names
 
 
 def _error(result: Verification, truth: Truth) -> float | None:
@@ -125,7 +132,7 @@ def rates(cases: Sequence[Case]) -> dict[str, float]:
     return {
         "right cause first": float(np.mean([one.right for one in faulty])),
         "wrong blame": float(np.mean([one.wrong for one in faulty])),
-        "false alarms": float(np.mean([bool(set(one.said) - {"sky"}) for one in clean])),
+        "false alarms": float(np.mean([one.blames for one in clean])),
         "clocks within 2 min": float(np.mean(np.array(clocks) <= CLOCK_S)),
         "headings within 3 deg": float(np.mean(np.array(headings) <= HEADING_DEG)),
     }

@@ -68,6 +68,9 @@ class Anomalies:
             mask |= part
         for _, stuck in self.diagnosis.stuck:
             mask |= stuck[self.samples.index]
+        for finding in self.diagnosis.findings:
+            if finding.normal:
+                mask |= self._inside(finding)
         return mask
 
     def _smooth(self, values: FloatArray) -> FloatArray:
@@ -151,6 +154,9 @@ class Anomalies:
         if not inside.any():
             inside[:1] = True
         text = words_of(finding.best, self.aircraft)
+        if finding.normal:
+            text = f"battery nearly full ({finding.battery}), which is normal; or {text}"
+            return self._anomaly("battery_full", inside, text, lost="normal")
         if finding.battery:
             text = f"{text}; or the battery is nearly full ({finding.battery})"
         if volts := self._volts(inside):

@@ -158,8 +158,11 @@ def log_sentences(
     for finding in diagnosis.findings:
         text = words_of(finding.best, aircraft)
         others = [words_of(one, aircraft) for one in finding.others]
-        if finding.battery:
-            others.append(f"battery nearly full ({finding.battery})")
+        battery = f"battery nearly full ({finding.battery})"
+        if finding.normal:
+            text, others = battery, [text, *others]
+        elif finding.battery:
+            others.append(battery)
         if others:
             text += f"; fits about as well: {'; or '.join(others)}"
         if finding.others and not finding.alike:
@@ -167,7 +170,7 @@ def log_sentences(
             text += f"; to tell them apart: {_TO_TELL.get(families, _OTHERWISE)}"
         if finding.best.row.family in ("time", "attitude"):
             text += f"; {how if diagnosis.certain else 'not corrected, since it is not certain'}"
-        yield text, finding.best.row.name != "sky"
+        yield text, finding.best.row.name != "sky" and not finding.normal
     for name, offset, scale, unit, unknown in (
         ("clock", diagnosis.clock, 60.0, "min", UNKNOWN_TIME_S),
         ("heading", diagnosis.heading, float(np.radians(1.0)), "deg", UNKNOWN_HEADING),

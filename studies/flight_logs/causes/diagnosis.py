@@ -19,7 +19,7 @@ from studies.flight_logs.causes.fit import (
 )
 from studies.flight_logs.causes.fit import modelled as modelled_power
 from studies.flight_logs.causes.forward import Forward, LogError
-from studies.flight_logs.causes.hypotheses import ROWS, Candidate, candidates
+from studies.flight_logs.causes.hypotheses import LOSSES, ROWS, Candidate, candidates
 from studies.flight_logs.causes.left_out import NEAR_FULL, frozen, may_be_limited
 
 # Differences of the criterion: Kass, R. E., Raftery, A. E. (1995), Journal of the American
@@ -52,6 +52,11 @@ class Finding:
     others: tuple[Candidate, ...] = ()
     battery: str = ""
     alike: bool = False
+
+    @property
+    def normal(self) -> bool:
+        """Whether the battery is the likeliest cause: a full one is no fault."""
+        return self.battery.startswith("charge")
 
 
 @dataclass(frozen=True)
@@ -149,7 +154,7 @@ def diagnose(forward: Forward, *, search: bool = True) -> Diagnosis:
     known = replace(
         known,
         expected_w=np.concatenate(expected),
-        findings=tuple(replace(one, battery=_battery(log, one)) for one in findings),
+        findings=findings,
         fit=fit,
     )
     if noise is None:
@@ -179,10 +184,11 @@ def _findings(data: Data) -> tuple[tuple[Finding, ...], Fit, Noise]:
         found, base, noise = _round(data, known, base)
         if found is None:
             break
-        findings.append(found)
+        findings.append(replace(found, battery=_battery(data.forward.log, found)))
         base = found.best.fit
         known = base.hypothesis._replace(start=base.error)
-        if found.others:
+        # What else is wrong does not depend on which loss it is, but on all other causes.
+        if not all(one.row.form in LOSSES for one in found.others):
             break
     return tuple(findings), base, noise
 

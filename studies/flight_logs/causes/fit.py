@@ -179,7 +179,9 @@ class Data:
         """What changes within hours: columns of power [W] and their standard deviations."""
         hats = self._hats
         if not self.forward.knows_angles:
-            return hats * power[:, None], np.full(hats.shape[1], CAM_DRIFT)
+            hours = (self.time_s - self.time_s.mean()) / max(float(self.time_s.std()), 1.0)
+            columns = np.column_stack([hats, hours]) * power[:, None]
+            return columns, np.full(columns.shape[1], CAM_DRIFT)
         mean = np.maximum((parts.cosine * parts.direct).sum(axis=1), 1e-9)
         mean = np.maximum(mean / np.maximum(parts.direct.sum(axis=1), 1e-9), 0.05)
         swing = parts.direct.sum(axis=1) * np.clip(1.0 - 1.0 / (parts.air_mass * mean), -1.0, 1.0)

@@ -38,6 +38,7 @@ class Row(NamedTuple):
     form: Literal["", "modules", "share", "direct", "low_light", "shadow", "cap"] = ""
 
 
+LOSSES = ("modules", "share", "direct", "low_light", "shadow")
 _DEG = float(np.pi / 180.0)
 ROWS = (
     Row("clock", "time", ("clock_s",), 120.0),
@@ -98,7 +99,7 @@ class Candidate:
     @property
     def jumps(self) -> bool:
         """Whether the level of the power jumps within the log."""
-        if self.row.form not in ("modules", "share", "direct"):
+        if self.row.form not in LOSSES[:3]:
             return False
         return self.fit.hypothesis.parameters > 0
 
