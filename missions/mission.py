@@ -421,7 +421,9 @@ class Mission(FileRecord):
         some = self.scenarios() if scenarios is None else scenarios
         if self.wind_statistics is None:
             return np.full(len(some), self.wind_m_per_s)
-        return self.wind_statistics.speeds(some, self.altitude_m, self.longitude_deg)
+        return self.wind_statistics.speeds(
+            *(some.latitude_deg, some.day_of_year, self.altitude_m, self.longitude_deg)
+        )
 
     def in_wind(self, wind_m_per_s: float) -> Mission:
         """Same mission in a wind that is the same everywhere and all year."""

@@ -17,8 +17,7 @@ from missions.winds.table import WindTable, shipped_winds, wind_table_from_text
 from solar.schema import Record, Text
 
 if TYPE_CHECKING:
-    from missions.mission import Scenarios
-    from solar.types import FloatArray
+    from solar.types import FloatArray, IntArray
 
 _NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 
@@ -59,13 +58,17 @@ class WindStatistics(Record):
         return _read(self.file, self._state())
 
     def speeds(
-        self, scenarios: Scenarios, altitude_m: float, longitude_deg: float | None
+        self,
+        latitude_deg: FloatArray,
+        day_of_year: IntArray,
+        altitude_m: float,
+        longitude_deg: float | None,
     ) -> FloatArray:
         """Wind speed in each scenario [m/s]; ``altitude_m`` may be an array, on the last axes."""
-        months = [month_and_day(int(day))[0] for day in scenarios.day_of_year]
+        months = [month_and_day(int(day))[0] for day in day_of_year]
         shape = (len(months),) + (1,) * getattr(altitude_m, "ndim", 0)
         table = self.table(longitude_deg)
-        latitude = scenarios.latitude_deg.reshape(shape)
+        latitude = latitude_deg.reshape(shape)
         return table.at(latitude, altitude_m, np.reshape(months, shape), self.percentile)
 
     @property

@@ -11,7 +11,6 @@ from pydantic_core import PydanticCustomError
 from sizing.structures.rib_wing import RibWingStructure
 
 if TYPE_CHECKING:
-    from sizing.aircraft import ParametricAirframe
     from sizing.balance.surfaces import Planform
     from sizing.layout.cells import CellLayout
 
@@ -75,8 +74,8 @@ def check_planforms(wing: Planform | None, layout: CellLayout | None) -> None:
         _refuse("modules.layout.planform", "is another wing than airframe.planform; give one")
 
 
-def check_balance(airframe: ParametricAirframe) -> None:
-    """Refuse keys that lack what they need, and what is given twice."""
+def check_balance(airframe: Any) -> None:
+    """Refuse keys of a parametric airframe that lack what they need, and what is given twice."""
     balance = airframe.balance
     for key in ("drag", "balance"):
         if getattr(airframe, key) is not None and airframe.tail is None:
@@ -108,7 +107,7 @@ def _check_structure(structure: Any) -> None:
             _refuse(f"structure.{key}", f"follows from airframe.tail; give one (got {value:g})")
 
 
-def _check_moved(airframe: ParametricAirframe) -> None:
+def _check_moved(airframe: Any) -> None:
     assert airframe.balance is not None
     moved = airframe.balance.moved
     nothing = {
