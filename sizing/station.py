@@ -53,28 +53,7 @@ def station_keeping(
     *,
     scenarios: Scenarios | None = None,
 ) -> StationKeeping:
-    """Share of the time in which an aircraft holds its place while it flies perpetually.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Parametric: the power of a measured one is known at one airspeed alone.
-    mission : Mission
-        With ``wind`` by latitude, altitude and month.
-    solar : SolarModel
-        Solar power model and its correction.
-    scenarios : Scenarios, optional
-        By default those of the mission.
-
-    Returns
-    -------
-    StationKeeping
-
-    Raises
-    ------
-    ValueError
-        For a measured aircraft, a mission without such a wind, or places outside its table.
-    """
+    """Share of the time in which an aircraft holds its place while it flies perpetually."""
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise ValueError(
             f"{aircraft.name} is a measured aircraft, whose power is known at one airspeed alone: "
@@ -101,11 +80,6 @@ def faster_flight(
 
     The lift coefficient falls with the square of the airspeed, the mass stays. What would be slower
     and take more power is left out: the aircraft may always fly faster than it must.
-
-    Returns
-    -------
-    airspeed_m_per_s, propulsion_power_w : ndarray
-        Ascending; the power never falls.
     """
     airframe = aircraft.airframe
     assert isinstance(airframe, ParametricAirframe)

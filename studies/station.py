@@ -162,31 +162,7 @@ def station(
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
 ) -> Station:
-    """Share of the time in which an aircraft holds its place, by latitude or altitude and month.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Parametric.
-    mission : Mission
-        With ``wind`` by latitude, altitude and month; its dates play no part.
-    latitudes : array_like, optional
-        Latitudes [deg]; by default from 70 south to 70 north, each fifth degree.
-    altitudes_m : array_like, optional
-        Altitudes [m] in place of latitudes, at the mission's first latitude.
-    model, correction : str
-        Solar power model and its correction.
-
-    Returns
-    -------
-    Station
-        The 15th of each month stands for it.
-
-    Raises
-    ------
-    ValueError
-        As :func:`sizing.station.station_keeping`, and if both latitudes and altitudes are given.
-    """
+    """Share of the time in which an aircraft holds its place, by latitude or altitude and month."""
     if latitudes is not None and altitudes_m is not None:
         raise ValueError("station keeping goes over latitudes or altitudes, not both")
     solar = SolarModel(model, correction)
@@ -236,18 +212,7 @@ def _extrapolations(
 
 @styled
 def plot_station(result: Station, *, figure: Canvas = DEFAULT) -> Figure:
-    """Share of the time on station over the months, blank where no day is perpetual.
-
-    Parameters
-    ----------
-    result : Station
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
-    """
+    """Share of the time on station over the months, blank where no day is perpetual."""
     from matplotlib.colors import Normalize
 
     drawn, (axes,) = new_figure(

@@ -43,28 +43,7 @@ _STEP_M = 50.0
 def wind_table_from_netcdf(
     path: str, longitude_deg: float | None = None, *, also: float | None = None
 ) -> WindTable:
-    """Percentiles of the wind speed in a file of its components over time.
-
-    Parameters
-    ----------
-    path : str
-        NetCDF file with eastward and northward wind [m/s] over time, latitude, longitude and
-        pressure or height. Pressures are those of the standard atmosphere.
-    longitude_deg : float, optional
-        The nearest longitude of the file is taken; all of them together without one.
-    also : float, optional
-        A percentile beside :data:`PERCENTILES`.
-
-    Returns
-    -------
-    WindTable
-        At the latitudes, levels and months of the file; its source names the longitude.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, lacks a component or an axis, or has too few times for a month.
-    """
+    """Percentiles of the wind speed in a file of its components over time."""
     source = printable(path)
     with _opened(path, source) as data:
         u, v = (_component(data, name, source) for name in _COMPONENTS)

@@ -32,25 +32,7 @@ class WindStatistics(Record):
     file: Text | None = None
 
     def table(self, longitude_deg: float | None = None) -> WindTable:
-        """Table of winds.
-
-        Parameters
-        ----------
-        longitude_deg : float, optional
-            Of the mission [deg]: the nearest longitude of a NetCDF file is taken, all of them
-            without one. Tables have no longitude.
-
-        Returns
-        -------
-        WindTable
-
-        Raises
-        ------
-        InputError
-            If the file is none or its values cannot be true.
-        OSError
-            If it cannot be read.
-        """
+        """Table of winds."""
         if self.file is None:
             return shipped_winds()
         if self._is_netcdf:

@@ -101,25 +101,7 @@ class WindTable:
         month: ArrayLike,
         percentile: float,
     ) -> FloatArray:
-        """Wind speed that is not exceeded for ``percentile`` of the time [m/s].
-
-        Parameters
-        ----------
-        latitude_deg, altitude_m, month
-            Latitude [deg], altitude [m] and month from 1 to 12; shapes are broadcast.
-        percentile : float
-            From 0 to 100.
-
-        Returns
-        -------
-        ndarray
-            Linear between the points of the table [m/s].
-
-        Raises
-        ------
-        InputError
-            Outside the table.
-        """
+        """Wind speed that is not exceeded for ``percentile`` of the time [m/s]."""
         curve = self.curve(latitude_deg, altitude_m, month)
         trouble = self.trouble(percentile=percentile)
         if trouble is not None:
@@ -156,21 +138,6 @@ class WindTable:
         Linear between the percentiles of the table; below the lowest and above the highest the
         speeds are distributed as Rayleigh's, through that percentile:
         ``F(v) = 1 - (1 - p)^((v / v_p)^2)``.
-
-        Parameters
-        ----------
-        speed_m_per_s, latitude_deg, altitude_m, month
-            Speed [m/s], latitude [deg], altitude [m] and month; shapes are broadcast.
-
-        Returns
-        -------
-        ndarray
-            From 0 to 1, never falling with the speed.
-
-        Raises
-        ------
-        InputError
-            Outside the table.
         """
         curve = self.curve(latitude_deg, altitude_m, month)
         speed, levels = np.asarray(speed_m_per_s, float), self.percentiles / 100.0
@@ -194,39 +161,13 @@ def _rayleigh(speed: FloatArray, wind: FloatArray, share: float) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def shipped_winds() -> WindTable:
-    """The shipped table: 95th percentiles, zonal, from 9.1 to 33 km.
-
-    Returns
-    -------
-    WindTable
-        Latitudes from 88 south to 88 north, all months. What it is made of stands in the head of
-        its file and in the documentation.
-    """
+    """The shipped table: 95th percentiles, zonal, from 9.1 to 33 km."""
     file = resources.files("missions").joinpath("winds", "data", _SHIPPED)
     return wind_table_from_text(gzip.decompress(file.read_bytes()).decode(), SHIPPED_SOURCE)
 
 
 def wind_table_from_text(text: str, source: str) -> WindTable:
-    """Table of a CSV text: a row for each latitude, altitude, month and percentile.
-
-    Parameters
-    ----------
-    text : str
-        Comment lines that begin with ``#``, a line of the names :data:`COLUMNS` in any order, rows.
-    source : str
-        What messages call it.
-
-    Returns
-    -------
-    WindTable
-        Every combination of the latitudes, altitudes, months and percentiles is there.
-
-    Raises
-    ------
-    InputError
-        With the line, where a value is missing, no number or out of what is possible, and where a
-        combination is missing or there twice.
-    """
+    """Table of a CSV text: a row for each latitude, altitude, month and percentile."""
     lines = text.splitlines()
     first = next((i for i, s in enumerate(lines) if s.strip() and not s.startswith("#")), None)
     names = [] if first is None else [name.strip() for name in lines[first].split(",")]

@@ -196,18 +196,7 @@ class BuiltUpPolar:
         return 0.0 if self.components is None else self.components.volume_m3
 
     def shares(self, reynolds: Value) -> DragShares:
-        """Drag of the parts.
-
-        Parameters
-        ----------
-        reynolds
-            Reynolds number of the mean chord [-].
-
-        Returns
-        -------
-        DragShares
-            Coefficients on the wing area [-].
-        """
+        """Drag of the parts."""
         profile, induced, other = self.base.parts(self.wing.aspect_ratio, reynolds)
         horizontal, vertical, booms, pods, gaps = self._components(profile, reynolds)
         return DragShares(

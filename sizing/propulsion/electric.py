@@ -102,7 +102,17 @@ class Motor(Record):
         return self.state_of(np.asarray(speed_rpm, float), np.asarray(torque_nm, float))
 
     def state_of(self, rpm: Value, torque_nm: Value) -> MotorState:
-        """As :meth:`state`, of numbers, arrays or symbols."""
+        """As :meth:`state`, of numbers, arrays or symbols.
+
+        Parameters
+        ----------
+        rpm, torque_nm
+            Speed [rpm] and torque [N m] of the motor.
+
+        Returns
+        -------
+        MotorState
+        """
         constant = self.speed_constant_rpm_per_v / _RPM_PER_RAD_PER_S
         rise = self.no_load_current_rise_a_per_1000_rpm * rpm / 1000.0
         current = torque_nm * constant + self.no_load_current_a + rise
@@ -176,7 +186,18 @@ class Controller(Record):
         return np.asarray(self.power_of(motor.current_a, motor.voltage_v, voltage_v))
 
     def power_of(self, current: Value, motor_v: Value, voltage_v: Value) -> Value:
-        """As :meth:`input_power_w`, of numbers, arrays or symbols."""
+        """As :meth:`input_power_w`, of numbers, arrays or symbols.
+
+        Parameters
+        ----------
+        current, motor_v, voltage_v
+            Current [A] and voltage [V] at the motor, voltage of the bus [V].
+
+        Returns
+        -------
+        Value
+            Power from the bus [W].
+        """
         resistive = current * (motor_v + current * self.resistance_ohm)
         idle_share = 1.0 - self._duty(current, motor_v, voltage_v)
         freewheeling = idle_share * current * self.freewheel_voltage_v

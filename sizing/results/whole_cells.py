@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
 from sizing.layout.cells import rows_text
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.whole_cells import WholeCells
 from sizing.parameters import unit_text
 from sizing.results.records import finite_values
 from sizing.results.tables import UNLIMITED, Column, Table
+
+if TYPE_CHECKING:
+    from sizing.optimisation.whole_cells import WholeCells
 
 __all__ = ["cells_lines", "cells_record", "loss_line", "neighbour_table"]
 

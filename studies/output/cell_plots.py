@@ -23,24 +23,7 @@ def _end_of(tail: TailGeometry) -> float:
 
 @styled
 def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
-    """Wing, and tail where it bears cells, from above with every solar cell and keep-out.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        With ``modules.layout``.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    ValueError
-        For an aircraft without a layout.
-    """
+    """Wing, and tail where it bears cells, from above with every solar cell and keep-out."""
     from matplotlib.collections import PatchCollection
     from matplotlib.patches import Patch, Polygon, Rectangle
     from matplotlib.ticker import MaxNLocator

@@ -455,9 +455,9 @@ SMALL = ("--latitudes", "40:50:10", "--days", "100:200:100")
     [
         (("--help",), set(), 170),
         (("list",), set(), 220),
-        (("analyse", AS2), {"numpy", "pydantic"}, 510),
-        (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "casadi", "scipy"}, 900),
-        (("map", AS2, *SMALL), {"numpy", "pydantic", "rich"}, 590),
+        (("analyse", AS2), {"numpy", "pydantic"}, 540),
+        (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "casadi"}, 900),
+        (("map", AS2, *SMALL), {"numpy", "pydantic", "rich"}, 610),
         (
             ("map", AS2, *SMALL, "--out", "{folder}/map.nc"),
             {"numpy", "pydantic", "rich", "h5netcdf"},
