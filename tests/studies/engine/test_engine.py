@@ -720,7 +720,8 @@ def cluster(tmp_path: Path) -> Iterator[Callable[[int], tuple[DaskPool, list[Any
         options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
         started.append(dask("scheduler", *options, "--scheduler-file", str(place)))
         deadline = time.monotonic() + 120.0
-        while not place.exists():
+        # It is there before it is written.
+        while not place.exists() or not place.read_text().rstrip().endswith("}"):
             assert time.monotonic() < deadline
             time.sleep(0.05)
         address = json.loads(place.read_text())["address"]
