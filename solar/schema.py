@@ -62,6 +62,7 @@ class _Described(ModelMetaclass):
                 if field.is_required()
                 else field.get_default(call_default_factory=True),
             )
+            # The class is one of records, which mypy does not know of a metaclass.
             for name, field in self.model_fields.items()  # type: ignore[attr-defined]
         ]
         return inspect.Signature(parameters)

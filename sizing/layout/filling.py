@@ -56,6 +56,7 @@ def _entry(data: Mapping[str, Any]) -> CellEntry | None:
     if not isinstance(name, str):
         return None
     try:
+        # Entries of this catalogue are of that class.
         return entry("cells", name)  # type: ignore[return-value]
     except (InputError, OSError):
         return None  # told by the validation of the name

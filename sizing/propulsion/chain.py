@@ -406,6 +406,7 @@ class OperatingPointPropulsion(Record):
 def _rebuilt(record: R, values: Mapping[str, Any]) -> R:
     """Record with other values, numbers or symbols, and nothing that it has kept; unchecked."""
     fields = {name: getattr(record, name) for name in type(record).model_fields}
+    # A record of the class that was given.
     built: R = type(record).model_construct(**(fields | dict(values)))  # type: ignore[assignment]
     return built
 

@@ -526,6 +526,7 @@ def _with_own(
 ) -> tuple[Aircraft, Objective]:
     """Aircraft with the user's own terms in its design space, and the objective."""
     own = objective if callable(objective) else None
+    # What is no function of the user's is a name.
     named = Objective.min_mass if own is not None else checked_objective(objective)  # type: ignore[arg-type]
     if (own is None and not constraints) or isinstance(aircraft.airframe, MeasuredAirframe):
         return aircraft, named
