@@ -181,7 +181,7 @@ def recover(
     -------
     Recovery
     """
-    from studies.fitting.estimation import CONFIDENCE
+    from studies.fitting.least_squares import CONFIDENCE
 
     one = partial(_independent_case, flights=independent) if independent else _case
     run = partial(one, predict=predict)

@@ -8,6 +8,7 @@ in the keys of the aircraft's file.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 import pandas as pd
@@ -33,6 +34,8 @@ from solar.types import FloatArray
 HOURS = 30.0
 _HIGHEST_NIGHT_H = 12.5  # that the battery lasts for at the load
 _LEAST_NOON_DEG = 40.0
+_LAUNCH_H = (-4.5, 1.5)  # after noon: batteries become full on some of the flights
+_START_CHARGE, _LEAST_CHARGE = (0.1, 0.5), 0.05
 _FULL_FROM = 0.88  # charge from which the current falls, as at constant voltage
 
 
@@ -67,11 +70,18 @@ def true_values(aircraft: Aircraft) -> dict[str, float]:
 
 
 def flown(aircraft: Aircraft, seed: int, hours: float = HOURS) -> Flown:
-    """Fly once; ``seed`` decides place, day, weather, circle and noise."""
-    rng = np.random.default_rng(seed)
+    """Fly over a night; ``seed`` decides place, day, launch, weather, circle and noise.
+
+    Flights that run empty are flown again from other draws.
+    """
+    tries = (_flown(aircraft, np.random.default_rng([seed, one]), hours) for one in count())
+    return next(one for one in tries if one.minimum_charge > _LEAST_CHARGE)
+
+
+def _flown(aircraft: Aircraft, rng: np.random.Generator, hours: float) -> Flown:
     place = _place(rng)
     elapsed = np.arange(0.0, 3600.0 * hours, STEP_S)
-    times = place.noon - pd.Timedelta(hours=rng.uniform(4.0, 5.5))
+    times = place.noon + pd.Timedelta(hours=rng.uniform(*_LAUNCH_H))
     times = times + pd.to_timedelta(elapsed, unit="s")
     angles = angles_on_circles(elapsed, rng)
     day = np.cos(2.0 * np.pi * (times - place.noon).total_seconds().to_numpy() / 86400.0 - 0.7)
@@ -82,7 +92,7 @@ def flown(aircraft: Aircraft, seed: int, hours: float = HOURS) -> Flown:
     level_w = true_values(aircraft)["level_power"] * _thinner(aircraft, place, air_c)
     load = level_w + aircraft.power.avionics_w
     load = load + 3.0 * lasting_noise(rng.standard_normal(len(elapsed)), 360.0)
-    power, charge = _charged(aircraft, power, load, rng.uniform(0.35, 0.6))
+    power, charge = _charged(aircraft, power, load, rng.uniform(*_START_CHARGE))
     gauge = 0.004 * lasting_noise(rng.standard_normal(len(elapsed)), 1800.0)
     rows = pd.DataFrame(
         {
@@ -97,7 +107,7 @@ def flown(aircraft: Aircraft, seed: int, hours: float = HOURS) -> Flown:
             "state_of_charge": np.clip(charge + gauge, 0.0, 1.0),
         }
     )
-    evening = int(np.argmax(charge[elapsed < 14.0 * 3600.0]))
+    evening = int(np.argmax(charge[elapsed < 12.0 * 3600.0]))
     return Flown(rows, float(charge[evening:].min()))
 
 

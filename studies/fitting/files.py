@@ -15,8 +15,9 @@ from missions.files.writing import to_yaml
 from missions.files.yaml import Document
 from sizing.aircraft import Aircraft
 from solar._version import __version__
-from studies.fitting.estimation import CONFIDENCE, Fitted
+from studies.fitting.estimation import Fitted
 from studies.fitting.flight import FlightFit
+from studies.fitting.least_squares import CONFIDENCE
 from studies.fitting.parameters import MPPT, rounded, scaled_mppt
 
 _MOST_OF_A_NAME = 110

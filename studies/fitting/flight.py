@@ -17,7 +17,8 @@ from sizing.results.tables import Column, Line, Result, Summary, Table
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Flown
 from studies.fitting.channels.found import channels
-from studies.fitting.estimation import CONFIDENCE, Estimate, Fitted, Held, estimate
+from studies.fitting.estimation import Estimate, Fitted, FoundError, Held, estimate
+from studies.fitting.least_squares import CONFIDENCE
 from studies.fitting.parameters import chosen, with_values
 from studies.flight_logs.verification import DEFAULT_MISSION, utc_label, verify
 
@@ -61,6 +62,11 @@ class FlightFit(Result):
     def held(self) -> tuple[Held, ...]:
         """Parameters that were asked for and not fitted, with the reasons."""
         return (*(one for part in self.estimates for one in part.held), *self.missing)
+
+    @property
+    def errors(self) -> tuple[FoundError, ...]:
+        """Errors of the flights' sky, attitude and model, as the fit has them."""
+        return tuple(one for part in self.estimates if part.fitted for one in part.errors)
 
     def fitted_aircraft(self) -> Aircraft:
         """Aircraft with the fitted values."""
@@ -245,13 +251,12 @@ def fit_flight(
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     verification = verify(aircraft, log, mission, correct=correct)
     flown = Flown.of(verification, mission)
-    known, missing = channels(flown, aircraft)
+    known, missing = channels(flown, aircraft, light_sigma)
     estimates, lacking = [], []
     for name in dict.fromkeys(one.channel for one in parameters):
         own = tuple(one for one in parameters if one.channel == name)
         if name in known:
-            sigma = light_sigma if name == "solar" else 0.0
-            estimates.append(estimate(known[name], aircraft, own, sigma))
+            estimates.append(estimate(known[name], aircraft, own))
             continue
         reason = next(m for m in missing if m.startswith(name)).partition(": ")[2]
         lacking += [Held(one, one.value(aircraft), reason) for one in own]

@@ -6,8 +6,9 @@ A loiter turns the modules through the light about once a minute: means over
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -15,10 +16,11 @@ from missions.logs.table import FlightLog
 from missions.mission import AirConditions, Mission
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray, IntArray
+from studies.fitting.channels.flight_errors import FlightError, combined
 from studies.fitting.parameters import ChannelName
 from studies.flight_logs.verification import Verification
 
-Predict = Callable[[Aircraft, float], FloatArray]
+Predict = Callable[[Aircraft], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -26,9 +28,10 @@ class Channel:
     """A measured quantity in bins, and a model of it.
 
     ``time_s``: mean time of each bin's samples [s since 1970, UTC]. ``run``: number of the
-    uninterrupted stretch. ``predict``: modelled value of each bin, from an aircraft and a factor on
-    the light. ``floating``: whether only differences count: every stretch has a level of its own.
-    ``notes``: what was left out.
+    uninterrupted stretch. ``predict``: modelled value of each bin, from an aircraft. ``floating``:
+    whether only differences count: every stretch has a level of its own. ``notes``: what was left
+    out. ``errors``: of the flights, known within their standard deviations. ``sizes``: bins of each
+    flight.
     """
 
     name: ChannelName
@@ -40,10 +43,32 @@ class Channel:
     predict: Predict
     floating: bool = False
     notes: tuple[str, ...] = ()
+    errors: tuple[FlightError, ...] = ()
+    sizes: tuple[int, ...] = ()
 
-    def residual(self, aircraft: Aircraft, light: float = 1.0) -> FloatArray:
+    @cached_property
+    def flights(self) -> tuple[slice, ...]:
+        """Bins of each flight."""
+        ends = np.cumsum(self.sizes or (len(self.measured),)).tolist()
+        return tuple(slice(a, b) for a, b in zip((0, *ends), ends, strict=False))
+
+    @cached_property
+    def slopes(self) -> FloatArray:
+        """Relative change of each bin per unit of each error, shape (bin, error)."""
+        return combined(self.errors, len(self.measured))
+
+    def without(self, names: tuple[str, ...]) -> Channel:
+        """The same where errors of these names are none."""
+        return replace(self, errors=tuple(one for one in self.errors if one.name not in names))
+
+    def modelled(self, aircraft: Aircraft, errors: FloatArray | None = None) -> FloatArray:
+        """Modelled values with errors of the flights."""
+        plain = self.predict(aircraft)
+        return plain if errors is None else plain * np.exp(self.slopes @ errors)
+
+    def residual(self, aircraft: Aircraft, errors: FloatArray | None = None) -> FloatArray:
         """Measured less modelled; of a floating channel without the mean of each stretch."""
-        apart = self.measured - self.predict(aircraft, light)
+        apart = self.measured - self.modelled(aircraft, errors)
         return self.centred(apart) if self.floating else apart
 
     def centred(self, values: FloatArray) -> FloatArray:
@@ -56,6 +81,30 @@ class Channel:
     def levels(self) -> int:
         """Unknown levels: one for each stretch of a floating channel."""
         return int(self.run[-1]) + 1 if self.floating else 0
+
+
+def joined(parts: Sequence[Channel]) -> Channel:
+    """Channel of several flights: one aircraft, errors and stretches of their own."""
+    first, errors, runs, notes = parts[0], [], [], []
+    sizes = tuple(len(one.measured) for one in parts)
+    for number, one in enumerate(parts):
+        before, after = sum(sizes[:number]), sum(sizes[number + 1 :])
+        for error in one.errors:
+            slope = np.concatenate((np.zeros(before), error.slope, np.zeros(after)))
+            errors.append(replace(error, slope=slope, flight=number))
+        runs.append(one.run + (int(runs[-1][-1]) + 1 if runs else 0))
+        named = f"flight {number + 1}: " if len(parts) > 1 else ""
+        notes += [f"{named}{note}" for note in one.notes]
+    return replace(
+        first,
+        time_s=np.concatenate([one.time_s for one in parts]),
+        measured=np.concatenate([one.measured for one in parts]),
+        run=np.concatenate(runs),
+        predict=lambda aircraft: np.concatenate([one.predict(aircraft) for one in parts]),
+        notes=tuple(notes),
+        errors=tuple(errors),
+        sizes=sizes,
+    )
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,96 @@
+"""What one flight's sky, attitude, clock and model may be off by, and what that does to the power.
+
+The errors and their standard deviations are those of :mod:`studies.flight_logs.causes.fit`, with
+their sources in ``docs/verify.md``. Power is multiplied by the exponential of their sum, so that
+light never becomes negative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from solar.types import FloatArray
+from studies.flight_logs.causes.fit import (
+    CAM_DRIFT,
+    DRIFT,
+    LOG_SIGMAS,
+    MODEL_SIGMAS,
+    Data,
+    Hypothesis,
+    modelled,
+)
+from studies.flight_logs.causes.forward import Forward, LogError
+
+WARMTH = "warmth"  # of the modules: no error where their temperature is fitted
+_STEP = 0.5  # standard deviations of an error by which its effect is found
+_LEAST_W = 1e-3  # of a relative change
+
+
+@dataclass(frozen=True)
+class FlightError:
+    """An error that lasts a flight, or some hours of it, known within ``sigma``.
+
+    ``slope``: relative change of the power of each sample or bin per unit of the error. ``flight``:
+    its number.
+    """
+
+    name: str
+    sigma: float
+    slope: FloatArray
+    flight: int = 0
+
+
+def combined(errors: tuple[FlightError, ...], count: int) -> FloatArray:
+    """Slopes of all errors, shape (sample or bin, error)."""
+    return np.stack([one.slope for one in errors], axis=1) if errors else np.zeros((count, 0))
+
+
+def flight_errors(
+    forward: Forward,
+    light_sigma: float,
+    mean: Callable[[FloatArray], FloatArray] = np.asarray,
+) -> tuple[FlightError, ...]:
+    """Errors of the light, the attitude and the model, and of the level over two hours each.
+
+    ``light_sigma``: of the level of the light; an error whose standard deviation is zero is left
+    out. ``mean``: of samples in bins.
+    """
+    found = [
+        FlightError(name, sigma, (np.log(above) - np.log(below)) / (2.0 * _STEP * sigma))
+        for name, sigma, above, below in _moved(
+            forward, {**MODEL_SIGMAS, "level": light_sigma}, mean
+        )
+    ]
+    hats = Data.of(forward, np.zeros(len(forward.index))).hats
+    sigma = DRIFT if forward.knows_angles else CAM_DRIFT
+    found += [
+        FlightError(f"drift {number}", sigma, mean(hat)) for number, hat in enumerate(hats.T, 1)
+    ]
+    return tuple(one for one in found if np.any(one.slope))
+
+
+def _moved(
+    forward: Forward, sigmas: dict[str, float], mean: Callable[[FloatArray], FloatArray]
+) -> Iterator[tuple[str, float, FloatArray, FloatArray]]:
+    """Errors by name with their standard deviations, and the power above and below [W]."""
+    none = dict.fromkeys(sigmas, 0.0)
+
+    def power(error: LogError, values: dict[str, float]) -> FloatArray:
+        parts = [
+            modelled(part.parts(error), values, Hypothesis(), part.log.time_s[part.index])
+            for part in forward.chunks()
+        ]
+        return np.maximum(mean(np.concatenate(parts)), _LEAST_W)
+
+    for name, sigma in sigmas.items():
+        if sigma > 0.0:
+            ends = ({**none, name: sign * _STEP * sigma} for sign in (1.0, -1.0))
+            above, below = (power(LogError(), values) for values in ends)
+            yield name, sigma, above, below
+    for name, sigma in LOG_SIGMAS.items() if forward.knows_angles else ():
+        ends = (LogError().plus({name: sign * _STEP * sigma}) for sign in (1.0, -1.0))
+        above, below = (power(error, none) for error in ends)
+        yield name, sigma, above, below

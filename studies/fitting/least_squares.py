@@ -1,0 +1,303 @@
+"""Least squares of one channel, with errors of the flights whose spread is known.
+
+Parameters of the aircraft are free; each error of a flight is a residual of its own, over its
+standard deviation: a Bayesian linear model (Tarantola, A. (2005), Inverse Problem Theory, SIAM,
+section 3.2). A residual of the channel weighs as many times as there are independent ones in
+effect: its variance is that of its flight times the integrated autocorrelation time (Sokal, A.
+(1997), Monte Carlo Methods in Statistical Mechanics, section 3). The covariance is that of the
+sandwich estimator (White, H. (1980), Econometrica 48, 817-838), with the errors as they are known.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import norm, t
+
+from sizing.aircraft import Aircraft
+from solar.types import FloatArray
+from studies.fitting.channels.channel import Channel
+from studies.fitting.parameters import FitParameter, with_values
+from studies.flight_logs.autocorrelation import correlation_time
+
+CONFIDENCE = 0.95
+# Of the largest measured value: below, tables and rounding of the model decide.
+_LEAST_SCATTER = 2e-3
+# Weights follow from the residuals and these from the weights: until they change by less.
+_ROUNDS, _SETTLED = 8, 0.02
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Parameters that are tried on a channel, around the values of an aircraft."""
+
+    channel: Channel
+    aircraft: Aircraft
+    parameters: tuple[FitParameter, ...]
+
+    def residual(self, values: FloatArray, errors: FloatArray | None = None) -> FloatArray:
+        """Measured less modelled."""
+        return self.channel.residual(self._changed(values), errors)
+
+    def _changed(self, values: FloatArray) -> Aircraft:
+        return with_values(self.aircraft, self.parameters, tuple(values.tolist()))
+
+    def start(self) -> FloatArray:
+        """Values of the aircraft's file."""
+        return np.array([one.value(self.aircraft) for one in self.parameters])
+
+    def jacobian(self, values: FloatArray, errors: FloatArray | None = None) -> FloatArray:
+        """Derivatives of the model by central differences, shape (bin, parameter)."""
+        columns = [np.zeros((len(self.channel.measured), 0))]
+        for place, one in enumerate(self.parameters):
+            step = 1e-4 * max(abs(values[place]), one.widest(values[place]), 1e-12)
+            # One-sided at an end that cannot be crossed.
+            up = min(values[place] + step, one.highest) - values[place]
+            down = values[place] - max(values[place] - step, one.lowest)
+            unit = np.eye(len(values))[place]
+            apart = self.residual(values - down * unit, errors)
+            apart = apart - self.residual(values + up * unit, errors)
+            columns.append(apart[:, np.newaxis] / (up + down))
+        return np.concatenate(columns, axis=1)
+
+    def jacobian_of_errors(self, values: FloatArray, errors: FloatArray) -> FloatArray:
+        """Derivatives of the model by the errors of the flights, shape (bin, error)."""
+        if not self.channel.errors:
+            return np.zeros((len(self.channel.measured), 0))
+        modelled = self.channel.modelled(self._changed(values), errors)
+        columns = modelled[:, np.newaxis] * self.channel.slopes
+        if self.channel.floating:
+            columns = np.apply_along_axis(self.channel.centred, 0, columns)
+        return np.asarray(columns)
+
+    def without(self, place: int) -> Problem:
+        """The same with a parameter less."""
+        rest = tuple(one for i, one in enumerate(self.parameters) if i != place)
+        return Problem(self.channel, self.aircraft, rest)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Best values and their errors.
+
+    ``covariance``, ``half_width``: of the parameters. ``errors``, ``sigmas``: of the flights, best
+    values and standard errors. ``flights``: what each says alone, where there are several.
+    ``chi_square``, ``freedom``: of the differences between them.
+    """
+
+    values: FloatArray
+    residual: FloatArray
+    covariance: FloatArray
+    half_width: FloatArray
+    singular: FloatArray
+    independent: float
+    errors: FloatArray
+    sigmas: FloatArray
+    flights: tuple[Alone, ...] = ()
+    chi_square: float = 0.0
+    freedom: int = 0
+
+    def standard_error(self) -> FloatArray:
+        """Of the parameters."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+
+@dataclass(frozen=True)
+class Alone:
+    """Values and standard errors by one of several flights, and its share of what all say."""
+
+    values: FloatArray
+    errors: FloatArray
+    shares: FloatArray
+
+
+def singular_values(jacobian: FloatArray) -> FloatArray:
+    """Singular values of a Jacobian with columns of unit length, the largest first."""
+    length = np.sqrt(np.sum(jacobian**2, axis=0))
+    if not jacobian.shape[1]:
+        return np.zeros(0)
+    return np.asarray(np.linalg.svd(jacobian / np.maximum(length, 1e-300), compute_uv=False))
+
+
+def solved(problem: Problem) -> Solution:
+    """Fit the parameters, and the errors of the flights within their spread."""
+    channel, count = problem.channel, len(problem.parameters)
+    if not count:
+        nothing, errors = np.zeros(0), np.zeros(len(channel.errors))
+        residual = channel.residual(problem.aircraft)
+        sigmas = np.array([one.sigma for one in channel.errors])
+        return Solution(
+            *(nothing, residual, np.zeros((0, 0)), nothing, nothing, math.inf, errors, sigmas)
+        )
+    low = np.array([one.lowest for one in problem.parameters])
+    high = np.array([one.highest for one in problem.parameters])
+    start = np.clip(problem.start(), low + 1e-9, high * (1.0 - 1e-9))
+    at = np.concatenate((start, np.zeros(len(channel.errors))))
+    fit = _Weighted.first(problem, at)
+    for _ in range(_ROUNDS):
+        at = fit.minimum(at, low, high)
+        before, fit = fit, _Weighted.at(problem, at, fit.weight)
+        change = np.abs(np.log(fit.weight / before.weight)).max(initial=0.0)
+        if not (channel.errors or len(channel.flights) > 1) or change < _SETTLED:
+            break
+    return _with_errors(problem, at, fit)
+
+
+@dataclass(frozen=True)
+class _Weighted:
+    """Residuals, their derivatives, and what each residual weighs.
+
+    ``times``: autocorrelation time by flight, in bins. ``unknown``: values that were fitted, in
+    effect.
+    """
+
+    problem: Problem
+    residual: FloatArray
+    jacobian: FloatArray
+    weight: FloatArray
+    times: tuple[float, ...] = ()
+    unknown: float = 0.0
+
+    @classmethod
+    def first(cls, problem: Problem, at: FloatArray) -> _Weighted:
+        """All residuals weigh the same, as much as they scatter before the fit."""
+        residual, jacobian = _linear(problem, at)
+        scatter = max(float(np.std(residual)), _LEAST_SCATTER * _largest(problem.channel), 1e-12)
+        return cls(problem, residual, jacobian, np.full(len(residual), scatter**-2))
+
+    @classmethod
+    def at(cls, problem: Problem, at: FloatArray, weight: FloatArray) -> _Weighted:
+        """Weights that follow from the residuals there."""
+        channel = problem.channel
+        residual, jacobian = _linear(problem, at)
+        inverse = np.linalg.pinv(_normal(jacobian, weight, _prior(problem)))
+        new, times, unknown = weight.copy(), [], 0.0
+        for flight in channel.flights:
+            own, mine, run = jacobian[flight], residual[flight], channel.run[flight]
+            levels = int(run[-1] - run[0]) + 1 if channel.floating else 0
+            fitted = levels + float(np.sum(inverse * _normal(own, weight[flight])))
+            times.append(correlation_time(mine, run, fitted))
+            free = max(len(mine) - fitted, 1.0)
+            scatter = math.sqrt(float(mine @ mine) / free)
+            scatter = max(scatter, _LEAST_SCATTER * _largest(channel), 1e-12)
+            new[flight], unknown = 1.0 / (scatter**2 * times[-1]), unknown + fitted
+        return cls(problem, residual, jacobian, new, tuple(times), unknown)
+
+    def minimum(self, at: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Best values by these weights."""
+        problem, root, count = self.problem, np.sqrt(self.weight), len(low)
+        sigmas = np.array([one.sigma for one in problem.channel.errors])
+        open_ends = np.full(len(sigmas), np.inf)
+        widest = zip(problem.parameters, at[:count].tolist(), strict=True)
+        scale = np.array([max(one.widest(value), 1e-12) for one, value in widest])
+
+        def residual(x: FloatArray) -> FloatArray:
+            return np.concatenate(
+                (root * problem.residual(x[:count], x[count:]), x[count:] / sigmas)
+            )
+
+        def jacobian(x: FloatArray) -> FloatArray:
+            rows = -root[:, np.newaxis] * _linear(problem, x)[1]
+            known = np.hstack((np.zeros((len(sigmas), count)), np.diag(1.0 / sigmas)))
+            return np.vstack((rows, known))
+
+        bounds = (np.append(low, -open_ends), np.append(high, open_ends))
+        inside = np.clip(at, bounds[0] + 1e-12, bounds[1] - 1e-12)
+        optimum = least_squares(
+            *(residual, inside, jacobian, bounds),
+            **{"x_scale": np.append(scale, sigmas), "xtol": 1e-10},
+        )
+        return np.asarray(optimum.x)
+
+
+def _linear(problem: Problem, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Residuals, and derivatives of the model by parameters and errors."""
+    values, errors = np.split(at, [len(problem.parameters)])
+    own = problem.jacobian(values, errors)
+    whole = np.hstack((own, problem.jacobian_of_errors(values, errors)))
+    return problem.residual(values, errors), whole
+
+
+def _largest(channel: Channel) -> float:
+    """Largest measured value; of a channel without errors no scatter is too small."""
+    return float(np.abs(channel.measured).max()) if channel.errors else 0.0
+
+
+def _prior(problem: Problem) -> FloatArray:
+    """What is known of parameters (nothing) and errors before: inverse variances."""
+    sigmas = [one.sigma for one in problem.channel.errors]
+    return np.concatenate((np.zeros(len(problem.parameters)), np.array(sigmas) ** -2.0))
+
+
+def _normal(
+    jacobian: FloatArray, weight: FloatArray, prior: FloatArray | float = 0.0
+) -> FloatArray:
+    information = jacobian.T @ (weight[:, np.newaxis] * jacobian)
+    return np.asarray(information + np.diag(np.broadcast_to(prior, len(information))))
+
+
+def _with_errors(problem: Problem, at: FloatArray, fit: _Weighted) -> Solution:
+    """Covariance and intervals."""
+    channel, count, jacobian = problem.channel, len(problem.parameters), fit.jacobian
+    flights, prior = channel.flights, _prior(problem)
+    inverse = np.linalg.pinv(_normal(jacobian, fit.weight, prior))
+    sizes = zip(flights, fit.times, strict=True)
+    independent = sum((own.stop - own.start) / time for own, time in sizes)
+    free = max(independent - fit.unknown, 1.0)
+    # As if each of the independent residuals stood for `time` bins, all of them equal.
+    scores = fit.weight[:, np.newaxis] * jacobian * fit.residual[:, np.newaxis]
+    pairs = zip(flights, fit.times, strict=True)
+    meat = sum(time * scores[own].T @ scores[own] for own, time in pairs) * independent / free
+    scatter, known = inverse @ meat @ inverse, inverse @ np.diag(prior) @ inverse
+    alone, chi_square, freedom = _by_flight(problem, at, fit, inverse)
+    # Flights that differ by more than their errors: Birge, R. T. (1932), Physical Review 40, 207.
+    birge = max(chi_square / freedom, 1.0) if freedom else 1.0
+    tail = 0.5 + 0.5 * CONFIDENCE
+    parts = t.ppf(tail, free) ** 2 * np.diag(scatter) + norm.ppf(tail) ** 2 * np.diag(known)
+    covariance = birge * (scatter + known)
+    return Solution(
+        values=at[:count],
+        residual=fit.residual,
+        covariance=covariance[:count, :count],
+        half_width=np.sqrt(birge * parts[:count]),
+        singular=singular_values(jacobian[:, :count]),
+        independent=independent,
+        errors=at[count:],
+        sigmas=np.sqrt(np.diag(covariance)[count:]),
+        flights=alone,
+        chi_square=chi_square,
+        freedom=freedom,
+    )
+
+
+def _by_flight(
+    problem: Problem, at: FloatArray, fit: _Weighted, inverse: FloatArray
+) -> tuple[tuple[Alone, ...], float, int]:
+    """What each of several flights says alone, and chi-square of the differences.
+
+    One step from the common optimum with the residuals of one flight; its errors are eliminated.
+    """
+    channel, count = problem.channel, len(problem.parameters)
+    if len(channel.flights) < 2:
+        return (), 0.0, 0
+    found, chi_square, ranks, prior = [], 0.0, 0, _prior(problem)
+    for number, rows in enumerate(channel.flights):
+        mine = [i for i, one in enumerate(channel.errors) if one.flight == number]
+        columns = [*range(count), *(count + i for i in mine)]
+        jacobian, weight = fit.jacobian[rows][:, columns], fit.weight[rows]
+        normal = _normal(jacobian, weight, prior[columns])
+        across = normal[:count, count:]
+        information = normal[:count, :count] - across @ np.linalg.pinv(normal[count:, count:]) @ (
+            across.T
+        )
+        score = jacobian[:, :count].T @ (weight * fit.residual[rows])
+        own = np.linalg.pinv(information, rcond=1e-8, hermitian=True)
+        step = own @ score
+        chi_square += float(score @ step)
+        ranks += int(np.linalg.matrix_rank(own, hermitian=True))
+        shares = np.diag(inverse[:count, :count] @ information)
+        found.append(Alone(at[:count] + step, np.sqrt(np.diag(own)), shares))
+    return tuple(found), chi_square, max(ranks - count, 0)
