@@ -18,8 +18,8 @@ from multiprocessing import Pool
 
 import numpy as np
 
+from benchmarks.independent_flights import drawn_cells, true_values
 from benchmarks.independent_flights import flown as flown_independently
-from benchmarks.independent_flights import true_values
 from missions.library import load_mission
 from missions.logs.table import log_from_table
 from sizing.library import load_aircraft
@@ -202,22 +202,22 @@ def _independent_case(seed: int, predict: bool, flights: int) -> Case:
         (1.0 + _SPREAD[one.name] * rng.standard_normal()) * one.value(aircraft)
         for one in parameters
     ]
-    truth = with_values(aircraft, parameters, tuple(drawn))
+    truth, cells = with_values(aircraft, parameters, tuple(drawn)), drawn_cells(rng)
     logs = [
-        log_from_table(flown_independently(truth, 100 * seed + number).rows, f"{number}.csv")
+        log_from_table(flown_independently(truth, cells, 100 * seed + number).rows, f"{number}.csv")
         for number in range(flights)
     ]
     fit = fit_flight(aircraft, logs[0], mission, correct=None)
     errors: dict[str, tuple[float, float, float]] = {}
     if predict:
-        other = flown_independently(truth, 100 * seed + 50)
+        other = flown_independently(truth, cells, 100 * seed + 50)
         log = log_from_table(other.rows, "other.csv")
         found = predict_flight(fit, log, mission, correct=None)
         minima = (found.before.minimum_charge, found.after.minimum_charge)
         apart = [100.0 * (value - other.minimum_charge) for value in minima]
         errors["minimum charge [%]"] = (*apart, 100.0 * found.minimum_charge_error)
     fitted = {one.parameter.name: (one.value, one.low, one.high) for one in fit.fitted}
-    return Case(true_values(truth), fitted, errors)
+    return Case(true_values(truth, cells), fitted, errors)
 
 
 def _case(seed: int, predict: bool) -> Case:

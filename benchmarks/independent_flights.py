@@ -15,15 +15,14 @@ import pandas as pd
 
 from benchmarks.independent_logs import (
     COEFFICIENT_PER_K,
-    LIGHT_HALVED_W_PER_M2,
     MPPT_AT_STC,
     STEP_S,
+    Cells,
     Place,
     Truth,
     angles_on_circles,
     biased,
     drawn_place,
-    heat_transfer,
     lasting_noise,
     power_of_modules,
 )
@@ -47,7 +46,12 @@ class Flown:
     minimum_charge: float
 
 
-def true_values(aircraft: Aircraft) -> dict[str, float]:
+def drawn_cells(rng: np.random.Generator) -> Cells:
+    """Cells on a foil or on foam, of good and of poor efficiency in low light."""
+    return Cells(rng.uniform(15.0, 35.0), rng.uniform(4.0, 12.0))
+
+
+def true_values(aircraft: Aircraft, cells: Cells) -> dict[str, float]:
     """What a fit of the shipped models should find, by the names of its parameters.
 
     Light, MPPT and modules are one factor: at standard test conditions, by the file's MPPT. The
@@ -56,29 +60,29 @@ def true_values(aircraft: Aircraft) -> dict[str, float]:
     modules = aircraft.modules
     at_full = float(np.asarray(modules.mppt_efficiency_at(1.0)))
     efficiency = modules.efficiency_stc * MPPT_AT_STC / at_full
-    efficiency *= 1000.0 / (1000.0 + LIGHT_HALVED_W_PER_M2)
+    efficiency *= 1000.0 / (1000.0 + cells.halved_w_per_m2)
     coefficient = COEFFICIENT_PER_K / modules.temperature_coefficient_per_k
     # Light at which the modules give the power that the file's temperature rise belongs to.
     rated = modules.full_load_w_per_m2 / (modules.efficiency_stc * modules.camber_efficiency)
-    light = rated / at_full / (1.0 - COEFFICIENT_PER_K * (rated / heat_transfer() - 10.0))
+    light = rated / at_full / (1.0 - COEFFICIENT_PER_K * (rated / cells.heat_transfer - 10.0))
     return {
         "module_efficiency": efficiency,
-        "temperature_rise": coefficient * light / heat_transfer(),
+        "temperature_rise": coefficient * light / cells.heat_transfer,
         "level_power": aircraft.airframe.level_flight.electric_power_w,  # type: ignore[union-attr]
         "specific_energy": aircraft.battery.specific_energy_wh_per_kg or 0.0,
     }
 
 
-def flown(aircraft: Aircraft, seed: int, hours: float = HOURS) -> Flown:
+def flown(aircraft: Aircraft, cells: Cells, seed: int, hours: float = HOURS) -> Flown:
     """Fly over a night; ``seed`` decides place, day, launch, weather, circle and noise.
 
     Flights that run empty are flown again from other draws.
     """
-    tries = (_flown(aircraft, np.random.default_rng([seed, one]), hours) for one in count())
+    tries = (_flown(aircraft, cells, np.random.default_rng([seed, one]), hours) for one in count())
     return next(one for one in tries if one.minimum_charge > _LEAST_CHARGE)
 
 
-def _flown(aircraft: Aircraft, rng: np.random.Generator, hours: float) -> Flown:
+def _flown(aircraft: Aircraft, cells: Cells, rng: np.random.Generator, hours: float) -> Flown:
     place = _place(rng)
     elapsed = np.arange(0.0, 3600.0 * hours, STEP_S)
     times = place.noon + pd.Timedelta(hours=rng.uniform(*_LAUNCH_H))
@@ -87,9 +91,9 @@ def _flown(aircraft: Aircraft, rng: np.random.Generator, hours: float) -> Flown:
     day = np.cos(2.0 * np.pi * (times - place.noon).total_seconds().to_numpy() / 86400.0 - 0.7)
     air_c = rng.uniform(2.0, 26.0) + 4.0 * day
     nowhere = np.zeros(len(elapsed), bool)
-    power = power_of_modules(aircraft, place, times, angles, air_c, Truth(), nowhere)
+    power = power_of_modules(aircraft, place, times, angles, air_c, Truth(), nowhere, cells)
     power = power * (1.0 + 0.01 * lasting_noise(rng.standard_normal(len(elapsed)), 1200.0))
-    level_w = true_values(aircraft)["level_power"] * _thinner(aircraft, place, air_c)
+    level_w = true_values(aircraft, cells)["level_power"] * _thinner(aircraft, place, air_c)
     load = level_w + aircraft.power.avionics_w
     load = load + 3.0 * lasting_noise(rng.standard_normal(len(elapsed)), 360.0)
     power, charge = _charged(aircraft, power, load, rng.uniform(*_START_CHARGE))

@@ -24,8 +24,7 @@ _GRAVITY = 9.81
 _ALBEDO = 0.2
 _BATTERY_WH = 732.0
 COEFFICIENT_PER_K = 0.0032
-LIGHT_HALVED_W_PER_M2 = 8.0  # at which the efficiency is half of that in bright light
-_U0, _U1, _WIND_M_PER_S = 25.0, 3.0, 8.0  # of Faiman's temperature
+_U1, _WIND_M_PER_S = 3.0, 8.0  # of Faiman's temperature
 _LOAD_W = 42.0
 
 
@@ -133,9 +132,19 @@ def biased(angles: dict[str, FloatArray], rng: np.random.Generator) -> dict[str,
     return {f"{name}_deg": values for name, values in wrong.items()}
 
 
-def heat_transfer() -> float:
-    """Light over the temperature above the air [W/(m2 K)]."""
-    return _U0 + _U1 * _WIND_M_PER_S
+class Cells(NamedTuple):
+    """Faiman's constant of the temperature, and light at which the efficiency is halved."""
+
+    u0: float = 25.0
+    halved_w_per_m2: float = 8.0
+
+    @property
+    def heat_transfer(self) -> float:
+        """Light over the temperature above the air [W/(m2 K)]."""
+        return self.u0 + _U1 * _WIND_M_PER_S
+
+
+USUAL_CELLS = Cells()
 
 
 def _normals(aircraft: Aircraft, angles: dict[str, FloatArray]) -> dict[str, FloatArray]:
@@ -174,6 +183,7 @@ def power_of_modules(
     air_c: FloatArray,
     truth: Truth,
     inside: BoolArray,
+    cells: Cells = USUAL_CELLS,
 ) -> FloatArray:
     """Power behind the MPPTs [W] while the battery takes all of it."""
     where = (times, place.latitude, place.longitude, place.altitude)
@@ -210,10 +220,12 @@ def power_of_modules(
         rest = dhi * (1.0 - circumsolar) * (1.0 + np.cos(tilt)) / 2.0
         ground = _ALBEDO * (dni * np.sin(height) + dhi) * (1.0 - np.cos(tilt)) / 2.0
         light = beam + 0.95 * (rest + ground)
-        cell_c = pvlib.temperature.faiman(light, air_c, wind_speed=_WIND_M_PER_S, u0=_U0, u1=_U1)
+        cell_c = pvlib.temperature.faiman(
+            light, air_c, wind_speed=_WIND_M_PER_S, u0=cells.u0, u1=_U1
+        )
         power = surface.area_m2 * modules.efficiency_stc * 0.97 * light
         power = power * (1.0 - COEFFICIENT_PER_K * (cell_c - 25.0))
-        power = power * light / (light + LIGHT_HALVED_W_PER_M2)
+        power = power * light / (light + cells.halved_w_per_m2)
         lost = inside & (surface.name in truth.where) & (truth.cause == "modules")
         total += np.where(lost, 1.0 - truth.size, 1.0) * power
     rated = modules.efficiency_stc * modules.area_m2 * 1000.0

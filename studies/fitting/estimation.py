@@ -76,9 +76,9 @@ class FoundError(NamedTuple):
 class Estimate:
     """Fit of one channel.
 
-    ``covariance``: of the fitted parameters. ``singular_values``: of the Jacobian of the fitted
-    parameters with columns of unit length. ``independent``: residuals that are independent in
-    effect. ``before``, ``after``: residuals with the file's values and with the fitted ones.
+    ``covariance``: of the fitted parameters, and after them of the errors. ``singular_values``: of
+    the Jacobian of the fitted parameters with columns of unit length. ``independent``: residuals
+    that are independent in effect. ``before``, ``after``: residuals with the file's values and with the fitted ones.
     ``errors``: of the flights. ``flights``: values of each of several flights alone, with
     ``chi_square`` of the differences and its degrees of ``freedom``.
     """
@@ -114,8 +114,9 @@ class Estimate:
 
     def correlation(self) -> FloatArray:
         """Correlation of the fitted parameters."""
-        root = np.sqrt(np.diag(self.covariance))
-        return np.asarray(self.covariance / np.outer(root, root))
+        own = self.covariance[: len(self.fitted), : len(self.fitted)]
+        root = np.sqrt(np.diag(own))
+        return np.asarray(own / np.outer(root, root))
 
 
 def estimate(
@@ -150,7 +151,7 @@ def estimate(
     )
     found = zip(
         *(_free_of_known(problem).channel.errors, solution.errors.tolist()),
-        solution.sigmas.tolist(),
+        np.sqrt(np.diag(solution.covariance))[len(fitted) :].tolist(),
         strict=True,
     )
     return Estimate(

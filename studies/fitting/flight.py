@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
@@ -14,6 +15,7 @@ from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
+from solar.types import FloatArray
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Flown
 from studies.fitting.channels.found import channels
@@ -63,27 +65,38 @@ class FlightFit(Result):
         """Parameters that were asked for and not fitted, with the reasons."""
         return (*(one for part in self.estimates for one in part.held), *self.missing)
 
-    @property
-    def errors(self) -> tuple[FoundError, ...]:
-        """Errors of the flights' sky, attitude and model, as the fit has them."""
-        return tuple(one for part in self.estimates if part.fitted for one in part.errors)
-
     def fitted_aircraft(self) -> Aircraft:
         """Aircraft with the fitted values."""
         values = tuple(one.value for one in self.fitted)
         return with_values(self.aircraft, tuple(one.parameter for one in self.fitted), values)
 
-    def covariance(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+    def covariance(self) -> FloatArray:
         """Covariance of the fitted parameters, in the order of :attr:`fitted`.
 
         Those of different channels are taken as independent.
         """
         size = len(self.fitted)
-        whole, at = np.zeros((size, size)), 0
-        for part in self.estimates:
-            own = slice(at, at + len(part.fitted))
-            whole[own, own], at = part.covariance, own.stop
-        return whole
+        return self.covariance_with_model()[:size, :size]
+
+    def covariance_with_model(self) -> FloatArray:
+        """Covariance of the fitted parameters, then of :attr:`model_errors`."""
+        blocks = [
+            (
+                [*range(len(part.fitted)), *(len(part.fitted) + i for i in _of_the_model(part))],
+                part,
+            )
+            for part in self.estimates
+        ]
+        whole = block_diag(*(part.covariance[np.ix_(own, own)] for own, part in blocks))
+        # Parameters first.
+        last = np.concatenate([np.array(own) >= len(part.fitted) for own, part in blocks])
+        order = np.argsort(last, kind="stable")
+        return np.asarray(whole[np.ix_(order, order)])
+
+    @property
+    def model_errors(self) -> tuple[FoundError, ...]:
+        """What is wrong with the model of the aircraft on all flights, as the fit has it."""
+        return tuple(part.errors[i] for part in self.estimates for i in _of_the_model(part))
 
     def headline(self) -> str:
         """Aircraft, log, and how many parameters were fitted."""
@@ -162,6 +175,10 @@ class FlightFit(Result):
             "channels": [_channel_record(part) for part in self.estimates],
             "notes": list(self.notes),
         }
+
+
+def _of_the_model(part: Estimate) -> list[int]:
+    return [i for i, one in enumerate(part.errors) if one.known.flight is None]
 
 
 def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:

@@ -83,9 +83,9 @@ class Problem:
 class Solution:
     """Best values and their errors.
 
-    ``covariance``, ``half_width``: of the parameters. ``errors``, ``sigmas``: of the flights, best
-    values and standard errors. ``flights``: what each says alone, where there are several.
-    ``chi_square``, ``freedom``: of the differences between them.
+    ``half_width``: of the parameters. ``errors``: best values of those of the flights.
+    ``covariance``: of parameters and errors. ``flights``: what each says alone, where there are
+    several. ``chi_square``, ``freedom``: of the differences between them.
     """
 
     values: FloatArray
@@ -95,14 +95,13 @@ class Solution:
     singular: FloatArray
     independent: float
     errors: FloatArray
-    sigmas: FloatArray
     flights: tuple[Alone, ...] = ()
     chi_square: float = 0.0
     freedom: int = 0
 
     def standard_error(self) -> FloatArray:
         """Of the parameters."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
+        return np.asarray(np.sqrt(np.diag(self.covariance))[: len(self.values)])
 
 
 @dataclass(frozen=True)
@@ -128,10 +127,8 @@ def solved(problem: Problem) -> Solution:
     if not count:
         nothing, errors = np.zeros(0), np.zeros(len(channel.errors))
         residual = channel.residual(problem.aircraft)
-        sigmas = np.array([one.sigma for one in channel.errors])
-        return Solution(
-            *(nothing, residual, np.zeros((0, 0)), nothing, nothing, math.inf, errors, sigmas)
-        )
+        known = np.diag([one.sigma**2 for one in channel.errors])
+        return Solution(nothing, residual, known, nothing, nothing, math.inf, errors)
     low = np.array([one.lowest for one in problem.parameters])
     high = np.array([one.highest for one in problem.parameters])
     start = np.clip(problem.start(), low + 1e-9, high * (1.0 - 1e-9))
@@ -150,8 +147,7 @@ def solved(problem: Problem) -> Solution:
 class _Weighted:
     """Residuals, their derivatives, and what each residual weighs.
 
-    ``times``: autocorrelation time by flight, in bins. ``unknown``: values that were fitted, in
-    effect.
+    ``times``: autocorrelation time by flight, in bins. ``unknown``: parameters and levels.
     """
 
     problem: Problem
@@ -159,7 +155,7 @@ class _Weighted:
     jacobian: FloatArray
     weight: FloatArray
     times: tuple[float, ...] = ()
-    unknown: float = 0.0
+    unknown: int = 0
 
     @classmethod
     def first(cls, problem: Problem, at: FloatArray) -> _Weighted:
@@ -174,16 +170,17 @@ class _Weighted:
         channel = problem.channel
         residual, jacobian = _linear(problem, at)
         inverse = np.linalg.pinv(_normal(jacobian, weight, _prior(problem)))
-        new, times, unknown = weight.copy(), [], 0.0
+        new, times, unknown = weight.copy(), [], len(problem.parameters)
         for flight in channel.flights:
             own, mine, run = jacobian[flight], residual[flight], channel.run[flight]
             levels = int(run[-1] - run[0]) + 1 if channel.floating else 0
+            unknown += levels
+            times.append(correlation_time(mine, run, len(problem.parameters) + levels))
+            # Errors that are known beforehand take away a part of a degree of freedom each.
             fitted = levels + float(np.sum(inverse * _normal(own, weight[flight])))
-            times.append(correlation_time(mine, run, fitted))
-            free = max(len(mine) - fitted, 1.0)
-            scatter = math.sqrt(float(mine @ mine) / free)
+            scatter = math.sqrt(float(mine @ mine) / max(len(mine) - fitted, 1.0))
             scatter = max(scatter, _LEAST_SCATTER * _largest(channel), 1e-12)
-            new[flight], unknown = 1.0 / (scatter**2 * times[-1]), unknown + fitted
+            new[flight] = 1.0 / (scatter**2 * times[-1])
         return cls(problem, residual, jacobian, new, tuple(times), unknown)
 
     def minimum(self, at: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
@@ -207,8 +204,7 @@ class _Weighted:
         bounds = (np.append(low, -open_ends), np.append(high, open_ends))
         inside = np.clip(at, bounds[0] + 1e-12, bounds[1] - 1e-12)
         optimum = least_squares(
-            *(residual, inside, jacobian, bounds),
-            **{"x_scale": np.append(scale, sigmas), "xtol": 1e-10},
+            residual, inside, jacobian, bounds, x_scale=np.append(scale, sigmas), xtol=1e-10
         )
         return np.asarray(optimum.x)
 
@@ -252,21 +248,19 @@ def _with_errors(problem: Problem, at: FloatArray, fit: _Weighted) -> Solution:
     pairs = zip(flights, fit.times, strict=True)
     meat = sum(time * scores[own].T @ scores[own] for own, time in pairs) * independent / free
     scatter, known = inverse @ meat @ inverse, inverse @ np.diag(prior) @ inverse
-    alone, chi_square, freedom = _by_flight(problem, at, fit, inverse)
+    alone, chi_square, freedom = _by_flight(problem, at, fit)
     # Flights that differ by more than their errors: Birge, R. T. (1932), Physical Review 40, 207.
     birge = max(chi_square / freedom, 1.0) if freedom else 1.0
     tail = 0.5 + 0.5 * CONFIDENCE
     parts = t.ppf(tail, free) ** 2 * np.diag(scatter) + norm.ppf(tail) ** 2 * np.diag(known)
-    covariance = birge * (scatter + known)
     return Solution(
         values=at[:count],
         residual=fit.residual,
-        covariance=covariance[:count, :count],
+        covariance=birge * (scatter + known),
         half_width=np.sqrt(birge * parts[:count]),
         singular=singular_values(jacobian[:, :count]),
         independent=independent,
         errors=at[count:],
-        sigmas=np.sqrt(np.diag(covariance)[count:]),
         flights=alone,
         chi_square=chi_square,
         freedom=freedom,
@@ -274,30 +268,36 @@ def _with_errors(problem: Problem, at: FloatArray, fit: _Weighted) -> Solution:
 
 
 def _by_flight(
-    problem: Problem, at: FloatArray, fit: _Weighted, inverse: FloatArray
+    problem: Problem, at: FloatArray, fit: _Weighted
 ) -> tuple[tuple[Alone, ...], float, int]:
     """What each of several flights says alone, and chi-square of the differences.
 
-    One step from the common optimum with the residuals of one flight; its errors are eliminated.
+    One step from the common optimum with the residuals of one flight; its errors are eliminated,
+    and what is wrong with the model of the aircraft on all flights is as the fit has it.
     """
     channel, count = problem.channel, len(problem.parameters)
     if len(channel.flights) < 2:
         return (), 0.0, 0
-    found, chi_square, ranks, prior = [], 0.0, 0, _prior(problem)
+    steps, every, chi_square, prior = [], [], 0.0, _prior(problem)
     for number, rows in enumerate(channel.flights):
         mine = [i for i, one in enumerate(channel.errors) if one.flight == number]
         columns = [*range(count), *(count + i for i in mine)]
         jacobian, weight = fit.jacobian[rows][:, columns], fit.weight[rows]
         normal = _normal(jacobian, weight, prior[columns])
-        across = normal[:count, count:]
-        information = normal[:count, :count] - across @ np.linalg.pinv(normal[count:, count:]) @ (
-            across.T
-        )
+        across, rest = normal[:count, count:], np.linalg.pinv(normal[count:, count:])
+        every.append(normal[:count, :count] - across @ rest @ across.T)
         score = jacobian[:, :count].T @ (weight * fit.residual[rows])
-        own = np.linalg.pinv(information, rcond=1e-8, hermitian=True)
-        step = own @ score
-        chi_square += float(score @ step)
-        ranks += int(np.linalg.matrix_rank(own, hermitian=True))
-        shares = np.diag(inverse[:count, :count] @ information)
-        found.append(Alone(at[:count] + step, np.sqrt(np.diag(own)), shares))
-    return tuple(found), chi_square, max(ranks - count, 0)
+        steps.append(_inverse(every[-1]) @ score)
+        chi_square += float(score @ steps[-1])
+    whole = np.linalg.inv(sum(every))
+    alone = tuple(
+        Alone(at[:count] + step, np.sqrt(np.diag(_inverse(one))), np.diag(whole @ one))
+        for step, one in zip(steps, every, strict=True)
+    )
+    ranks = sum(int(np.linalg.matrix_rank(_inverse(one), hermitian=True)) for one in every)
+    return alone, chi_square, max(ranks - count, 0)
+
+
+def _inverse(information: FloatArray) -> FloatArray:
+    """Covariance of what a flight determines; nothing of what it does not."""
+    return np.asarray(np.linalg.pinv(information, rcond=1e-8, hermitian=True))

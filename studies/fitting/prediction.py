@@ -27,7 +27,7 @@ from sizing.results.tables import Column, Table
 from solar.types import FloatArray, IntArray
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Flown, Predict
-from studies.fitting.channels.flight_errors import WARMTH, FlightError, flight_errors
+from studies.fitting.channels.flight_errors import FlightError, flight_errors
 from studies.fitting.channels.solar import forward_model, solar_model
 from studies.fitting.flight import FlightFit
 from studies.fitting.parameters import with_values
@@ -141,8 +141,9 @@ def predict_flight(
     flown = Flown.of(verify(fit.aircraft, log, mission, correct=correct), mission)
     forecast = _Forecast.of(flown, fit)
     aircraft = fit.fitted_aircraft()
-    after = forecast.course(aircraft)
-    moved = [*_by_parameters(fit, forecast), *forecast.by_errors(aircraft)]
+    model = forecast.factor(fit, np.array([one.value for one in fit.model_errors]))
+    after = forecast.course(aircraft, model)
+    moved = [*_by_fit(fit, forecast), *forecast.by_errors(aircraft, model)]
     minimum = _spread(
         [[one.minimum_charge for one in both] for both in moved], after.minimum_charge
     )
@@ -167,16 +168,22 @@ def _spread(pairs: list[list[Any]], middle: float) -> float:
     return float(np.sqrt(np.sum((np.array(pairs, float) - middle) ** 2) / 2.0))
 
 
-def _by_parameters(fit: FlightFit, forecast: _Forecast) -> Iterator[tuple[Course, Course]]:
+def _by_fit(fit: FlightFit, forecast: _Forecast) -> Iterator[tuple[Course, Course]]:
     """Courses a standard deviation to either side of the fit, in independent directions."""
     parameters = tuple(one.parameter for one in fit.fitted)
-    values = np.array([one.value for one in fit.fitted])
-    ends = np.array([(one.lowest, one.highest) for one in parameters]).reshape(-1, 2).T
-    variances, directions = np.linalg.eigh(fit.covariance())
+    ends = [(one.lowest, one.highest) for one in parameters]
+    ends += [(-np.inf, np.inf)] * len(fit.model_errors)
+    middle = np.array([one.value for one in (*fit.fitted, *fit.model_errors)])
+
+    def course(moved: FloatArray) -> Course:
+        within = np.clip(moved, *np.array(ends).T)
+        values, errors = np.split(within, [len(parameters)])
+        aircraft = with_values(fit.aircraft, parameters, tuple(values.tolist()))
+        return forecast.course(aircraft, forecast.factor(fit, errors))
+
+    variances, directions = np.linalg.eigh(fit.covariance_with_model())
     for step in (directions * np.sqrt(np.maximum(variances, 0.0))).T:
-        moved = (np.clip(values + sign * step, *ends) for sign in (1.0, -1.0))
-        above, below = (with_values(fit.aircraft, parameters, tuple(to.tolist())) for to in moved)
-        yield forecast.course(above), forecast.course(below)
+        yield course(middle + step), course(middle - step)
 
 
 def _noise_wh(fit: FlightFit, course: Course) -> float:
@@ -245,8 +252,6 @@ class _Forecast:
         assert log.state_of_charge is not None  # checked by predict_flight
         known = log.state_of_charge[~np.isnan(log.state_of_charge)]
         count = max(2, int(np.ceil((log.time_s[-1] - log.time_s[0]) / _STEP_S)) + 1)
-        errors = flight_errors(forward_model(flown, index), fit.light_sigma)
-        counted = {one.known.name for one in fit.errors} or {one.name for one in errors}
         return cls(
             flown=flown,
             hours=np.linspace(0.0, (log.time_s[-1] - log.time_s[0]) / 3600.0, count),
@@ -255,15 +260,23 @@ class _Forecast:
             power=solar_model(flown, index),
             ends_dark=bool(lit[-1] < len(log) - 1),
             night_h=_first_night_h(log, lit),
-            errors=tuple(one for one in errors if one.name != WARMTH or WARMTH in counted),
+            errors=flight_errors(forward_model(flown, index), fit.light_sigma),
         )
 
-    def by_errors(self, aircraft: Aircraft) -> Iterator[tuple[Course, Course]]:
-        """Courses with each error of a flight a standard deviation to either side."""
+    def factor(self, fit: FlightFit, errors: FloatArray) -> FloatArray:
+        """Solar power with errors of the aircraft's model over that without."""
+        names = [one.known.name for one in fit.model_errors]
+        known = dict(zip(names, errors.tolist(), strict=True))
+        parts = [known.get(one.name, 0.0) * one.slope for one in self.errors]
+        return np.asarray(np.exp(np.sum(parts, axis=0)))
+
+    def by_errors(self, aircraft: Aircraft, model: FloatArray) -> Iterator[tuple[Course, Course]]:
+        """Courses with each error of this flight a standard deviation to either side."""
         for one in self.errors:
-            ends = (np.exp(sign * one.sigma * one.slope) for sign in (1.0, -1.0))
-            above, below = (self.course(aircraft, end) for end in ends)
-            yield above, below
+            if one.flight is not None:
+                ends = (model * np.exp(sign * one.sigma * one.slope) for sign in (1.0, -1.0))
+                above, below = (self.course(aircraft, end) for end in ends)
+                yield above, below
 
     def size(self, aircraft: Aircraft) -> tuple[float, float]:
         """Energy that the battery delivers [Wh], and load of an aircraft [W]."""

@@ -12,7 +12,7 @@ _LONGEST_MEMORY = 0.97  # of a process, from bin to bin
 _MOST_LOST = 0.75  # share of that sum which a fit may have taken away; keeps the correction finite
 
 
-def correlation_time(residual: FloatArray, run: IntArray, unknown: float) -> float:
+def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float:
     """Integrated autocorrelation time of residuals, in bins, at least 1.
 
     The fit takes some of the correlation away with what it explains: estimates are too low by about

@@ -85,13 +85,18 @@ class Channel:
 
 def joined(parts: Sequence[Channel]) -> Channel:
     """Channel of several flights: one aircraft, errors and stretches of their own."""
-    first, errors, runs, notes = parts[0], [], [], []
+    first, runs, notes = parts[0], [], []
     sizes = tuple(len(one.measured) for one in parts)
+    errors: dict[tuple[str, int | None], FlightError] = {}
     for number, one in enumerate(parts):
         before, after = sum(sizes[:number]), sum(sizes[number + 1 :])
         for error in one.errors:
             slope = np.concatenate((np.zeros(before), error.slope, np.zeros(after)))
-            errors.append(replace(error, slope=slope, flight=number))
+            of = None if error.flight is None else number
+            known = errors.setdefault(
+                (error.name, of), replace(error, slope=0.0 * slope, flight=of)
+            )
+            errors[error.name, of] = replace(known, slope=known.slope + slope)
         runs.append(one.run + (int(runs[-1][-1]) + 1 if runs else 0))
         named = f"flight {number + 1}: " if len(parts) > 1 else ""
         notes += [f"{named}{note}" for note in one.notes]
@@ -102,7 +107,7 @@ def joined(parts: Sequence[Channel]) -> Channel:
         run=np.concatenate(runs),
         predict=lambda aircraft: np.concatenate([one.predict(aircraft) for one in parts]),
         notes=tuple(notes),
-        errors=tuple(errors),
+        errors=tuple(errors.values()),
         sizes=sizes,
     )
 

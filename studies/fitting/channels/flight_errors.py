@@ -1,4 +1,4 @@
-"""What one flight's sky, attitude, clock and model may be off by, and what that does to the power.
+"""What a flight's sky, attitude, clock and model may be off by, and what that does to the power.
 
 The errors and their standard deviations are those of :mod:`studies.flight_logs.causes.fit`, with
 their sources in ``docs/verify.md``. Power is multiplied by the exponential of their sum, so that
@@ -12,35 +12,35 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sizing.sunlight import UNCORRECTED_CAM
 from solar.types import FloatArray
 from studies.flight_logs.causes.fit import (
-    CAM_DRIFT,
-    DRIFT,
     LOG_SIGMAS,
     MODEL_SIGMAS,
-    Data,
     Hypothesis,
     modelled,
 )
 from studies.flight_logs.causes.forward import Forward, LogError
 
 WARMTH = "warmth"  # of the modules: no error where their temperature is fitted
+OF_THE_AIRCRAFT = ("incidence", WARMTH, "low_light")
+CAM_SIGMA = UNCORRECTED_CAM.rms_relative
 _STEP = 0.5  # standard deviations of an error by which its effect is found
 _LEAST_W = 1e-3  # of a relative change
 
 
 @dataclass(frozen=True)
 class FlightError:
-    """An error that lasts a flight, or some hours of it, known within ``sigma``.
+    """An error of a flight, known within ``sigma``.
 
     ``slope``: relative change of the power of each sample or bin per unit of the error. ``flight``:
-    its number.
+    its number; None for what is wrong with the model of the aircraft on all flights.
     """
 
     name: str
     sigma: float
     slope: FloatArray
-    flight: int = 0
+    flight: int | None = 0
 
 
 def combined(errors: tuple[FlightError, ...], count: int) -> FloatArray:
@@ -53,22 +53,19 @@ def flight_errors(
     light_sigma: float,
     mean: Callable[[FloatArray], FloatArray] = np.asarray,
 ) -> tuple[FlightError, ...]:
-    """Errors of the light, the attitude and the model, and of the level over two hours each.
+    """Errors of the light, the attitude, the clock and the model.
 
-    ``light_sigma``: of the level of the light; an error whose standard deviation is zero is left
-    out. ``mean``: of samples in bins.
+    ``light_sigma``: of the level of the light, to which CAM adds its own; an error whose standard
+    deviation is zero is left out. ``mean``: of samples in bins.
     """
-    found = [
-        FlightError(name, sigma, (np.log(above) - np.log(below)) / (2.0 * _STEP * sigma))
-        for name, sigma, above, below in _moved(
-            forward, {**MODEL_SIGMAS, "level": light_sigma}, mean
+    level = light_sigma if forward.knows_angles else float(np.hypot(light_sigma, CAM_SIGMA))
+    found = (
+        FlightError(
+            *(name, sigma, (np.log(above) - np.log(below)) / (2.0 * _STEP * sigma)),
+            flight=None if name in OF_THE_AIRCRAFT else 0,
         )
-    ]
-    hats = Data.of(forward, np.zeros(len(forward.index))).hats
-    sigma = DRIFT if forward.knows_angles else CAM_DRIFT
-    found += [
-        FlightError(f"drift {number}", sigma, mean(hat)) for number, hat in enumerate(hats.T, 1)
-    ]
+        for name, sigma, above, below in _moved(forward, {**MODEL_SIGMAS, "level": level}, mean)
+    )
     return tuple(one for one in found if np.any(one.slope))
 
 

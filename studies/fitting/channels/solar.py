@@ -8,13 +8,11 @@ import numpy as np
 
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
-from sizing.sunlight import UNCORRECTED_CAM
 from solar.horizontal_models import conceptual_analysis_model
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.fitting.channels.bins import Bins
 from studies.fitting.channels.channel import Channel, Flown, Predict, ambient_c
-from studies.fitting.channels.flight_errors import flight_errors
-from studies.flight_logs.causes.fit import CAM_DRIFT
+from studies.fitting.channels.flight_errors import CAM_SIGMA, flight_errors
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.verification import Verification
 
@@ -46,11 +44,9 @@ def solar_channel(flown: Flown, aircraft: Aircraft, light_sigma: float) -> Chann
     model = solar_model(flown, index)
     name = "FM" if samples.detail is not None else "CAM"
     if name == "CAM":
-        error = 100.0 * UNCORRECTED_CAM.rms_relative
         notes.append(
             "without attitude or module surfaces the modules are fitted to CAM, whose own error "
-            f"(RMS {error:.0f} % of the mean power) the intervals hold as {100 * CAM_DRIFT:.0f} % "
-            "over two hours"
+            f"(RMS {100.0 * CAM_SIGMA:.0f} % of the mean power) the intervals count as one factor"
         )
     return Channel(
         name="solar",

@@ -40,7 +40,7 @@ _STEPS = {"clock_s": 30.0, "heading": 0.01, "roll": 0.005, "pitch": 0.005}
 _LARGEST_STEPS = {"clock_s": 1800.0, "heading": 0.5, "roll": 0.1, "pitch": 0.1}
 # What changes within hours: level, swing with the bearing, and its part across. CAM does not know
 # how wind tilts the wing: in the report it is off by 7 % with another sign in the afternoon.
-DRIFT, _SWING, _ACROSS, CAM_DRIFT = 0.02, 0.1, 0.005, 0.1
+_DRIFT, _SWING, _ACROSS, CAM_DRIFT = 0.02, 0.1, 0.005, 0.1
 _KNOT_S = 7200.0
 # Student's t with four degrees of freedom: Lange, Little & Taylor (1989), JASA 84(408), 881-896.
 _FREEDOM = 4.0
@@ -167,7 +167,7 @@ class Data:
         return self._cache[error]
 
     @cached_property
-    def hats(self) -> FloatArray:
+    def _hats(self) -> FloatArray:
         """Piecewise linear functions of time with a knot every two hours."""
         first, last = float(self.time_s.min()), float(self.time_s.max())
         knots = np.linspace(first, last, max(2, round((last - first) / _KNOT_S) + 1))
@@ -177,7 +177,7 @@ class Data:
 
     def drifts(self, parts: Parts, power: FloatArray) -> tuple[FloatArray, FloatArray]:
         """What changes within hours: columns of power [W] and their standard deviations."""
-        hats = self.hats
+        hats = self._hats
         if not self.forward.knows_angles:
             hours = (self.time_s - self.time_s.mean()) / max(float(self.time_s.std()), 1.0)
             columns = np.column_stack([hats, hours]) * power[:, None]
@@ -187,7 +187,7 @@ class Data:
         swing = parts.direct.sum(axis=1) * np.clip(1.0 - 1.0 / (parts.air_mass * mean), -1.0, 1.0)
         shapes = (power, swing, power * np.cos(parts.bearing), power * np.sin(parts.bearing))
         columns = np.concatenate([hats * shape[:, None] for shape in shapes], axis=1)
-        sigmas = np.repeat([DRIFT, _SWING, _ACROSS, _ACROSS], hats.shape[1])
+        sigmas = np.repeat([_DRIFT, _SWING, _ACROSS, _ACROSS], hats.shape[1])
         return columns, sigmas
 
 
