@@ -136,8 +136,7 @@ class Recovery(Result):
             if known:
                 before, after, stated = np.array(known).T
                 sizes = (_rms(before), _rms(after), float(np.mean(after)), _rms(stated))
-                sizes = (*sizes, _rms(after / stated))
-                rows.append((quantity, len(known), *sizes))
+                rows.append((quantity, len(known), *sizes, _rms(after / stated)))
         return Table("other flights, predicted", columns, tuple(rows))
 
 
@@ -207,7 +206,7 @@ def _independent_case(seed: int, predict: bool, flights: int) -> Case:
         log_from_table(flown_independently(truth, cells, 100 * seed + number).rows, f"{number}.csv")
         for number in range(flights)
     ]
-    fit = fit_flight(aircraft, logs[0], mission, correct=None)
+    fit = fit_flight(aircraft, logs, mission, correct=None)
     errors: dict[str, tuple[float, float, float]] = {}
     if predict:
         other = flown_independently(truth, cells, 100 * seed + 50)
@@ -215,7 +214,7 @@ def _independent_case(seed: int, predict: bool, flights: int) -> Case:
         found = predict_flight(fit, log, mission, correct=None)
         minima = (found.before.minimum_charge, found.after.minimum_charge)
         apart = [100.0 * (value - other.minimum_charge) for value in minima]
-        errors["minimum charge [%]"] = (*apart, 100.0 * found.minimum_charge_error)
+        errors["minimum charge [%]"] = (apart[0], apart[1], 100.0 * found.minimum_charge_error)
     fitted = {one.parameter.name: (one.value, one.low, one.high) for one in fit.fitted}
     return Case(true_values(truth, cells), fitted, errors)
 

@@ -85,10 +85,10 @@ def flown(aircraft: Aircraft, cells: Cells, seed: int, hours: float = HOURS) -> 
 def _flown(aircraft: Aircraft, cells: Cells, rng: np.random.Generator, hours: float) -> Flown:
     place = _place(rng)
     elapsed = np.arange(0.0, 3600.0 * hours, STEP_S)
-    times = place.noon + pd.Timedelta(hours=rng.uniform(*_LAUNCH_H))
-    times = times + pd.to_timedelta(elapsed, unit="s")
+    launch = place.noon + pd.Timedelta(hours=rng.uniform(*_LAUNCH_H))
+    times = launch + pd.to_timedelta(elapsed, unit="s")
     angles = angles_on_circles(elapsed, rng)
-    day = np.cos(2.0 * np.pi * (times - place.noon).total_seconds().to_numpy() / 86400.0 - 0.7)
+    day = np.cos(2.0 * np.pi * ((launch - place.noon).total_seconds() + elapsed) / 86400.0 - 0.7)
     air_c = rng.uniform(2.0, 26.0) + 4.0 * day
     nowhere = np.zeros(len(elapsed), bool)
     power = power_of_modules(aircraft, place, times, angles, air_c, Truth(), nowhere, cells)

@@ -78,9 +78,9 @@ class Estimate:
 
     ``covariance``: of the fitted parameters, and after them of the errors. ``singular_values``: of
     the Jacobian of the fitted parameters with columns of unit length. ``independent``: residuals
-    that are independent in effect. ``before``, ``after``: residuals with the file's values and with the fitted ones.
-    ``errors``: of the flights. ``flights``: values of each of several flights alone, with
-    ``chi_square`` of the differences and its degrees of ``freedom``.
+    that are independent in effect. ``before``, ``after``: residuals with the file's values and with
+    the fitted ones. ``errors``: of the flights. ``flights``: values of each of several flights
+    alone, with ``chi_square`` of the differences and its degrees of ``freedom``.
     """
 
     channel: Channel

@@ -117,7 +117,8 @@ def file_text(document: Document, notes: Sequence[str]) -> str:
 
 def fitted_lines(fit: FlightFit) -> list[str]:
     """What was fitted, a line each, for the comments above a file."""
-    start = f"fitted to {fit.log.source}: intervals of {CONFIDENCE:.0%}, see provenance below"
+    logs = ", ".join(one.source for one in fit.logs)
+    start = f"fitted to {logs}: intervals of {CONFIDENCE:.0%}, see provenance below"
     lines = [start]
     for one in fit.fitted:
         unit = f" {one.parameter.unit}" if one.parameter.unit else ""

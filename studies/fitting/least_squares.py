@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.stats import norm, t
+from scipy.stats import chi2, norm, t
 
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray
@@ -24,6 +24,8 @@ from studies.fitting.parameters import FitParameter, with_values
 from studies.flight_logs.autocorrelation import correlation_time
 
 CONFIDENCE = 0.95
+# Probability of chi-square below which flights count as different.
+UNLIKELY = 0.05
 # Of the largest measured value: below, tables and rounding of the model decide.
 _LEAST_SCATTER = 2e-3
 # Weights follow from the residuals and these from the weights: until they change by less.
@@ -235,6 +237,13 @@ def _normal(
     return np.asarray(information + np.diag(np.broadcast_to(prior, len(information))))
 
 
+def widening(chi_square: float, freedom: int) -> float:
+    """Factor on the errors of flights that differ by more than chance does."""
+    if not freedom or float(chi2.sf(chi_square, freedom)) > UNLIKELY:
+        return 1.0
+    return math.sqrt(chi_square / freedom)
+
+
 def _with_errors(problem: Problem, at: FloatArray, fit: _Weighted) -> Solution:
     """Covariance and intervals."""
     channel, count, jacobian = problem.channel, len(problem.parameters), fit.jacobian
@@ -250,14 +259,15 @@ def _with_errors(problem: Problem, at: FloatArray, fit: _Weighted) -> Solution:
     scatter, known = inverse @ meat @ inverse, inverse @ np.diag(prior) @ inverse
     alone, chi_square, freedom = _by_flight(problem, at, fit)
     # Flights that differ by more than their errors: Birge, R. T. (1932), Physical Review 40, 207.
-    birge = max(chi_square / freedom, 1.0) if freedom else 1.0
+    wider = widening(chi_square, freedom)
+    scale = np.where(np.arange(len(at)) < count, wider, 1.0)
     tail = 0.5 + 0.5 * CONFIDENCE
     parts = t.ppf(tail, free) ** 2 * np.diag(scatter) + norm.ppf(tail) ** 2 * np.diag(known)
     return Solution(
         values=at[:count],
         residual=fit.residual,
-        covariance=birge * (scatter + known),
-        half_width=np.sqrt(birge * parts[:count]),
+        covariance=(scatter + known) * np.outer(scale, scale),
+        half_width=wider * np.sqrt(parts[:count]),
         singular=singular_values(jacobian[:, :count]),
         independent=independent,
         errors=at[count:],
@@ -279,7 +289,7 @@ def _by_flight(
     if len(channel.flights) < 2:
         return (), 0.0, 0
     steps, every, chi_square, prior = [], [], 0.0, _prior(problem)
-    for number, rows in enumerate(channel.flights):
+    for number, rows in zip(channel.numbers, channel.flights, strict=True):
         mine = [i for i, one in enumerate(channel.errors) if one.flight == number]
         columns = [*range(count), *(count + i for i in mine)]
         jacobian, weight = fit.jacobian[rows][:, columns], fit.weight[rows]

@@ -173,7 +173,7 @@ def _by_fit(fit: FlightFit, forecast: _Forecast) -> Iterator[tuple[Course, Cours
     parameters = tuple(one.parameter for one in fit.fitted)
     ends = [(one.lowest, one.highest) for one in parameters]
     ends += [(-np.inf, np.inf)] * len(fit.model_errors)
-    middle = np.array([one.value for one in (*fit.fitted, *fit.model_errors)])
+    middle = np.array([*(one.value for one in fit.fitted), *(e.value for e in fit.model_errors)])
 
     def course(moved: FloatArray) -> Course:
         within = np.clip(moved, *np.array(ends).T)

@@ -6,7 +6,7 @@ A loiter turns the modules through the light about once a minute: means over
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -30,8 +30,8 @@ class Channel:
     ``time_s``: mean time of each bin's samples [s since 1970, UTC]. ``run``: number of the
     uninterrupted stretch. ``predict``: modelled value of each bin, from an aircraft. ``floating``:
     whether only differences count: every stretch has a level of its own. ``notes``: what was left
-    out. ``errors``: of the flights, known within their standard deviations. ``sizes``: bins of each
-    flight.
+    out. ``errors``: of the flights, known within their standard deviations. ``sizes``,
+    ``numbers``: bins of each flight, and which flight it is.
     """
 
     name: ChannelName
@@ -45,6 +45,7 @@ class Channel:
     notes: tuple[str, ...] = ()
     errors: tuple[FlightError, ...] = ()
     sizes: tuple[int, ...] = ()
+    numbers: tuple[int, ...] = (0,)
 
     @cached_property
     def flights(self) -> tuple[slice, ...]:
@@ -83,13 +84,13 @@ class Channel:
         return int(self.run[-1]) + 1 if self.floating else 0
 
 
-def joined(parts: Sequence[Channel]) -> Channel:
-    """Channel of several flights: one aircraft, errors and stretches of their own."""
-    first, runs, notes = parts[0], [], []
+def joined(flights: Mapping[int, Channel]) -> Channel:
+    """Channel of several flights, by their numbers: errors and stretches of their own."""
+    parts, runs, notes = tuple(flights.values()), list[IntArray](), list[str]()
     sizes = tuple(len(one.measured) for one in parts)
     errors: dict[tuple[str, int | None], FlightError] = {}
-    for number, one in enumerate(parts):
-        before, after = sum(sizes[:number]), sum(sizes[number + 1 :])
+    for place, (number, one) in enumerate(flights.items()):
+        before, after = sum(sizes[:place]), sum(sizes[place + 1 :])
         for error in one.errors:
             slope = np.concatenate((np.zeros(before), error.slope, np.zeros(after)))
             of = None if error.flight is None else number
@@ -98,10 +99,10 @@ def joined(parts: Sequence[Channel]) -> Channel:
             )
             errors[error.name, of] = replace(known, slope=known.slope + slope)
         runs.append(one.run + (int(runs[-1][-1]) + 1 if runs else 0))
-        named = f"flight {number + 1}: " if len(parts) > 1 else ""
+        named = f"flight {number + 1}: " if number or len(parts) > 1 else ""
         notes += [f"{named}{note}" for note in one.notes]
     return replace(
-        first,
+        parts[0],
         time_s=np.concatenate([one.time_s for one in parts]),
         measured=np.concatenate([one.measured for one in parts]),
         run=np.concatenate(runs),
@@ -109,6 +110,7 @@ def joined(parts: Sequence[Channel]) -> Channel:
         notes=tuple(notes),
         errors=tuple(errors.values()),
         sizes=sizes,
+        numbers=tuple(flights),
     )
 
 
