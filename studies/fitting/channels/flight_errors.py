@@ -1,8 +1,8 @@
 """What a flight's sky, attitude, clock and model may be off by, and what that does to the power.
 
 The errors are those of :mod:`studies.flight_logs.causes.fit`. There they are wide, so that nothing
-is blamed wrongly; here they are what is published, with the sources in ``docs/fit.md``. Power is multiplied by the exponential of their sum, so that
-light never becomes negative.
+is blamed wrongly; here they are what is published, with the sources in ``docs/fit.md``. Power is
+multiplied by the exponential of their sum, so that light never becomes negative.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from studies.flight_logs.causes.fit import (
 from studies.flight_logs.causes.forward import Forward, LogError
 
 WARMTH = "warmth"  # of the modules: no error where their temperature is fitted
-# Haze: Kasten's 0.08 per unit of Linke's turbidity (Solar Energy 56 (1996), 239-244), which is 2 to
-# 5 on clear days; uniform, that scatters by 0.87. Diffuse light: mean RMS error of the model McClear
-# at eight stations (preprints.org 202603.0405, table of section 3.2). Warmth: 10 K of the modules as
-# a half-width of 95 %, the prior knowledge of `temperature_rise`, at 0.3 %/K.
+# Haze: 0.08 per unit of Linke's turbidity (Kasten, F. (1996), Solar Energy 56, 239-244), which is 2
+# to 5 on clear days; uniform, that scatters by 0.87. Diffuse light: McClear at eight stations, 7 to
+# 37 % RMS, 20 % in the mean (preprints.org 202603.0405, section 3.2). Warmth: the half-width of 10 K
+# at 95 % that is the prior knowledge of `temperature_rise`, at 0.3 %/K.
 SIGMAS = {**MODEL_SIGMAS, "haze": 0.07, "diffuse": 0.2, "warmth": 0.015}
 OF_THE_AIRCRAFT = ("incidence", WARMTH, "low_light")
 CAM_SIGMA = UNCORRECTED_CAM.rms_relative
