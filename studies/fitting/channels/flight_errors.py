@@ -25,8 +25,8 @@ from studies.flight_logs.causes.forward import Forward, LogError
 WARMTH = "warmth"  # of the modules: no error where their temperature is fitted
 # Haze: 0.08 per unit of Linke's turbidity (Kasten, F. (1996), Solar Energy 56, 239-244), which is 2
 # to 5 on clear days; uniform, that scatters by 0.87. Diffuse light: McClear at eight stations, 7 to
-# 37 % RMS, 20 % in the mean (preprints.org 202603.0405, section 3.2). Warmth: the half-width of 10 K
-# at 95 % that is the prior knowledge of `temperature_rise`, at 0.3 %/K.
+# 37 % RMS, 20 % in the mean (preprints.org 202603.0405, section 3.2). Warmth: the 10 K at 95 % that
+# are the prior knowledge of `temperature_rise`, at 0.3 %/K.
 SIGMAS = {**MODEL_SIGMAS, "haze": 0.07, "diffuse": 0.2, "warmth": 0.015}
 OF_THE_AIRCRAFT = ("incidence", WARMTH, "low_light")
 CAM_SIGMA = UNCORRECTED_CAM.rms_relative
