@@ -28,7 +28,7 @@ class HeldValue(Record):
 
 
 class LogFile(Record):
-    """A further log that was fitted together with the first."""
+    """A further log that was fitted together with the first, or the file of a bench test."""
 
     log: Text
     sha256: Text
@@ -48,6 +48,7 @@ class Provenance(Record):
     log: Text | None = None
     log_sha256: Text | None = None
     more_logs: tuple[LogFile, ...] = ()
+    bench_tests: tuple[LogFile, ...] = ()
     technology: Text | None = None
     technology_sha256: Text | None = None
     mission: Text | None = None
