@@ -150,12 +150,14 @@ class _Weighted:
     """Residuals, their derivatives, and what each residual weighs.
 
     ``times``: autocorrelation time by flight, in bins. ``unknown``: parameters and levels.
+    ``apart``: residuals of each flight at its own optimum.
     """
 
     problem: Problem
     residual: FloatArray
     jacobian: FloatArray
     weight: FloatArray
+    apart: FloatArray
     times: tuple[float, ...] = ()
     unknown: int = 0
 
@@ -164,7 +166,7 @@ class _Weighted:
         """All residuals weigh the same, as much as they scatter before the fit."""
         residual, jacobian = _linear(problem, at)
         scatter = max(float(np.std(residual)), _LEAST_SCATTER * _largest(problem.channel), 1e-12)
-        return cls(problem, residual, jacobian, np.full(len(residual), scatter**-2))
+        return cls(problem, residual, jacobian, np.full(len(residual), scatter**-2), residual)
 
     @classmethod
     def at(cls, problem: Problem, at: FloatArray, weight: FloatArray) -> _Weighted:
@@ -173,8 +175,14 @@ class _Weighted:
         residual, jacobian = _linear(problem, at)
         inverse = np.linalg.pinv(_normal(jacobian, weight, _prior(problem)))
         new, times, unknown = weight.copy(), [], len(problem.parameters)
-        for flight in channel.flights:
-            own, mine, run = jacobian[flight], residual[flight], channel.run[flight]
+        apart = residual.copy()
+        for number, flight in zip(channel.numbers, channel.flights, strict=True):
+            own, run = jacobian[flight], channel.run[flight]
+            if len(channel.flights) > 1:  # less what others want of it
+                apart[flight] -= own @ _own_step(
+                    problem, at, number, own, residual[flight], weight[flight]
+                )
+            mine = apart[flight]
             levels = int(run[-1] - run[0]) + 1 if channel.floating else 0
             unknown += levels
             times.append(correlation_time(mine, run, len(problem.parameters) + levels))
@@ -183,7 +191,7 @@ class _Weighted:
             scatter = math.sqrt(float(mine @ mine) / max(len(mine) - fitted, 1.0))
             scatter = max(scatter, _LEAST_SCATTER * _largest(channel), 1e-12)
             new[flight] = 1.0 / (scatter**2 * times[-1])
-        return cls(problem, residual, jacobian, new, tuple(times), unknown)
+        return cls(problem, residual, jacobian, new, apart, tuple(times), unknown)
 
     def minimum(self, at: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
         """Best values by these weights."""
@@ -209,6 +217,24 @@ class _Weighted:
             residual, inside, jacobian, bounds, x_scale=np.append(scale, sigmas), xtol=1e-10
         )
         return np.asarray(optimum.x)
+
+
+def _own_step(
+    problem: Problem,
+    at: FloatArray,
+    number: int,
+    jacobian: FloatArray,
+    residual: FloatArray,
+    weight: FloatArray,
+) -> FloatArray:
+    """From the common optimum to that of one flight; zero for errors of others."""
+    flights = [number] * len(problem.parameters) + [e.flight for e in problem.channel.errors]
+    mine = np.flatnonzero([one == number for one in flights])
+    prior, step = _prior(problem), np.zeros(len(at))
+    own = jacobian[:, mine]
+    score = own.T @ (weight * residual) - prior[mine] * at[mine]
+    step[mine] = _inverse(_normal(own, weight, prior[mine])) @ score
+    return step
 
 
 def _linear(problem: Problem, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -253,7 +279,7 @@ def _with_errors(problem: Problem, at: FloatArray, fit: _Weighted) -> Solution:
     independent = sum((own.stop - own.start) / time for own, time in sizes)
     free = max(independent - fit.unknown, 1.0)
     # As if each of the independent residuals stood for `time` bins, all of them equal.
-    scores = fit.weight[:, np.newaxis] * jacobian * fit.residual[:, np.newaxis]
+    scores = fit.weight[:, np.newaxis] * jacobian * fit.apart[:, np.newaxis]
     pairs = zip(flights, fit.times, strict=True)
     meat = sum(time * scores[own].T @ scores[own] for own, time in pairs) * independent / free
     scatter, known = inverse @ meat @ inverse, inverse @ np.diag(prior) @ inverse
