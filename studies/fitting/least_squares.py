@@ -179,9 +179,8 @@ class _Weighted:
         for number, flight in zip(channel.numbers, channel.flights, strict=True):
             own, run = jacobian[flight], channel.run[flight]
             if len(channel.flights) > 1:  # less what others want of it
-                apart[flight] -= own @ _own_step(
-                    problem, at, number, own, residual[flight], weight[flight]
-                )
+                parts = (own, residual[flight], weight[flight])
+                apart[flight] -= own @ _of_flight(problem, at, parts, number)[0]
             mine = apart[flight]
             levels = int(run[-1] - run[0]) + 1 if channel.floating else 0
             unknown += levels
@@ -219,22 +218,22 @@ class _Weighted:
         return np.asarray(optimum.x)
 
 
-def _own_step(
-    problem: Problem,
-    at: FloatArray,
-    number: int,
-    jacobian: FloatArray,
-    residual: FloatArray,
-    weight: FloatArray,
-) -> FloatArray:
-    """From the common optimum to that of one flight; zero for errors of others."""
-    flights = [number] * len(problem.parameters) + [e.flight for e in problem.channel.errors]
+def _of_flight(
+    problem: Problem, at: FloatArray, fit: tuple[FloatArray, FloatArray, FloatArray], number: int
+) -> tuple[FloatArray, FloatArray]:
+    """One step to the optimum of one flight, and the covariance of the parameters there.
+
+    ``fit``: its derivatives, residuals and weights. What is wrong with the model of the aircraft on
+    all flights, and errors of others, stay. What the flight does not determine has no step.
+    """
+    jacobian, residual, weight = fit
+    count, prior, step = len(problem.parameters), _prior(problem), np.zeros(len(at))
+    flights = [number] * count + [one.flight for one in problem.channel.errors]
     mine = np.flatnonzero([one == number for one in flights])
-    prior, step = _prior(problem), np.zeros(len(at))
     own = jacobian[:, mine]
-    score = own.T @ (weight * residual) - prior[mine] * at[mine]
-    step[mine] = _inverse(_normal(own, weight, prior[mine])) @ score
-    return step
+    covariance = _inverse(_normal(own, weight, prior[mine]))
+    step[mine] = covariance @ (own.T @ (weight * residual) - prior[mine] * at[mine])
+    return step, covariance[:count, :count]
 
 
 def _linear(problem: Problem, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -306,32 +305,22 @@ def _with_errors(problem: Problem, at: FloatArray, fit: _Weighted) -> Solution:
 def _by_flight(
     problem: Problem, at: FloatArray, fit: _Weighted
 ) -> tuple[tuple[Alone, ...], float, int]:
-    """What each of several flights says alone, and chi-square of the differences.
-
-    One step from the common optimum with the residuals of one flight; its errors are eliminated,
-    and what is wrong with the model of the aircraft on all flights is as the fit has it.
-    """
+    """What each of several flights says alone, and chi-square of the differences."""
     channel, count = problem.channel, len(problem.parameters)
     if len(channel.flights) < 2:
         return (), 0.0, 0
-    steps, every, chi_square, prior = [], [], 0.0, _prior(problem)
+    found = []
     for number, rows in zip(channel.numbers, channel.flights, strict=True):
-        mine = [i for i, one in enumerate(channel.errors) if one.flight == number]
-        columns = [*range(count), *(count + i for i in mine)]
-        jacobian, weight = fit.jacobian[rows][:, columns], fit.weight[rows]
-        normal = _normal(jacobian, weight, prior[columns])
-        across, rest = normal[:count, count:], np.linalg.pinv(normal[count:, count:])
-        every.append(normal[:count, :count] - across @ rest @ across.T)
-        score = jacobian[:, :count].T @ (weight * fit.residual[rows])
-        steps.append(_inverse(every[-1]) @ score)
-        chi_square += float(score @ steps[-1])
-    whole = np.linalg.inv(sum(every))
+        parts = (fit.jacobian[rows], fit.residual[rows], fit.weight[rows])
+        step, covariance = _of_flight(problem, at, parts, number)
+        found.append((step[:count], covariance, _inverse(covariance)))
+    whole = _inverse(np.sum([known for *_, known in found], axis=0))
     alone = tuple(
-        Alone(at[:count] + step, np.sqrt(np.diag(_inverse(one))), np.diag(whole @ one))
-        for step, one in zip(steps, every, strict=True)
+        Alone(at[:count] + step, np.sqrt(np.diag(covariance)), np.diag(whole @ known))
+        for step, covariance, known in found
     )
-    ranks = sum(int(np.linalg.matrix_rank(_inverse(one), hermitian=True)) for one in every)
-    return alone, chi_square, max(ranks - count, 0)
+    ranks = sum(int(np.linalg.matrix_rank(known, hermitian=True)) for *_, known in found)
+    return alone, sum(float(step @ known @ step) for step, _, known in found), ranks - count
 
 
 def _inverse(information: FloatArray) -> FloatArray:

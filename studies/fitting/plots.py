@@ -72,13 +72,13 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
 
 def _hours(fit: FlightFit, part: Estimate, midnight_s: float) -> FloatArray:
     """Hours of the first flight, and of the others as if each began when one ended."""
-    starts, at = [], float(fit.log.time_s[0])
-    for log in fit.logs:
-        starts.append(at - float(log.time_s[0]))
-        at += float(log.time_s[-1] - log.time_s[0]) + _BETWEEN_S
-    pairs = zip(part.channel.numbers, part.channel.flights, strict=True)
-    moved = [part.channel.time_s[rows] + starts[number] for number, rows in pairs]
-    return (np.concatenate(moved) - midnight_s) / 3600.0
+    lasts = [0.0, *(float(log.time_s[-1] - log.time_s[0]) + _BETWEEN_S for log in fit.logs)]
+    starts = np.cumsum(lasts) + float(fit.log.time_s[0])
+    hours = [
+        part.channel.time_s[rows] - fit.logs[number].time_s[0] + starts[number] - midnight_s
+        for number, rows in zip(part.channel.numbers, part.channel.flights, strict=True)
+    ]
+    return np.concatenate(hours) / 3600.0
 
 
 def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:
