@@ -51,6 +51,5 @@ bench = Command(
     "bench",
     Bench,
     "studies.cli.bodies.bench:bench",
-    "solar-uav bench --template iv-curve > iv.csv",
     "solar-uav bench atlantiksolar-as2 iv.csv --write tested.yaml",
 )
