@@ -15,10 +15,18 @@ from sizing.design import Design, FlightConditions, level_flight
 from sizing.smooth import Value
 from solar.types import FloatArray
 
-__all__ = ["POWER_AGAINST_WIND", "faster_flight_w", "power_against_wind_w"]
+__all__ = ["POWER_AGAINST_WIND", "faster_flight_w", "power_against_wind_w", "refuse_held_station"]
 
 POWER_AGAINST_WIND = "power_against_wind"  # requirement of a scenario
 _ROUNDING = 1e-6  # of the rated power: what the solver of a sizing leaves
+
+
+def refuse_held_station(mission: Mission, study: str) -> None:
+    """Refuse a mission that holds its place where one power is flown in all scenarios."""
+    if mission.holds_station:
+        raise ValueError(
+            f"{study} flies at the design's airspeed: leave out wind.hold_station of {mission.name}"
+        )
 
 
 def power_against_wind_w(

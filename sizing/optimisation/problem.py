@@ -420,8 +420,8 @@ def _design_functions(
     """Functions of the variables: a design's properties, and its loads as fast as a wind.
 
     The first has lit area, capacity, loads and requirements, the second loads and what the rated
-    power has to spare. Conditions and technology are data. The lit area is the module area times the relative
-    efficiency of the cells: power per area is a parameter, and proportional to their efficiency.
+    power has to spare. Conditions and technology are data. The lit area is the module area times
+    the relative efficiency of the cells: power per area is a parameter, and proportional to it.
     """
     x = ca.SX.sym("x", len(variables))
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
