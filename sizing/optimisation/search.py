@@ -41,7 +41,7 @@ from sizing.optimisation.solver import (
     Solution,
 )
 from sizing.performance import Performance
-from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
 # Scenarios that a program starts with; others join when the simulator finds them worse.
 _FIRST_BLOCKS = 3
@@ -62,7 +62,6 @@ def size_aircraft(
     *,
     required_excess_time_h: float | None = None,
     day: SolarDay | None = None,
-    step_h: float = DEFAULT_STEP_H,
     problems: SizingProblems | None = None,
     start: DesignVariables | None = None,
     explain: bool = True,
@@ -83,7 +82,7 @@ def size_aircraft(
     problems = checked_problems(aircraft, objective, problems)
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
-    sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    sunlit = solar_day(aircraft, mission, solar) if day is None else day
     solver = ProgramSolver(problems, mission, solar, sunlit, by_model=day is None)
     return _sized(solver, objective, required, start, explain=explain, enough_h=enough_h)
 
