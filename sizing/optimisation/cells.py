@@ -34,12 +34,14 @@ from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
+    ProblemInstance,
     SizingStatus,
+    Solution,
     merit_of,
     objective_value,
 )
 from sizing.optimisation.search import checked_problems
-from sizing.optimisation.solver import ProblemInstance, ProgramSolver, Solution
+from sizing.optimisation.solver import ProgramSolver
 from sizing.optimisation.variables import Role
 from sizing.performance import Performance, performance_of_pairs
 from sizing.smooth import Value

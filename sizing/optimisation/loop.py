@@ -18,7 +18,7 @@ import numpy as np
 
 from sizing.design import DesignVariables
 from sizing.energy.cycle import Status
-from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, Solution
+from sizing.optimisation.result import GOAL_CUSHION_H, ProblemInstance, Solution
 from sizing.optimisation.variables import WORST_EXCESS
 from sizing.performance import Performance
 

@@ -1,9 +1,7 @@
 """The sizing problem: variables, objective and constraints of a small nonlinear program.
 
-Constraints are the mass budget, those of the energy over a day, whose expressions come from
-:mod:`sizing.optimisation.energy_constraints`, and the limits of :mod:`sizing.limits`.
-
-Variables and rows are those of :mod:`sizing.optimisation.variables`. The sun enters as specific
+Variables and rows are those of :mod:`sizing.optimisation.variables`: the mass budget, the energy
+over a day, and the limits of :mod:`sizing.limits`. The sun enters as specific
 power per module area, which no design variable changes, so that a whole day of a scenario is a
 parameter vector, and so do air, wind, payload and technology: a program is built once for a kind of
 aircraft, and serves any mission and objective.
@@ -57,13 +55,6 @@ from solar.types import FloatArray
 
 Effort = Literal["quick", "still", "steady", "next", "direct"]
 
-# Hessian, strategy of the barrier and most iterations of the interior-point method.
-_IPOPT_EFFORTS: dict[Effort, tuple[str, str, int]] = {
-    "quick": ("limited-memory", "monotone", 120),
-    "still": ("limited-memory", "monotone", 120),
-    "steady": ("exact", "monotone", 300),
-}
-
 _TOLERANCE = 1e-8  # of the interior-point method, in the program
 
 _COMMON_OPTIONS = {
@@ -76,6 +67,9 @@ _COMMON_OPTIONS = {
 }
 
 _IPOPT_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
+    "ipopt.hessian_approximation": "limited-memory",
+    "ipopt.mu_strategy": "monotone",
+    "ipopt.max_iter": 120,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.tol": _TOLERANCE,
@@ -87,7 +81,7 @@ _IPOPT_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
 
 # Where a requirement may be missed, at a cost, that cost is known once it stands still: at a kink
 # steps would go to and fro up to their limit.
-_STILL_OPTIONS: dict[str, Any] = {
+_STILL_OPTIONS: dict[str, Any] = _IPOPT_OPTIONS | {
     "ipopt.acceptable_tol": 1e10,
     "ipopt.acceptable_iter": 15,
     "ipopt.acceptable_obj_change_tol": 3e-5,
@@ -125,7 +119,13 @@ _DIRECT_OPTIONS: dict[str, Any] = _SQP_OPTIONS | {
     "max_iter": 20,
     "tol_pr": 1e-9,
 }
-_SQP_EFFORTS: dict[Effort, dict[str, Any]] = {"next": _SQP_OPTIONS, "direct": _DIRECT_OPTIONS}
+_OPTIONS: dict[Effort, dict[str, Any]] = {
+    "quick": _IPOPT_OPTIONS,
+    "still": _STILL_OPTIONS,
+    "steady": _IPOPT_OPTIONS | {"ipopt.hessian_approximation": "exact", "ipopt.max_iter": 300},
+    "next": _SQP_OPTIONS,
+    "direct": _DIRECT_OPTIONS,
+}
 
 # By how much the lowest sun must exceed the load where it carries it at all times, relative: at
 # equality rounding decides whether the battery is needed for an instant.
@@ -146,11 +146,10 @@ class Program:
     A program has a number of *scenario blocks*, each filled with one scenario by its parameters, so
     that the scenarios in it can be exchanged without building it anew.
 
-    ``names``: of the variables, in the order of the decision
-    vector. ``constraints``: in the order of the constraint vector. ``technology``: keys of its
-    parameters. ``symbols``: decision vector ``x``, parameters ``p``, cost ``f`` and
-    constraints ``g``. ``lock``: held from a solver's call until its statistics are read: threads
-    share a program.
+    ``names``: of the variables, in the order of the decision vector ``x``. ``constraints``: in the
+    order of the constraint vector ``g``. ``technology``: keys of the parameters ``p``. ``symbols``:
+    of these and of the cost ``f``. ``lock``: held from a solver's call until its statistics are
+    read: threads share a program.
     """
 
     names: tuple[str, ...]
@@ -171,19 +170,8 @@ class Program:
         not; ``direct`` is the same for a start that is no solution, and gives up early.
         """
         if effort not in self._solvers:
-            if effort in _SQP_EFFORTS:
-                options = _SQP_EFFORTS[effort]
-                solver = ca.nlpsol("sizing", "sqpmethod", self.symbols, options)
-            else:
-                hessian, barrier, iterations = _IPOPT_EFFORTS[effort]
-                options = _IPOPT_OPTIONS | {
-                    "ipopt.hessian_approximation": hessian,
-                    "ipopt.mu_strategy": barrier,
-                    "ipopt.max_iter": iterations,
-                }
-                options |= _STILL_OPTIONS if effort == "still" else {}
-                solver = ca.nlpsol("sizing", "ipopt", self.symbols, options)
-            self._solvers[effort] = solver
+            kind = "sqpmethod" if effort in ("next", "direct") else "ipopt"
+            self._solvers[effort] = ca.nlpsol("sizing", kind, self.symbols, _OPTIONS[effort])
         return self._solvers[effort]
 
     @cached_property
@@ -232,17 +220,9 @@ class SizingProblem:
         return weights
 
     def parameters(
-        self,
-        weights: FloatArray,
-        conditions: FlightConditions,
-        suns: FloatArray,
-        *,
-        margin: float,
+        self, weights: FloatArray, conditions: FlightConditions, suns: FloatArray, *, margin: float
     ) -> FloatArray:
-        """Parameter vector of the program.
-
-        ``margin``: by how much more charge the day must return than the night takes, relative.
-        """
+        """Parameter vector of the program."""
         parts = {
             "weights": weights,
             "margin": [margin],
@@ -296,9 +276,7 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
     """Aircraft without the numbers that are parameters of its program, and without its name.
 
     A program is built from this alone: two aircraft share one exactly if they are of one kind, and
-    a number that is not a parameter makes another kind.
-
-    Returns with 1 for each of these numbers that is not zero; not validated.
+    a number that is not a parameter makes another kind. Those that are not zero are 1, unchecked.
     """
     values: dict[str, Any] = {
         key: 1.0 if parameter_value(aircraft, None, key) else 0.0
@@ -449,17 +427,17 @@ def _design_function(
 
 
 class SizingProblems:
-    """Programs of one aircraft by their number of blocks, put together when first needed."""
+    """Programs of one aircraft by their number of scenario blocks, built when first needed.
+
+    ``eased``: see :func:`build_problem`.
+    """
 
     def __init__(self, aircraft: Aircraft) -> None:
         self.aircraft = aircraft
         self._known: dict[tuple[int, bool], SizingProblem] = {}
 
     def of(self, blocks: int, *, eased: bool = False) -> SizingProblem:
-        """Program with this number of scenario blocks.
-
-        ``eased``: whether technology, limits and wind are variables, which may be freed.
-        """
+        """Program with this number of blocks."""
         key = (blocks, eased)
         if key not in self._known:
             self._known[key] = build_problem(self.aircraft, blocks, eased=eased)

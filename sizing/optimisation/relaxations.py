@@ -24,14 +24,15 @@ from sizing.optimisation.latitudes import nearest_latitude
 from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, SizingStatus
-from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.solver import (
+from sizing.optimisation.result import (
     GOAL_CUSHION_H,
     ProblemInstance,
-    ProgramSolver,
+    SizingResult,
+    SizingStatus,
     Solution,
 )
+from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.solver import ProgramSolver
 from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role, limit_rows
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs

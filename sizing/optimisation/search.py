@@ -29,17 +29,15 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, SizingProblems
 from sizing.optimisation.result import (
     RELATIVE_TOLERANCE,
+    ProblemInstance,
     SizingResult,
     SizingStatus,
+    Solution,
     active_constraints,
     limiting_rows,
     merit_of,
 )
-from sizing.optimisation.solver import (
-    ProblemInstance,
-    ProgramSolver,
-    Solution,
-)
+from sizing.optimisation.solver import ProgramSolver
 from sizing.performance import Performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 

@@ -20,13 +20,7 @@ from sizing.design import DesignVariables
 from sizing.layout.cells import MOST_CELLS, Wing
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
-from sizing.optimisation.whole_cell_designs import (
-    ROW_ROOM,
-    CellDesigns,
-    Found,
-    Neighbour,
-    Numbers,
-)
+from sizing.optimisation.whole_cell_designs import ROW_ROOM, CellDesigns, Found, Neighbour, Numbers
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
 __all__ = ["WholeCells", "size_whole_cells"]

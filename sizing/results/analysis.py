@@ -23,11 +23,7 @@ from sizing.replay import CalendarRun, calendar_run
 from sizing.results import quantities as q
 from sizing.results.balance import drag_record
 from sizing.results.battery import battery_record
-from sizing.results.notes import (
-    catalogue_records,
-    extrapolation_records,
-    relaxation_records,
-)
+from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame

@@ -31,11 +31,7 @@ from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
-from sizing.validity.checks import (
-    charge_rate_check,
-    correction_check,
-    design_checks,
-)
+from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
 from solar.types import FloatArray, IntArray

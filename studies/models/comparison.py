@@ -28,11 +28,7 @@ from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.records import finite
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarDay, SolarModel, Sunlight
-from sizing.validity.checks import (
-    charge_rate_check,
-    correction_check,
-    design_checks,
-)
+from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, together, told, worst_of
 from solar.names import CorrectionName, ModelName

@@ -25,13 +25,7 @@ from studies.output.cells import (
     hatch_cells,
     hatch_reasons,
 )
-from studies.output.columns import (
-    HATCHES,
-    SIZED,
-    extrapolations_of,
-    failed_count,
-    status_names,
-)
+from studies.output.columns import HATCHES, SIZED, extrapolations_of, failed_count, status_names
 from studies.output.figures.drawing import (
     CHARGE,
     DARK_GREY,

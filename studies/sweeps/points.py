@@ -29,14 +29,7 @@ from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import all_replaced
 from sizing.performance import Performance, performance, performance_of_designs
-from sizing.results.quantities import (
-    CHOSEN,
-    ENDURANCE,
-    LOAD,
-    PAYLOAD_MASS,
-    REACHED,
-    TOTAL_MASS,
-)
+from sizing.results.quantities import CHOSEN, ENDURANCE, LOAD, PAYLOAD_MASS, REACHED, TOTAL_MASS
 from sizing.smooth import Value
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
