@@ -47,6 +47,27 @@ class Endurance:
     launch_h: FloatArray
 
 
+@dataclass(frozen=True)
+class LimitedFlight:
+    """Flights that start full and end with an empty battery, in solar time [h].
+
+    ``launch_h``, ``endurance_h``: launch and length of the longest. ``before_sun_h``: from its end
+    until solar power meets the load again; NaN where it never does. ``from_sunrise_h``,
+    ``from_noon_h``: length of those launched at sunrise and at noon; NaN without a sunrise.
+    """
+
+    launch_h: float
+    endurance_h: float
+    before_sun_h: float
+    from_sunrise_h: float
+    from_noon_h: float
+
+    @property
+    def empty_h(self) -> float:
+        """When the longest flight ends, counted from midnight before its launch."""
+        return self.launch_h + self.endurance_h
+
+
 def longest_flight(
     time_h: ArrayLike, solar_power_w: ArrayLike, load_w: ArrayLike, store: Store
 ) -> Endurance:
