@@ -10,7 +10,8 @@ import numpy as np
 from missions.dates import MONTH_NAMES
 from sizing.optimisation.objectives import Objective
 from studies.maps.season import Season
-from studies.models.comparison import Case, Comparison
+from studies.models.comparison import Comparison
+from studies.models.prediction import Case
 from studies.models.solar_models import model_label
 from studies.output.figures.drawing import (
     BLUE,
