@@ -39,6 +39,7 @@ from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_functio
 from sizing.optimisation.variables import (
     OWN,
     SOLAR_TECHNOLOGY,
+    TOTAL_MASS,
     WIND,
     WORST_EXCESS,
     Constraint,
@@ -399,7 +400,7 @@ def _design_function(
     conditions = conditions.with_payload_of(chosen)
     if WIND in values:
         conditions = conditions._replace(wind_m_per_s=values[WIND])
-    design = parametric_design(flown, conditions, chosen, values["total_mass_kg"])
+    design = parametric_design(flown, conditions, chosen, values[TOTAL_MASS])
     limits = limit_rows(kind)
     requirements = [
         row._replace(value=eased_row(row.value, limits[row.name][1], values[row.name]))

@@ -33,7 +33,14 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.solver import ProgramSolver
-from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role, limit_rows
+from sizing.optimisation.variables import (
+    SOLAR_TECHNOLOGY,
+    TOTAL_MASS,
+    WIND,
+    WORST_EXCESS,
+    Role,
+    limit_rows,
+)
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.relaxation import Direction, Relaxation, rounded
@@ -141,12 +148,12 @@ class _Relaxations:
 
     def _of_ends(self) -> Iterator[_Move]:
         """Bounds that the nearest design has reached, wind and limits that stand in the way."""
-        reached = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
+        reached = self.start.chosen() | {TOTAL_MASS: float(self.nearest.design.total_mass_kg)}
         for key in (key for key, one in catalogue().items() if one.kind == "bound"):
             bare = key.removeprefix("design_space.")
             name = bare.removesuffix(".maximum").removeprefix("maximum_")
             present = self.program.variables[self.program.index[name]].maximum
-            if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
+            if name != Objective.min_wingspan.variable and reached[name] < _AT_BOUND * present:
                 continue
             if not math.isinf(present):
                 yield _Move(key, name, present, (present, _WIDER * present), True)

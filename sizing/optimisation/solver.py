@@ -14,7 +14,7 @@ from sizing.design import DesignVariables, FlightConditions, closed_design, vari
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.problem import Effort, SizingProblem, SizingProblems
 from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
-from sizing.optimisation.variables import WIND, WORST_EXCESS, Role
+from sizing.optimisation.variables import TOTAL_MASS, WIND, WORST_EXCESS, Role
 from sizing.parameters import parameter_value
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
@@ -253,7 +253,7 @@ class ProgramSolver:
         mass = float(closed_design(self.aircraft, self.mission, variables).total_mass_kg)
         polar = getattr(self.aircraft.airframe, "aerodynamics", None)
         guess = self._held_values(problem) | {
-            "total_mass_kg": mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
+            TOTAL_MASS: mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
             "lift_coefficient": getattr(polar, "flight_lift_coefficient", 1.0),
             WORST_EXCESS: instance.goal_h + 1.0,
         }

@@ -12,6 +12,7 @@ from missions.files.plain_file import read_plain_file
 from missions.files.writing import write_files_atomically
 from missions.mission import Mission
 from sizing.performance import performance
+from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS
 from sizing.results.sizing import SizingStudy
 from studies.cli.checks import uncertain_inputs_of
 from studies.cli.files import Case
@@ -58,7 +59,7 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
         return None
     try:
         record = json.loads(read_plain_file(Path(path) / RESULTS, most_bytes=_MOST_BYTES))
-        promised = record["simulated"]["excess_time_h"], record["total_mass_kg"]
+        promised = record["simulated"][EXCESS_TIME.name], record[TOTAL_MASS.name]
         known = {"objective", "active_constraints", "masses_kg"} <= record.keys()
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None

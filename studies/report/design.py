@@ -214,7 +214,7 @@ def _with_margin(
     was = {
         **sizing,
         objective.variable: sizing["objective"]["value"],
-        "excess_time_h": sizing["simulated"]["excess_time_h"],
+        q.EXCESS_TIME.name: sizing["simulated"][q.EXCESS_TIME.name],
         "least_excess_time_h": sizing["uncertainty"]["excess_time_low_h"],
     }
     now = {**guarded, objective.variable: guarded["objective_value"]}
