@@ -208,15 +208,16 @@ class PropellerChoice(OfCatalogue):
     @cached_property
     def propeller(self) -> Propeller:
         """The propeller itself."""
-        from sizing.propulsion.blade_elements import BladeElementPropeller
-        from sizing.propulsion.propeller_files import read_propeller
+        from sizing.propulsion import blade_elements, propeller_files
 
         if self.table is None:
             assert self.diameter_m is not None
             assert self.pitch_m is not None
-            return BladeElementPropeller(self.diameter_m, self.pitch_m, self.blades, self.chords)
+            size = (self.diameter_m, self.pitch_m)
+            return blade_elements.BladeElementPropeller(*size, self.blades, self.chords)
         with texts_as_read(self.texts_read()):
-            return read_propeller(self.paths, self.diameter_m, any_speed=self.any_speed)
+            given = (self.paths, self.diameter_m)
+            return propeller_files.read_propeller(*given, any_speed=self.any_speed)
 
 
 class OperatingPointPropulsion(Record):

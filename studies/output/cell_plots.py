@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
 from sizing.results.whole_cells import cells_lines, cells_record
@@ -24,9 +25,10 @@ def _end_of(tail: TailGeometry) -> float:
 @styled
 def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
     """Wing, and tail where it bears cells, from above with every solar cell and keep-out."""
-    from matplotlib.collections import PatchCollection
-    from matplotlib.patches import Patch, Polygon, Rectangle
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib import collections, patches, ticker
+
+    def drawn_as(shapes: Sequence[patches.Patch], **style: Any) -> None:
+        axes.add_collection(collections.PatchCollection(shapes, **style))
 
     layout, wing, tail = aircraft.modules.layout, aircraft.wing, aircraft.modules.tail
     if layout is None:
@@ -43,30 +45,26 @@ def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
     )
     edges = layout.outline(wing)
     around = [(y, front) for y, front, _ in edges] + [(y, rear) for y, _, rear in reversed(edges)]
-    outlines: list[Patch] = [Polygon(around)]
+    outlines: list[patches.Patch] = [patches.Polygon(around)]
     if tail is not None and layout.tail_cells:
         half, chord_m = tail.horizontal_span_m / 2.0, tail.horizontal_chord_m
-        outlines.append(Rectangle((-half, tail.horizontal_aft_m), 2.0 * half, chord_m))
-    axes.add_collection(
-        PatchCollection(outlines, facecolor=GREY, edgecolor=ink(), linewidth=0.8, alpha=0.5)
-    )
+        outlines.append(patches.Rectangle((-half, tail.horizontal_aft_m), 2.0 * half, chord_m))
+    drawn_as(outlines, facecolor=GREY, edgecolor=ink(), linewidth=0.8, alpha=0.5)
     taken = [
-        Polygon([(side * y, x) for y, x in corners])
+        patches.Polygon([(side * y, x) for y, x in corners])
         for corners in layout.kept_out_corners(wing)
         for side in (-1.0, 1.0)
     ]
-    axes.add_collection(
-        PatchCollection(taken, facecolor="none", edgecolor=DARK_GREY, hatch="////", linewidth=0.6)
-    )
+    drawn_as(taken, facecolor="none", edgecolor=DARK_GREY, hatch="////", linewidth=0.6)
     cells = [
-        Rectangle((c.left_m, c.front_m), c.right_m - c.left_m, c.rear_m - c.front_m)
+        patches.Rectangle((c.left_m, c.front_m), c.right_m - c.left_m, c.rear_m - c.front_m)
         for c in aircraft.placed_cells()
     ]
-    axes.add_collection(PatchCollection(cells, facecolor=LOAD, edgecolor="white", linewidth=0.3))
+    drawn_as(cells, facecolor=LOAD, edgecolor="white", linewidth=0.3)
     axes.set_aspect("equal")
     axes.margins(0.01)
     axes.autoscale_view()
     axes.invert_yaxis()
-    axes.yaxis.set_major_locator(MaxNLocator(3))
+    axes.yaxis.set_major_locator(ticker.MaxNLocator(3))
     axes.set(xlabel="right of the middle [m]", ylabel="aft [m]")
     return drawn
