@@ -215,14 +215,14 @@ class _Growth:
         """Places of the peaks that are parted from higher ones by a valley."""
         peaks: list[int] = []
         for place in np.argsort(-excess_h, kind="stable"):
-            ways = [self._between(int(place), peak, len(excess_h)) for peak in peaks]
+            ways = [self._ways_between(int(place), peak, len(excess_h)) for peak in peaks]
             if all(
                 excess_h[way].min() < excess_h[place] - _VALLEY_H for both in ways for way in both
             ):
                 peaks.append(int(place))
         return peaks
 
-    def _between(self, one: int, other: int, count: int) -> list[IntArray]:
+    def _ways_between(self, one: int, other: int, count: int) -> list[IntArray]:
         """Places from one to another, and the other way round through the year's end."""
         first, last = sorted((one, other))
         inside = np.arange(first, last + 1)
