@@ -30,7 +30,7 @@ from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_powe
 from sizing.optimisation.infeasibility import percent, texts_of_requirements
 from sizing.optimisation.loop import PENALTY, Search, Simulated, run
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Effort, SizingProblems
+from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
@@ -42,6 +42,7 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.search import checked_problems
 from sizing.optimisation.solver import ProgramSolver
+from sizing.optimisation.solver_options import Effort
 from sizing.optimisation.variables import Role
 from sizing.performance import Performance, performance_of_pairs
 from sizing.smooth import Value

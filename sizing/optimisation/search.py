@@ -26,7 +26,7 @@ from sizing.optimisation.infeasibility import (
 )
 from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Effort, SizingProblems
+from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     RELATIVE_TOLERANCE,
     ProblemInstance,
@@ -38,6 +38,7 @@ from sizing.optimisation.result import (
     merit_of,
 )
 from sizing.optimisation.solver import ProgramSolver
+from sizing.optimisation.solver_options import Effort
 from sizing.performance import Performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 

@@ -12,8 +12,9 @@ import numpy as np
 from missions.mission import Mission
 from sizing.design import DesignVariables, FlightConditions, closed_design, variable_keys
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
-from sizing.optimisation.problem import Effort, SizingProblem, SizingProblems
+from sizing.optimisation.problem import SizingProblem, SizingProblems
 from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
+from sizing.optimisation.solver_options import Effort
 from sizing.optimisation.variables import TOTAL_MASS, WIND, WORST_EXCESS, Role
 from sizing.parameters import parameter_value
 from sizing.performance import Performance, performance_of_designs
