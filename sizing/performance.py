@@ -339,12 +339,7 @@ def _simulate(
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
     cycle = simulate_cycle(
-        day.time_h,
-        solar_w,
-        load_w,
-        store,
-        nominal_load_w=nominal,
-        keep_trajectory=keep_trajectory,
+        day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=keep_trajectory
     )
     return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
 

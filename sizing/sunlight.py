@@ -209,11 +209,7 @@ def solar_day(
 
 
 def consecutive_days(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel = UNCORRECTED_CAM,
-    *,
-    days: int,
+    aircraft: Aircraft, mission: Mission, solar: SolarModel = UNCORRECTED_CAM, *, days: int
 ) -> tuple[SolarDay, ...]:
     """Sunlight on the mission's dates and on the days that follow each of them.
 

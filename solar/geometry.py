@@ -115,12 +115,7 @@ def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
     """
     phi, theta = np.broadcast_arrays(np.asarray(roll, float), np.asarray(pitch, float))
     return np.stack(
-        (
-            -np.sin(theta),
-            np.cos(theta) * np.sin(phi),
-            -np.cos(theta) * np.cos(phi),
-        ),
-        axis=-1,
+        (-np.sin(theta), np.cos(theta) * np.sin(phi), -np.cos(theta) * np.cos(phi)), axis=-1
     )
 
 

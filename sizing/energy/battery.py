@@ -323,10 +323,7 @@ class Store:
             for efficiency in (self.charge_efficiency, self.discharge_efficiency)
         )
         return replace(
-            self,
-            battery_energy_wh=energy,
-            charge_efficiency=charge,
-            discharge_efficiency=discharge,
+            self, battery_energy_wh=energy, charge_efficiency=charge, discharge_efficiency=discharge
         )
 
     def charged(

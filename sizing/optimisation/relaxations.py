@@ -192,12 +192,7 @@ class _Relaxations:
         return confirmed and Relaxation(move.key, parameter(of).unit, move.present, *confirmed)
 
     def _moved_least(
-        self,
-        name: str,
-        ends: tuple[float, float],
-        furthest: float | None,
-        *,
-        upwards: bool,
+        self, name: str, ends: tuple[float, float], furthest: float | None, *, upwards: bool
     ) -> Accepted | None:
         """Design that moves one variable no further than it must.
 

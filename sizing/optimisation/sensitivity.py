@@ -58,10 +58,7 @@ class Sensitivity:
 
 
 def sensitivities(
-    aircraft: Aircraft,
-    mission: Mission,
-    result: SizingResult,
-    solar: SolarModel = UNCORRECTED_CAM,
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel = UNCORRECTED_CAM
 ) -> list[Sensitivity]:
     """Sensitivities of an optimum to every parameter of the catalogue that the aircraft has.
 

@@ -157,10 +157,7 @@ class Propagation:
         ]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
         return worst_of(
-            [
-                *told(checks, of=case.count, what="draws"),
-                *told(of_sun, self.day.scenarios),
-            ]
+            [*told(checks, of=case.count, what="draws"), *told(of_sun, self.day.scenarios)]
         )
 
     def endurance_h(

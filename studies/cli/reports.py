@@ -27,13 +27,7 @@ from studies.report.subject import Subject
 if TYPE_CHECKING:
     from studies.flight_logs.verification import Verification
 
-__all__ = [
-    "report_on_log",
-    "report_on_sizing",
-    "sizing_of_folder",
-    "subject_of",
-    "write_report",
-]
+__all__ = ["report_on_log", "report_on_sizing", "sizing_of_folder", "subject_of", "write_report"]
 
 _MOST_BYTES = 10_000_000  # of a record of results
 # A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
@@ -75,12 +69,7 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
 
 
 def report_on_sizing(
-    case: Case,
-    study: SizingStudy,
-    record: dict[str, Any],
-    path: str,
-    *,
-    overrides: tuple[str, ...],
+    case: Case, study: SizingStudy, record: dict[str, Any], path: str, *, overrides: tuple[str, ...]
 ) -> None:
     """Write the report of a sizing: the optimum on the mission that it was sized for."""
     inputs = sized_inputs(study, case.inputs())
@@ -95,12 +84,7 @@ def report_on_sizing(
 
 
 def report_on_log(
-    case: Case,
-    verification: Verification,
-    log_file: str,
-    path: str,
-    *,
-    overrides: tuple[str, ...],
+    case: Case, verification: Verification, log_file: str, path: str, *, overrides: tuple[str, ...]
 ) -> None:
     """Write the report of a verification."""
     inputs = case.inputs(log=Path(log_file))

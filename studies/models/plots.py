@@ -99,12 +99,7 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     panels[0].set_ylim(heights.max() + 0.7, -0.7)
     panels[0].set_yticks(heights, [c.solar.label for c in comparison.cases])
     panels[0].yaxis.set_gid(NAMES)
-    drawn.legend(
-        handles=_legend(comparison),
-        loc="outside lower center",
-        ncols=5,
-        frameon=False,
-    )
+    drawn.legend(handles=_legend(comparison), loc="outside lower center", ncols=5, frameon=False)
     return drawn
 
 
