@@ -258,7 +258,9 @@ class _Flights:
             day = self._flown_day(flying)
             ended = ~np.isnan(day.end_level_wh)
             end_h = number * HOURS_PER_DAY + flying.skipped_h
-            end_h[ended] += self._hour_of(day.end_level_wh[ended], flying.cell[ended])
+            level, cell = day.end_level_wh[ended], flying.cell[ended]
+            since_midnight_wh = self.day.cumulative_deficit_wh
+            end_h[ended] += hour_of_deficit(self.balance, since_midnight_wh, level, cell)
             over = (battery >= 0) & ended[battery]
             flown[over] = end_h[battery[over]] - launch_h[over]
             goes_on = ~ended & ~self._perpetual(number, flying, day)
@@ -315,10 +317,6 @@ class _Flights:
                 first = short & np.isnan(level)
                 level[first] = (settled + store.discharge_efficiency * step.drained_wh)[first]
         return level, energy, settled, lowest
-
-    def _hour_of(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
-        """Solar time at which the deficit since midnight reaches a level [h]."""
-        return hour_of_deficit(self.balance, self.day.cumulative_deficit_wh, level_wh, cells)
 
     def _perpetual(self, number: int, flying: _Flying, day: _FlownDay) -> BoolArray:
         """From the second day on, a day that gives back what it takes is perpetual flight."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
 from sizing.results.whole_cells import cells_lines, cells_record
-from solar.shading import TailGeometry
 from studies.output.figures.drawing import DARK_GREY, GREY, LOAD, Canvas, ink, new_figure, styled
 from studies.output.figures.options import DEFAULT
 
@@ -16,10 +15,6 @@ if TYPE_CHECKING:
 
 
 _WIDTH_IN, _AROUND_IN = 9.0, 1.3  # of the figure, and what title and axis take of its height
-
-
-def _end_of(tail: TailGeometry) -> float:
-    return tail.horizontal_aft_m + tail.horizontal_chord_m
 
 
 @styled
@@ -34,7 +29,9 @@ def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
     if layout is None:
         raise ValueError(f"{aircraft.name} has no modules.layout")
     notes = cells_lines(cells_record(aircraft))[:1]
-    aft_m = wing.chord_m if not layout.tail_cells or tail is None else _end_of(tail)
+    aft_m = wing.chord_m
+    if layout.tail_cells and tail is not None:
+        aft_m = tail.horizontal_aft_m + tail.horizontal_chord_m
     height_in = _AROUND_IN + _WIDTH_IN * aft_m / wing.wingspan_m
     drawn, (axes,) = new_figure(
         canvas=figure,

@@ -108,7 +108,7 @@ def battery_map(
     axis = flights.days.axis
     place = _half_month(axis.day_of_year[:-1])
     masses = [np.nan if one is None else float(one.total_mass_kg) for one in designs]
-    mass = _unit_attrs("kg")
+    mass = {"units": "kg"}
     return dataset(
         {
             "closes": (("battery_factor", "time"), closes),
@@ -133,10 +133,6 @@ def battery_map(
             "notes": "; ".join([*notes, *(one.text for one in above), _LAST_NIGHT]),
         },
     )  # fmt: skip
-
-
-def _unit_attrs(unit: str) -> dict[str, str]:
-    return {"units": unit}
 
 
 def _with_battery(aircraft: Aircraft, mission: Mission, factor: float) -> Design | None:
