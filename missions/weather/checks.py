@@ -310,11 +310,7 @@ def _diffuse_fraction(ghi: FloatArray, horizontal: FloatArray) -> FloatArray:
 
 
 def _filled(
-    light: dict[str, FloatArray],
-    sun: _Sun,
-    interval_s: float,
-    source: str,
-    start_s: FloatArray,
+    light: dict[str, FloatArray], sun: _Sun, interval_s: float, source: str, start_s: FloatArray
 ) -> list[str]:
     """Fill what is missing with shares of the clear sky, in place."""
     empty = np.any([np.isnan(values) for values in light.values()], axis=0)

@@ -38,11 +38,10 @@ def load_weather(path: str | os.PathLike[str], mission: Mission | None = None) -
         With file, line and reason, if the file cannot be read or its values cannot be true.
     """
     # They read with pandas, which takes longer than a command without a record.
-    from missions.weather.checks import checked_record
-    from missions.weather.layouts import read_layout
+    from missions.weather import checks, layouts
 
     with weather_file(path) as (place, source):
-        return checked_record(read_layout(place, source, mission), source)
+        return checks.checked_record(layouts.read_layout(place, source, mission), source)
 
 
 @contextmanager

@@ -177,11 +177,7 @@ def _pvgis_tmy(path: Path, source: str, iotools: Any) -> RawTable:
     if "latitude" not in inputs and "location" not in inputs:
         raise file_error(source, "does not name its site: write it with its first lines")
     return RawTable(
-        "PVGIS typical year",
-        _pvgis_site(source, inputs),
-        table,
-        MIDDLE,
-        offset_s=3600.0 * offset_h,
+        "PVGIS typical year", _pvgis_site(source, inputs), table, MIDDLE, offset_s=3600.0 * offset_h
     )
 
 
@@ -192,8 +188,7 @@ def _pvgis_hourly(path: Path, source: str, iotools: Any) -> RawTable:
     slope = _slope_deg(inputs)
     if slope not in (None, 0.0):
         raise file_error(
-            source,
-            f"is the light on a surface of {slope:g} deg slope: ask PVGIS for a slope of 0",
+            source, f"is the light on a surface of {slope:g} deg slope: ask PVGIS for a slope of 0"
         )
 
     if "poa_direct" in table:

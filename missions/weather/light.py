@@ -74,8 +74,7 @@ def light_at_altitude(
     diffuse = _shared(weather.dhi, low.dhi.reshape(shape), cosine.reshape(shape)).reshape(-1)
     most = extraterrestrial_irradiance(day)
     recorded = Irradiance(
-        np.minimum(direct * _ratio(high.dni, low.dni), most),
-        diffuse * _ratio(high.dhi, low.dhi),
+        np.minimum(direct * _ratio(high.dni, low.dni), most), diffuse * _ratio(high.dhi, low.dhi)
     )
     temperature, wind = weather.temperature_c, weather.wind_m_per_s
     own_m, ratio = weather.air_altitude_m, 1.0
