@@ -63,8 +63,7 @@ _COMMANDS = {
     "bench": _Lazy("bench", "bench", "Values of an aircraft from bench tests.", "Verify"),
     "calibrate": _Lazy("fit", "calibrate", "A measured aircraft made parametric.", "Design"),
     "efficiencies": _Lazy(
-        *("validation", "efficiencies", "What drives the power of the Full Model."),
-        task="Verify",
+        *("validation", "efficiencies", "What drives the power of the Full Model."), task="Verify"
     ),
     "loiter-correction": _Lazy(
         *("validation", "loiter_correction"),
