@@ -82,7 +82,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         temperature_c=temperature_c,
         wind_m_per_s=wind_m_per_s,
         typical=typical,
-        repairs=tuple(repairs),
+        repairs=(*raw.notes, *repairs),
+        air_altitude_m=raw.air_altitude_m,
     )
 
 

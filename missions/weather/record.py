@@ -86,6 +86,8 @@ class Weather:
         Whether it is a typical year, put together from months of several years.
     repairs : tuple of str
         What was repaired, each with its count.
+    air_altitude_m : float or None
+        Where temperature and wind are taken, if not near the ground [m].
     """
 
     source: str
@@ -100,6 +102,7 @@ class Weather:
     wind_m_per_s: FloatArray | None
     typical: bool
     repairs: tuple[str, ...] = ()
+    air_altitude_m: float | None = None
 
     def __len__(self) -> int:
         return len(self.start_s)
