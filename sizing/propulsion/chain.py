@@ -213,11 +213,13 @@ class PropellerChoice(OfCatalogue):
         if self.table is None:
             assert self.diameter_m is not None
             assert self.pitch_m is not None
-            size = (self.diameter_m, self.pitch_m)
-            return blade_elements.BladeElementPropeller(*size, self.blades, self.chords)
+            return blade_elements.BladeElementPropeller(
+                self.diameter_m, self.pitch_m, self.blades, self.chords
+            )
         with texts_as_read(self.texts_read()):
-            given = (self.paths, self.diameter_m)
-            return propeller_files.read_propeller(*given, any_speed=self.any_speed)
+            return propeller_files.read_propeller(
+                self.paths, self.diameter_m, any_speed=self.any_speed
+            )
 
 
 class OperatingPointPropulsion(Record):
