@@ -213,11 +213,13 @@ class PropellerChoice(OfCatalogue):
         if self.table is None:
             assert self.diameter_m is not None
             assert self.pitch_m is not None
-            size = (self.diameter_m, self.pitch_m)
-            return blade_elements.BladeElementPropeller(*size, self.blades, self.chords)
+            return blade_elements.BladeElementPropeller(
+                self.diameter_m, self.pitch_m, self.blades, self.chords
+            )
         with texts_as_read(self.texts_read()):
-            given = (self.paths, self.diameter_m)
-            return propeller_files.read_propeller(*given, any_speed=self.any_speed)
+            return propeller_files.read_propeller(
+                self.paths, self.diameter_m, any_speed=self.any_speed
+            )
 
 
 class OperatingPointPropulsion(Record):
@@ -307,18 +309,9 @@ class OperatingPointPropulsion(Record):
     ) -> OperatingPoint:
         """Operating point of one propulsor in level flight.
 
-        Parameters
-        ----------
-        thrust_power_w, airspeed_m_per_s, air
-            Of the whole aircraft; numbers or arrays.
-        bus_voltage_v : tuple of float
-            Of the empty and of the full battery [V]. It must work at both; of the two, the one that
-            takes more power counts.
-
-        Returns
-        -------
-        OperatingPoint
-            Of the arguments' shape.
+        ``thrust_power_w``, ``airspeed_m_per_s``, ``air``: of the whole aircraft; numbers or arrays.
+        ``bus_voltage_v``: of the empty and of the full battery [V]. It must work at both; of the
+        two, the one that takes more power counts. Returns of the arguments' shape.
         """
         from sizing.propulsion.operating_point import OperatingPoint, operating_point
 
