@@ -164,10 +164,13 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
         "landing": forces.landing,
     }
     caps = _shares(needs, station)
-    level = GRAVITY_M_PER_S2 * (
-        wing.total_mass_kg * station.lift_moment - wing.relief_kg * station.mass_moment
-    )
-    landing = GRAVITY_M_PER_S2 * wing.relief_kg * station.mass_moment
+    wires = model.bracing
+    lift, mass, landed = station.lift_moment, station.mass_moment, station.landed_moment
+    if wires is not None:
+        lift, mass = station.braced_lift_moment, station.braced_mass_moment
+        landed = station.braced_landed_moment if wires.landing_wires else landed
+    level = GRAVITY_M_PER_S2 * (wing.total_mass_kg * lift - wing.relief_kg * mass)
+    landing = GRAVITY_M_PER_S2 * wing.relief_kg * landed
     bent_1g, turned_1g = _bent(model, wing, station, integral, load=level, needs=needs)
     bent_landing, _ = _bent(model, wing, station, integral, load=landing, needs=needs)
     return StructureAssessment(

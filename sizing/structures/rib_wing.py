@@ -230,6 +230,11 @@ class RibWingStructure(RibWingKeys):
         stiffness = (along * across) ** 0.5 + self.poisson_ratio * across
         return 2.0 * pi**2 / 12.0 * (stiffness + 2.0 * self.shear_modulus_pa)
 
+    def narrow_cap_width_m(self, section_m2: Value) -> Value:
+        """Width at which a cap of a section buckles as it fails in compression [m]."""
+        slenderness = (self.compressive_strength_pa / self.cap_buckling_pa) ** 0.5
+        return (section_m2 / slenderness) ** 0.5
+
     @property
     def web_buckling_pa(self) -> float:
         """Shear stress [Pa] at which a web as thick as high would buckle; falls with (t/h)^2."""

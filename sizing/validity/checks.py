@@ -174,9 +174,12 @@ def _cap_depth_ratio(
     assert parts is not None
     chord_m = design.variables.wingspan_m / design.variables.aspect_ratio
     volume_m3 = parts.spar_caps / (structure.calibration * structure.cap_density_kg_per_m3)
+    section_m2 = volume_m3 / design.variables.wingspan_m
     width_m = structure.cap_width_fraction * chord_m
+    if structure.narrow_caps:
+        width_m = np.minimum(width_m, structure.narrow_cap_width_m(section_m2 / 2.0))
     depth_m = structure.spar_depth_fraction * structure.thickness_ratio * chord_m
-    return volume_m3 / design.variables.wingspan_m / (width_m * depth_m)
+    return section_m2 / (width_m * depth_m)
 
 
 def _aerodynamic_checks(it: DesignInFlight) -> Iterator[Check]:
