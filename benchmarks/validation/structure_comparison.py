@@ -37,6 +37,7 @@ from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.validation.built_aircraft import (
     ATLANTIKSOLAR,
     SKY_SAILOR,
+    SPAR_CALIBRATION,
     BuiltAircraft,
     calibrated_rib_wing,
 )
@@ -44,8 +45,6 @@ from studies.validation.built_aircraft import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# The calibration of the simpler model, fitted to the same number.
-SPAR_CALIBRATION = 1.109
 BUILT = (ATLANTIKSOLAR, SKY_SAILOR)
 
 
