@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import cache
 from operator import itemgetter
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,7 @@ from sizing.balance.in_design import polar_with_tail, structure_with_tail
 from sizing.parameters import catalogue, replaced
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion, air_of
 from sizing.smooth import Value
+from sizing.structures.agreement import other_model
 from sizing.structures.assessment import StructureAssessment, assess
 from sizing.structures.flight_envelope import flight_envelope
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
@@ -460,20 +461,45 @@ def _structure_remarks(
         )
 
 
+def structure_by_both(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> dict[str, Value] | None:
+    """Mass of the structure by the file's model, and by the other one, without mass growth [kg].
+
+    By their names, the file's first; None where there is no second opinion.
+    """
+    sized = _sized_structure(aircraft, mission, design)
+    if sized is None:
+        return None
+    structure, inputs = sized
+    other = other_model(structure)
+    if other is None:
+        return None
+    return {one.model: one.mass_kg(inputs) for one in (structure, other)}
+
+
 def _sized_rib_wing(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> tuple[RibWingStructure, StructureInputs] | None:
     """Rib wing of an aircraft and what it is sized from; None where it has another structure."""
+    sized = _sized_structure(aircraft, mission, design)
+    if sized is None or not isinstance(sized[0], RibWingStructure):
+        return None
+    return sized[0], sized[1]
+
+
+def _sized_structure(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[Any, StructureInputs] | None:
+    """Model of an aircraft's structure and what it is sized from; None of a measured aircraft."""
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         return None
     variables = design.variables
     structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
-    if not isinstance(structure, RibWingStructure):
-        return None
-    air, mass_kg = FlightConditions.of(mission, aircraft), design.total_mass_kg
-    airspeed, propulsion_kg = design.airspeed_m_per_s, design.masses.propulsion
-    air = air.with_payload_of(variables)
+    air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
+    mass_kg, airspeed = design.total_mass_kg, design.airspeed_m_per_s
+    propulsion_kg = design.masses.propulsion
     return structure, structure_inputs(aircraft, variables, air, mass_kg, airspeed, propulsion_kg)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from missions.air import standard_air
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
+from sizing.structures.agreement import SPAR_CALIBRATION
 from sizing.structures.loads import gust_speed_fraction
 from sizing.structures.models import AllPowerLawStructure, PowerLawStructure, StructureModel
 from sizing.structures.parts import StructureParts
@@ -37,7 +38,6 @@ from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.validation.built_aircraft import (
     ATLANTIKSOLAR,
     SKY_SAILOR,
-    SPAR_CALIBRATION,
     BuiltAircraft,
     calibrated_rib_wing,
 )

@@ -45,6 +45,11 @@ class RibWingStructure(RibWingKeys):
     for light built-up wings.
     """
 
+    @property
+    def is_for_large_wings(self) -> bool:
+        """Whether neither caps nor webs are sized by buckling, as in wings above 8 m."""
+        return self.narrow_caps and self.web_core is not None
+
     def mass_kg(self, inputs: StructureInputs) -> Value:
         """Structural mass [kg]."""
         return self.breakdown(inputs).total_kg

@@ -102,10 +102,6 @@ SKY_SAILOR = BuiltAircraft(
 )
 
 
-# The calibration of the simpler model, fitted to the structure of AtlantikSolar as well.
-SPAR_CALIBRATION = 1.109
-
-
 def calibrated_rib_wing() -> RibWingStructure:
     """The rib wing as ``atlantiksolar-design`` ships it."""
     airframe = load_aircraft("atlantiksolar-design").airframe

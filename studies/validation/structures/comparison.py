@@ -14,12 +14,13 @@ import yaml
 
 from missions.air import GRAVITY_M_PER_S2, standard_air
 from sizing.results.tables import Column, Table
+from sizing.structures.agreement import SPAR_CALIBRATION
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
 from sizing.structures.models import StructureModel
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.spar import SparStructure
 from solar.types import FloatArray
-from studies.validation.built_aircraft import SPAR_CALIBRATION, calibrated_rib_wing
+from studies.validation.built_aircraft import calibrated_rib_wing
 
 _CARRIED = ("battery", "modules", "propulsion", "systems")
 # The mass of an aircraft that cannot carry itself grows beyond this multiple of the published one.
@@ -102,9 +103,7 @@ class PublishedStructure:
         span_m, area_m2 = corners["wingspan_m"], corners["wing_area_m2"]
         density = np.asarray(standard_air(corners["altitude_m"]).density_kg_per_m3)
         loading = total_kg * GRAVITY_M_PER_S2 / area_m2
-        along = {
-            name: share * corners[f"{name}_kg"] for name, share in self.along_the_span.items()
-        }
+        along = {name: share * corners[f"{name}_kg"] for name, share in self.along_the_span.items()}
         battery_kg = along.get("battery", 0.0 * span_m)
         return StructureInputs(
             wingspan_m=span_m,
@@ -127,7 +126,7 @@ class PublishedStructure:
     def computed_total_kg(self, models: Sequence[StructureModel]) -> Interval:
         """Total mass that closes the budget with what the aircraft carries."""
         corners = self.corners()
-        carried = sum(corners[f"{name}_kg"] for name in _CARRIED)
+        carried = np.sum([corners[f"{name}_kg"] for name in _CARRIED], axis=0)
         return Interval.around(
             np.array([self._closed_kg(model, corners, carried) for model in models])
         )
