@@ -15,13 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import (
-    Design,
-    DesignVariables,
-    closed_design,
-    design_of,
-    load_profile,
-)
+from sizing.design import Design, DesignVariables, closed_design, design_of, load_profile
 from sizing.energy.battery import Battery, Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
@@ -345,12 +339,7 @@ def _simulate(
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
     cycle = simulate_cycle(
-        day.time_h,
-        solar_w,
-        load_w,
-        store,
-        nominal_load_w=nominal,
-        keep_trajectory=keep_trajectory,
+        day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=keep_trajectory
     )
     return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
 
