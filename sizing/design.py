@@ -32,7 +32,7 @@ from sizing.balance.in_design import polar_with_tail, structure_with_tail
 from sizing.parameters import catalogue, replaced
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion, air_of
 from sizing.smooth import Value
-from sizing.structures.agreement import other_model
+from sizing.structures.agreement import CALIBRATIONS, other_model
 from sizing.structures.assessment import StructureAssessment, assess
 from sizing.structures.flight_envelope import flight_envelope
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
@@ -493,16 +493,19 @@ def structure_by_both(
 ) -> dict[str, Value] | None:
     """Mass of the structure by the file's model, and by the other one, without mass growth [kg].
 
-    By their names, the file's first; None where there is no second opinion.
+    By their names, the file's first; None where there is no second opinion. The other one has the
+    calibration of the file too, relative to that of AtlantikSolar.
     """
     sized = _sized_structure(aircraft, mission, design)
-    if sized is None:
+    other = None if sized is None else other_model(sized[0])
+    if sized is None or other is None:
         return None
     structure, inputs = sized
-    other = other_model(structure)
-    if other is None:
-        return None
-    return {one.model: one.mass_kg(inputs) for one in (structure, other)}
+    factor = structure.calibration / CALIBRATIONS[structure.model]
+    return {
+        structure.model: structure.mass_kg(inputs),
+        other.model: factor * other.mass_kg(inputs),
+    }
 
 
 def _sized_rib_wing(
