@@ -366,7 +366,7 @@ def _powers(
     power_w = np.asarray(design.propulsion_power_w)
     sound = design._replace(propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12))
     area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]
-    solar_w = area * day.specific_power_w_per_m2
+    solar_w = area * day.power_of(design, mission, paired=paired)
     per_scenario = sound._replace(
         propulsion_power_w=over_scenarios(sound.propulsion_power_w),
         constant_power_w=over_scenarios(sound.constant_power_w),

@@ -6,8 +6,9 @@ mission's uncertainty margin is taken off.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +17,22 @@ from numpy.typing import ArrayLike
 from missions.files.errors import file_error
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
-from sizing.aircraft import Aircraft
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import Design
+from sizing.module_heat import (
+    Cooling,
+    balances_heat,
+    convection_in_flight,
+    convection_of,
+    surroundings,
+)
 from solar.clearsky import Irradiance
-from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power
+from solar.heat_balance import Surroundings
+from solar.horizontal_models import (
+    HORIZONTAL_MODELS,
+    horizontal_specific_power,
+    in_surroundings,
+)
 from solar.names import (
     ATTITUDE_MODELS,
     CORRECTION_NAMES,
@@ -32,6 +46,7 @@ from solar.types import FloatArray
 
 DEFAULT_STEP_H = 1.0 / 12.0
 FINE_STEP_H = 1.0 / 60.0  # confirms what the default step finds
+_OTHER_FLOW = 3.0  # times the own convection: beyond what sizes of one aircraft differ by
 
 
 @dataclass(frozen=True)
@@ -75,7 +90,8 @@ class SolarDay:
     """Specific power over the day in each scenario: all that a design needs of the sun.
 
     ``specific_power_w_per_m2`` has the shape ``(scenario, time)``; ``sunrise_h`` and ``sunset_h``
-    are those of the geometric sun [solar h].
+    are those of the geometric sun [solar h]. The power is that of the aircraft's own flow;
+    ``cooling``: how it changes with that of another design, where the modules balance their heat.
     """
 
     scenarios: Scenarios
@@ -83,6 +99,7 @@ class SolarDay:
     specific_power_w_per_m2: FloatArray
     sunrise_h: FloatArray
     sunset_h: FloatArray
+    cooling: Cooling | None = None
 
     @classmethod
     def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
@@ -96,6 +113,7 @@ class SolarDay:
             np.concatenate([d.specific_power_w_per_m2 for d in days]),
             np.concatenate([d.sunrise_h for d in days]),
             np.concatenate([d.sunset_h for d in days]),
+            _cooled([d.cooling for d in days], np.concatenate),
         )
 
     def scaled(self, factor: float) -> SolarDay:
@@ -105,7 +123,10 @@ class SolarDay:
     def coarsened(self, steps: int) -> SolarDay:
         """Same day with some steps in one."""
         power = self.specific_power_w_per_m2[..., ::steps]
-        return replace(self, time_h=self.time_h[::steps], specific_power_w_per_m2=power)
+        cooling = _cooled([self.cooling], lambda parts: parts[0][..., ::steps])
+        return replace(
+            self, time_h=self.time_h[::steps], specific_power_w_per_m2=power, cooling=cooling
+        )
 
     def at(self, indices: ArrayLike) -> SolarDay:
         """Same day in some of its scenarios."""
@@ -117,7 +138,27 @@ class SolarDay:
             self.specific_power_w_per_m2[some],
             np.asarray(self.sunrise_h)[some],
             np.asarray(self.sunset_h)[some],
+            _cooled([self.cooling], lambda parts: parts[0][some]),
         )
+
+    def power_of(self, design: Design, mission: Mission, *, paired: bool = False) -> FloatArray:
+        """Specific power of designs in every scenario, or ``paired``: of each in its own [W/m2]."""
+        cooling = self.cooling
+        if cooling is None:
+            return self.specific_power_w_per_m2
+        flow = convection_of(design, mission, cooling.transition_reynolds, cooling.convection)
+        flow = flow[..., np.newaxis] if paired else flow[..., np.newaxis, np.newaxis]
+        return self.specific_power_w_per_m2 * cooling.factor(flow)
+
+
+def _cooled(
+    parts: Sequence[Cooling | None], join: Callable[[Sequence[FloatArray]], FloatArray]
+) -> Cooling | None:
+    """Cooling of joined or cut days."""
+    known = [part for part in parts if part is not None]
+    if not known:
+        return None
+    return known[0].mapped(join([one.gain for one in known]), join([one.radiation for one in known]))
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
@@ -147,14 +188,36 @@ class Sunlight:
         self.scenarios = mission.scenarios() if scenarios is None else scenarios
         self.time_h = day_axis_h(step_h)
         self._power: dict[ModelName, FloatArray] = {}
+        self._cooling: dict[ModelName, Cooling] = {}
+
+    @cached_property
+    def _convection(self) -> float | None:
+        """Of the aircraft's own flow; none where modules do not balance their heat."""
+        balanced = balances_heat(self.mission)
+        return convection_in_flight(self.aircraft, self.mission) if balanced else None
 
     def modelled_power(self, model: ModelName) -> FloatArray:
         """Uncorrected specific power [W/m2], shape ``(scenario, time)``: :func:`modelled_power`."""
         if model not in self._power:
-            self._power[model] = modelled_power(
-                self.aircraft, self.mission, model, self.scenarios, self.time_h
-            )
+            self._power[model] = self._in_flow(model, self._convection)
         return self._power[model]
+
+    def _in_flow(self, model: ModelName, convection: float | None) -> FloatArray:
+        around = None if convection is None else surroundings(self.mission, convection)
+        given = (self.aircraft, self.mission, model, self.scenarios, self.time_h)
+        return _modelled_power(*given, around)
+
+    def _cooling_of(self, model: ModelName) -> Cooling | None:
+        """How the power changes with the flow; of VM and FM as that of CAM, relative to it."""
+        if self._convection is None or isinstance(self.aircraft.airframe, MeasuredAirframe):
+            return None
+        model = "CAM" if model in ATTITUDE_MODELS else model
+        if model not in self._cooling:
+            flows = (self._convection, _OTHER_FLOW * self._convection)
+            powers = (self._in_flow(model, None), *(self._in_flow(model, one) for one in flows))
+            transition = self.aircraft.modules.thermal.transition_reynolds
+            self._cooling[model] = Cooling.between(*powers, flows, transition)
+        return self._cooling[model]
 
     def loiter_ratio(self, model: ModelName) -> FloatArray:
         """Daily energy of the Full Model on the flight path over that of a model, per scenario.
@@ -180,7 +243,10 @@ class Sunlight:
         corrected = power if factor == 1.0 else power * factor
         latitude_deg, day = self.scenarios.latitude_deg, self.scenarios.noon_day
         times = sun_times(latitude_deg, declination(day))
-        return SolarDay(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h)
+        return SolarDay(
+            *(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h),
+            self._cooling_of(solar.model),
+        )
 
 
 def solar_day(
@@ -246,17 +312,36 @@ def modelled_power(
 
     Returns electric power per area of module [W/m2].
     """
+    around = _own_surroundings(aircraft, mission)
+    return _modelled_power(aircraft, mission, model, scenarios, time_h, around)
+
+
+def _own_surroundings(aircraft: Aircraft, mission: Mission) -> Surroundings | None:
+    """Surroundings of modules in the aircraft's own flow, where they balance their heat."""
+    if not balances_heat(mission):
+        return None
+    return surroundings(mission, convection_in_flight(aircraft, mission))
+
+
+def _modelled_power(
+    aircraft: Aircraft,
+    mission: Mission,
+    model: ModelName,
+    scenarios: Scenarios,
+    time_h: FloatArray,
+    around: Surroundings | None,
+) -> FloatArray:
     latitude_deg, day = scenarios.latitude_deg, scenarios.noon_day
     if model not in ATTITUDE_MODELS:
         # In memory the time comes first: the simulator marches over it, all scenarios at once.
         column = time_h[:, np.newaxis]
-        return _specific_power(aircraft, mission, model, latitude_deg, day, column).T
+        return _specific_power(aircraft, mission, model, latitude_deg, day, column, around).T
     flown = [mission] * len(scenarios)
     if mission.wind_statistics is not None:
         flown = [mission.in_wind(w) for w in mission.scenario_winds_m_per_s(scenarios).tolist()]
     return np.stack(
         [
-            _specific_power(aircraft, one, model, float(latitude), noon, time_h)
+            _specific_power(aircraft, one, model, float(latitude), noon, time_h, around)
             for one, latitude, noon in zip(flown, latitude_deg, day, strict=True)
         ]
     )
@@ -276,7 +361,9 @@ def power_on_calendar(
     """
     _check_one_wind(mission, solar)
     latitude = mission.latitudes()[0]
-    power = _specific_power(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
+    around = _own_surroundings(aircraft, mission)
+    given = (aircraft, mission, solar.model, latitude, day_of_year, time_solar_h, around)
+    power = _specific_power(*given)
     if solar.correction == "loiter":
         power = power * _loiter_ratio_on(aircraft, mission, solar.model, day_of_year)
     return power * mission.pessimistic_power_factor(solar.model, solar.correction)
@@ -310,6 +397,7 @@ def power_in_light(
     latitude. Returns electric power per area of module [W/m2].
     """
     _check_one_wind(mission, solar)
+    around = _own_surroundings(aircraft, mission)
     if solar.model in ATTITUDE_MODELS:
         power = mean_power_on_path(
             solar.model,
@@ -322,10 +410,13 @@ def power_in_light(
             ),
             ambient_temperature_c=sunlit.ambient_c,
             module_temperature_c=sunlit.module_c,
+            surroundings=around,
         )
     else:
         convert = HORIZONTAL_MODELS[solar.model]
         up = sunlit.cos_zenith > 0.0
+        if around is not None:
+            convert = in_surroundings(convert, around._replace(ambient_c=sunlit.ambient_c[up]))
         power = np.zeros(up.shape)
         some = Irradiance(sunlit.irradiance.dni[up], sunlit.irradiance.dhi[up])
         power[up] = convert(some, sunlit.cos_zenith[up], aircraft.modules, sunlit.module_c[up])
@@ -369,6 +460,7 @@ def _specific_power(
     latitude_deg: float | FloatArray,
     day_of_year: ArrayLike,
     time_solar_h: FloatArray,
+    around: Surroundings | None,
 ) -> FloatArray:
     """Uncorrected power by any model [W/m2]; VM and FM take a single latitude."""
     modules = aircraft.modules
@@ -383,6 +475,7 @@ def _specific_power(
             clearness=mission.pessimistic_clearness,
             sky=mission.sky,
             model=model,
+            surroundings=around,
         )
     return mean_power_on_path(
         model,
@@ -397,4 +490,5 @@ def _specific_power(
         ),
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),
+        surroundings=around,
     )

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, cos_angle_of_incidence
-from solar.horizontal_models import conceptual_analysis_model
+from solar.heat_balance import Surroundings, balanced_temperature_c
+from solar.horizontal_models import conceptual_analysis_model, in_surroundings
 from solar.modules import SolarCell
 from solar.shading import Shading
 from solar.types import FloatArray
@@ -53,6 +54,8 @@ def verification_model(
     geometry: ModuleGeometry,
     cell: SolarCell,
     module_temperature_c: ArrayLike,
+    *,
+    surroundings: Surroundings | None = None,
 ) -> FloatArray:
     """Specific power of the Verification Model: the CAM on the central wing's flat surface.
 
@@ -70,6 +73,8 @@ def verification_model(
         Module and MPPT efficiencies.
     module_temperature_c : array_like
         Constant module temperature [C].
+    surroundings : Surroundings, optional
+        Air and radiation by which the modules find their temperature.
 
     Returns
     -------
@@ -78,7 +83,10 @@ def verification_model(
     """
     normal = np.asarray(to_ned, float) @ geometry.central_wing_normal()
     cosine = cos_angle_of_incidence(normal, sun_vector)
-    return conceptual_analysis_model(irradiance, cosine, cell, module_temperature_c)
+    convert = conceptual_analysis_model
+    if surroundings is not None:
+        convert = in_surroundings(convert, surroundings, -np.asarray(sun_vector, float)[..., 2])
+    return convert(irradiance, cosine, cell, module_temperature_c)
 
 
 def full_model(
@@ -90,6 +98,7 @@ def full_model(
     ambient_temperature_c: ArrayLike,
     *,
     shading: Shading | None = None,
+    surroundings: Surroundings | None = None,
 ) -> ModulePower:
     """Specific power and component efficiencies of the Full Model.
 
@@ -113,6 +122,8 @@ def full_model(
         Temperature of the air [C].
     shading : Shading, optional
         Shading by the tail, where its losses are to count (the report only shows the shaded area).
+    surroundings : Surroundings, optional
+        Air and radiation by which the modules find their temperature, instead of eq. 10.
 
     Returns
     -------
@@ -134,9 +145,17 @@ def full_model(
     useful = direct * incidence * cell.camber_efficiency + diffuse * cell.diffuse_efficiency
     shares = geometry.area_shares
     at_25_c = (useful * low_light) @ shares * cell.efficiency_stc
-    power, temperature = _balanced_power(at_25_c, cell, np.asarray(ambient_temperature_c, float))
-    before_mppt = at_25_c * cell.temperature_efficiency(temperature)
     falling = light @ shares
+    ambient_c = np.asarray(ambient_temperature_c, float)
+    power, temperature = _balanced_power(at_25_c, cell, ambient_c)
+    if surroundings is not None:
+        balanced = balanced_temperature_c(
+            falling, at_25_c, irradiance, -sun[..., 2], cell, surroundings
+        )
+        temperature = temperature + surroundings.share * (balanced - temperature)
+        before = at_25_c * cell.temperature_efficiency(temperature)
+        power = before * cell.mppt_efficiency_at(before / cell.full_load_w_per_m2)
+    before_mppt = at_25_c * cell.temperature_efficiency(temperature)
     return ModulePower(
         specific_power_w_per_m2=power,
         irradiance_w_per_m2=falling,

@@ -212,7 +212,9 @@ class WeatherAnalysis(Result):
             "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
             "share_of_clear_sky_light": self.share_of_clear_light(),
             "wind_above_airspeed_share": self.wind_above_airspeed_share(),
-            "battery_condition": battery_record_of_days(self.aircraft, done.air_of_days_c),
+            "battery_condition": battery_record_of_days(
+                self.aircraft, done.air_of_days_c, done.mission.altitude_m
+            ),
             "extrapolations": extrapolation_records(self.extrapolations),
             "repairs": list(weather.repairs),
             "notes": list(self.notes),
@@ -298,7 +300,9 @@ class WeatherAnalysis(Result):
             self._months(),
             Table("windows of consecutive days that close", _WINDOW, self.windows),
         ]
-        battery = battery_line_of_days(self.aircraft, self.performance.air_of_days_c)
+        battery = battery_line_of_days(
+            self.aircraft, self.performance.air_of_days_c, self.performance.mission.altitude_m
+        )
         if battery is not None:
             blocks.append(Line(battery))
         blocks += extrapolation_blocks(self.extrapolations)
