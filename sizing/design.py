@@ -495,8 +495,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w)
-        + air.heater_w(battery_kg),
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
     )
 

@@ -41,6 +41,7 @@ class Cooling(NamedTuple):
         cold: FloatArray,
         known: FloatArray,
         cooled: FloatArray,
+        *,
         convection: tuple[float, float],
         transition_reynolds: float,
     ) -> Cooling:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.files.errors import file_error
-from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
+from missions.loiter_power import Daylight, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design
@@ -26,11 +26,15 @@ from sizing.module_heat import (
     convection_of,
     surroundings,
 )
+from sizing.module_power import (
+    flown_modules,
+    own_surroundings,
+    power_in_surroundings,
+    specific_power,
+)
 from solar.clearsky import Irradiance
-from solar.heat_balance import Surroundings
 from solar.horizontal_models import (
     HORIZONTAL_MODELS,
-    horizontal_specific_power,
     in_surroundings,
 )
 from solar.names import (
@@ -158,7 +162,8 @@ def _cooled(
     known = [part for part in parts if part is not None]
     if not known:
         return None
-    return known[0].mapped(join([one.gain for one in known]), join([one.radiation for one in known]))
+    gain, radiation = ([getattr(one, name) for one in known] for name in ("gain", "radiation"))
+    return known[0].mapped(join(gain), join(radiation))
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
@@ -197,7 +202,7 @@ class Sunlight:
         return convection_in_flight(self.aircraft, self.mission) if balanced else None
 
     def modelled_power(self, model: ModelName) -> FloatArray:
-        """Uncorrected specific power [W/m2], shape ``(scenario, time)``: :func:`modelled_power`."""
+        """Uncorrected specific power [W/m2], shape ``(scenario, time)``."""
         if model not in self._power:
             self._power[model] = self._in_flow(model, self._convection)
         return self._power[model]
@@ -205,7 +210,7 @@ class Sunlight:
     def _in_flow(self, model: ModelName, convection: float | None) -> FloatArray:
         around = None if convection is None else surroundings(self.mission, convection)
         given = (self.aircraft, self.mission, model, self.scenarios, self.time_h)
-        return _modelled_power(*given, around)
+        return power_in_surroundings(*given, around)
 
     def _cooling_of(self, model: ModelName) -> Cooling | None:
         """How the power changes with the flow; of VM and FM as that of CAM, relative to it."""
@@ -214,9 +219,11 @@ class Sunlight:
         model = "CAM" if model in ATTITUDE_MODELS else model
         if model not in self._cooling:
             flows = (self._convection, _OTHER_FLOW * self._convection)
-            powers = (self._in_flow(model, None), *(self._in_flow(model, one) for one in flows))
+            cold, known, cooled = (self._in_flow(model, one) for one in (None, *flows))
             transition = self.aircraft.modules.thermal.transition_reynolds
-            self._cooling[model] = Cooling.between(*powers, flows, transition)
+            self._cooling[model] = Cooling.between(
+                *(cold, known, cooled), convection=flows, transition_reynolds=transition
+            )
         return self._cooling[model]
 
     def loiter_ratio(self, model: ModelName) -> FloatArray:
@@ -301,52 +308,6 @@ def consecutive_days(
     return tuple(whole.at(np.arange(k * count, (k + 1) * count)) for k in range(days + 1))
 
 
-def modelled_power(
-    aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
-) -> FloatArray:
-    """Specific power of a model, uncorrected, over scenarios and time.
-
-    CDM and CAM see one horizontal surface
-    (:func:`solar.horizontal_models.horizontal_specific_power`); VM and
-    FM are averaged over the mission's flight path (:mod:`missions.loiter_power`).
-
-    Returns electric power per area of module [W/m2].
-    """
-    around = _own_surroundings(aircraft, mission)
-    return _modelled_power(aircraft, mission, model, scenarios, time_h, around)
-
-
-def _own_surroundings(aircraft: Aircraft, mission: Mission) -> Surroundings | None:
-    """Surroundings of modules in the aircraft's own flow, where they balance their heat."""
-    if not balances_heat(mission):
-        return None
-    return surroundings(mission, convection_in_flight(aircraft, mission))
-
-
-def _modelled_power(
-    aircraft: Aircraft,
-    mission: Mission,
-    model: ModelName,
-    scenarios: Scenarios,
-    time_h: FloatArray,
-    around: Surroundings | None,
-) -> FloatArray:
-    latitude_deg, day = scenarios.latitude_deg, scenarios.noon_day
-    if model not in ATTITUDE_MODELS:
-        # In memory the time comes first: the simulator marches over it, all scenarios at once.
-        column = time_h[:, np.newaxis]
-        return _specific_power(aircraft, mission, model, latitude_deg, day, column, around).T
-    flown = [mission] * len(scenarios)
-    if mission.wind_statistics is not None:
-        flown = [mission.in_wind(w) for w in mission.scenario_winds_m_per_s(scenarios).tolist()]
-    return np.stack(
-        [
-            _specific_power(aircraft, one, model, float(latitude), noon, time_h, around)
-            for one, latitude, noon in zip(flown, latitude_deg, day, strict=True)
-        ]
-    )
-
-
 def power_on_calendar(
     aircraft: Aircraft,
     mission: Mission,
@@ -361,9 +322,9 @@ def power_on_calendar(
     """
     _check_one_wind(mission, solar)
     latitude = mission.latitudes()[0]
-    around = _own_surroundings(aircraft, mission)
+    around = own_surroundings(aircraft, mission)
     given = (aircraft, mission, solar.model, latitude, day_of_year, time_solar_h, around)
-    power = _specific_power(*given)
+    power = specific_power(*given)
     if solar.correction == "loiter":
         power = power * _loiter_ratio_on(aircraft, mission, solar.model, day_of_year)
     return power * mission.pessimistic_power_factor(solar.model, solar.correction)
@@ -397,11 +358,11 @@ def power_in_light(
     latitude. Returns electric power per area of module [W/m2].
     """
     _check_one_wind(mission, solar)
-    around = _own_surroundings(aircraft, mission)
+    around = own_surroundings(aircraft, mission)
     if solar.model in ATTITUDE_MODELS:
         power = mean_power_on_path(
             solar.model,
-            _flown_modules(aircraft, mission, solar.model),
+            flown_modules(aircraft, mission, solar.model),
             Daylight(
                 mission.latitudes()[0],
                 sunlit.day_of_year,
@@ -439,56 +400,3 @@ def _check_one_wind(mission: Mission, solar: SolarModel) -> None:
     if solar.needs_path and mission.wind_statistics is not None:
         message = "needs one wind from day to day: give wind_m_per_s in place of wind"
         raise file_error(mission.name, f"{solar.label} on a flight path {message}")
-
-
-def _flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> FlownModules:
-    """What VM and FM need of aircraft and mission."""
-    modules = aircraft.modules
-    if modules.geometry is None:
-        raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
-    if mission.flight_path is None:
-        raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
-    return FlownModules(
-        modules.geometry, modules, mission.flight_path, mission.wind, modules.shading
-    )
-
-
-def _specific_power(
-    aircraft: Aircraft,
-    mission: Mission,
-    model: ModelName,
-    latitude_deg: float | FloatArray,
-    day_of_year: ArrayLike,
-    time_solar_h: FloatArray,
-    around: Surroundings | None,
-) -> FloatArray:
-    """Uncorrected power by any model [W/m2]; VM and FM take a single latitude."""
-    modules = aircraft.modules
-    if model not in ATTITUDE_MODELS:
-        return horizontal_specific_power(
-            latitude_deg,
-            day_of_year,
-            time_solar_h,
-            cell=modules,
-            module_temperature_c=mission.module_temperature_c(),
-            altitude_m=mission.altitude_m,
-            clearness=mission.pessimistic_clearness,
-            sky=mission.sky,
-            model=model,
-            surroundings=around,
-        )
-    return mean_power_on_path(
-        model,
-        _flown_modules(aircraft, mission, model),
-        Daylight(
-            float(latitude_deg),
-            day_of_year,
-            time_solar_h,
-            mission.altitude_m,
-            mission.pessimistic_clearness,
-            mission.sky,
-        ),
-        ambient_temperature_c=float(mission.air_state().temperature_c),
-        module_temperature_c=mission.module_temperature_c(),
-        surroundings=around,
-    )

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, cos_angle_of_incidence
 from solar.heat_balance import Surroundings, balanced_temperature_c
-from solar.horizontal_models import conceptual_analysis_model, in_surroundings
+from solar.horizontal_models import PowerModel, conceptual_analysis_model, in_surroundings
 from solar.modules import SolarCell
 from solar.shading import Shading
 from solar.types import FloatArray
@@ -83,7 +83,7 @@ def verification_model(
     """
     normal = np.asarray(to_ned, float) @ geometry.central_wing_normal()
     cosine = cos_angle_of_incidence(normal, sun_vector)
-    convert = conceptual_analysis_model
+    convert: PowerModel = conceptual_analysis_model
     if surroundings is not None:
         convert = in_surroundings(convert, surroundings, -np.asarray(sun_vector, float)[..., 2])
     return convert(irradiance, cosine, cell, module_temperature_c)

@@ -140,9 +140,9 @@ class BatteryTemperature(Record):
         return np.asarray(np.interp(self.pack_c(air_c), self.table_c, self.table_capacity_fraction))
 
 
-# What a battery in thin air has where its file says nothing: no lithium-ion cell is flown as cold as
-# that air. Charging below freezing plates lithium; 10 C keeps off it: assumption.
-HEATED_PACK = BatteryTemperature(held_c=10.0, insulation=Insulation())
+# What a battery in thin air has where its file says nothing: insulation, and a heater that keeps it
+# at the temperature for which its energy is stated, so that all of that is left.
+HEATED_PACK = BatteryTemperature(held_c=REFERENCE_C, insulation=Insulation())
 
 
 class Ageing(Record):

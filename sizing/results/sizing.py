@@ -651,7 +651,9 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
         },
         **software_record(),
     }
-    condition = battery_record(aircraft, mission)
+    flown = result.simulated or result.nearest
+    mass_kg = None if flown is None else float(flown.design.variables.battery_mass_kg)
+    condition = battery_record(aircraft, mission, mass_kg)
     if condition is not None:
         record["battery_condition"] = condition
     record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)

@@ -85,9 +85,7 @@ def _number_or_numbers(aircraft: Aircraft, key: str) -> FloatArray | None:
     return np.asarray(node, float) if isinstance(node, int | float | np.ndarray) else None
 
 
-def battery_checks(
-    battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike
-) -> Iterator[Check]:
+def battery_checks(battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike) -> Iterator[Check]:
     """Temperature and age of a battery beside what is known of them.
 
     Returns of a battery without a temperature the altitude from which a heater is assumed, and
@@ -120,9 +118,7 @@ def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) 
         yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
 
 
-def module_check(
-    aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike
-) -> Iterator[Check]:
+def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
     """Altitude from which the modules' temperature is that of a balance nobody gave numbers for."""
     given = "thermal" in aircraft.modules.model_fields_set
     if mission.air.module_temperature_c is None and not given:
