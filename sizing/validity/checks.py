@@ -12,7 +12,7 @@ from missions.air import GAS_CONSTANT_AIR, standard_air, thin_air_share
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, FlightConditions, structure_parts
+from sizing.design import Design, FlightConditions, structure_by_both, structure_parts
 from sizing.energy.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue
@@ -25,6 +25,8 @@ from solar.sun import declination
 from solar.types import FloatArray
 
 _RATIO_OF_SPECIFIC_HEATS = 1.4
+# Rows of the catalogue for rib wings with the keys of large wings.
+_LARGE = "rib_wing_large"
 # Solar power on the report's morning: 7 % less airspeed changes FM by 0.4 %.
 _AIRSPEED_TOLERANCE = 0.05
 
@@ -153,12 +155,16 @@ def _measured_checks(
 
 def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
     design, structure = it.design, it.airframe.structure
+    large = isinstance(structure, RibWingStructure) and structure.is_for_large_wings
     for quantity, value in (design.variables._asdict() | design._asdict()).items():
-        if (quantity, structure.model) in ranges():
-            yield Check.of(quantity, structure.model, value)
+        own = (quantity, structure.model)
+        row = (quantity, _LARGE) if large and (quantity, _LARGE) in ranges() else own
+        if row in ranges():
+            yield Check.of(*row, value)
     if isinstance(structure, RibWingStructure):
         share = _cap_depth_ratio(it.aircraft, mission, design, structure)
         yield Check.of("spar_cap_depth_ratio", structure.model, share)
+    yield from _agreement_check(it, mission)
     yield from _aerodynamic_checks(it)
     with np.errstate(invalid="ignore"):
         temperature_k = mission.air_state().temperature_k
@@ -167,6 +173,16 @@ def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
         rate = QUANTITIES["climb_discharge_rate_per_h"](it)
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)
+
+
+def _agreement_check(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
+    """Mass of the structure by the file's model over that by the other one."""
+    with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
+        both = structure_by_both(it.aircraft, mission, it.design)
+        if both is not None:
+            own, other = both
+            masses = {name: np.asarray(mass, float) for name, mass in both.items()}
+            yield Check.of("structure_mass_ratio", own, masses[own] / masses[other], beside=masses)
 
 
 def _cap_depth_ratio(
@@ -178,9 +194,12 @@ def _cap_depth_ratio(
     assert parts is not None
     chord_m = design.variables.wingspan_m / design.variables.aspect_ratio
     volume_m3 = parts.spar_caps / (structure.calibration * structure.cap_density_kg_per_m3)
+    section_m2 = volume_m3 / design.variables.wingspan_m
     width_m = structure.cap_width_fraction * chord_m
+    if structure.narrow_caps:
+        width_m = np.minimum(width_m, structure.narrow_cap_width_m(section_m2 / 2.0))
     depth_m = structure.spar_depth_fraction * structure.thickness_ratio * chord_m
-    return volume_m3 / design.variables.wingspan_m / (width_m * depth_m)
+    return section_m2 / (width_m * depth_m)
 
 
 def _aerodynamic_checks(it: DesignInFlight) -> Iterator[Check]:

@@ -170,7 +170,8 @@ class Check(NamedTuple):
     """A quantity of one or many designs beside the range of a model.
 
     Values and ends are numbers or arrays of the designs; those of scenarios have these on their
-    last axis. ``at`` has the airspeed that belongs to them, if any.
+    last axis. ``airspeed_m_per_s`` belongs to them, if any; ``beside`` has masses to be told with
+    them by the names of their models [kg].
     """
 
     range: Range
@@ -178,6 +179,7 @@ class Check(NamedTuple):
     minimum: FloatArray
     maximum: FloatArray
     airspeed_m_per_s: FloatArray | None = None
+    beside: Mapping[str, FloatArray] | None = None
 
     @classmethod
     def of(
@@ -187,6 +189,7 @@ class Check(NamedTuple):
         value: Any,
         ends: tuple[Any, Any] | None = None,
         airspeed_m_per_s: Any = None,
+        beside: Mapping[str, FloatArray] | None = None,
     ) -> Check:
         """Check against the range of the catalogue, or one that aircraft or mission give."""
         row = ranges()[quantity, model]
@@ -197,6 +200,7 @@ class Check(NamedTuple):
             np.asarray(-np.inf if low is None else low, float),
             np.asarray(np.inf if high is None else high, float),
             None if airspeed_m_per_s is None else np.asarray(airspeed_m_per_s, float),
+            beside,
         )
 
     @property
@@ -231,7 +235,12 @@ class Check(NamedTuple):
         if self.airspeed_m_per_s is not None:
             speed = float(np.broadcast_to(self.airspeed_m_per_s, shape)[place])
             at = f" at {speed:.1f} m/s"
-        return replace(extrapolation(self.range, value, low, high), at=at)
+        masses = {
+            name: float(np.broadcast_to(mass, shape)[place])
+            for name, mass in (self.beside or {}).items()
+        }
+        worth = ", ".join(f"{_number(mass)} kg by {name}" for name, mass in masses.items())
+        return replace(extrapolation(self.range, value, low, high), at=at, worth=worth)
 
 
 def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapolation:
