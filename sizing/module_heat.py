@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,51 +23,71 @@ from solar.types import FloatArray
 _LIFT_COEFFICIENT, _WING_LOADING = 0.8, 4.0
 
 
+# Flows between which the temperature is known, over the own one: all sizes of one aircraft.
+FLOWS = (0.5, 1.0, 2.0)
+
+
 class Cooling(NamedTuple):
     """How the power of modules changes with the flow that cools them.
 
-    ``convection``: that of the known power [W/(m2 K)]. ``gain``: power of modules as cold as the
-    air over that power, less 1 [-]. ``radiation``: what radiation adds to the convection
-    [W/(m2 K)]. Arrays of the shape of the power. ``transition_reynolds``: of the modules' flow.
+    The power that warmth takes, relative to the known power, is ``d`` with ``d (h + g + s d) = q``
+    in a convection ``h``: radiation carries away ``g + s d`` for each part of it, as the fourth
+    power of the temperature does nearly. ``convection``: that of the known power [W/(m2 K)].
+    ``lost``: ``d`` there. ``heat``, ``radiation``, ``growth``: ``q``, ``g`` and ``s``; all arrays
+    of the shape of the power. ``transition_reynolds``: of the modules' flow.
     """
 
     convection: float
-    gain: FloatArray
+    lost: FloatArray
+    heat: FloatArray
     radiation: FloatArray
+    growth: FloatArray
     transition_reynolds: float
 
     @classmethod
-    def between(
+    def through(
         cls,
         cold: FloatArray,
-        known: FloatArray,
-        cooled: FloatArray,
-        *,
-        convection: tuple[float, float],
+        powers: Sequence[FloatArray],
+        convection: float,
         transition_reynolds: float,
     ) -> Cooling:
-        """Cooling from the power of cold modules and that in two flows.
+        """Cooling from the power of cold modules and that in the ``FLOWS``, the own one second."""
+        known = np.where(powers[1] > 0.0, powers[1], 1.0)
+        first, second, third = ((cold - power) / known for power in powers)
+        warm = (first > second) & (second > third) & (third > _LEAST_LOST)
+        # A parabola through three points: h d = q - g d - s d^2.
+        x1, x2, x3 = (np.where(warm, one, n) for n, one in ((3, first), (2, second), (1, third)))
+        y1, y2, y3 = (f * convection * x for f, x in zip(FLOWS, (x1, x2, x3), strict=True))
+        upper, lower = (y1 - y2) / (x1 - x2), (y2 - y3) / (x2 - x3)
+        bend = (upper - lower) / (x1 - x3)
+        slope = upper - bend * (x1 + x2)
+        heat = y1 - slope * x1 - bend * x1**2
+        lost, heat, radiation, growth = (
+            np.where(warm, one, 0.0) for one in (second, heat, -slope, -bend)
+        )
+        return cls(convection, lost, heat, radiation, growth, transition_reynolds)
 
-        The rise of the temperature goes with ``1 / (h + g)``, where ``g`` hardly changes; two flows
-        give it.
-        """
-        first, second = convection
-        left, less = cold - known, cold - cooled
-        warm = (left > 0.0) & (less > 0.0) & (left > less)
-        ratio = np.where(warm, less, 1.0) / np.where(warm, left, 2.0)
-        radiation = np.where(warm, (second * ratio - first) / (1.0 - ratio), 0.0)
-        gain = np.where(warm, left / np.where(warm, known, 1.0), 0.0)
-        return cls(first, gain, np.maximum(radiation, 0.0), transition_reynolds)
+    def arrays(self) -> tuple[FloatArray, ...]:
+        """Arrays of the shape of the power."""
+        return self[1:5]
 
-    def mapped(self, gain: FloatArray, radiation: FloatArray) -> Cooling:
+    def with_arrays(self, arrays: Sequence[FloatArray]) -> Cooling:
         """Same flow with other arrays."""
-        return self._replace(gain=gain, radiation=radiation)
+        lost, heat, radiation, growth = arrays
+        return self._replace(lost=lost, heat=heat, radiation=radiation, growth=growth)
 
     def factor(self, convection: ArrayLike) -> FloatArray:
         """Factor on the known power in another flow [W/(m2 K)]."""
-        flow = np.asarray(convection, float)
-        warm = (self.convection + self.radiation) / (flow + self.radiation)
-        return np.asarray(1.0 + self.gain * (1.0 - warm))
+        linear = np.asarray(convection, float) + self.radiation
+        # The root of the quadratic that stays finite without growth.
+        root = np.sqrt(np.maximum(linear**2 + 4.0 * self.growth * self.heat, 0.0))
+        lost = 2.0 * self.heat / (linear + root)
+        return np.asarray(1.0 + self.lost - lost)
+
+
+# Part of the power below which the warmth of a module is rounding.
+_LEAST_LOST = 1e-6
 
 
 def balances_heat(mission: Mission) -> bool:

@@ -20,6 +20,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design
 from sizing.module_heat import (
+    FLOWS,
     Cooling,
     balances_heat,
     convection_in_flight,
@@ -50,7 +51,6 @@ from solar.types import FloatArray
 
 DEFAULT_STEP_H = 1.0 / 12.0
 FINE_STEP_H = 1.0 / 60.0  # confirms what the default step finds
-_OTHER_FLOW = 3.0  # times the own convection: beyond what sizes of one aircraft differ by
 
 
 @dataclass(frozen=True)
@@ -162,8 +162,9 @@ def _cooled(
     known = [part for part in parts if part is not None]
     if not known:
         return None
-    gain, radiation = ([getattr(one, name) for one in known] for name in ("gain", "radiation"))
-    return known[0].mapped(join(gain), join(radiation))
+    return known[0].with_arrays(
+        [join(one) for one in zip(*(k.arrays() for k in known), strict=True)]
+    )
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
@@ -218,12 +219,10 @@ class Sunlight:
             return None
         model = "CAM" if model in ATTITUDE_MODELS else model
         if model not in self._cooling:
-            flows = (self._convection, _OTHER_FLOW * self._convection)
-            cold, known, cooled = (self._in_flow(model, one) for one in (None, *flows))
-            transition = self.aircraft.modules.thermal.transition_reynolds
-            self._cooling[model] = Cooling.between(
-                *(cold, known, cooled), convection=flows, transition_reynolds=transition
-            )
+            own, transition = self._convection, self.aircraft.modules.thermal.transition_reynolds
+            powers = [self._in_flow(model, flow * own) for flow in FLOWS]
+            cold = self._in_flow(model, None)
+            self._cooling[model] = Cooling.through(cold, powers, own, transition)
         return self._cooling[model]
 
     def loiter_ratio(self, model: ModelName) -> FloatArray:

@@ -12,7 +12,7 @@ from missions.mission import Mission, UncertaintyMargins
 from sizing import sunlight
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.module_power import modelled_power, power_in_surroundings
+from sizing.module_power import power_in_surroundings
 from sizing.performance import performance
 from sizing.sunlight import (
     DEFAULT_STEP_H,
