@@ -134,11 +134,14 @@ class PublishedStructure:
     def _closed_kg(
         self, model: StructureModel, corners: Mapping[str, FloatArray], carried: FloatArray
     ) -> FloatArray:
-        total = carried.copy()
+        most, total = _DIVERGED * self.total_kg.high, carried
         for _ in range(_ITERATIONS):
-            total = carried + np.asarray(model.mass_kg(self.inputs(corners, total)))
-            total = np.minimum(total, _DIVERGED * self.total_kg.high)
-        return np.where(total < 0.99 * _DIVERGED * self.total_kg.high, total, np.inf)
+            before = total
+            total = carried + np.asarray(model.mass_kg(self.inputs(corners, before)))
+            total = np.minimum(total, most)
+            if np.allclose(total, before, rtol=1e-7, atol=0.0):
+                break
+        return np.where(total < most, total, np.inf)
 
 
 @cache
