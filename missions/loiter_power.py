@@ -51,7 +51,8 @@ class Daylight(NamedTuple):
     ``latitude_deg``: one for all times. ``day_of_year``: fractional, one for all times or one each;
     for a repeated day that of its noon, ``day + 0.5``. ``time_solar_h``: local solar time, shape
     ``(time,)``. ``altitude_m``, ``clearness``, ``sky``: clear-sky model, where it is asked, and the
-    factor on it. ``irradiance``: light of each time, in place of the clear sky.
+    factor on it. ``irradiance``: light of each time, in place of the clear sky. ``albedo``: share
+    of the light that comes back from below [-].
     """
 
     latitude_deg: float
@@ -61,6 +62,7 @@ class Daylight(NamedTuple):
     clearness: float = 1.0
     sky: ClearSky = clear_sky
     irradiance: Irradiance | None = None
+    albedo: float = 0.0
 
 
 def mean_power_on_path(
@@ -118,9 +120,12 @@ def mean_power_on_path(
             power = verification_model(
                 *(seen.light, seen.sun, seen.to_ned, modules.geometry, modules.cell, lit_c),
                 surroundings=around,
+                albedo=daylight.albedo,
             )
         else:
-            power = _full_model(modules, seen, lit_c, around).specific_power_w_per_m2
+            power = _full_model(
+                modules, seen, lit_c, around, daylight.albedo
+            ).specific_power_w_per_m2
         result[block][seen.sunlit] = power @ flown.weights
     return result
 
@@ -150,7 +155,7 @@ def module_power_on_path(
     """
     flown = _orbit(modules.path, modules.wind, modules.samples)
     seen = _seen(daylight, slice(None), flown)
-    power = _full_model(modules, seen, ambient_temperature_c, surroundings)
+    power = _full_model(modules, seen, ambient_temperature_c, surroundings, daylight.albedo)
     return seen.sunlit, flown, power
 
 
@@ -165,6 +170,7 @@ def _full_model(
     seen: _Seen,
     ambient_c: ArrayLike,
     surroundings: Surroundings | None = None,
+    albedo: float = 0.0,
 ) -> ModulePower:
     return full_model(
         seen.light,
@@ -175,6 +181,7 @@ def _full_model(
         ambient_c,
         shading=modules.shading,
         surroundings=surroundings,
+        albedo=albedo,
     )
 
 

@@ -108,6 +108,7 @@ def specific_power(
             mission.altitude_m,
             mission.pessimistic_clearness,
             mission.sky,
+            albedo=mission.air.albedo or 0.0,
         ),
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),

@@ -367,6 +367,7 @@ def power_in_light(
                 sunlit.day_of_year,
                 sunlit.time_solar_h,
                 irradiance=sunlit.irradiance,
+                albedo=mission.air.albedo or 0.0,
             ),
             ambient_temperature_c=sunlit.ambient_c,
             module_temperature_c=sunlit.module_c,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.clearsky import Irradiance
+from solar.clearsky import Irradiance, global_horizontal
 from solar.geometry import ModuleGeometry, cos_angle_of_incidence
 from solar.heat_balance import Surroundings, balanced_temperature_c
 from solar.horizontal_models import PowerModel, conceptual_analysis_model, in_surroundings
@@ -56,6 +56,7 @@ def verification_model(
     module_temperature_c: ArrayLike,
     *,
     surroundings: Surroundings | None = None,
+    albedo: float = 0.0,
 ) -> FloatArray:
     """Specific power of the Verification Model: the CAM on the central wing's flat surface.
 
@@ -75,6 +76,8 @@ def verification_model(
         Constant module temperature [C].
     surroundings : Surroundings, optional
         Air and radiation by which the modules find their temperature.
+    albedo : float
+        Share of the light that the earth sends back up [-].
 
     Returns
     -------
@@ -83,6 +86,9 @@ def verification_model(
     """
     normal = np.asarray(to_ned, float) @ geometry.central_wing_normal()
     cosine = cos_angle_of_incidence(normal, sun_vector)
+    if albedo:
+        up = _from_below(irradiance, np.asarray(sun_vector, float), normal, albedo)
+        irradiance = Irradiance(irradiance.dni, irradiance.dhi + up)
     convert: PowerModel = conceptual_analysis_model
     if surroundings is not None:
         convert = in_surroundings(convert, surroundings, -np.asarray(sun_vector, float)[..., 2])
@@ -99,6 +105,7 @@ def full_model(
     *,
     shading: Shading | None = None,
     surroundings: Surroundings | None = None,
+    albedo: float = 0.0,
 ) -> ModulePower:
     """Specific power and component efficiencies of the Full Model.
 
@@ -124,6 +131,9 @@ def full_model(
         Shading by the tail, where its losses are to count (the report only shows the shaded area).
     surroundings : Surroundings, optional
         Air and radiation by which the modules find their temperature, instead of eq. 10.
+    albedo : float
+        Share of the light that the earth sends back up, which surfaces see as far as they face
+        down [-].
 
     Returns
     -------
@@ -139,6 +149,13 @@ def full_model(
         sun_body = np.einsum("...ji,...j->...i", rotation, sun)
         direct = shading.direct_left(direct, geometry, sun_body)
     diffuse = np.asarray(irradiance.dhi)[..., np.newaxis]
+    if geometry.face_down.any():
+        # The lower face sees the part of the sky that its tilt leaves (Liu & Jordan 1963).
+        seen = np.where(geometry.face_down, (1.0 - normals[..., 2]) / 2.0, 1.0)
+        diffuse = diffuse * seen
+    if albedo:
+        one = Irradiance(*(np.asarray(part)[..., np.newaxis] for part in irradiance))
+        diffuse = diffuse + _from_below(one, sun[..., np.newaxis, :], normals, albedo)
     light = direct + diffuse
     low_light = cell.low_light_efficiency(light)
     incidence = cell.incidence_efficiency(cosine)
@@ -168,6 +185,18 @@ def full_model(
         incidence_efficiency_by_surface=incidence,
         low_light_efficiency_by_surface=low_light,
     )
+
+
+def _from_below(
+    irradiance: Irradiance, sun_vector: FloatArray, normals: FloatArray, albedo: float
+) -> FloatArray:
+    """Light that the earth sends up to surfaces, ``A GHI (1 - cos b) / 2`` of their tilt [W/m2].
+
+    Source: Liu, B. Y. H. and Jordan, R. C. (1963), The long-term average performance of flat-plate
+    solar-energy collectors, Solar Energy 7, 53-74; a plain that is lit evenly.
+    """
+    level = global_horizontal(irradiance, -sun_vector[..., 2])
+    return np.asarray(albedo * level * (1.0 + normals[..., 2]) / 2.0)
 
 
 def _balanced_power(
