@@ -99,7 +99,7 @@ def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Pe
     cold = performance(aircraft, mission, perf.solar, day=perf.day, design=other)
     held, _ = battery.temperature_at(mission.altitude_m)
     kept = ""
-    if held is not None:
+    if held is not None and heater_w > 0.0:
         kept = f"assumed heated to {float(held.pack_c(air_c)):.0f} °C with {heater_w:.3g} W; "
     words = f"unheated at {air_c:.3g} °C, with {100.0 * left:.0f} % of its capacity,"
     return cold, f"{kept}{words}"

@@ -216,7 +216,8 @@ def by_models(aircraft: Aircraft, where: Mission, design: Design, number: int) -
     ("aircraft", "where"),
     list(
         itertools.product(
-            [AS2, DESIGN, SKY_SAILOR], set(shipped_names("mission")) - {"stratosphere-mission"}
+            [AS2, DESIGN, SKY_SAILOR],
+            sorted(set(shipped_names("mission")) - {"stratosphere-mission"}),
         )
     ),
 )
