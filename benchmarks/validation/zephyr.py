@@ -134,11 +134,11 @@ def zephyr_table() -> Table:
     """What each input makes of the span and the mass, and what it would have to be."""
     columns = (
         Column("input"),
-        Column("used", form=".4g"),
+        Column("used", to_right=True),
         Column("known", "known range"),
         Column("at_low", "wingspan and mass at its lower end"),
         Column("at_high", "at its upper end"),
-        Column("needed", "for 75 kg", form=".4g", missing="none"),
+        Column("needed", "for 75 kg", to_right=True),
         Column("within"),
         Column("source"),
     )
@@ -148,12 +148,21 @@ def zephyr_table() -> Table:
         within = needed is not None and one.low <= needed <= one.high
         rows.append(
             (
-                *(one.label, one.used, f"{one.low:g} to {one.high:g}"),
+                *(one.label, _digits(one.used), f"{one.low:g} to {one.high:g}"),
                 *(_words(*sized(one.key, end)) for end in (one.low, one.high)),
-                *(needed, "yes" if within else "no", one.source),
+                *(
+                    "none" if needed is None else _digits(needed),
+                    "yes" if within else "no",
+                    one.source,
+                ),
             )
         )
     return Table("", columns, tuple(rows), (f"as it is: {_words(*sized())}",))
+
+
+def _digits(value: float) -> str:
+    """Number of four digits, without powers of ten."""
+    return f"{float(f'{value:.4g}'):g}"
 
 
 def _beyond(key: str, value: float) -> float:

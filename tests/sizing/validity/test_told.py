@@ -228,7 +228,9 @@ def test_shipped_aircraft_on_shipped_missions_are_inside(aircraft: Aircraft, whe
 def test_the_stratospheric_aircraft_is_inside_but_for_the_error_of_the_sun() -> None:
     aircraft, where = shipped_aircraft("stratosphere-design"), "stratosphere-mission"
     found = extrapolations(aircraft, performance(aircraft, shipped_mission(where)))
-    assert quantities(found) == {"altitude_m of model_error"}
+    # The two models of the structure differ by 16 %; docs/structure.md says which was checked.
+    known = {"altitude_m of model_error", "structure_mass_ratio of rib_wing"}
+    assert quantities(found) == known
 
 
 def test_the_text_names_value_and_range_once() -> None:
