@@ -34,17 +34,8 @@ from sizing.module_power import (
     specific_power,
 )
 from solar.clearsky import Irradiance
-from solar.horizontal_models import (
-    HORIZONTAL_MODELS,
-    in_surroundings,
-)
-from solar.names import (
-    ATTITUDE_MODELS,
-    CORRECTION_NAMES,
-    MODEL_NAMES,
-    CorrectionName,
-    ModelName,
-)
+from solar.horizontal_models import HORIZONTAL_MODELS, in_surroundings
+from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.sun import declination, sun_times
 from solar.systematic_errors import correction
 from solar.types import FloatArray
@@ -287,11 +278,7 @@ def solar_day(
 
 
 def consecutive_days(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel = UNCORRECTED_CAM,
-    *,
-    days: int,
+    aircraft: Aircraft, mission: Mission, solar: SolarModel = UNCORRECTED_CAM, *, days: int
 ) -> tuple[SolarDay, ...]:
     """Sunlight on the mission's dates and on the days that follow each of them.
 

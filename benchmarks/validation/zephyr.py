@@ -40,69 +40,117 @@ class Unknown:
     source: str
 
 
-def _unknowns() -> tuple[Unknown, ...]:
-    return (
-        Unknown(
-            *("mission.altitude_m", "altitude [m]", 20000.0, 16800.0, 22600.0),
-            *((15000.0, 23000.0), "55,000 to 74,000 ft: flightglobal.com"),
-        ),
-        Unknown(
-            *("mission.required_excess_time_h", "excess time [h]", 0.0, 0.0, 3.0),
-            *((0.0, 4.0), _ASSUMED),
-        ),
-        Unknown(
-            *("mission.payload.power_w", "payload power [W]", 50.0, 20.0, 250.0),
-            *((0.0, 400.0), _ASSUMED),
-        ),
-        Unknown(
-            *("power.avionics_w", "avionics power [W]", 50.0, 20.0, 150.0),
-            *((0.0, 300.0), _ASSUMED),
-        ),
-        Unknown(
-            *("airframe.avionics_mass_kg", "avionics [kg]", 4.0, 2.0, 6.0),
-            *((0.5, 12.0), "7 to 11 kg with 5 kg of payload: docs/structure.md"),
-        ),
-        Unknown(
-            *("airframe.aspect_ratio", "aspect ratio [-]", 24.0, 20.0, 25.0),
-            *((14.0, 34.0), "not published; docs/structure.md"),
-        ),
-        Unknown(
-            *("airframe.aerodynamics.lift_coefficient", "lift coefficient [-]", 1.0, 0.8, 1.1),
-            *((0.6, 1.3), "typical of such wings: docs/structure.md"),
-        ),
-        Unknown(
-            *("airframe.aerodynamics.profile_drag_coefficient", "profile drag [-]"),
-            *(0.01236, 0.010, 0.0145, (0.006, 0.03), "spread of airfoils at that Re; assumption"),
-        ),
-        Unknown(
-            *("airframe.aerodynamics.parasitic_drag_coefficient", "parasitic drag [-]"),
-            *(0.005, 0.003, 0.008, (0.0, 0.02), _ASSUMED),
-        ),
-        Unknown(
-            *("airframe.propulsion.propeller_efficiency", "propeller [-]", 0.83, 0.75, 0.87),
-            *((0.6, 0.95), _ASSUMED),
-        ),
-        Unknown(
-            *("airframe.propulsion.motor_efficiency", "motor [-]", 0.92, 0.85, 0.95),
-            *((0.7, 0.99), _ASSUMED),
-        ),
-        Unknown(
-            *("airframe.structure.calibration", "structure [-]", 1.188, 1.0, 1.4),
-            *((0.5, 2.5), "15 % to either side: docs/structure.md"),
-        ),
-        Unknown(
-            *("modules.efficiency_stc", "modules [-]", 0.257, 0.235, 0.323),
-            *((0.12, 0.4), "350 W/m2 less 8 % of mounting, to the record cell at AM0"),
-        ),
-        Unknown(
-            *("modules.mass_kg_per_m2", "modules [kg/m2]", 0.3, 0.2, 0.45),
-            *((0.1, 1.5), "a few hundred grams: MicroLink (2009)"),
-        ),
-        Unknown(
-            *("battery.specific_energy_wh_per_kg", "battery [Wh/kg]", 435.0, 348.0, 435.0),
-            *((250.0, 600.0), "cells of 435, of 80 to 100 % of the pack: assumption"),
-        ),
-    )
+_UNKNOWN = (
+    Unknown(
+        "mission.altitude_m",
+        "altitude [m]",
+        20000.0,
+        16800.0,
+        22600.0,
+        (15000.0, 23000.0),
+        "55,000 to 74,000 ft: flightglobal.com",
+    ),
+    Unknown(
+        "mission.required_excess_time_h", "excess time [h]", 0.0, 0.0, 3.0, (0.0, 4.0), _ASSUMED
+    ),
+    Unknown(
+        "mission.payload.power_w", "payload power [W]", 50.0, 20.0, 250.0, (0.0, 400.0), _ASSUMED
+    ),
+    Unknown("power.avionics_w", "avionics power [W]", 50.0, 20.0, 150.0, (0.0, 300.0), _ASSUMED),
+    Unknown(
+        "airframe.avionics_mass_kg",
+        "avionics [kg]",
+        4.0,
+        2.0,
+        6.0,
+        (0.5, 12.0),
+        "7 to 11 kg with 5 kg of payload: docs/structure.md",
+    ),
+    Unknown(
+        "airframe.aspect_ratio",
+        "aspect ratio [-]",
+        24.0,
+        20.0,
+        25.0,
+        (14.0, 34.0),
+        "not published; docs/structure.md",
+    ),
+    Unknown(
+        "airframe.aerodynamics.lift_coefficient",
+        "lift coefficient [-]",
+        1.0,
+        0.8,
+        1.1,
+        (0.6, 1.3),
+        "typical of such wings: docs/structure.md",
+    ),
+    Unknown(
+        "airframe.aerodynamics.profile_drag_coefficient",
+        "profile drag [-]",
+        0.01236,
+        0.01,
+        0.0145,
+        (0.006, 0.03),
+        "spread of airfoils at that Re; assumption",
+    ),
+    Unknown(
+        "airframe.aerodynamics.parasitic_drag_coefficient",
+        "parasitic drag [-]",
+        0.005,
+        0.003,
+        0.008,
+        (0.0, 0.02),
+        _ASSUMED,
+    ),
+    Unknown(
+        "airframe.propulsion.propeller_efficiency",
+        "propeller [-]",
+        0.83,
+        0.75,
+        0.87,
+        (0.6, 0.95),
+        _ASSUMED,
+    ),
+    Unknown(
+        "airframe.propulsion.motor_efficiency", "motor [-]", 0.92, 0.85, 0.95, (0.7, 0.99), _ASSUMED
+    ),
+    Unknown(
+        "airframe.structure.calibration",
+        "structure [-]",
+        1.188,
+        1.0,
+        1.4,
+        (0.5, 2.5),
+        "15 % to either side: docs/structure.md",
+    ),
+    Unknown(
+        "modules.efficiency_stc",
+        "modules [-]",
+        0.257,
+        0.235,
+        0.323,
+        (0.12, 0.4),
+        "350 W/m2 less 8 % of mounting, to the record cell at AM0",
+    ),
+    Unknown(
+        "modules.mass_kg_per_m2",
+        "modules [kg/m2]",
+        0.3,
+        0.2,
+        0.45,
+        (0.1, 1.5),
+        "a few hundred grams: MicroLink (2009)",
+    ),
+    Unknown(
+        "battery.specific_energy_wh_per_kg",
+        "battery [Wh/kg]",
+        435.0,
+        348.0,
+        435.0,
+        (250.0, 600.0),
+        "cells of 435, of 80 to 100 % of the pack: assumption",
+    ),
+)
 
 
 @cache
@@ -143,7 +191,7 @@ def zephyr_table() -> Table:
         Column("source"),
     )
     rows = []
-    for one in _unknowns():
+    for one in _UNKNOWN:
         needed = nearest_root(partial(_beyond, one.key), one.used, one.search)
         within = needed is not None and one.low <= needed <= one.high
         rows.append(
