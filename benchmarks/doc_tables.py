@@ -16,6 +16,7 @@ from benchmarks.validation import altitude_tables, clear_sky_comparison, found_d
 from benchmarks.validation.large_wings import large_wings_table
 from benchmarks.validation.slender_wings import aspect_ratio_table, structure_table
 from benchmarks.validation.structure_comparison import gust_table, structure_tables
+from benchmarks.validation.zephyr import zephyr_table
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from missions.weather.files import load_weather
@@ -199,6 +200,8 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "catalogue-sources": ("catalogues.md", lambda: _markdown(*map(sources_table, KINDS))),
     "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
+    "module-heat": ("altitude.md", lambda: _markdown(altitude_tables.module_heat())),
+    "zephyr": ("stratosphere.md", lambda: _markdown(zephyr_table())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
     "compare-design": (

@@ -170,6 +170,7 @@ class FlightConditions(NamedTuple):
     battery_heater_w: Value
     gust_fraction: Value
     temperature_k: Value
+    insulated_heater_w_at_1_kg: Value = 0.0
 
     @property
     def air(self) -> Air:
@@ -184,6 +185,8 @@ class FlightConditions(NamedTuple):
         """
         air = mission.air_state()
         battery, air_c = aircraft.battery, _scalar(air.temperature_c)
+        fixed_w, at_1_kg_w = battery.heater_parts_w(air_c, mission.altitude_m)
+        left = battery.capacity_fraction(air_c, mission.altitude_m)
         return cls(
             density_kg_per_m3=_scalar(air.density_kg_per_m3),
             dynamic_viscosity=_scalar(air.dynamic_viscosity_pa_s),
@@ -191,12 +194,17 @@ class FlightConditions(NamedTuple):
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=0.0 if mission.holds_station else mission.strongest_wind_m_per_s,
-            battery_capacity_fraction=_scalar(
-                mission.uncertainty_margins.battery_capacity * battery.capacity_fraction(air_c)
-            ),
-            battery_heater_w=_scalar(battery.heater_w(air_c)),
+            battery_capacity_fraction=_scalar(mission.uncertainty_margins.battery_capacity * left),
+            battery_heater_w=_scalar(fixed_w),
             gust_fraction=_scalar(gust_speed_fraction(mission.altitude_m)),
             temperature_k=_scalar(air.temperature_k),
+            insulated_heater_w_at_1_kg=_scalar(at_1_kg_w),
+        )
+
+    def heater_w(self, battery_mass_kg: Value) -> Value:
+        """Power that the heater of a battery draws [W]."""
+        return self.battery_heater_w + self.insulated_heater_w_at_1_kg * battery_mass_kg ** (
+            2.0 / 3.0
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -271,7 +279,8 @@ def parametric_design(
         * aircraft.battery.specific_energy_wh_per_kg
         * air.battery_capacity_fraction,
         propulsion_power_w=electric_w,
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w)
+        + air.heater_w(variables.battery_mass_kg),
         airspeed_m_per_s=airspeed,
         chain=found,
     )
@@ -569,7 +578,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
     )
 

@@ -363,7 +363,7 @@ def _powers(
         constant_power_w=over_scenarios(design.constant_power_w),
     )
     area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]
-    solar_w = area * day.specific_power_w_per_m2
+    solar_w = area * day.power_of(design, mission, paired=paired)
     load_w = load_profile(day.time_h, flown, mission, day.sunrise_h, day.sunset_h)
     load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
     return solar_w, load_w, np.asarray(flown.nominal_load_w(mission))

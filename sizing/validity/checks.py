@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import GAS_CONSTANT_AIR, standard_air
+from missions.air import GAS_CONSTANT_AIR, standard_air, thin_air_share
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -41,8 +41,10 @@ def design_checks(
     load_w = design.nominal_load_w(mission)
     yield Check.of("cruise_discharge_rate_per_h", "battery", load_w / design.battery_energy_wh)
     yield from technology_checks(aircraft)
-    yield from battery_checks(aircraft.battery, mission.air_state().temperature_c)
-    yield from altitude_checks(mission, solar, mission.altitude_m)
+    air_c, altitude_m = mission.air_state().temperature_c, mission.altitude_m
+    yield from battery_checks(aircraft.battery, air_c, altitude_m)
+    yield from module_check(aircraft, mission, altitude_m)
+    yield from altitude_checks(mission, solar, altitude_m)
     yield from _path_check(mission, solar, design)
     if not mission.holds_station:
         yield from wind_check(design, mission.strongest_wind_m_per_s)
@@ -81,13 +83,16 @@ def _number_or_numbers(aircraft: Aircraft, key: str) -> FloatArray | None:
     return np.asarray(node, float) if isinstance(node, int | float | np.ndarray) else None
 
 
-def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
+def battery_checks(battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike) -> Iterator[Check]:
     """Temperature and age of a battery beside what is known of them.
 
-    Returns of a battery without a temperature that of the air; nothing for one without age.
+    Returns of a battery without a temperature the altitude from which a heater is assumed, and
+    below that the temperature of the air; nothing for one without age.
     """
     if battery.temperature is None:
-        yield Check.of("air_temperature_c", "battery", air_c)
+        assumed = thin_air_share(altitude_m) > 0.0
+        yield Check.of("air_temperature_c", "battery", np.where(assumed, np.nan, air_c))
+        yield Check.of("altitude_m", "battery", altitude_m)
     else:
         pack_c = battery.temperature.pack_c(air_c)
         yield Check.of("pack_temperature_c", "battery", pack_c)
@@ -97,7 +102,7 @@ def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
 
 
 def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) -> Iterator[Check]:
-    """Altitude beside the ranges of sky, solar power and module temperature.
+    """Altitude beside the ranges of sky and solar power.
 
     Nothing of a sky of the user's own, whose range is not known.
     """
@@ -105,18 +110,17 @@ def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) 
     yield Check.of("altitude_m", "model_error", altitude)
     if _uses_reported_errors(mission, solar):
         yield Check.of("altitude_m", "correction", altitude)
-    if _modules_as_cold_as_air(mission, solar):
-        yield Check.of("altitude_m", "module_temperature", altitude)
     if mission.clear_sky == "ashrae":
         thin = altitude >= THIN_AIR_FROM_M
         yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
         yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
 
 
-def _modules_as_cold_as_air(mission: Mission, solar: SolarModel) -> bool:
-    """Whether nothing warms the modules: FM does, and ``loiter`` leads to the energy of FM."""
-    warmed = solar.model == "FM" or solar.correction == "loiter"
-    return mission.air.module_temperature_c is None and not warmed
+def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
+    """Altitude from which the modules' temperature is that of a balance nobody gave numbers for."""
+    given = "thermal" in aircraft.modules.model_fields_set
+    if mission.air.module_temperature_c is None and not given:
+        yield Check.of("altitude_m", "module_temperature", altitude_m)
 
 
 def record_check(mission: Mission, site_altitude_m: float) -> Check:

@@ -136,6 +136,12 @@ def ranges() -> Mapping[tuple[str, str], Range]:
     return MappingProxyType({(row["key"], row["model"]): _from_row(row) for row in rows})
 
 
+def where_error_is_known(altitude_m: float) -> str:
+    """Where errors of the solar power models were measured, of flights far above; else empty."""
+    known = ranges()["altitude_m", "model_error"].maximum
+    return " as measured at 0.5 km" if known is not None and altitude_m > known else ""
+
+
 def _from_row(row: Mapping[str, str]) -> Range:
     low, high = (None if row[end] in ("", "own") else float(row[end]) for end in ("low", "high"))
     return Range(

@@ -214,10 +214,23 @@ def by_models(aircraft: Aircraft, where: Mission, design: Design, number: int) -
 
 @pytest.mark.parametrize(
     ("aircraft", "where"),
-    list(itertools.product([AS2, DESIGN, SKY_SAILOR], shipped_names("mission"))),
+    list(
+        itertools.product(
+            [AS2, DESIGN, SKY_SAILOR],
+            sorted(set(shipped_names("mission")) - {"stratosphere-mission"}),
+        )
+    ),
 )
 def test_shipped_aircraft_on_shipped_missions_are_inside(aircraft: Aircraft, where: str) -> None:
     assert extrapolations(aircraft, performance(aircraft, shipped_mission(where))) == ()
+
+
+def test_the_stratospheric_aircraft_is_inside_but_for_the_error_of_the_sun() -> None:
+    aircraft, where = shipped_aircraft("stratosphere-design"), "stratosphere-mission"
+    found = extrapolations(aircraft, performance(aircraft, shipped_mission(where)))
+    # The two models of the structure differ by 16 %; docs/structure.md says which was checked.
+    known = {"altitude_m of model_error", "structure_mass_ratio of rib_wing"}
+    assert quantities(found) == known
 
 
 def test_the_text_names_value_and_range_once() -> None:
@@ -318,7 +331,7 @@ def test_an_airspeed_below_the_wind_is_told_with_the_wind() -> None:
 def test_a_measured_aircraft_far_from_its_measurement_is_told() -> None:
     high = extrapolations(AS2, performance(AS2, mission(altitude_m=11500.0)))
     of_any = {f"altitude_m of {model}" for model in ("model_error", "module_temperature")}
-    of_any |= {"air_temperature_c of battery"}
+    of_any |= {"altitude_m of battery"}
     assert quantities(high) == {"reynolds_ratio of measured", "altitude_m of ashrae"} | of_any
     laden = extrapolations(AS2, performance(AS2, mission(payload={"mass_kg": 10.0})))
     assert "reynolds_ratio of measured" in quantities(laden)
