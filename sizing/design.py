@@ -42,6 +42,7 @@ from solar.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
+    from sizing.propulsion.part_load import PartLoad
 
 
 class ImpossibleDesignError(ValueError):
@@ -294,10 +295,13 @@ def propulsion_margins(
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion) or propulsion.is_exact:
         return {}
+    from sizing.propulsion.smooth_chain import SmoothPropulsion
+
+    assert isinstance(propulsion, SmoothPropulsion)
     assert design.chain is not None
     # The thrust, whatever the propulsion's own efficiency is.
     thrust_w = design.propulsion_power_w * design.chain.efficiency
-    own = _of_its_size(propulsion, design.variables)
+    own = propulsion.sized(*design.variables.of_propulsion)
     speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(aircraft)
     return own.margins(thrust_w, speed, conditions.air, bus_v)
 
@@ -770,12 +774,20 @@ def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) 
 
 
 def load_profile(
-    time_h: ArrayLike, design: Design, mission: Mission, sunrise_h: ArrayLike, sunset_h: ArrayLike
+    time_h: ArrayLike,
+    design: Design,
+    mission: Mission,
+    sunrise_h: ArrayLike,
+    sunset_h: ArrayLike,
+    part_load: PartLoad | None = None,
+    bus_v: FloatArray | None = None,
 ) -> Value:
     """Load over the day: level flight, turbulence and thermals.
 
-    ``mission``: with its turbulence; draws of it are arrays of the batch. Returns power that the
-    aircraft draws [W].
+    ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: power of a
+    propulsion whose efficiency is that of the moment, with axes for scenarios and time; ``bus_v``:
+    voltage at the nodes, by default that of :meth:`PartLoad.at`. Returns power that the aircraft
+    draws [W].
     """
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
     constant = np.asarray(design.constant_power_w)[..., np.newaxis]
@@ -784,6 +796,9 @@ def load_profile(
         for value in (mission.turbulence.all_day, mission.turbulence.thermal)
     )
     steady = 1.0 + all_day
+    if part_load is not None:
+        thermal = most * thermal_shape(time_h, sunrise_h, sunset_h)
+        return propulsion * part_load.at(steady + thermal, bus_v) + constant
     if not np.any(most):
         load = propulsion * steady + constant
         shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))

@@ -53,6 +53,7 @@ from sizing.optimisation.variables import (
 )
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.varying_load import smooth_loads_w
 from solar.types import FloatArray
 
 Effort = Literal["quick", "still", "steady", "next", "direct"]
@@ -439,8 +440,7 @@ def _design_function(
         [
             design.variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0),
             design.battery_energy_wh,
-            design.load_in_turbulence_w(conditions.turbulence),
-            design.propulsion_power_w,
+            *smooth_loads_w(flown, design, conditions),
             ca.vertcat(*(one.value for one in requirements)),
         ],
         {"is_diff_in": [True, False, False], "jac_penalty": 0},

@@ -363,15 +363,18 @@ class OperatingPointPropulsion(Record):
             bus_current_a=point.bus_current_a / factor,
         )
 
-    def margins(
-        self,
-        thrust_power_w: Value,
-        airspeed_m_per_s: Value,
-        air: Air,
-        bus_voltage_v: tuple[float, float],
-    ) -> dict[str, Value]:
-        """Margins of the parts by formulas; an exact chain tells a reason instead."""
-        return {}
+    def bus_power_w(
+        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
+    ) -> Value:
+        """Electric power of all propulsors, whatever the limits of their parts are [W].
+
+        Voltages broadcast with the others. NaN where the propeller's data end.
+        """
+        from sizing.propulsion.operating_point import bus_power_w
+
+        thrust_n = thrust_power_w / airspeed_m_per_s / self.propulsors
+        power_w = bus_power_w(self.propulsor, thrust_n, airspeed_m_per_s, air, bus_v)
+        return self.propulsors * power_w / self.efficiency_factor
 
     def in_flight(
         self,
