@@ -155,8 +155,8 @@ def smooth_loads_w(
 class DesignLoads:
     """Solar power and load of every design in every scenario of a day.
 
-    ``paired``: each design flies in its own scenario. ``part_load``: None for an efficiency that is
-    constant.
+    ``part_load``: None for an efficiency that is constant. ``paired``: each design flies in its own
+    scenario. ``own_solar_w``: power of the modules, where it is not that of the day.
     """
 
     design: Design
@@ -164,6 +164,7 @@ class DesignLoads:
     day: SolarDay
     part_load: PartLoad | None = None
     paired: bool = False
+    own_solar_w: FloatArray | None = None
 
     @classmethod
     def of(
@@ -181,6 +182,8 @@ class DesignLoads:
     @cached_property
     def solar_w(self) -> FloatArray:
         """Power of the modules [W], ``(..., scenario, time)``."""
+        if self.own_solar_w is not None:
+            return self.own_solar_w
         area = self._over_scenarios(self.design.variables.module_area_m2)[..., np.newaxis]
         return np.asarray(area * self.day.specific_power_w_per_m2)
 
