@@ -24,6 +24,7 @@ from sizing.design import (
     ImpossibleDesignError,
     bus_voltage_v,
     load_profile,
+    thermal_shape,
 )
 from sizing.energy.battery import Battery, Store
 from sizing.energy.cycle import Cycle, simulate_cycle
@@ -33,7 +34,15 @@ from sizing.smooth import Value
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 
-__all__ = ["DesignLoads", "flown_cycle", "part_load_of", "smooth_loads_w"]
+__all__ = [
+    "DesignLoads",
+    "flight_of",
+    "flown_cycle",
+    "interpolation_error",
+    "load_shape",
+    "part_load_of",
+    "smooth_loads_w",
+]
 
 # A day is marched again until load and nominal load stay within this, relative, which is 1e-5 h of
 # excess time. Each march leaves less than a hundredth of the error of the one before.
@@ -51,34 +60,23 @@ def part_load_of(
     aircraft: Aircraft,
     mission: Mission,
     design: Design,
-    loads: tuple[FloatArray, FloatArray] | None = None,
 ) -> PartLoad | None:
     """Power of the propulsion over load and voltage; None where its efficiencies are constants.
 
-    ``loads``: least and greatest thrust power over that of level flight [-]; by default those of
-    the mission's turbulence. Raises :class:`ImpossibleDesignError` for a single design whose
-    propeller's data end before.
+    The load is that of the mission's turbulence and thermals. Raises
+    :class:`ImpossibleDesignError` for a single design whose propeller's data end before.
     """
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion):
         return None
-    assert design.chain is not None
     turbulence = mission.turbulence
-    ends = load_range(turbulence.all_day, turbulence.thermal) if loads is None else loads
+    ends = load_range(turbulence.all_day, turbulence.thermal)
     level_w = np.asarray(design.propulsion_power_w, float)
-    with np.errstate(invalid="ignore"):
-        thrust_w = level_w * np.asarray(design.chain.efficiency, float)
-    flies = np.isfinite(thrust_w)
-    variables = design.variables.mapped(lambda one: float(one) if np.ndim(one) == 0 else one)
-    flight = _Flight(
-        np.where(flies, thrust_w, 1.0),
-        np.where(flies, design.airspeed_m_per_s, 1.0),
-        FlightConditions.of(mission, aircraft).air,
-    )
-    own, volts = propulsion.sized(*variables.of_propulsion), bus_voltage_v(aircraft)
+    own, flight = flight_of(aircraft, mission, design)
+    volts, flies = bus_voltage_v(aircraft), np.isfinite(level_w)
     if not (own.is_exact and level_w.ndim == 0 and flies):
         return _table(own, flight, np.where(flies, level_w, np.inf), ends, volts)
-    numbers = _Flight(
+    numbers = Flight(
         float(flight.thrust_w),
         float(flight.airspeed_m_per_s),
         Air(*(float(one) for one in flight.air)),  # type: ignore[arg-type]  # as a cache's key
@@ -94,7 +92,18 @@ def part_load_of(
     return found
 
 
-class _Flight(NamedTuple):
+def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
+    """Largest relative error of a single design's table, half-way between its nodes."""
+    part = part_load_of(aircraft, mission, design)
+    assert part is not None
+    own, flight = flight_of(aircraft, mission, design)
+    load, bus_v = part.between()
+    load = load[:, np.newaxis]
+    exact_w = own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
+    return float(np.max(np.abs(part.at(load, bus_v) * design.propulsion_power_w / exact_w - 1.0)))
+
+
+class Flight(NamedTuple):
     """Thrust power of level flight [W], airspeed [m/s] and air."""
 
     thrust_w: Any
@@ -102,9 +111,33 @@ class _Flight(NamedTuple):
     air: Air
 
 
+def flight_of(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[OperatingPointPropulsion, Flight]:
+    """Propulsion of a design's size, and its level flight; 1 for a design that cannot fly."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    assert isinstance(propulsion, OperatingPointPropulsion)
+    assert design.chain is not None
+    with np.errstate(invalid="ignore"):
+        thrust_w = np.asarray(design.propulsion_power_w * np.asarray(design.chain.efficiency))
+    flies = np.isfinite(thrust_w)
+    variables = design.variables.mapped(lambda one: float(one) if np.ndim(one) == 0 else one)
+    return propulsion.sized(*variables.of_propulsion), Flight(
+        np.where(flies, thrust_w, 1.0),
+        np.where(flies, design.airspeed_m_per_s, 1.0),
+        FlightConditions.of(mission, aircraft).air,
+    )
+
+
+def load_shape(mission: Mission, day: SolarDay) -> FloatArray:
+    """Thrust power over that of level flight at the nodes [-], ``(scenario, time)``."""
+    thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
+    return np.asarray(1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal)
+
+
 def _table(
     own: OperatingPointPropulsion,
-    flight: _Flight,
+    flight: Flight,
     level_w: FloatArray,
     loads: tuple[FloatArray, FloatArray],
     volts: tuple[float, float],
@@ -118,7 +151,7 @@ def _table(
 @lru_cache(maxsize=16)
 def _table_of_one(
     own: OperatingPointPropulsion,
-    flight: _Flight,
+    flight: Flight,
     level_w: float,
     loads: tuple[float, float],
     volts: tuple[float, float],

@@ -86,6 +86,18 @@ class PartLoad:
         """Whether the voltage makes any difference."""
         return bool(np.any(np.abs(self.coefficients[:, 1:]) > _CONSTANT))
 
+    def between(self) -> tuple[FloatArray, FloatArray]:
+        """Loads [-] and voltages [V] half-way between the nodes; the only one where there is one.
+
+        Of a table of one design.
+        """
+        middles = []
+        for count in self.coefficients.shape[:2]:
+            nodes = _points(count)
+            middles.append((nodes[1:] + nodes[:-1]) / 2.0 if count > 1 else nodes)
+        load, volts = middles
+        return self.loads[0] + self.loads[1] * load, self.volts[0] + self.volts[1] * volts
+
     def spread(self, axes: int) -> PartLoad:
         """Table with so many more axes behind those of the designs."""
 

@@ -31,6 +31,7 @@ from sizing.results.notes import (
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
+from sizing.results.varying_efficiency import VaryingEfficiency, varying_efficiency
 from sizing.results.whole_cells import cells_record
 from sizing.results.wind import wind_record
 from sizing.structures.assessment import StructureAssessment
@@ -250,6 +251,15 @@ class Analysis(Result):
         return power_budget(self.aircraft, self.mission, self.performance.design)
 
     @cached_property
+    def varying_efficiency(self) -> VaryingEfficiency | None:
+        """What the propulsion's efficiency of the moment changes; None where it is constant.
+
+        Of the repeated day, with climbs that at the mission's altitude.
+        """
+        flown = self.performance if self.climb is None else self.climb.constant
+        return None if self.days is not None else varying_efficiency(self.aircraft, flown)
+
+    @cached_property
     def days_to_settle(self) -> FloatArray:
         """Days until the repeated day of every scenario has settled from an empty battery.
 
@@ -309,6 +319,8 @@ class Analysis(Result):
             **software_record(),
             "scenarios": records,
         }
+        if self.varying_efficiency is not None:
+            result["varying_efficiency"] = self.varying_efficiency.to_dict()
         condition = battery_record(self.aircraft, self.mission)
         if condition is not None:
             result["battery_condition"] = condition
