@@ -28,7 +28,7 @@ from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
+from sizing.varying_load import DesignLoads, flown_cycle
 from solar.types import BoolArray, FloatArray
 
 # Scenarios whose best launch is searched for together.
@@ -239,8 +239,7 @@ def performance_after_days(
     """
     design = design_of(aircraft, mission)
     # Voltages are those of the end that takes more: no day's charge is known before it is flown.
-    part_load = part_load_of(aircraft, mission, design)
-    loads = [DesignLoads(design, mission, date, part_load) for date in dates]
+    loads = [DesignLoads.of(aircraft, mission, design, date) for date in dates]
     solar_w, load_w = ([one.solar_w for one in loads], [one.load_w() for one in loads])
     nominal = loads[-1].nominal_w()
     store = Store.of(aircraft.battery, np.asarray(design.battery_energy_wh)[..., np.newaxis])

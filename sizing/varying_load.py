@@ -8,7 +8,7 @@ day is marched with the voltages of the march before, until they stay.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
@@ -28,6 +28,7 @@ from sizing.design import (
 )
 from sizing.energy.battery import Battery, Store
 from sizing.energy.cycle import Cycle, simulate_cycle
+from sizing.held_station import power_against_wind_w
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.smooth import Value
@@ -190,6 +191,7 @@ class DesignLoads:
 
     ``part_load``: None for an efficiency that is constant. ``paired``: each design flies in its own
     scenario. ``own_solar_w``: power of the modules, where it is not that of the day.
+    ``own_propulsion_w``: of level flight in every scenario, where it is not that of the design.
     """
 
     design: Design
@@ -198,6 +200,7 @@ class DesignLoads:
     part_load: PartLoad | None = None
     paired: bool = False
     own_solar_w: FloatArray | None = None
+    own_propulsion_w: FloatArray | None = None
 
     @classmethod
     def of(
@@ -209,8 +212,17 @@ class DesignLoads:
         *,
         paired: bool = False,
     ) -> DesignLoads:
-        """Loads with the efficiency of the moment where the aircraft's parts say what it is."""
-        return cls(design, mission, day, part_load_of(aircraft, mission, design), paired)
+        """Loads with the efficiency of the moment where the aircraft's parts say what it is.
+
+        Flight as fast as the wind of a scenario has the efficiency of that airspeed.
+        """
+        if not mission.holds_station:
+            return cls(design, mission, day, part_load_of(aircraft, mission, design), paired)
+        loads = cls(design, mission, day, paired=paired)
+        winds = mission.scenario_winds_m_per_s(day.scenarios)
+        spread = design.mapped(loads._over_scenarios)
+        power_w = power_against_wind_w(aircraft, mission, spread, winds)
+        return replace(loads, own_propulsion_w=power_w)
 
     @cached_property
     def solar_w(self) -> FloatArray:
@@ -251,9 +263,11 @@ class DesignLoads:
     def _flown(self) -> Design:
         """Design with an axis for the scenarios."""
         # An impossible design draws infinite power; a huge finite one keeps NaN out of the rest.
-        power_w = np.asarray(self.design.propulsion_power_w)
+        power_w = self.own_propulsion_w
+        if power_w is None:
+            power_w = self._over_scenarios(self.design.propulsion_power_w)
         return self.design._replace(
-            propulsion_power_w=self._over_scenarios(np.where(np.isfinite(power_w), power_w, 1e12)),
+            propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12),
             constant_power_w=self._over_scenarios(self.design.constant_power_w),
         )
 

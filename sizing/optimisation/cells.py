@@ -190,6 +190,8 @@ class _Cells:
         self.count = len(self.day.scenarios) // each
         winds = solver.mission.scenario_winds_m_per_s(self.day.scenarios)
         self.wind_m_per_s = winds.reshape(-1, each).max(axis=-1)
+        if solver.mission.holds_station:
+            self.wind_m_per_s[:] = 0.0  # each scenario is flown as fast as its wind
         self.own = variables_of(solver.aircraft)
         self.last: Solution | None = None
 

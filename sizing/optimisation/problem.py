@@ -36,6 +36,7 @@ import numpy as np
 from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
+from sizing.held_station import POWER_AGAINST_WIND, faster_flight_w
 from sizing.limits import DesignInFlight, Requirement, design_requirements
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
 from sizing.optimisation.variables import (
@@ -150,7 +151,8 @@ class Program:
     ``names``: of the variables, in the order of the decision
     vector. ``constraints``: in the order of the constraint vector. ``technology``: keys of its
     parameters. ``symbols``: decision vector ``x``, parameters ``p``, cost ``f`` and
-    constraints ``g``. ``lock``: held from a solver's call until its statistics are read: threads
+    constraints ``g``. ``holds``: whether every scenario is flown at its own airspeed, to hold the
+    place. ``lock``: held from a solver's call until its statistics are read: threads
     share a program.
     """
 
@@ -158,6 +160,7 @@ class Program:
     constraints: tuple[Constraint, ...]
     technology: tuple[str, ...]
     symbols: dict[str, Any]
+    holds: bool = False
     lock: RLock = field(default_factory=RLock)
     _solvers: dict[Effort, ca.Function] = field(default_factory=dict)
 
@@ -239,10 +242,12 @@ class SizingProblem:
         suns: FloatArray,
         *,
         margin: float,
+        winds_m_per_s: FloatArray | None = None,
     ) -> FloatArray:
         """Parameter vector of the program.
 
         ``margin``: by how much more charge the day must return than the night takes, relative.
+        ``winds_m_per_s``: of every block, where the place is held.
         """
         parts = {
             "weights": weights,
@@ -250,6 +255,7 @@ class SizingProblem:
             "conditions": conditions,
             "technology": self._technology,
             "suns": suns.ravel(),
+            "winds": winds_m_per_s if self.program.holds else np.empty(0),
         }
         return np.concatenate([parts[name] for name in _PARAMETERS])
 
@@ -272,13 +278,16 @@ class SizingProblem:
 
 
 # Parts of the parameter vector, in their order.
-_PARAMETERS = ("weights", "margin", "conditions", "technology", "suns")
+_PARAMETERS = ("weights", "margin", "conditions", "technology", "suns", "winds")
 
 
-def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> SizingProblem:
+def build_problem(
+    aircraft: Aircraft, blocks: int, *, eased: bool = False, holds: bool = False
+) -> SizingProblem:
     """Build the program of an aircraft, unless one of its kind has been built before.
 
-    ``eased``: whether technology, limits and wind are variables, which may be freed.
+    ``eased``: whether technology, limits and wind are variables, which may be freed. ``holds``:
+    whether every scenario is flown as fast as its wind.
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
@@ -289,7 +298,7 @@ def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> Si
         )
     chosen = chosen_variables(aircraft, eased=eased)
     # A mapping's order plays no part in the equality of aircraft, but in that of the rows.
-    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased)
+    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased, holds)
     return SizingProblem(aircraft, all_variables(chosen, blocks, program.constraints), program)
 
 
@@ -323,11 +332,13 @@ def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=_PROGRAMS_KEPT)
-def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) -> Program:
+def _program(
+    kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool, holds: bool
+) -> Program:
     """Program of a kind of aircraft; ``limits`` is the order of its limits."""
     chosen = chosen_variables(kind, eased=eased)
     technology = numbers_taken_out(kind)
-    design, requirements = _design_function(kind, chosen, technology)
+    design, against_wind, requirements = _design_functions(kind, chosen, technology)
     free = ca.MX.sym("design", len(chosen))
     dawn_soc = ca.MX.sym("dawn_state_of_charge", blocks)
     worst_h = ca.MX.sym(WORST_EXCESS)
@@ -336,6 +347,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
     numbers = ca.MX.sym("technology", len(technology))
     efficiencies = ca.MX.sym("battery_efficiencies", 2)
     sun = ca.MX.sym("sun", SUN_PARAMETERS, blocks)
+    winds = ca.MX.sym("winds", blocks if holds else 0)
 
     lit_area, capacity_wh, nominal_w, propulsion_w, values = design(free, conditions, numbers)
     rows = [
@@ -343,8 +355,11 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
         for k, one in enumerate(requirements)
     ]
     cycle = cycle_function(kind.battery.charge_limit)
-    usable_h = capacity_wh * efficiencies[1] / nominal_w
     for i in range(blocks):
+        if holds:
+            nominal_w, propulsion_w, spare = against_wind(free, conditions, numbers, winds[i])
+            rows.append((Constraint(POWER_AGAINST_WIND, i), spare))
+        usable_h = capacity_wh * efficiencies[1] / nominal_w
         deficit, charged = cycle(
             *(lit_area, capacity_wh, nominal_w, propulsion_w),
             *(dawn_soc[i], efficiencies, sun[:, i]),
@@ -376,6 +391,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
         "conditions": conditions,
         "technology": ca.vertcat(numbers, efficiencies),
         "suns": ca.vec(sun),
+        "winds": winds,
     }
     # The dawn states of scenarios that do not bind are otherwise undetermined.
     tie_break = -1e-7 * ca.sum1(dawn_soc)
@@ -385,7 +401,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
         "f": ca.dot(weights, x) + tie_break,
         "g": ca.vertcat(*(value + slack[slacks.index(c.slack)] for c, value in rows)),
     }
-    return Program(names, constraints, technology, symbols)
+    return Program(names, constraints, technology, symbols, holds)
 
 
 def forget_programs() -> None:
@@ -399,13 +415,14 @@ def programs_built() -> int:
     return _program.cache_info().misses
 
 
-def _design_function(
+def _design_functions(
     kind: Aircraft, variables: Sequence[Variable], technology: Sequence[str]
-) -> tuple[ca.Function, list[Requirement]]:
-    """Lit area, capacity, loads and requirements of a design, as a function of the variables.
+) -> tuple[ca.Function, ca.Function, list[Requirement]]:
+    """Functions of the variables: a design's properties, and its loads as fast as a wind.
 
-    Conditions and technology are data. The lit area is the module area times the relative
-    efficiency of the cells: power per area is a parameter, and proportional to their efficiency.
+    The first has lit area, capacity, loads and requirements, the second loads and what the rated
+    power has to spare. Conditions and technology are data. The lit area is the module area times
+    the relative efficiency of the cells: power per area is a parameter, and proportional to it.
     """
     x = ca.SX.sym("x", len(variables))
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
@@ -445,7 +462,17 @@ def _design_function(
         ],
         {"is_diff_in": [True, False, False], "jac_penalty": 0},
     )
-    return function, requirements
+    wind = ca.SX.sym("wind")
+    ratio = ca.fmax(wind / design.airspeed_m_per_s, 1.0)
+    faster_w, rated_w = faster_flight_w(flown, conditions, design, ratio)
+    faster = design._replace(propulsion_power_w=faster_w)
+    against_wind = ca.Function(
+        "against_wind",
+        [x, symbols, numbers, wind],
+        [faster.load_in_turbulence_w(conditions.turbulence), faster_w, rated_w / faster_w - 1.0],
+        {"is_diff_in": [True, False, False, False], "jac_penalty": 0},
+    )
+    return function, against_wind, requirements
 
 
 class SizingProblems:
@@ -453,14 +480,15 @@ class SizingProblems:
 
     def __init__(self, aircraft: Aircraft) -> None:
         self.aircraft = aircraft
-        self._known: dict[tuple[int, bool], SizingProblem] = {}
+        self._known: dict[tuple[int, bool, bool], SizingProblem] = {}
 
-    def of(self, blocks: int, *, eased: bool = False) -> SizingProblem:
+    def of(self, blocks: int, *, eased: bool = False, holds: bool = False) -> SizingProblem:
         """Program with this number of scenario blocks.
 
-        ``eased``: whether technology, limits and wind are variables, which may be freed.
+        ``eased``: whether technology, limits and wind are variables, which may be freed. ``holds``:
+        whether every scenario is flown as fast as its wind.
         """
-        key = (blocks, eased)
+        key = (blocks, eased, holds)
         if key not in self._known:
-            self._known[key] = build_problem(self.aircraft, blocks, eased=eased)
+            self._known[key] = build_problem(self.aircraft, blocks, eased=eased, holds=holds)
         return self._known[key]

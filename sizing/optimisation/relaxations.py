@@ -149,7 +149,7 @@ class _Relaxations:
                 continue
             if not math.isinf(present):
                 yield _Move(key, name, present, (present, _WIDER * present), True)
-        space, wind = self.aircraft.design_space, self.mission.wind_m_per_s
+        space, wind = self.aircraft.design_space, self.mission.strongest_wind_m_per_s
         if "airspeed_above_wind" in self.in_the_way and wind != 0.0:
             yield _Move(WIND, WIND, wind, (0.0, wind), False, 0.0)
         for name in (name for name in self.limits if name in self.in_the_way):
@@ -172,6 +172,8 @@ class _Relaxations:
         def eased(value: float) -> tuple[Aircraft, Mission]:
             if move.name in self.limits:
                 return self._with_limit(*self.limits[move.name], value / move.present), self.mission
+            if move.key == WIND:
+                return self.aircraft, self.mission.in_wind(value)
             return with_parameter(self.aircraft, self.mission, move.key, value)
 
         found = move.scale * moved.solution.value(move.name)
@@ -254,7 +256,7 @@ class _Relaxations:
         for key in solution.instance.freed:
             present, chosen = parameter_value(aircraft, mission, key), solution.value(key)
             if key == WIND:
-                aircraft, mission = with_parameter(aircraft, mission, key, chosen)
+                mission = mission.in_wind(chosen)
             elif key in self.technology and present is not None:
                 aircraft, mission = with_parameter(aircraft, mission, key, present * chosen)
                 day = day.scaled(chosen) if key == SOLAR_TECHNOLOGY else day

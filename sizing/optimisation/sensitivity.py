@@ -183,7 +183,7 @@ class _Lagrangian:
 
     def _optimum_at(self, aircraft: Aircraft, mission: Mission) -> float:
         day = solar_day(aircraft, mission, self.solar, scenarios=self.scenarios)
-        problem = build_problem(aircraft, len(self.scenarios))
+        problem = build_problem(aircraft, len(self.scenarios), holds=mission.holds_station)
         always = self.optimum.instance.sunlit
         sunlit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
         parameters = problem.parameters(
@@ -191,6 +191,7 @@ class _Lagrangian:
             FlightConditions.of(mission, aircraft),
             sun_parameters(day, mission, sunlit),
             margin=self.optimum.instance.margin,
+            winds_m_per_s=mission.scenario_winds_m_per_s(self.scenarios),
         )
         cost, rows = problem.program.rows(self._point(problem, mission), parameters)
         multipliers = self.optimum.constraint_multipliers

@@ -243,6 +243,7 @@ class ProgramSolver:
         self._fine_days: dict[int, SolarDay] = {}
         self.conditions = FlightConditions.of(mission, problems.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
+        self._winds = mission.scenario_winds_m_per_s(day.scenarios)
         self.work = SolverReport()
         self.nearly: Solution | None = None
 
@@ -326,9 +327,10 @@ class ProgramSolver:
     def _posed(self, instance: ProblemInstance, scenarios: Sequence[int]) -> _Posed:
         """Arguments of the program with these scenarios in its blocks."""
         begun = time.perf_counter()
-        problem = self.problems.of(len(scenarios))
+        holds = self.mission.holds_station
+        problem = self.problems.of(len(scenarios), holds=holds)
         if any(name not in problem.index for name in instance.freed):
-            problem = self.problems.of(len(scenarios), eased=True)
+            problem = self.problems.of(len(scenarios), eased=True, holds=holds)
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
         suns = self._suns[list(scenarios)]
@@ -342,7 +344,11 @@ class ProgramSolver:
         if instance.wind_m_per_s is not None:
             conditions = conditions._replace(wind_m_per_s=instance.wind_m_per_s)
         limits = {
-            "p": problem.parameters(weights, conditions, suns, margin=instance.margin),
+            "p": problem.parameters(
+                *(weights, conditions, suns),
+                margin=instance.margin,
+                winds_m_per_s=self._winds[list(scenarios)],
+            ),
             "lbx": lower,
             "ubx": upper,
             "lbg": 0.0,

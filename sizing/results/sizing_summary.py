@@ -37,6 +37,7 @@ from sizing.results.requirement_margins import requirement_table
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table, sizing_record
+from sizing.results.wind import wind_rows
 from sizing.sunlight import SolarModel
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
@@ -157,7 +158,8 @@ def _design_table(study: SizingStudy) -> Table:
     excess, charge = (one.fact(one.of(flown)[worst]) for one in (EXCESS_TIME, MINIMUM_CHARGE))
     where = f"{EXCESS_TIME.label}{clear}, {flown.day.scenarios.label(worst)}"
     rows = [one.fact(value) for one, value in study.design_values()]
-    return facts("", [*rows, (where, excess[1]), charge])
+    winds = wind_rows(study.mission) if study.mission.holds_station else []
+    return facts("", [*rows, *winds, (where, excess[1]), charge])
 
 
 def _confidence(study: SizingStudy) -> list[Any]:

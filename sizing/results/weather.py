@@ -392,6 +392,8 @@ def analyse_weather(
         notes = (*notes, "the mission's clearness plays no part: the clouds are the record's")
     if mission.climb is not None:
         notes = (*notes, "flown at constant altitude: the mission's climb plays no part")
+    if mission.holds_station:
+        notes = (*notes, "flown at the design's airspeed: hold_station plays no part")
     if mission.launch is not None:
         notes = (*notes, "launched at every dawn: the mission's launch plays no part")
     return WeatherAnalysis(aircraft, done, notes)

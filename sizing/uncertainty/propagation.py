@@ -25,6 +25,7 @@ from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
+from sizing.held_station import refuse_held_station
 from sizing.parameters import parameter_value, with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.part_load import PartLoad
@@ -87,8 +88,9 @@ _PROPULSION, _FACTOR = "airframe.propulsion.", "efficiency_factor"
 _PARTS = tuple(f"{_PROPULSION}{part}." for part in ("propeller", "gear", "motor", "controller"))
 
 
-def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
+def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -> None:
     """Refuse inputs that a propagation cannot vary."""
+    refuse_held_station(mission, "a propagation of uncertain inputs")
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")

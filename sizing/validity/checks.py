@@ -42,7 +42,8 @@ def design_checks(
     yield from battery_checks(aircraft.battery, mission.air_state().temperature_c)
     yield from altitude_checks(mission, solar, mission.altitude_m)
     yield from _path_check(mission, solar, design)
-    yield from wind_check(design, mission.strongest_wind_m_per_s)
+    if not mission.holds_station:
+        yield from wind_check(design, mission.strongest_wind_m_per_s)
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
         yield from _measured_checks(airframe, conditions, design)
