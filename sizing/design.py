@@ -30,7 +30,13 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.balance.in_design import polar_with_tail, structure_with_tail
 from sizing.parameters import catalogue, replaced
-from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion, air_of
+from sizing.propulsion.chain import (
+    LINKS,
+    ChainOfParts,
+    OperatingPointPropulsion,
+    Propulsion,
+    air_of,
+)
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess
 from sizing.structures.flight_envelope import flight_envelope
@@ -629,7 +635,8 @@ def _link(chain: Propulsion, name: str) -> Value:
 def _links_of(chain: Propulsion, function: Callable[[Value], Value]) -> Propulsion:
     """Chain with a function of every link's efficiency."""
     links = {f"{name}_efficiency": function(_link(chain, name)) for name in LINKS}
-    return chain.model_copy(update=links)
+    mapped = chain.model_copy(update=links)
+    return mapped.mapped(function) if isinstance(mapped, ChainOfParts) else mapped
 
 
 # Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.

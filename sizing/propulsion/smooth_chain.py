@@ -219,7 +219,9 @@ class SmoothPropulsion(OperatingPointPropulsion):
             "gearbox": self.gear.efficiency,
             "propeller": self.efficiency_factor / cost,
         }
-        return self.with_links({name: links[name] for name in LINKS})
+        torque = shaft_w / (2.0 * np.pi * rotation)
+        level_w = self.propulsors * bus_w / self.efficiency_factor
+        return self.with_links({name: links[name] for name in LINKS}, torque, level_w)
 
     def bus_power_w(
         self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value

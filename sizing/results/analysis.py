@@ -28,6 +28,7 @@ from sizing.results.notes import (
     extrapolation_records,
     relaxation_records,
 )
+from sizing.results.part_masses import PartMasses, part_masses
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import check_subjects, finite, finite_values
 from sizing.results.tables import Result, data_frame
@@ -251,6 +252,11 @@ class Analysis(Result):
         return power_budget(self.aircraft, self.mission, self.performance.design)
 
     @cached_property
+    def part_masses(self) -> PartMasses | None:
+        """Masses of the propulsion's parts that are estimated; None where there are none."""
+        return part_masses(self.aircraft, self.performance.design)
+
+    @cached_property
     def varying_efficiency(self) -> VaryingEfficiency | None:
         """What the propulsion's efficiency of the moment changes; None where it is constant.
 
@@ -319,6 +325,8 @@ class Analysis(Result):
             **software_record(),
             "scenarios": records,
         }
+        if self.part_masses is not None:
+            result["part_masses"] = self.part_masses.to_dict()
         if self.varying_efficiency is not None:
             result["varying_efficiency"] = self.varying_efficiency.to_dict()
         condition = battery_record(self.aircraft, self.mission)
