@@ -28,7 +28,8 @@ _GEAR_KG = _LB_KG * 10.0**_INTERCEPT * (1.0 / (_RPM * _HP_W)) ** GEAR_EXPONENT
 class MotorMassFit(NamedTuple):
     """Mass of motors over their continuous torque, ``coefficient_kg torque^exponent``.
 
-    ``scatter``: one standard deviation of the catalogue's masses about it, as a factor. ``motors``: how many.
+    ``scatter``: one standard deviation of the catalogue's masses about it, as a factor.
+    ``motors``: how many.
     """
 
     coefficient_kg: float
