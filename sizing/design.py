@@ -641,6 +641,8 @@ def _links_of(chain: Propulsion, function: Callable[[Value], Value]) -> Propulsi
 
 # Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
 _ROUNDS, _SETTLED = 30, 1e-10
+# In these an estimated mass of a gear is found with usual efficiencies, well within a gram.
+_MASS_ROUNDS = 3
 # Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
 # closes, a long step might pass the lightest solution and find a heavier one.
 _STEEPEST = 0.8
@@ -748,12 +750,21 @@ def operating_reason(
     if not isinstance(propulsion, OperatingPointPropulsion):
         return ""
     variables = variables_of(aircraft) if variables is None else variables
-    airframe = aircraft.airframe.model_copy(update={"propulsion": first_chain(propulsion)})
-    usual = aircraft.model_copy(update={"airframe": airframe})
-    design = closed_design(usual, mission, variables)
-    if not np.isfinite(design.total_mass_kg):
-        return ""
-    return str(level_point(aircraft, mission, design).reason)
+    chain, reason = first_chain(propulsion), ""
+    for _ in range(_MASS_ROUNDS):
+        airframe = aircraft.airframe.model_copy(update={"propulsion": chain})
+        usual = aircraft.model_copy(update={"airframe": airframe})
+        design = closed_design(usual, mission, variables)
+        if not np.isfinite(design.total_mass_kg):
+            break
+        point = level_point(aircraft, mission, design)
+        reason = str(point.reason)
+        links = {name: _link(chain, name) for name in LINKS}
+        own = _of_its_size(propulsion, variables)
+        if own.gear.mass_kg is not None:
+            break
+        chain = own.with_links(links, point.propeller_torque_nm, design.propulsion_power_w)
+    return reason
 
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:

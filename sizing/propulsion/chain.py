@@ -434,7 +434,8 @@ class OperatingPointPropulsion(Record):
         links = {f"{name}_efficiency": _unwrapped(one) for name, one in efficiencies.items()}
         return ChainOfParts.model_construct(
             **links,
-            fixed_mass_kg=self.propulsors * sum(one or 0.0 for one in (*known, motor_kg)),
+            fixed_mass_kg=self.propulsors
+            * sum(one for one in (*known, motor_kg) if one is not None),
             mass_kg_per_w=default if self.mass_kg_per_w is None else self.mass_kg_per_w,
             climb_power_ratio=self.climb_power_ratio,
             climb_rate_m_per_s=self.climb_rate_m_per_s,
