@@ -15,12 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import (
-    Design,
-    DesignVariables,
-    closed_design,
-    design_of,
-)
+from sizing.design import Design, DesignVariables, closed_design, design_of
 from sizing.energy.battery import Battery, Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from matplotlib.colors import Normalize
 from numpy.typing import ArrayLike
 
 from missions.dates import MONTH_NAMES, day_of_year
@@ -242,8 +243,6 @@ def _extrapolations(
 @styled
 def plot_station(result: Station, *, figure: Canvas = DEFAULT) -> Figure:
     """Share of the time on station over the months, blank where no day is perpetual."""
-    from matplotlib.colors import Normalize
-
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{result.aircraft.name} on {result.mission.name}: time on station",

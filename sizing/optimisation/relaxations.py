@@ -24,15 +24,23 @@ from sizing.optimisation.latitudes import nearest_latitude
 from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, SizingStatus
-from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.solver import (
+from sizing.optimisation.result import (
     GOAL_CUSHION_H,
     ProblemInstance,
-    ProgramSolver,
+    SizingResult,
+    SizingStatus,
     Solution,
 )
-from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role, limit_rows
+from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.solver import ProgramSolver
+from sizing.optimisation.variables import (
+    SOLAR_TECHNOLOGY,
+    TOTAL_MASS,
+    WIND,
+    WORST_EXCESS,
+    Role,
+    limit_rows,
+)
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.relaxation import Direction, Relaxation, rounded
@@ -140,12 +148,12 @@ class _Relaxations:
 
     def _of_ends(self) -> Iterator[_Move]:
         """Bounds that the nearest design has reached, wind and limits that stand in the way."""
-        reached = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
+        reached = self.start.chosen() | {TOTAL_MASS: float(self.nearest.design.total_mass_kg)}
         for key in (key for key, one in catalogue().items() if one.kind == "bound"):
             bare = key.removeprefix("design_space.")
             name = bare.removesuffix(".maximum").removeprefix("maximum_")
             present = self.program.variables[self.program.index[name]].maximum
-            if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
+            if name != Objective.min_wingspan.variable and reached[name] < _AT_BOUND * present:
                 continue
             if not math.isinf(present):
                 yield _Move(key, name, present, (present, _WIDER * present), True)
@@ -184,12 +192,7 @@ class _Relaxations:
         return confirmed and Relaxation(move.key, parameter(of).unit, move.present, *confirmed)
 
     def _moved_least(
-        self,
-        name: str,
-        ends: tuple[float, float],
-        furthest: float | None,
-        *,
-        upwards: bool,
+        self, name: str, ends: tuple[float, float], furthest: float | None, *, upwards: bool
     ) -> Accepted | None:
         """Design that moves one variable no further than it must.
 

@@ -22,8 +22,7 @@ from sizing.design import FlightConditions, variable_keys
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblem, build_problem
-from sizing.optimisation.result import SizingResult
-from sizing.optimisation.solver import Solution
+from sizing.optimisation.result import SizingResult, Solution
 from sizing.optimisation.variables import RELATIVE_STEP, Role
 from sizing.parameters import catalogue, parameter_value, with_parameter
 from sizing.performance import Performance
@@ -59,10 +58,7 @@ class Sensitivity:
 
 
 def sensitivities(
-    aircraft: Aircraft,
-    mission: Mission,
-    result: SizingResult,
-    solar: SolarModel = UNCORRECTED_CAM,
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel = UNCORRECTED_CAM
 ) -> list[Sensitivity]:
     """Sensitivities of an optimum to every parameter of the catalogue that the aircraft has.
 

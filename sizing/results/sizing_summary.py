@@ -208,7 +208,7 @@ def _margin_blocks(study: SizingStudy, guarded: SizingStudy) -> list[Any]:
     was, now = (
         {one.name: value for one, value in each.design_values()}
         | {study.objective.variable: each.result.objective_value}
-        | {"excess_time_h": _least_h(modelled), "least_excess_time_h": _least_h(less)}
+        | {EXCESS_TIME.name: _least_h(modelled), "least_excess_time_h": _least_h(less)}
         for each, modelled, less in ((study, flown, low), (guarded, plain, safe))
     )
     return [
@@ -242,7 +242,7 @@ def margin_table(
     if objective.label not in (EXCESS_TIME.label, *(one.label for one in shown)):
         texts = (with_unit(one[name], ".4g", objective) for one in (was, now))
         rows.insert(0, (objective.label, *texts, _change(was, now, name)))
-    for key, what in (("excess_time_h", ""), ("least_excess_time_h", ", that error less")):
+    for key, what in ((EXCESS_TIME.name, ""), ("least_excess_time_h", ", that error less")):
         ends = (np.inf if one[key] is None else one[key] for one in (was, now))
         rows.append((f"{EXCESS_TIME.label}{what}", *map(hours, ends), ""))
     columns = (

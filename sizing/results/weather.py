@@ -42,12 +42,7 @@ from sizing.validity.checks import (
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
-from sizing.weather_run import (
-    WeatherPerformance,
-    WeatherRun,
-    wait_for_window,
-    weather_performance,
-)
+from sizing.weather_run import WeatherPerformance, WeatherRun, wait_for_window, weather_performance
 from solar.names import CorrectionName, ModelName
 
 if TYPE_CHECKING:

@@ -32,11 +32,7 @@ from sizing.propulsion.part_load import PartLoad
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
-from sizing.validity.checks import (
-    charge_rate_check,
-    correction_check,
-    design_checks,
-)
+from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
 from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
@@ -162,10 +158,7 @@ class Propagation:
         ]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
         return worst_of(
-            [
-                *told(checks, of=case.count, what="draws"),
-                *told(of_sun, self.day.scenarios),
-            ]
+            [*told(checks, of=case.count, what="draws"), *told(of_sun, self.day.scenarios)]
         )
 
     def endurance_h(

@@ -68,12 +68,7 @@ def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
         if key == "airframe.propulsion.mass_kg_per_w" and value is not None and not np.any(value):
             continue  # parts that were weighed have none
         if value is not None:
-            yield Check(
-                experience(one),
-                value,
-                np.asarray(one.minimum),
-                np.asarray(one.maximum),
-            )
+            yield Check(experience(one), value, np.asarray(one.minimum), np.asarray(one.maximum))
 
 
 def _number_or_numbers(aircraft: Aircraft, key: str) -> FloatArray | None:

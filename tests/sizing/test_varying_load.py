@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from propulsors import VOLTAGE, aircraft
 from scipy.integrate import solve_ivp
 
 import sizing
@@ -24,29 +25,17 @@ from sizing.varying_load import interpolation_error, part_load_of
 from solar.types import FloatArray
 
 MISSION = load_mission("rafz-july")
-VOLTAGE = {
-    "cells_in_series": 6,
-    "state_of_charge": [0.0, 0.1, 0.9, 1.0],
-    "cell_voltage_v": [3.0, 3.4, 4.0, 4.2],
-}
-PARTS: dict[str, Any] = {
-    "kind": "operating_point",
-    "propeller": {"diameter_m": 0.66, "pitch_m": 0.60},
-    "gear": {"ratio": 5.0, "efficiency": 0.96, "mass_kg": 0.06},
-    "motor": "maxon-re40-148867",
-    "controller": {
-        "resistance_ohm": 0.02,
-        "freewheel_voltage_v": 0.7,
-        "switching_loss": 0.005,
-        "idle_power_w": 0.2,
-    },
-    "wiring_resistance_ohm": 0.03,
+CONTROLLER = {
+    "resistance_ohm": 0.02,
+    "freewheel_voltage_v": 0.7,
+    "switching_loss": 0.005,
+    "idle_power_w": 0.2,
 }
 
 
 def atlantiksolar(voltage: dict[str, Any] = VOLTAGE, **parts: Any) -> sizing.Aircraft:
-    values = {"battery.voltage": voltage, "airframe.propulsion": PARTS | parts}
-    return sizing.load_aircraft("atlantiksolar-design", values)
+    own: sizing.Aircraft = aircraft(voltage=voltage, controller=CONTROLLER, **parts)
+    return own
 
 
 AIRCRAFT = {

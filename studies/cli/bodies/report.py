@@ -20,7 +20,9 @@ def report(options: Report) -> None:
     require_climber(case)
     from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second
 
-    record = None if options.weather_file is None else load_weather(options.weather_file)
+    record = (
+        None if options.weather_file is None else load_weather(options.weather_file, case.mission)
+    )
     subject = subject_of(
         case,
         sizing=sizing_of_folder(options.case.aircraft, case),

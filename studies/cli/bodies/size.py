@@ -117,7 +117,7 @@ def _designed(case: Case, options: Size) -> SizingStudy:
             whole_cells=options.whole_cells,
             reliability=options.reliability,
         )
-    weather = load_weather(options.weather_file)
+    weather = load_weather(options.weather_file, case.mission)
     with progress_of("steps of the search") as progress:
         return size_in_weather(
             case.aircraft,

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from propulsors import PARTS as OWN_PARTS
+from propulsors import VOLTAGE
 
 import sizing
 from missions.library import load_mission
@@ -14,19 +16,16 @@ from sizing.design import design_of
 from sizing.propulsion.part_masses import gear_mass_kg, motor_mass_fit
 
 MISSION = load_mission("rafz-july")
-VOLTAGE = {"cells_in_series": 6, "state_of_charge": [0.0, 1.0], "cell_voltage_v": [3.4, 4.2]}
 MOTOR = {
     "speed_constant_rpm_per_v": 317.0,
     "resistance_ohm": 0.299,
     "no_load_current_a": 0.137,
     "maximum_current_a": 6.0,
 }
-PARTS: dict[str, Any] = {
-    "kind": "operating_point",
+PARTS = OWN_PARTS | {
     "propeller": {"diameter_m": 0.66, "pitch_m": 0.60, "mass_kg": 0.05},
     "gear": {"ratio": 5.0, "efficiency": 0.96},
     "motor": MOTOR,
-    "controller": {"resistance_ohm": 0.02},
 }
 
 
