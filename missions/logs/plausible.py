@@ -37,10 +37,10 @@ _APART = 0.5
 # Sunlight on modules is never three times that of a clear sky: Gueymard (2017), Solar Energy 153,
 # 755-765, measured 1.9 kW/m2 below broken clouds. Of five neighbours most are no spikes.
 _SPIKE, _NEIGHBOURS = 3.0, 5
-# A channel is frozen that repeats one value for so long [s] and in so many samples; that repeats
-# none elsewhere for a fifth of that, and whose usual step is three of its finest differences: so that
-# a coarse channel is none. Beyond half of the log it is a constant.
-_FROZEN_S, _LEAST_FROZEN, _RATIO, _STEPS, _MOST_FROZEN = 60.0, 10, 5, 3.0, 0.5
+# A channel is frozen that repeats one value for so long [s] and in so many samples, that repeats
+# none elsewhere for a fifth of that, and whose usual step is three of its finest differences: a
+# coarse channel is not. Beyond half of the log it is a constant.
+_FROZEN_S, _LEAST_FROZEN, _RATIO, _STEPS, _MOST_HELD = 60.0, 10, 5, 3.0, 0.5
 _USUAL = 0.2  # quantile of the steps
 _DARK = 0.02  # share of the highest power below which there is none to speak of
 _GAP_STEPS = 5.0
@@ -127,9 +127,9 @@ def codes(dimension: Dimension, values: FloatArray) -> BoolArray:
 def no_place(latitude_deg: FloatArray, longitude_deg: FloatArray) -> BoolArray:
     """Positions of 0, 0, which receivers without a fix give, where the flight was elsewhere."""
     zero = (latitude_deg == 0.0) & (longitude_deg == 0.0)
-    others = np.abs(latitude_deg[~zero]) + np.abs(longitude_deg[~zero])
-    elsewhere = len(others) > 0 and float(np.nanmedian(others)) > 1.0
-    return np.asarray(zero & elsewhere)
+    others = (np.abs(latitude_deg) + np.abs(longitude_deg))[~zero]
+    others = others[np.isfinite(others)]
+    return zero & bool(len(others) and np.median(others) > 1.0)
 
 
 def stretches(
@@ -154,13 +154,9 @@ def stretches(
             known = known[~spikes]
     if QUANTITIES[quantity].rests or len(known) < _LEAST_FROZEN:
         return
-    held = _held(values[known], time_s[known], dark=_DARK if solar else 0.0)
-    if held.any():
-        highest = held & (values[known] == values[known].max())
-        if solar and highest.any():
-            yield "saturated", among_all(highest)
-        if (held & ~highest).any():
-            yield "frozen", among_all(held & ~highest)
+    for kind, mask in _held(values[known], time_s[known], dark=_DARK if solar else 0.0):
+        if mask.any() and (solar or kind == "frozen"):
+            yield kind, among_all(mask)
 
 
 def _spikes(power: FloatArray) -> BoolArray:
@@ -170,8 +166,8 @@ def _spikes(power: FloatArray) -> BoolArray:
     return np.asarray(size > _SPIKE * usual, bool) & bool(usual > 0.0)
 
 
-def _held(values: FloatArray, time_s: FloatArray, dark: float) -> BoolArray:
-    """Samples of a channel that repeats one value although it never does elsewhere.
+def _held(values: FloatArray, time_s: FloatArray, dark: float) -> Iterator[tuple[Kind, BoolArray]]:
+    """Where a channel repeats one value although it never does elsewhere, or its highest.
 
     ``dark``: share of the largest value below which any may be repeated; zero and the lowest may.
     """
@@ -180,18 +176,23 @@ def _held(values: FloatArray, time_s: FloatArray, dark: float) -> BoolArray:
     number = np.concatenate([[0], np.cumsum(breaks)])
     first = np.flatnonzero(np.concatenate([[True], breaks]))
     last = np.concatenate([first[1:] - 1, [len(values) - 1]])
-    lowest, size = values.min(), np.abs(values[first])
-    counts = (size > dark * np.abs(values).max()) & (values[first] > lowest)
-    length = last - first + 1
-    long = counts & (time_s[last] - time_s[first] >= _FROZEN_S) & (length > _LEAST_FROZEN)
-    moved = steps[steps > 0.0]
+    length, one = last - first + 1, values[first]
+    long = (time_s[last] - time_s[first] >= _FROZEN_S) & (length > _LEAST_FROZEN)
     apart = np.diff(np.unique(values))
     finest = apart[apart > 1e-9 * np.abs(values).max()].min(initial=np.inf)  # beyond rounding
-    if not long.any() or np.quantile(moved, _USUAL) < _STEPS * finest:
-        return np.zeros(len(values), bool)
-    usual = int(length[counts & ~long].max(initial=1))
-    held = (long & (length >= _RATIO * usual))[number]
-    return held if held.mean() < _MOST_FROZEN and not (long[number] & ~held).any() else ~held & held
+    moved = steps[steps > 0.0]
+    if not long.any() or not len(moved) or np.quantile(moved, _USUAL) < _STEPS * finest:
+        return
+    highest = one == values.max()
+    inner = (np.abs(one) > dark * np.abs(values).max()) & (one > values.min()) & ~highest
+    usual = int(length[inner & ~long].max(initial=1))
+    frozen = inner & long
+    if frozen.any() and length[frozen].min() < _RATIO * usual:
+        return
+    kinds: dict[Kind, BoolArray] = {"frozen": frozen, "saturated": highest & long}
+    for kind, runs in kinds.items():
+        if runs[number].mean() < _MOST_HELD:
+            yield kind, runs[number]
 
 
 def repeated(values: Mapping[str, FloatArray]) -> BoolArray:

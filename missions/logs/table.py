@@ -198,7 +198,7 @@ def checked_log(
     left += _held(time_s, values, check.labels)
     remarks += [one.told() for one in left]
     time_s, values = _put_together(time_s, values, remarks)
-    keep = _complete(time_s, values, check.source)
+    keep = _complete(time_s, values, check.source, left)
     time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
     dropped = int(np.count_nonzero(~keep))
     return _assembled(check.source, time_s, values, dropped, remarks, tuple(left))
@@ -397,7 +397,9 @@ def _cell(value: object) -> str:
     return shown(value.item() if isinstance(value, np.generic) else value)
 
 
-def _complete(time_s: FloatArray, values: dict[str, FloatArray], source: str) -> BoolArray:
+def _complete(
+    time_s: FloatArray, values: dict[str, FloatArray], source: str, left: Sequence[LeftOut]
+) -> BoolArray:
     """Rows in which nothing required is missing."""
     required = {TIME: time_s} | {n: values[n] for n in (*REQUIRED, *ATTITUDE) if n in values}
     lacking = {name: int(np.count_nonzero(np.isnan(v))) for name, v in required.items()}
@@ -408,10 +410,11 @@ def _complete(time_s: FloatArray, values: dict[str, FloatArray], source: str) ->
         raise file_error(
             source,
             f"{dropped} of {total} rows lack a required value ({counts}); "
-            f"allowed: at most {MAXIMUM_DROPPED:.0%}",
+            f"allowed: at most {MAXIMUM_DROPPED:.0%}" + "".join(f"; {one.told()}" for one in left),
         )
     if total - dropped < 2:
-        raise file_error(source, "has fewer than two complete rows")
+        why = "".join(f"; {one.told()}" for one in left)
+        raise file_error(source, f"has fewer than two complete rows{why}")
     return np.asarray(keep, bool)
 
 
