@@ -129,7 +129,7 @@ def no_place(latitude_deg: FloatArray, longitude_deg: FloatArray) -> BoolArray:
     zero = (latitude_deg == 0.0) & (longitude_deg == 0.0)
     others = (np.abs(latitude_deg) + np.abs(longitude_deg))[~zero]
     others = others[np.isfinite(others)]
-    return zero & bool(len(others) and np.median(others) > 1.0)
+    return np.asarray(zero & bool(len(others) and np.median(others) > 1.0))
 
 
 def stretches(
