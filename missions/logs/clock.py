@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from missions.files.errors import shown
-from missions.logs.units import UNITS, epoch_unit
+from missions.logs.units import MOST_SINCE_START, UNITS, epoch_unit
 from solar.types import BoolArray, FloatArray
 
 _DAY_S = 86400.0
@@ -230,7 +230,9 @@ def times_from_numbers(
         factor = UNITS["time"][unit or "s"].factor
         first = values[np.isfinite(values)][:1]
         return start_s + factor * (values - (first[0] if len(first) else 0.0)), None
-    epoch = epoch_unit(values)
+    epoch, known = epoch_unit(values), values[np.isfinite(values)]
+    if epoch is None and not (len(known) and np.median(np.abs(known)) <= MOST_SINCE_START):
+        return values, None  # refused by its size, as other times that no flight has
     if epoch is None:
         size = f" ({values[0]:g}, {values[1]:g}, ...)" if len(values) > 1 else ""
         raise ValueError(

@@ -83,7 +83,7 @@ def read_text(source: str, layout: ColumnMap) -> Text:
         raise file_error(source, "is empty; allowed: a header with the names of the columns")
     separator = _separator(lines[0], layout, named[1] if named else None)
     header = [name.strip() for name in next(csv.reader([lines[0]], delimiter=separator))]
-    rows, at = _of_width(source, lines[1:], numbers[1:], separator, len(header), notes)
+    rows, at = _of_width(source, lines, numbers, separator, notes)
     if rows and _are_units(rows[0], separator):
         header = [
             f"{name} [{unit}]" if unit else name
@@ -202,15 +202,11 @@ def _decimal(rows: Sequence[str], separator: str) -> str:
 
 
 def _of_width(
-    source: str,
-    rows: list[str],
-    numbers: list[int],
-    separator: str,
-    expected: int,
-    notes: list[str],
+    source: str, lines: list[str], at: list[int], separator: str, notes: list[str]
 ) -> tuple[list[str], list[int]]:
-    """Rows with as many fields as the header; most must have them."""
-    widths = [_width(row, separator) for row in rows]
+    """Rows with as many fields as the header above them; most must have them."""
+    rows, numbers = lines[1:], at[1:]
+    expected, *widths = (_width(line, separator) for line in lines)
     odd = [(n, width) for n, width in zip(numbers, widths, strict=True) if width != expected]
     if len(odd) > MAXIMUM_DROPPED * len(rows):
         raise InputError(

@@ -324,7 +324,7 @@ class Check:
         if message and wrong.sum() > MAXIMUM_DROPPED * given.sum():
             if column.name not in OPTIONAL:
                 self.complain(column, wrong, message)
-                return values
+                return np.where(wrong, np.nan, values)
             wrong = given  # the rest is right by chance
         row = int(np.argmax(wrong))
         value = f"{values[row]:g}" if np.isfinite(values[row]) else _cell(column.iloc[row])
