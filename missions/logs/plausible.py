@@ -99,18 +99,6 @@ def left_out(
     return LeftOut(column, kind, int(mask.sum()), example, tuple(spans))
 
 
-def range_of(quantity: str) -> str:
-    """Values that a quantity can have, in words."""
-    one = QUANTITIES[quantity]
-    return f"from {one.low:g} to {one.high:g}"
-
-
-def outside(quantity: str, values: FloatArray) -> BoolArray:
-    """Values that a quantity cannot have."""
-    one = QUANTITIES[quantity]
-    return np.asarray((values < one.low) | (values > one.high))
-
-
 def codes(dimension: Dimension, values: FloatArray) -> BoolArray:
     """Values that stand for none, in any unit of the dimension, and are far from all others."""
     written = (*_SIGNED_CODES, *((-1.0,) if dimension == "share" else ()))

@@ -27,8 +27,6 @@ from missions.logs.plausible import (
     codes,
     left_out,
     no_place,
-    outside,
-    range_of,
     repeated,
     stretches,
 )
@@ -387,9 +385,10 @@ def numbers(column: pd.Series, check: Check, quantity: str | None = None) -> Flo
         return values
     if quantity == "time":
         return _of_flight(values, column, check)
-    message = f"must be {range_of(quantity)}{_HINTS.get(quantity, '')}"
-    values = check.without(values, outside(quantity, values), column, "outside", message)
-    marked = codes(QUANTITIES[quantity].dimension, values)
+    dimension, low, high = QUANTITIES[quantity][:3]
+    message = f"must be from {low:g} to {high:g}{_HINTS.get(quantity, '')}"
+    values = check.without(values, (values < low) | (values > high), column, "outside", message)
+    marked = codes(dimension, values)
     return check.without(values, marked, column, "code")
 
 
