@@ -15,19 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import (
-    Design,
-    DesignVariables,
-    closed_design,
-    design_of,
-    load_profile,
-)
+from sizing.design import Design, DesignVariables, closed_design, design_of, load_profile
 from sizing.energy.battery import Battery, Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
+from sizing.held_station import power_against_wind_w
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
 
@@ -238,7 +233,7 @@ def performance_after_days(
     :func:`sizing.energy.settling.simulate_days`.
     """
     design = design_of(aircraft, mission)
-    powers = [_powers(mission, design, date) for date in dates]
+    powers = [_powers(aircraft, mission, design, date) for date in dates]
     solar_w, load_w, nominal = powers[-1]
     store = Store.of(aircraft.battery, np.asarray(design.battery_energy_wh)[..., np.newaxis])
     cycle = simulate_days(
@@ -308,19 +303,19 @@ def performance_in_pairs(
 
 
 def cycle_of_variants(
-    battery: Battery, variants: Sequence[tuple[Design, Mission, SolarDay]]
+    battery: Battery, variants: Sequence[tuple[Aircraft, Mission, Design, SolarDay]]
 ) -> Cycle:
     """Cycles of designs that differ in anything but how their battery charges, in one march.
 
-    ``battery``: that of all of them but for its size. ``variants``: designs with the mission and
-    the day of each; the days have the same scenarios. Returns arrays of shape ``(variant,
+    ``battery``: that of all of them but for its size. ``variants``: aircraft, mission, design and
+    day of each; the days have the same scenarios. Returns arrays of shape ``(variant,
     scenario)``.
     """
-    powers = [_powers(mission, design, day) for design, mission, day in variants]
+    powers = [_powers(*variant) for variant in variants]
     solar_w, load_w, nominal = (np.stack(values) for values in zip(*powers, strict=True))
-    energy_wh = np.array([float(design.battery_energy_wh) for design, _, _ in variants])
+    energy_wh = np.array([float(design.battery_energy_wh) for _, _, design, _ in variants])
     return simulate_cycle(
-        variants[0][2].time_h,
+        variants[0][3].time_h,
         solar_w,
         load_w,
         Store.of(battery, energy_wh[:, np.newaxis]),
@@ -340,40 +335,38 @@ def _simulate(
     paired: bool = False,
 ) -> Performance:
     """Simulate every design in every scenario, or ``paired``: every design in its own."""
-    solar_w, load_w, nominal = _powers(mission, design, day, paired=paired)
+    solar_w, load_w, nominal = _powers(aircraft, mission, design, day, paired=paired)
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
     cycle = simulate_cycle(
-        day.time_h,
-        solar_w,
-        load_w,
-        store,
-        nominal_load_w=nominal,
-        keep_trajectory=keep_trajectory,
+        day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=keep_trajectory
     )
     return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
 
 
 def _powers(
-    mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
+    aircraft: Aircraft, mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Solar power, load and nominal load [W] of every design in every scenario, or in its own."""
 
     def over_scenarios(value: ArrayLike) -> FloatArray:
         return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
 
+    if mission.holds_station:
+        winds = mission.scenario_winds_m_per_s(day.scenarios)
+        power_w = power_against_wind_w(aircraft, mission, design.mapped(over_scenarios), winds)
+    else:
+        power_w = over_scenarios(design.propulsion_power_w)
     # An impossible design draws infinite power; a huge finite one keeps NaN out of the arithmetic.
-    power_w = np.asarray(design.propulsion_power_w)
-    sound = design._replace(propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12))
+    flown = design._replace(
+        propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12),
+        constant_power_w=over_scenarios(design.constant_power_w),
+    )
     area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]
     solar_w = area * day.specific_power_w_per_m2
-    per_scenario = sound._replace(
-        propulsion_power_w=over_scenarios(sound.propulsion_power_w),
-        constant_power_w=over_scenarios(sound.constant_power_w),
-    )
-    load_w = load_profile(day.time_h, per_scenario, mission, day.sunrise_h, day.sunset_h)
+    load_w = load_profile(day.time_h, flown, mission, day.sunrise_h, day.sunset_h)
     load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
-    return solar_w, load_w, np.asarray(per_scenario.nominal_load_w(mission))
+    return solar_w, load_w, np.asarray(flown.nominal_load_w(mission))
 
 
 def perpetual_days(

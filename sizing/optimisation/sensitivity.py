@@ -22,8 +22,7 @@ from sizing.design import FlightConditions, variable_keys
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblem, build_problem
-from sizing.optimisation.result import SizingResult
-from sizing.optimisation.solver import Solution
+from sizing.optimisation.result import SizingResult, Solution
 from sizing.optimisation.variables import RELATIVE_STEP, Role
 from sizing.parameters import catalogue, parameter_value, with_parameter
 from sizing.performance import Performance
@@ -59,10 +58,7 @@ class Sensitivity:
 
 
 def sensitivities(
-    aircraft: Aircraft,
-    mission: Mission,
-    result: SizingResult,
-    solar: SolarModel = UNCORRECTED_CAM,
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel = UNCORRECTED_CAM
 ) -> list[Sensitivity]:
     """Sensitivities of an optimum to every parameter of the catalogue that the aircraft has.
 
@@ -183,7 +179,7 @@ class _Lagrangian:
 
     def _optimum_at(self, aircraft: Aircraft, mission: Mission) -> float:
         day = solar_day(aircraft, mission, self.solar, scenarios=self.scenarios)
-        problem = build_problem(aircraft, len(self.scenarios))
+        problem = build_problem(aircraft, len(self.scenarios), holds=mission.holds_station)
         always = self.optimum.instance.sunlit
         sunlit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
         parameters = problem.parameters(
@@ -191,6 +187,7 @@ class _Lagrangian:
             FlightConditions.of(mission, aircraft),
             sun_parameters(day, mission, sunlit),
             margin=self.optimum.instance.margin,
+            winds_m_per_s=mission.scenario_winds_m_per_s(self.scenarios),
         )
         cost, rows = problem.program.rows(self._point(problem, mission), parameters)
         multipliers = self.optimum.constraint_multipliers

@@ -140,7 +140,7 @@ def _enough(
             design = design_of(aircraft, mission)
         except ImpossibleDesignError:
             continue
-        flown.append((number, aircraft.battery, (design, mission, day.scaled(factor))))
+        flown.append((number, aircraft.battery, (aircraft, mission, design, day.scaled(factor))))
     if flown:
         cycle = cycle_of_variants(flown[0][1], [variant for _, _, variant in flown])
         every = np.all(_hold(cycle, required), axis=-1).tolist()

@@ -31,13 +31,7 @@ from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
 from studies.engine.run import Job, Outcome, compute, pieces
 from studies.grid import VARIED, GridStudy, chunks_of
-from studies.output.columns import (
-    SIZED,
-    SizingStatus,
-    attributes,
-    resize_objective,
-    told_of_cells,
-)
+from studies.output.columns import SIZED, SizingStatus, attributes, resize_objective, told_of_cells
 from studies.output.gridded import Labelled, can_be_result
 from studies.sweeps.axes import (
     DESIGN_KEYS,
