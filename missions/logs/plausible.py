@@ -6,12 +6,13 @@ What a quantity can be, and whether it may rest, is declared once in ``quantitie
 from __future__ import annotations
 
 import datetime
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from missions.logs.clock import Span
 from missions.logs.quantities import QUANTITIES
 from missions.logs.units import UNITS, Dimension
 from solar.types import BoolArray, FloatArray
@@ -192,3 +193,36 @@ def repeated(values: Mapping[str, FloatArray]) -> BoolArray:
     distinct = power.groupby(number).transform("nunique").to_numpy(int)
     rows = np.bincount(number)[number]
     return np.asarray((lag > 0) & (rows >= _LEAST_REPEATED) & (distinct >= _LEAST_DISTINCT))
+
+
+def without_spans(
+    time_s: FloatArray,
+    values: dict[str, FloatArray],
+    exclude: Sequence[Span],
+    zone: datetime.tzinfo | None,
+    left: list[LeftOut],
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Rows outside the times of day that are left out by hand."""
+    keep = np.ones(len(time_s), bool)
+    for span in exclude:
+        inside = span.holds(time_s, zone or datetime.UTC)
+        keep &= ~inside
+        clock = f"{span.text}, {'UTC' if zone is None else zone}"
+        left.append(left_out("", "excluded", inside, time_s, clock))
+    return time_s[keep], {name: v[keep] for name, v in values.items()}
+
+
+def leave_out_held(
+    time_s: FloatArray, values: dict[str, FloatArray], labels: Mapping[str, str]
+) -> list[LeftOut]:
+    """Leave out what neighbours do not allow: spikes, frozen channels, rows written twice."""
+    left = []
+    if "solar_power_w" in values and (copies := repeated(values)).any():
+        left.append(left_out("", "repeated", copies, time_s))
+        values |= {name: np.where(copies, np.nan, v) for name, v in values.items()}
+    for name, column in values.items():
+        for kind, mask in stretches(name, column, time_s):
+            example = f"{column[np.argmax(mask)]:g}"
+            left.append(left_out(labels.get(name, name), kind, mask, time_s, example))
+            values[name] = np.where(mask, np.nan, values[name])
+    return left

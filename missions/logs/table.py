@@ -10,7 +10,7 @@ degrees in files and radians in :class:`FlightLog`.
 from __future__ import annotations
 
 import datetime
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -25,10 +25,10 @@ from missions.logs.plausible import (
     Kind,
     LeftOut,
     codes,
+    leave_out_held,
     left_out,
     no_place,
-    repeated,
-    stretches,
+    without_spans,
 )
 from missions.logs.quantities import QUANTITIES
 from solar.types import BoolArray, FloatArray, IntArray
@@ -192,47 +192,14 @@ def checked_log(
         if len(empty) < len(angles):
             remarks.append(f"the attitude is not used: {', '.join(empty)} not logged")
     time_s, values = _in_order(time_s, values, remarks)
-    time_s, values = _excluded(time_s, values, exclude, zone, left)
-    left += _held(time_s, values, check.labels)
+    time_s, values = without_spans(time_s, values, exclude, zone, left)
+    left += leave_out_held(time_s, values, check.labels)
     remarks += [one.told() for one in left]
     time_s, values = _put_together(time_s, values, remarks)
     keep = _complete(time_s, values, check.source, left)
     time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
     dropped = int(np.count_nonzero(~keep))
     return _assembled(check.source, time_s, values, dropped, remarks, tuple(left))
-
-
-def _excluded(
-    time_s: FloatArray,
-    values: dict[str, FloatArray],
-    exclude: Sequence[Span],
-    zone: datetime.tzinfo | None,
-    left: list[LeftOut],
-) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Rows outside the times of day that are left out by hand."""
-    keep = np.ones(len(time_s), bool)
-    for span in exclude:
-        inside = span.holds(time_s, zone or datetime.UTC)
-        keep &= ~inside
-        clock = f"{span.text}, {'UTC' if zone is None else zone}"
-        left.append(left_out("", "excluded", inside, time_s, clock))
-    return time_s[keep], {name: v[keep] for name, v in values.items()}
-
-
-def _held(
-    time_s: FloatArray, values: dict[str, FloatArray], labels: Mapping[str, str]
-) -> list[LeftOut]:
-    """Leave out what neighbours do not allow: spikes, frozen channels, rows written twice."""
-    left = []
-    if "solar_power_w" in values and (copies := repeated(values)).any():
-        left.append(left_out("", "repeated", copies, time_s))
-        values |= {name: np.where(copies, np.nan, v) for name, v in values.items()}
-    for name, column in values.items():
-        for kind, mask in stretches(name, column, time_s):
-            example = f"{column[np.argmax(mask)]:g}"
-            left.append(left_out(labels.get(name, name), kind, mask, time_s, example))
-            values[name] = np.where(mask, np.nan, values[name])
-    return left
 
 
 def _in_order(
