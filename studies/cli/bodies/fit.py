@@ -46,7 +46,7 @@ def fit(options: Fit) -> None:
     )
     record, shown = case.named(fitted.to_dict()), fitted.summary()
     if other_log is not None:
-        other = read_log(replace(options.log, log_file=other_log))
+        other = read_log(replace(options.log, log_file=other_log, start=None, exclude=()))
         prediction = predict_flight(fitted, other, case.mission)
         record["prediction"] = prediction.to_dict()
         shown = shown + Summary((prediction.table(),))
