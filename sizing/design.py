@@ -30,9 +30,15 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.balance.in_design import polar_with_tail, structure_with_tail
 from sizing.parameters import catalogue, replaced
-from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion, air_of
+from sizing.propulsion.chain import (
+    LINKS,
+    ChainOfParts,
+    OperatingPointPropulsion,
+    Propulsion,
+    air_of,
+)
 from sizing.smooth import Value
-from sizing.structures.agreement import other_model
+from sizing.structures.agreement import CALIBRATIONS, other_model
 from sizing.structures.assessment import StructureAssessment, assess
 from sizing.structures.flight_envelope import flight_envelope
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
@@ -43,6 +49,7 @@ from solar.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
+    from sizing.propulsion.part_load import PartLoad
 
 
 class ImpossibleDesignError(ValueError):
@@ -332,10 +339,13 @@ def propulsion_margins(
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion) or propulsion.is_exact:
         return {}
+    from sizing.propulsion.smooth_chain import SmoothPropulsion
+
+    assert isinstance(propulsion, SmoothPropulsion)
     assert design.chain is not None
     # The thrust, whatever the propulsion's own efficiency is.
     thrust_w = design.propulsion_power_w * design.chain.efficiency
-    own = _of_its_size(propulsion, design.variables)
+    own = propulsion.sized(*design.variables.of_propulsion)
     speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(aircraft)
     return own.margins(thrust_w, speed, conditions.air, bus_v)
 
@@ -502,16 +512,19 @@ def structure_by_both(
 ) -> dict[str, Value] | None:
     """Mass of the structure by the file's model, and by the other one, without mass growth [kg].
 
-    By their names, the file's first; None where there is no second opinion.
+    By their names, the file's first; None where there is no second opinion. The other one has the
+    calibration of the file too, relative to that of AtlantikSolar.
     """
     sized = _sized_structure(aircraft, mission, design)
-    if sized is None:
+    other = None if sized is None else other_model(sized[0])
+    if sized is None or other is None:
         return None
     structure, inputs = sized
-    other = other_model(structure)
-    if other is None:
-        return None
-    return {one.model: one.mass_kg(inputs) for one in (structure, other)}
+    factor = structure.calibration / CALIBRATIONS[structure.model]
+    return {
+        structure.model: structure.mass_kg(inputs),
+        other.model: factor * other.mass_kg(inputs),
+    }
 
 
 def _sized_rib_wing(
@@ -687,11 +700,14 @@ def _link(chain: Propulsion, name: str) -> Value:
 def _links_of(chain: Propulsion, function: Callable[[Value], Value]) -> Propulsion:
     """Chain with a function of every link's efficiency."""
     links = {f"{name}_efficiency": function(_link(chain, name)) for name in LINKS}
-    return chain.model_copy(update=links)
+    mapped = chain.model_copy(update=links)
+    return mapped.mapped(function) if isinstance(mapped, ChainOfParts) else mapped
 
 
 # Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
 _ROUNDS, _SETTLED = 30, 1e-10
+# In these an estimated mass of a gear is found with usual efficiencies, well within a gram.
+_MASS_ROUNDS = 3
 # Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
 # closes, a long step might pass the lightest solution and find a heavier one.
 _STEEPEST = 0.8
@@ -799,12 +815,21 @@ def operating_reason(
     if not isinstance(propulsion, OperatingPointPropulsion):
         return ""
     variables = variables_of(aircraft) if variables is None else variables
-    airframe = aircraft.airframe.model_copy(update={"propulsion": first_chain(propulsion)})
-    usual = aircraft.model_copy(update={"airframe": airframe})
-    design = closed_design(usual, mission, variables)
-    if not np.isfinite(design.total_mass_kg):
-        return ""
-    return str(level_point(aircraft, mission, design).reason)
+    chain, reason = first_chain(propulsion), ""
+    for _ in range(_MASS_ROUNDS):
+        airframe = aircraft.airframe.model_copy(update={"propulsion": chain})
+        usual = aircraft.model_copy(update={"airframe": airframe})
+        design = closed_design(usual, mission, variables)
+        if not np.isfinite(design.total_mass_kg):
+            break
+        point = level_point(aircraft, mission, design)
+        reason = str(point.reason)
+        links = {name: _link(chain, name) for name in LINKS}
+        own = _of_its_size(propulsion, variables)
+        if own.gear.mass_kg is not None:
+            break
+        chain = own.with_links(links, point.propeller_torque_nm, design.propulsion_power_w)
+    return reason
 
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
@@ -859,12 +884,20 @@ def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) 
 
 
 def load_profile(
-    time_h: ArrayLike, design: Design, mission: Mission, sunrise_h: ArrayLike, sunset_h: ArrayLike
+    time_h: ArrayLike,
+    design: Design,
+    mission: Mission,
+    sunrise_h: ArrayLike,
+    sunset_h: ArrayLike,
+    part_load: PartLoad | None = None,
+    bus_v: FloatArray | None = None,
 ) -> Value:
     """Load over the day: level flight, turbulence and thermals.
 
-    ``mission``: with its turbulence; draws of it are arrays of the batch. Returns power that the
-    aircraft draws [W].
+    ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: power of a
+    propulsion whose efficiency is that of the moment, with axes for scenarios and time; ``bus_v``:
+    voltage at the nodes, by default that of :meth:`PartLoad.at`. Returns power that the aircraft
+    draws [W].
     """
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
     constant = np.asarray(design.constant_power_w)[..., np.newaxis]
@@ -873,6 +906,9 @@ def load_profile(
         for value in (mission.turbulence.all_day, mission.turbulence.thermal)
     )
     steady = 1.0 + all_day
+    if part_load is not None:
+        thermal = most * thermal_shape(time_h, sunrise_h, sunset_h)
+        return propulsion * part_load.at(steady + thermal, bus_v) + constant
     if not np.any(most):
         load = propulsion * steady + constant
         shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))

@@ -38,7 +38,7 @@ def _steps() -> dict[str, dict[str, Any]]:
     }
     steps = {}
     for name, keys in STEPS.items():
-        base = base | keys
+        base = {**base, **keys}
         steps[name] = base
     return steps
 

@@ -220,16 +220,22 @@ class Battery(OfCatalogue):
     @property
     def ends_v(self) -> tuple[float, float] | None:
         """Voltages where it counts as empty and as full [V]; None without a table of voltages."""
-        if self.voltage is None or self.pack is None:
-            return None if self.voltage is None else self.voltage.ends_v
-        table = self.voltage.state_of_charge
-        ends = np.clip(
-            (self.pack.minimum_state_of_charge, self.pack.maximum_state_of_charge),
-            table[0],
-            table[-1],
-        )
-        low, high = self.voltage.voltage_v(ends)
+        if self.voltage is None:
+            return None
+        low, high = self.bus_voltage_v(np.array([0.0, 1.0]))
         return float(low), float(high)
+
+    def bus_voltage_v(self, state_of_charge: FloatArray) -> FloatArray:
+        """Voltage of the bus at shares of the usable energy [V]; held where the table ends.
+
+        That energy is what lies between the ends of a pack's window, or all.
+        """
+        assert self.voltage is not None
+        charge, table = state_of_charge, self.voltage.state_of_charge
+        if self.pack is not None:
+            least = self.pack.minimum_state_of_charge
+            charge = least + (self.pack.maximum_state_of_charge - least) * charge
+        return self.voltage.voltage_v(np.clip(charge, table[0], table[-1]))
 
     @property
     def battery_energy_wh(self) -> float:

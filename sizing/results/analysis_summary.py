@@ -23,9 +23,11 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
+from sizing.results.part_masses import part_masses_line
 from sizing.results.power_budget import power_line
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
+from sizing.results.varying_efficiency import varying_line
 from sizing.results.whole_cells import cells_lines, cells_record
 from sizing.results.wind import wind_rows
 from sizing.validity.ranges import where_error_is_known
@@ -57,6 +59,10 @@ def summary(analysis: Analysis) -> Summary:
     table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks.append(power_line(analysis.power_budget))
+    if analysis.part_masses is not None:
+        blocks.append(part_masses_line(analysis.part_masses))
+    if analysis.varying_efficiency is not None:
+        blocks.append(varying_line(analysis.varying_efficiency))
     blocks += structure_blocks(analysis.structure)
     blocks += balance_blocks(analysis.drag_coefficients, analysis.balance)
     if several:

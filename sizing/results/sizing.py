@@ -50,6 +50,7 @@ from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
+from sizing.results.part_masses import PartMasses, part_masses
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import NEGLIGIBLE, check_subjects, finite, finite_values
 from sizing.results.requirement_margins import (
@@ -228,6 +229,11 @@ class SizingStudy(Result):
         return structure_assessment(self.aircraft, self.mission, design)
 
     @cached_property
+    def part_masses(self) -> PartMasses | None:
+        """Masses of the optimum's propulsion that are estimated; None where there are none."""
+        return None if self.design is None else part_masses(self.aircraft, self.design)
+
+    @cached_property
     def power_budget(self) -> PowerBudget | None:
         """Where the optimum's power of level flight goes; None without one."""
         design = self.result.design
@@ -267,6 +273,8 @@ class SizingStudy(Result):
         }
         budget, structure = self.power_budget, self.structure
         record["power_budget"] = None if budget is None else budget.to_dict()
+        if self.part_masses is not None:
+            record["part_masses"] = self.part_masses.to_dict()
         record["structure"] = None if structure is None else structure.to_dict()
         if self.balance is not None:
             record["balance"] = self.balance.to_dict()

@@ -30,6 +30,7 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
+from sizing.results.part_masses import part_masses_line
 from sizing.results.power_budget import power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours, relative_change
@@ -66,6 +67,8 @@ def summary(study: SizingStudy) -> Summary:
     blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
     if study.power_budget is not None:
         blocks.append(power_line(study.power_budget))
+    if study.part_masses is not None:
+        blocks.append(part_masses_line(study.part_masses))
     blocks += _whole_cells(study)
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)

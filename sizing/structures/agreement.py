@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from types import MappingProxyType
 
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.spar import SparStructure
@@ -12,6 +13,7 @@ from sizing.structures.web_core import WebCore
 # Fitted to the structure of AtlantikSolar, 1.35 kg at 5.65 m, each with the keys below.
 RIB_WING_CALIBRATION = 1.188
 SPAR_CALIBRATION = 1.109
+CALIBRATIONS = MappingProxyType({"rib_wing": RIB_WING_CALIBRATION, "spar": SPAR_CALIBRATION})
 
 
 @cache

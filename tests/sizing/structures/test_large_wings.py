@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from builders import DESIGN, mission
+from builders import aircraft as shipped_aircraft
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
@@ -23,6 +24,7 @@ from sizing.design import (
     structure_inputs,
     variables_of,
 )
+from sizing.own_models import register_drag
 from sizing.structures.assessment import assess
 from sizing.structures.bracing import Bracing
 from sizing.structures.loads import StructureInputs
@@ -300,3 +302,15 @@ def structure_of(aircraft: Aircraft, design: Design) -> tuple[RibWingStructure, 
 def test_keys_that_cannot_be_are_refused(keys: dict[str, Any], said: str) -> None:
     with pytest.raises(ValidationError, match=said):
         of_airframe(structure=large(**keys))
+
+
+def test_a_tail_without_a_boom_and_wires_on_a_polar_of_ones_own_are_refused() -> None:
+    twin = shipped_aircraft("twin-boom-design").model_dump(exclude_unset=True)
+    twin["airframe"]["structure"]["booms"] = 0
+    with pytest.raises(ValidationError, match=r"must be 1 or 2 with airframe.tail \(got 0\)"):
+        Aircraft.model_validate(twin)
+    register_drag("constant of large wings", lambda inputs: 0.03)
+    own = {"model": "own", "name": "constant of large wings"}
+    own |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
+    with pytest.raises(ValidationError, match="parabolic or wing_polar"):
+        of_airframe(structure=large(bracing=WIRE), aerodynamics=own)

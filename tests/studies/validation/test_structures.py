@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from importlib import resources
+from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
+from missions.library import load_mission
+from sizing.design import closed_design, variables_of
+from sizing.library import load_aircraft
 from studies.validation.structures.comparison import (
     Interval,
     PublishedStructure,
@@ -54,8 +58,8 @@ def test_intervals_of_large_aircraft_tell_something() -> None:
 def test_heliplat_is_near_the_law_of_its_own_sizing() -> None:
     """Airframe of ``8.75 n^0.311 AR^0.4665 S^0.7775`` newton, a law of solar HALE aircraft.
 
-    Youngblood, Talay & Pegg, AIAA 84-1430, with the limit load factor 3.1 that sized HELIPLAT. It
-    is a statistic of sized designs: within 30 %.
+    Romeo et al., HELIPLAT, J. Aircraft 41 (2004) 1505, with its limit load factor of 3.1. A law of
+    three exponents for all such aircraft: within 30 %.
     """
     ratio = 73.0**2 / 176.5
     law_kg = 8.75 * 3.1**0.311 * ratio**0.4665 * 176.5**0.7775 / 9.80665
@@ -111,3 +115,23 @@ def test_table_has_a_row_for_each_aircraft() -> None:
     table = structures_table()
     assert [row[0] for row in table.rows] == [one.name for one in AIRCRAFT.values()]
     assert isinstance(AIRCRAFT["helios"], PublishedStructure)
+
+
+def test_what_init_writes_closes_at_zephyrs_mass_with_zephyrs_masses(tmp_path: Path) -> None:
+    """75 kg at 25 m with 24 kg of battery; version 1.0 gave 92 kg, with a deflection limit 570."""
+    text = (resources.files("studies") / "templates" / "aircraft.yaml").read_text(encoding="utf-8")
+    file = tmp_path / "zephyr.yaml"
+    file.write_text(text.replace("NAME", "zephyr"), encoding="utf-8")
+    changes = {
+        "airframe.wingspan_m": 25.0,
+        "airframe.aspect_ratio": 22.0,
+        "airframe.avionics_mass_kg": 4.0,
+        "battery.mass_kg": 24.0,
+        "modules.area_m2": 20.0,
+        "modules.mass_kg_per_m2": 0.3,
+    }
+    aircraft = load_aircraft(str(file), changes)
+    mission = load_mission("rafz-july", {"altitude_m": 18300.0, "payload.mass_kg": 5.0})
+    found = closed_design(aircraft, mission, variables_of(aircraft))
+    # The propulsion is that of the example of 4 m, 3 kg lighter than the assumed one of Zephyr.
+    assert float(found.total_mass_kg) == pytest.approx(75.0, abs=6.0)
