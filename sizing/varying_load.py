@@ -230,7 +230,8 @@ class DesignLoads:
         if self.own_solar_w is not None:
             return self.own_solar_w
         area = self._over_scenarios(self.design.variables.module_area_m2)[..., np.newaxis]
-        return np.asarray(area * self.day.specific_power_w_per_m2)
+        power = self.day.power_of(self.design, self.mission, paired=self.paired)
+        return np.asarray(area * power)
 
     @property
     def follows_voltage(self) -> bool:

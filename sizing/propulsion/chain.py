@@ -240,18 +240,9 @@ class OperatingPointPropulsion(Record):
     ) -> OperatingPoint:
         """Operating point of one propulsor in level flight.
 
-        Parameters
-        ----------
-        thrust_power_w, airspeed_m_per_s, air
-            Of the whole aircraft; numbers or arrays.
-        bus_voltage_v : tuple of float
-            Of the empty and of the full battery [V]. It must work at both; of the two, the one that
-            takes more power counts.
-
-        Returns
-        -------
-        OperatingPoint
-            Of the arguments' shape.
+        ``thrust_power_w``, ``airspeed_m_per_s``, ``air``: of the whole aircraft; numbers or arrays.
+        ``bus_voltage_v``: of the empty and of the full battery [V]. It must work at both; of the
+        two, the one that takes more power counts. Returns of the arguments' shape.
         """
         from sizing.propulsion.operating_point import OperatingPoint, operating_point
 

@@ -30,6 +30,7 @@ from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
 from sizing.results.varying_efficiency import varying_line
 from sizing.results.whole_cells import cells_lines, cells_record
 from sizing.results.wind import wind_rows
+from sizing.validity.ranges import where_error_is_known
 from solar.sun import solar_time_h
 
 
@@ -166,6 +167,12 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
     beyond = ", on top of the mission's uncertainty margins," if given else ""
     plain = solar.correction == "none"
     error = "the model's RMS error" if plain else "the RMS error left after it"
+    if where := where_error_is_known(mission.altitude_m):
+        return (
+            f"{solar.label}; its error at {mission.altitude_m:g} m is not known. One of "
+            f"{100 * solar.rms_relative:.0f} % of the mean power,{where},{beyond[1:]} "
+            f"would {means.replace('leaves', 'leave', 1).replace('puts', 'put', 1)}."
+        )
     return (
         f"{solar.label}; {error} of "
         f"{100 * solar.rms_relative:.0f} % of the mean power{beyond} {means}."

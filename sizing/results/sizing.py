@@ -28,6 +28,7 @@ from sizing.margins.probability import Reliability, check_reliability, size_reli
 from sizing.margins.season_days import Survival
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
+from sizing.optimisation.module_flow import with_flow_of_optimum
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
@@ -455,6 +456,9 @@ def size(
         if study is not None:
             return study
     aircraft, start = with_smooth_chain(aircraft, mission, wanted, solar, **options)
+    aircraft, start = with_flow_of_optimum(
+        *(aircraft, mission, wanted, solar), start=start, **options
+    )
     problems = options["problems"] = SizingProblems(aircraft)
     if reliability is not None:
         if with_sensitivities or with_cross_check:
@@ -662,7 +666,9 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
         },
         **software_record(),
     }
-    condition = battery_record(aircraft, mission)
+    flown = result.simulated or result.nearest
+    mass_kg = None if flown is None else float(flown.design.variables.battery_mass_kg)
+    condition = battery_record(aircraft, mission, mass_kg)
     if condition is not None:
         record["battery_condition"] = condition
     record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
