@@ -15,15 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import Design, DesignVariables, closed_design, design_of, load_profile
+from sizing.design import Design, DesignVariables, closed_design, design_of
 from sizing.energy.battery import Battery, Store
-from sizing.energy.cycle import Cycle, simulate_cycle
+from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
-from sizing.held_station import power_against_wind_w
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.varying_load import DesignLoads, flown_cycle
 from solar.types import BoolArray, FloatArray
 
 # Scenarios whose best launch is searched for together.
@@ -233,18 +233,21 @@ def performance_after_days(
     :func:`sizing.energy.settling.simulate_days`.
     """
     design = design_of(aircraft, mission)
-    powers = [_powers(aircraft, mission, design, date) for date in dates]
-    solar_w, load_w, nominal = powers[-1]
+    # Voltages are those of the end that takes more: no day's charge is known before it is flown.
+    loads = [DesignLoads.of(aircraft, mission, design, date) for date in dates]
+    solar_w, load_w = ([one.solar_w for one in loads], [one.load_w() for one in loads])
+    nominal = loads[-1].nominal_w()
     store = Store.of(aircraft.battery, np.asarray(design.battery_energy_wh)[..., np.newaxis])
     cycle = simulate_days(
         dates[-1].time_h,
-        [power[0] for power in powers],
-        [power[1] for power in powers],
+        solar_w,
+        load_w,
         store,
         nominal_load_w=nominal,
     )
     day = replace(dates[-1], scenarios=dates[0].scenarios)
-    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
+    last = (solar_w[-1], load_w[-1], nominal)
+    return Performance(design, mission, solar, day, *last, store, cycle)
 
 
 def performance_of_designs(
@@ -302,26 +305,15 @@ def performance_in_pairs(
     return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)
 
 
-def cycle_of_variants(
-    battery: Battery, variants: Sequence[tuple[Aircraft, Mission, Design, SolarDay]]
-) -> Cycle:
+def cycle_of_variants(battery: Battery, variants: Sequence[DesignLoads]) -> Cycle:
     """Cycles of designs that differ in anything but how their battery charges, in one march.
 
-    ``battery``: that of all of them but for its size. ``variants``: aircraft, mission, design and
-    day of each; the days have the same scenarios. Returns arrays of shape ``(variant,
-    scenario)``.
+    ``battery``: that of all of them but for its size. ``variants``: their days have the same
+    scenarios. Returns arrays of shape ``(variant, scenario)``.
     """
-    powers = [_powers(*variant) for variant in variants]
-    solar_w, load_w, nominal = (np.stack(values) for values in zip(*powers, strict=True))
-    energy_wh = np.array([float(design.battery_energy_wh) for _, _, design, _ in variants])
-    return simulate_cycle(
-        variants[0][3].time_h,
-        solar_w,
-        load_w,
-        Store.of(battery, energy_wh[:, np.newaxis]),
-        nominal_load_w=nominal,
-        keep_trajectory=False,
-    )
+    energy_wh = np.array([float(one.design.battery_energy_wh) for one in variants])
+    store = Store.of(battery, energy_wh[:, np.newaxis])
+    return flown_cycle(variants, store, battery, keep_trajectory=False)[0]
 
 
 def _simulate(
@@ -335,38 +327,13 @@ def _simulate(
     paired: bool = False,
 ) -> Performance:
     """Simulate every design in every scenario, or ``paired``: every design in its own."""
-    solar_w, load_w, nominal = _powers(aircraft, mission, design, day, paired=paired)
+    loads = DesignLoads.of(aircraft, mission, design, day, paired=paired)
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
-    cycle = simulate_cycle(
-        day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=keep_trajectory
+    cycle, load_w, nominal = flown_cycle(
+        loads, store, aircraft.battery, keep_trajectory=keep_trajectory
     )
-    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
-
-
-def _powers(
-    aircraft: Aircraft, mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Solar power, load and nominal load [W] of every design in every scenario, or in its own."""
-
-    def over_scenarios(value: ArrayLike) -> FloatArray:
-        return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
-
-    if mission.holds_station:
-        winds = mission.scenario_winds_m_per_s(day.scenarios)
-        power_w = power_against_wind_w(aircraft, mission, design.mapped(over_scenarios), winds)
-    else:
-        power_w = over_scenarios(design.propulsion_power_w)
-    # An impossible design draws infinite power; a huge finite one keeps NaN out of the arithmetic.
-    flown = design._replace(
-        propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12),
-        constant_power_w=over_scenarios(design.constant_power_w),
-    )
-    area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]
-    solar_w = area * day.specific_power_w_per_m2
-    load_w = load_profile(day.time_h, flown, mission, day.sunrise_h, day.sunset_h)
-    load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
-    return solar_w, load_w, np.asarray(flown.nominal_load_w(mission))
+    return Performance(design, mission, solar, day, loads.solar_w, load_w, nominal, store, cycle)
 
 
 def perpetual_days(

@@ -14,7 +14,12 @@ from missions.mission import Scenarios
 from sizing.aircraft import Aircraft
 from sizing.parameters import parameter
 from sizing.performance import Performance
-from sizing.validity.checks import altitude_checks, battery_checks, flight_checks
+from sizing.validity.checks import (
+    altitude_checks,
+    battery_checks,
+    flight_checks,
+    module_check,
+)
 from sizing.validity.ranges import (
     EXPERIENCE,
     Check,
@@ -42,7 +47,10 @@ def extrapolations(
         highest = perf.mission.at_altitude(float(np.max(highest_altitude_m)))
         up_there = [
             *altitude_checks(perf.mission, perf.solar, highest_altitude_m),
-            *battery_checks(aircraft.battery, highest.air_state().temperature_c),
+            *module_check(aircraft, perf.mission, highest_altitude_m),
+            *battery_checks(
+                *(aircraft.battery, highest.air_state().temperature_c, highest_altitude_m)
+            ),
         ]
         checks = [one for one in checks if one.range.quantity not in _OF_HEIGHT]
         checks += [one for one in up_there if one.range.quantity in _OF_HEIGHT]

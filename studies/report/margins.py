@@ -21,6 +21,7 @@ from sizing.performance import cycle_of_variants
 from sizing.results.records import relative_change
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarDay
+from sizing.varying_load import DesignLoads
 from solar.types import BoolArray
 from studies.report.subject import Subject
 
@@ -138,9 +139,10 @@ def _enough(
         aircraft, mission, factor = one.changed(value)
         try:
             design = design_of(aircraft, mission)
+            loads = DesignLoads.of(aircraft, mission, design, day.scaled(factor))
         except ImpossibleDesignError:
             continue
-        flown.append((number, aircraft.battery, (aircraft, mission, design, day.scaled(factor))))
+        flown.append((number, aircraft.battery, loads))
     if flown:
         cycle = cycle_of_variants(flown[0][1], [variant for _, _, variant in flown])
         every = np.all(_hold(cycle, required), axis=-1).tolist()
