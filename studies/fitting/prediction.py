@@ -24,7 +24,8 @@ from sizing.energy.battery import Store
 from sizing.energy.march import empty_after_h, march
 from sizing.energy.power_balance import PowerBalance
 from sizing.results.tables import Column, Table
-from solar.types import FloatArray, IntArray
+from solar.sun import sun_position
+from solar.types import BoolArray, FloatArray
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Flown, Predict
 from studies.fitting.channels.flight_errors import FlightError, flight_errors
@@ -35,7 +36,7 @@ from studies.flight_logs.verification import DEFAULT_MISSION, verify
 
 _STEP_S = 60.0
 _FULL = 0.999
-_NIGHT_H = 0.5  # between sunlit samples: longer is a night, shorter a gap of the log
+_NIGHT_H = 0.5  # longer than twilight before a launch at dawn
 _EMPTY = 0.02  # state of charge at the end of a log that counts as a flight to the last
 
 
@@ -220,14 +221,12 @@ def _least(hours: FloatArray, charge: FloatArray, night_h: float | None) -> floa
     return float(charge[later].min(initial=charge[-1]))
 
 
-def _first_night_h(log: FlightLog, lit: IntArray) -> float | None:
+def _first_night_h(hours: FloatArray, dark: BoolArray) -> float | None:
     """Hours from the start to the first night that is longer than twilight; None without one."""
-    dark = np.ones(len(log), bool)
-    dark[lit] = False
     ends = np.flatnonzero(np.diff(dark.astype(int), prepend=0, append=0))
     for first, last in zip(ends[::2], ends[1::2] - 1, strict=True):
-        if log.time_s[last] - log.time_s[first] > _NIGHT_H * 3600.0:
-            return float(log.time_s[first] - log.time_s[0]) / 3600.0
+        if hours[last] - hours[first] > _NIGHT_H:
+            return float(hours[first])
     return None
 
 
@@ -241,7 +240,7 @@ class _Forecast:
     sunlit: FloatArray
     power: Predict
     ends_dark: bool
-    night_h: float | None
+    dark: BoolArray
     errors: tuple[FlightError, ...]
 
     @classmethod
@@ -252,16 +251,24 @@ class _Forecast:
         assert log.state_of_charge is not None  # checked by predict_flight
         known = log.state_of_charge[~np.isnan(log.state_of_charge)]
         count = max(2, int(np.ceil((log.time_s[-1] - log.time_s[0]) / _STEP_S)) + 1)
+        time_s = np.linspace(log.time_s[0], log.time_s[-1], count)
+        degrees = (log.latitude_deg, log.longitude_deg)
+        place = (np.interp(time_s, log.time_s, one) for one in degrees)
         return cls(
             flown=flown,
-            hours=np.linspace(0.0, (log.time_s[-1] - log.time_s[0]) / 3600.0, count),
+            hours=(time_s - log.time_s[0]) / 3600.0,
             start_charge=float(np.median(known[:10])),
             sunlit=(log.time_s[index] - log.time_s[0]) / 3600.0,
             power=solar_model(flown, index),
             ends_dark=bool(lit[-1] < len(log) - 1),
-            night_h=_first_night_h(log, lit),
+            dark=np.asarray(sun_position(time_s, *place).elevation_rad <= 0.0),
             errors=flight_errors(forward_model(flown, index), fit.light_sigma),
         )
+
+    @property
+    def night_h(self) -> float | None:
+        """Start of the first night."""
+        return _first_night_h(self.hours, self.dark)
 
     def factor(self, fit: FlightFit, errors: FloatArray) -> FloatArray:
         """Solar power with errors of the aircraft's model over that without."""
@@ -292,10 +299,8 @@ class _Forecast:
         load_w = float(design.nominal_load_w(mission))
         shone = self.power(aircraft) * factor
         solar_w = np.interp(self.hours, self.sunlit, shone, left=0.0, right=0.0)
-        # From the last light of an evening to the first of a morning nothing shines.
-        behind = np.clip(np.searchsorted(self.sunlit, self.hours) - 1, 0, len(self.sunlit) - 1)
-        ahead = np.clip(behind + 1, 0, len(self.sunlit) - 1)
-        solar_w[(self.sunlit[ahead] - self.sunlit[behind]) > _NIGHT_H] = 0.0
+        # The sun shines in a gap of the log as well.
+        solar_w[self.dark] = 0.0
         store = Store.of(aircraft.battery, design.battery_energy_wh)
         energy = np.asarray(self.start_charge * float(store.battery_energy_wh))
         balance = PowerBalance.of(self.hours, solar_w, np.full(len(self.hours), load_w))
