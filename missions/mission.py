@@ -226,10 +226,12 @@ class Climb(Record):
     """Surplus power stored as height by day, to sink to the mission's altitude in the evening.
 
     ``battery_full`` climbs once the battery is full, ``surplus`` with whatever the charger leaves
-    over at any time.
+    over at any time. ``minimum_altitude_m``: the night's floor, which the aircraft does not sink
+    below; another name for the mission's altitude, which need not be given beside it.
     """
 
     ceiling_m: Altitude
+    minimum_altitude_m: Altitude | None = None
     strategy: Literal["battery_full", "surplus"] = "battery_full"
 
 
@@ -278,10 +280,46 @@ class Mission(FileRecord):
         named_clear_sky(value)
         return value
 
+    @model_validator(mode="before")
+    @classmethod
+    def _altitude_of_floor(cls, data: Any) -> Any:
+        """The night's floor is the mission's altitude, where the file gives that instead."""
+        if not isinstance(data, Mapping) or "altitude_m" in data:
+            return data
+        climb = data.get("climb")
+        floor_m = climb.get("minimum_altitude_m") if isinstance(climb, Mapping) else None
+        # What is no altitude is told once, at its own key.
+        if not isinstance(floor_m, int | float) or isinstance(floor_m, bool):
+            return data
+        allowed = MINIMUM_ALTITUDE_M <= floor_m <= MAXIMUM_ALTITUDE_M
+        return {**data, "altitude_m": floor_m} if allowed else data
+
     @model_validator(mode="after")
     def _check_climb(self) -> Mission:
         if self.climb is None:
             return self
+        floor_m = self.climb.minimum_altitude_m
+        if floor_m is not None and floor_m > self.climb.ceiling_m:
+            raise PydanticCustomError(
+                "high_floor",
+                "must be at most climb.ceiling_m of {ceiling} (got {floor})",
+                {
+                    "key": "climb.minimum_altitude_m",
+                    "ceiling": f"{self.climb.ceiling_m:g}",
+                    "floor": f"{floor_m:g}",
+                },
+            )
+        if floor_m is not None and floor_m != self.altitude_m:
+            raise PydanticCustomError(
+                "two_floors",
+                "is the mission's altitude_m by another name: leave one of them out "
+                "(got {floor}, altitude_m is {altitude})",
+                {
+                    "key": "climb.minimum_altitude_m",
+                    "altitude": f"{self.altitude_m:g}",
+                    "floor": f"{floor_m:g}",
+                },
+            )
         if self.climb.ceiling_m < self.altitude_m:
             raise PydanticCustomError(
                 "low_ceiling",
