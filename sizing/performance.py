@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.altitude.climb_day import cycles_with_climb
+from sizing.altitude.climb_levels import flight_levels
 from sizing.design import (
     Design,
     DesignVariables,
@@ -343,6 +345,12 @@ def _simulate(
     solar_w, load_w, nominal = _powers(mission, design, day, paired=paired)
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
+    if mission.climb is not None:
+        levels = flight_levels(aircraft, mission, design, day, paired=paired)
+        batch = solar_w.shape[:-1]
+        own = store.flat(batch)
+        cycle = cycles_with_climb(day.time_h, levels, own, mission.climb.strategy).reshaped(batch)
+        return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
     cycle = simulate_cycle(
         day.time_h,
         solar_w,

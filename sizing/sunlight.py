@@ -6,7 +6,7 @@ mission's uncertainty margin is taken off.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -75,7 +75,9 @@ class SolarDay:
     """Specific power over the day in each scenario: all that a design needs of the sun.
 
     ``specific_power_w_per_m2`` has the shape ``(scenario, time)``; ``sunrise_h`` and ``sunset_h``
-    are those of the geometric sun [solar h].
+    are those of the geometric sun [solar h]. ``aloft_w_per_m2`` is the specific power at the levels
+    of a mission with climbs (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one
+    included, of shape ``(level, scenario, time)``; None for flight at one altitude.
     """
 
     scenarios: Scenarios
@@ -83,10 +85,12 @@ class SolarDay:
     specific_power_w_per_m2: FloatArray
     sunrise_h: FloatArray
     sunset_h: FloatArray
+    aloft_w_per_m2: FloatArray | None = None
 
     @classmethod
     def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
         """Scenarios of several days with the same time axis, one day after the other."""
+        aloft = [d.aloft_w_per_m2 for d in days if d.aloft_w_per_m2 is not None]
         return cls(
             Scenarios(
                 np.concatenate([d.scenarios.latitude_deg for d in days]),
@@ -96,16 +100,25 @@ class SolarDay:
             np.concatenate([d.specific_power_w_per_m2 for d in days]),
             np.concatenate([d.sunrise_h for d in days]),
             np.concatenate([d.sunset_h for d in days]),
+            np.concatenate(aloft, axis=1) if aloft else None,
         )
 
     def scaled(self, factor: float) -> SolarDay:
         """Same day with all power multiplied by a factor."""
-        return replace(self, specific_power_w_per_m2=self.specific_power_w_per_m2 * factor)
+        return self._with(lambda power: power * factor)
 
     def coarsened(self, steps: int) -> SolarDay:
         """Same day with some steps in one."""
-        power = self.specific_power_w_per_m2[..., ::steps]
-        return replace(self, time_h=self.time_h[::steps], specific_power_w_per_m2=power)
+        return replace(self._with(lambda power: power[..., ::steps]), time_h=self.time_h[::steps])
+
+    def _with(self, changed: Callable[[FloatArray], FloatArray]) -> SolarDay:
+        """Same day with another power, at all its levels."""
+        aloft = self.aloft_w_per_m2
+        return replace(
+            self,
+            specific_power_w_per_m2=changed(self.specific_power_w_per_m2),
+            aloft_w_per_m2=None if aloft is None else changed(aloft),
+        )
 
     def at(self, indices: ArrayLike) -> SolarDay:
         """Same day in some of its scenarios."""
@@ -117,6 +130,7 @@ class SolarDay:
             self.specific_power_w_per_m2[some],
             np.asarray(self.sunrise_h)[some],
             np.asarray(self.sunset_h)[some],
+            None if self.aloft_w_per_m2 is None else self.aloft_w_per_m2[:, some],
         )
 
 
@@ -180,7 +194,23 @@ class Sunlight:
         corrected = power if factor == 1.0 else power * factor
         latitude_deg, day = self.scenarios.latitude_deg, self.scenarios.noon_day
         times = sun_times(latitude_deg, declination(day))
-        return SolarDay(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h)
+        aloft = self._aloft(solar)
+        return SolarDay(
+            *(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h),
+            None if aloft is None else np.stack([corrected, *aloft]),
+        )
+
+    def _aloft(self, solar: SolarModel) -> list[FloatArray] | None:
+        """Specific power at the higher levels of a mission with climbs; None without any."""
+        if self.mission.climb is None:
+            return None
+        step_h = float(self.time_h[1])
+        return [
+            Sunlight(self.aircraft, self.mission.at_altitude(level_m), self.scenarios, step_h=step_h)
+            .day(solar)
+            .specific_power_w_per_m2
+            for level_m in self.mission.climb_levels_m[1:]
+        ]
 
 
 def solar_day(

@@ -71,23 +71,30 @@ class ClimbStep(NamedTuple):
 
 
 class March:
-    """Steps through the day of some scenarios with both storages.
+    """Steps through the day of aircraft in scenarios with both storages.
 
-    ``levels``: the aircraft between the lowest altitude and the ceiling.
+    ``levels``: the aircraft between the lowest altitude and the ceiling. ``steps_per_node``: steps
+    in one of the day's axis.
     """
 
     def __init__(
-        self, time_h: FloatArray, levels: FlightLevels, store: Store, strategy: Strategy
+        self,
+        time_h: FloatArray,
+        levels: FlightLevels,
+        store: Store,
+        strategy: Strategy,
+        steps_per_node: int,
     ) -> None:
         self.node_h, self.levels, self.store = np.asarray(time_h, float), levels, store
-        self.steps_per_node = STEPS_PER_NODE
+        self.steps_per_node = steps_per_node
         self.always_climb = strategy == "surplus"
-        self.potential_max_wh = float(levels.potential_energy_wh[-1])
-        self.solar = np.ascontiguousarray(np.moveaxis(levels.solar_power_w, -1, 0))
+        self.potential_max_wh = levels.potential_energy_wh[-1]
+        self.light = np.ascontiguousarray(np.moveaxis(levels.specific_power_w_per_m2, -1, 0))
         self.factor = np.ascontiguousarray(levels.turbulence_factor.T)
-        self.places = np.arange(levels.solar_power_w.shape[1])
-        rises = np.diff(levels.potential_energy_wh)
+        self.places = np.arange(len(levels.scenario))
+        rises = np.diff(levels.potential_energy_wh, axis=0)
         self.per_wh = 1.0 / np.where(rises > 0.0, rises, np.inf)
+        self.thresholds_wh = levels.potential_energy_wh[1:-1]
         self.counts_as_full_wh = FULL * store.battery_energy_wh
         lengths = np.diff(self.node_h) / self.steps_per_node
         self.hours = [float(length) for length in lengths for _ in range(self.steps_per_node)]
@@ -139,18 +146,21 @@ class March:
         self, node: int | IntArray, part: int | IntArray, potential_wh: FloatArray
     ) -> StepPower:
         """Power of one step, or of a column of steps, at an altitude."""
-        levels, places = self.levels, self.places
-        below = np.searchsorted(levels.potential_energy_wh, potential_wh, side="right") - 1
-        below = np.clip(below, 0, len(self.per_wh) - 1)
-        upper = (potential_wh - levels.potential_energy_wh[below]) * self.per_wh[below]
+        levels, places, scenario = self.levels, self.places, self.levels.scenario
+        below = (potential_wh >= self.thresholds_wh).sum(axis=0)
+        above = below + 1
+        potential_at = levels.potential_energy_wh
+        upper = (potential_wh - potential_at[below, places]) * self.per_wh[below, places]
         lower = 1.0 - upper
-        solar = self.solar
-        start = lower * solar[node, below, places] + upper * solar[node, below + 1, places]
-        end = lower * solar[node + 1, below, places] + upper * solar[node + 1, below + 1, places]
-        level_w = levels.propulsion_power_w
-        motor = lower * level_w[below] + upper * level_w[below + 1]
+        light, level_w = self.light, levels.propulsion_power_w
+        low_area, high_area = lower * levels.module_area_m2, upper * levels.module_area_m2
+        start = low_area * light[node, below, scenario] + high_area * light[node, above, scenario]
+        following = node + 1
+        end = low_area * light[following, below, scenario]
+        end = end + high_area * light[following, above, scenario]
+        motor = lower * level_w[below, places] + upper * level_w[above, places]
         a, b = part / self.steps_per_node, (part + 1) / self.steps_per_node
-        first, last = self.factor[node, places], self.factor[node + 1, places]
+        first, last = self.factor[node, scenario], self.factor[following, scenario]
         return StepPower(
             start + (end - start) * a,
             start + (end - start) * b,
@@ -169,7 +179,7 @@ class March:
         early = np.where(left < 0.0, 1.0, 0.0)
         late = 1.0 - early
         lit_h = hours * _surplus_share(left, right)
-        room_w = self.levels.limits.maximum_power_w - (motor_left + motor_right) / 2.0
+        room_w = self.levels.maximum_power_w - (motor_left + motor_right) / 2.0
         return _Balance(
             surplus_wh=positive_part_wh(left, right, hours),
             deficit_wh=deficit,
@@ -196,7 +206,7 @@ class March:
             left_over = balance.surplus_wh - charged_wh / self.store.charge_efficiency
             usable = self._usable_wh(energy, charged, balance.surplus_wh, left_over, hours)
             climb = self._climb_wh(potential, usable, balance.room_wh)
-            stored = Stored(charged, potential + self.levels.limits.efficiency * climb)
+            stored = Stored(charged, potential + self.levels.efficiency * climb)
         if supply.ends_short:
             second = self._drawn(stored, balance.late_wh, balance.late_avionics_wh)
             stored = second.end
@@ -227,7 +237,7 @@ class March:
         self, potential: FloatArray, usable_wh: FloatArray, room_wh: FloatArray
     ) -> FloatArray:
         """Electric energy spent on climbing [Wh]."""
-        to_ceiling = (self.potential_max_wh - potential) / self.levels.limits.efficiency
+        to_ceiling = (self.potential_max_wh - potential) / self.levels.efficiency
         energy = np.minimum(np.minimum(usable_wh, np.maximum(room_wh, 0.0)), to_ceiling)
         return np.maximum(energy, 0.0)
 
@@ -235,12 +245,12 @@ class March:
         """Meet a deficit: what the motor lacks by sinking first, all else from the battery."""
         energy, potential = stored
         of_motor = deficit - of_avionics
-        glide = np.minimum(np.maximum(of_motor, 0.0), potential / self.levels.limits.efficiency)
+        glide = np.minimum(np.maximum(of_motor, 0.0), potential / self.levels.efficiency)
         wanted = deficit - glide
         eta = self.store.discharge_efficiency
         drawn = np.minimum(wanted / eta, energy)
         # Rounding must leave no potential energy that is none.
-        lower = np.maximum(potential - self.levels.limits.efficiency * glide, 0.0)
+        lower = np.maximum(potential - self.levels.efficiency * glide, 0.0)
         unserved = np.maximum(wanted - eta * drawn, 0.0)
         return _Drawn(Stored(energy - drawn, lower), drawn, glide, unserved)
 

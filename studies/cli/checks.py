@@ -11,7 +11,7 @@ from missions.files.errors import InputError, Problem
 from missions.files.validation import located_error
 from missions.flight_path import path_trouble
 from sizing.aircraft import MeasuredAirframe
-from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
+from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
 from sizing.design import design_of
 from solar.names import ATTITUDE_MODELS
 from studies.cli.files import Case
@@ -29,7 +29,7 @@ def require_climber(case: Case) -> None:
     if case.mission.climb is None:
         return
     try:
-        climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
+        checked_climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
     except ClimbLimitError as error:
         raise located_error(case.craft.document, error.key, error.message) from None
 
