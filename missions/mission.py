@@ -237,6 +237,16 @@ class Climb(Record):
     minimum_altitude_m: Altitude | None = None
     strategy: Literal["battery_full", "surplus"] = "battery_full"
 
+    @property
+    def when(self) -> str:
+        """When it climbs, in words."""
+        return "once the battery is full" if self.strategy == "battery_full" else "on any surplus"
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Ceiling and strategy, JSON-ready; the floor is the mission's altitude."""
+        return {"ceiling_m": self.ceiling_m, "strategy": self.strategy}
+
 
 class Mission(FileRecord):
     """Where, when and how an aircraft flies."""
@@ -498,6 +508,13 @@ class Mission(FileRecord):
         count = int(np.ceil((ceiling_m - floor_m) / LEVEL_SPACING_M - 1e-9)) + 1
         return np.linspace(floor_m, ceiling_m, min(max(count, 2), MAXIMUM_LEVELS)).tolist()
 
+    @property
+    def climb_label(self) -> str:
+        """Climbs in words, for captions; empty without any."""
+        if self.climb is None:
+            return ""
+        return f"climbs from {self.altitude_m:g} to {self.climb.ceiling_m:g} m {self.climb.when}"
+
     def at_altitude(self, altitude_m: float) -> Mission:
         """Same mission at one constant other altitude, through the same weather.
 
@@ -517,6 +534,14 @@ class Mission(FileRecord):
             update["module_temperature_c"] = float(there.temperature_c) + warmer_k
         air = self.air.model_copy(update=update)
         return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
+
+    def climbing_from(self, floor_m: float) -> Mission:
+        """Same mission with another night's floor, through the same weather; its ceiling stays."""
+        level = self.at_altitude(floor_m)
+        if self.climb is None:
+            return level
+        climb = self.climb.model_copy(update={"minimum_altitude_m": level.altitude_m})
+        return level.model_copy(update={"climb": climb})
 
     def module_temperature_c(self) -> float:
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""

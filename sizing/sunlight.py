@@ -206,7 +206,9 @@ class Sunlight:
             return None
         step_h = float(self.time_h[1])
         return [
-            Sunlight(self.aircraft, self.mission.at_altitude(level_m), self.scenarios, step_h=step_h)
+            Sunlight(
+                self.aircraft, self.mission.at_altitude(level_m), self.scenarios, step_h=step_h
+            )
             .day(solar)
             .specific_power_w_per_m2
             for level_m in self.mission.climb_levels_m[1:]
