@@ -333,6 +333,9 @@ class Mission(FileRecord):
                     "floor": f"{floor_m:g}",
                 },
             )
+        if floor_m is not None:
+            # Not a value of its own, or a study that varies the one would contradict the other.
+            self.model_fields_set.discard("altitude_m")
         if self.climb.ceiling_m < self.altitude_m:
             raise PydanticCustomError(
                 "low_ceiling",

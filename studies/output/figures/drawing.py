@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from studies.output.gridded import OnGrid
 
 # Where a figure is drawn: on a canvas of its own as these options ask for, or on one that is given.
 Canvas: TypeAlias = "FigureOptions | Figure"
