@@ -37,6 +37,14 @@ from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.limits import DesignInFlight, Requirement, design_requirements
+from sizing.optimisation.climb_constraints import (
+    ALOFT_PARAMETERS,
+    CLIMB_SUN_PARAMETERS,
+    ClimbValues,
+    Strategy,
+    climb_values,
+    climbing_cycle_function,
+)
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
 from sizing.optimisation.variables import (
     OWN,
@@ -238,15 +246,18 @@ class SizingProblem:
         suns: FloatArray,
         *,
         margin: float,
+        aloft: FloatArray | None = None,
     ) -> FloatArray:
         """Parameter vector of the program.
 
         ``margin``: by how much more charge the day must return than the night takes, relative.
+        ``aloft``: conditions above the floor, on missions with climbs.
         """
         parts = {
             "weights": weights,
             "margin": [margin],
             "conditions": conditions,
+            "aloft": () if aloft is None else aloft,
             "technology": self._technology,
             "suns": suns.ravel(),
         }
@@ -271,13 +282,16 @@ class SizingProblem:
 
 
 # Parts of the parameter vector, in their order.
-_PARAMETERS = ("weights", "margin", "conditions", "technology", "suns")
+_PARAMETERS = ("weights", "margin", "conditions", "aloft", "technology", "suns")
 
 
-def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> SizingProblem:
+def build_problem(
+    aircraft: Aircraft, blocks: int, *, eased: bool = False, climb: Strategy | None = None
+) -> SizingProblem:
     """Build the program of an aircraft, unless one of its kind has been built before.
 
-    ``eased``: whether technology, limits and wind are variables, which may be freed.
+    ``eased``: whether technology, limits and wind are variables, which may be freed. ``climb``:
+    when the aircraft climbs, on missions on which it does.
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
@@ -288,8 +302,9 @@ def build_problem(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> Si
         )
     chosen = chosen_variables(aircraft, eased=eased)
     # A mapping's order plays no part in the equality of aircraft, but in that of the rows.
-    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased)
-    return SizingProblem(aircraft, all_variables(chosen, blocks, program.constraints), program)
+    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased, climb)
+    variables = all_variables(chosen, blocks, program.constraints, climbs=climb is not None)
+    return SizingProblem(aircraft, variables, program)
 
 
 def kind_of(aircraft: Aircraft) -> Aircraft:
@@ -322,11 +337,13 @@ def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=_PROGRAMS_KEPT)
-def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) -> Program:
+def _program(
+    kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool, climb: Strategy | None
+) -> Program:
     """Program of a kind of aircraft; ``limits`` is the order of its limits."""
     chosen = chosen_variables(kind, eased=eased)
     technology = numbers_taken_out(kind)
-    design, requirements = _design_function(kind, chosen, technology)
+    design, requirements = _design_function(kind, chosen, technology, climbs=climb is not None)
     free = ca.MX.sym("design", len(chosen))
     dawn_soc = ca.MX.sym("dawn_state_of_charge", blocks)
     worst_h = ca.MX.sym(WORST_EXCESS)
@@ -334,20 +351,33 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
     conditions = ca.MX.sym("conditions", len(FlightConditions._fields))
     numbers = ca.MX.sym("technology", len(technology))
     efficiencies = ca.MX.sym("battery_efficiencies", 2)
-    sun = ca.MX.sym("sun", SUN_PARAMETERS, blocks)
+    sun = ca.MX.sym("sun", SUN_PARAMETERS if climb is None else CLIMB_SUN_PARAMETERS, blocks)
+    aloft = ca.MX.sym("aloft", 0 if climb is None else ALOFT_PARAMETERS)
+    heights = ca.MX.sym("heights", 0 if climb is None else blocks)
 
-    lit_area, capacity_wh, nominal_w, propulsion_w, values = design(free, conditions, numbers)
+    lit_area, capacity_wh, nominal_w, propulsion_w, values, store = design(
+        free, conditions, numbers, aloft
+    )
     rows = [
         (Constraint(one.name, equation=one.name in ("mass_budget", OWN)), values[k])
         for k, one in enumerate(requirements)
     ]
-    cycle = cycle_function(kind.battery.charge_limit)
     usable_h = capacity_wh * efficiencies[1] / nominal_w
     for i in range(blocks):
-        deficit, charged = cycle(
-            *(lit_area, capacity_wh, nominal_w, propulsion_w),
-            *(dawn_soc[i], efficiencies, sun[:, i]),
-        )
+        if climb is None:
+            deficit, charged = cycle_function(kind.battery.charge_limit)(
+                *(lit_area, capacity_wh, nominal_w, propulsion_w),
+                *(dawn_soc[i], efficiencies, sun[:, i]),
+            )
+            reserve_h = dawn_soc[i] * usable_h
+        else:
+            climbing = climbing_cycle_function(kind.battery.charge_limit, climb)
+            deficit, charged, reached, glide_h = climbing(
+                *(lit_area, capacity_wh, dawn_soc[i], heights[i], store, efficiencies, sun[:, i])
+            )
+            rows.append((Constraint("height", i), reached - heights[i]))
+            of_avionics = ClimbValues(*ca.vertsplit(store)).constant_w / nominal_w
+            reserve_h = dawn_soc[i] * usable_h + glide_h * (1.0 - of_avionics)
         # The margin is slightly more charge than the night takes. At equality the cycle
         # stands on an edge: a day that returns any less lets the battery run empty over many days.
         recharged = charged - dawn_soc[i] - (1.0 + margin) * deficit
@@ -356,7 +386,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
         # battery holds at dawn.
         lowest = sun[-1, i]
         sunlit = lowest > 0.0
-        reserve = (dawn_soc[i] * usable_h - worst_h) / excess.scale
+        reserve = (reserve_h - worst_h) / excess.scale
         spare_sun = lit_area * lowest / nominal_w - (1.0 + ALWAYS_LIT_MARGIN)
         rows += [
             (Constraint("battery_capacity", i), 1.0 - dawn_soc[i] - deficit),
@@ -366,18 +396,20 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
     constraints = tuple(c for c, _ in rows)
     slacks = list(dict.fromkeys(c.slack for c in constraints))
     slack = ca.MX.sym("slack", len(slacks))
-    x = ca.vertcat(free, dawn_soc, worst_h, slack)
-    names = tuple(v.name for v in all_variables(chosen, blocks, constraints))
+    x = ca.vertcat(free, dawn_soc, heights, worst_h, slack)
+    every = all_variables(chosen, blocks, constraints, climbs=climb is not None)
+    names = tuple(v.name for v in every)
     weights = ca.MX.sym("weights", len(names))
     parameters = {
         "weights": weights,
         "margin": margin,
         "conditions": conditions,
+        "aloft": aloft,
         "technology": ca.vertcat(numbers, efficiencies),
         "suns": ca.vec(sun),
     }
     # The dawn states of scenarios that do not bind are otherwise undetermined.
-    tie_break = -1e-7 * ca.sum1(dawn_soc)
+    tie_break = -1e-7 * (ca.sum1(dawn_soc) + ca.sum1(heights))
     symbols = {
         "x": x,
         "p": ca.vertcat(*(parameters[name] for name in _PARAMETERS)),
@@ -399,9 +431,11 @@ def programs_built() -> int:
 
 
 def _design_function(
-    kind: Aircraft, variables: Sequence[Variable], technology: Sequence[str]
+    kind: Aircraft, variables: Sequence[Variable], technology: Sequence[str], *, climbs: bool
 ) -> tuple[ca.Function, list[Requirement]]:
     """Lit area, capacity, loads and requirements of a design, as a function of the variables.
+
+    And what its potential store is, where it ``climbs``.
 
     Conditions and technology are data. The lit area is the module area times the relative
     efficiency of the cells: power per area is a parameter, and proportional to their efficiency.
@@ -409,6 +443,7 @@ def _design_function(
     x = ca.SX.sym("x", len(variables))
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
     numbers = ca.SX.sym("technology", len(technology))
+    aloft = ca.SX.sym("aloft", ALOFT_PARAMETERS if climbs else 0)
     values = {v.name: v.from_program(x[i]) for i, v in enumerate(variables)}
     relative = {v.name: values[v.name] for v in variables if v.role is Role.technology}
     flown = all_replaced(
@@ -433,17 +468,19 @@ def _design_function(
         it = DesignInFlight(flown, design, conditions)
         space: Any = kind.design_space
         requirements.append(space.own_objective.row(it, values[OWN]))
+    store = climb_values(flown, design, conditions, aloft) if climbs else ()
     function = ca.Function(
         "design",
-        [x, symbols, numbers],
+        [x, symbols, numbers, aloft],
         [
             design.variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0),
             design.battery_energy_wh,
             design.load_in_turbulence_w(conditions.turbulence),
             design.propulsion_power_w,
             ca.vertcat(*(one.value for one in requirements)),
+            ca.vertcat(*store),
         ],
-        {"is_diff_in": [True, False, False], "jac_penalty": 0},
+        {"is_diff_in": [True, False, False, False], "jac_penalty": 0},
     )
     return function, requirements
 
@@ -453,14 +490,16 @@ class SizingProblems:
 
     def __init__(self, aircraft: Aircraft) -> None:
         self.aircraft = aircraft
-        self._known: dict[tuple[int, bool], SizingProblem] = {}
+        self._known: dict[tuple[int, bool, Strategy | None], SizingProblem] = {}
 
-    def of(self, blocks: int, *, eased: bool = False) -> SizingProblem:
+    def of(
+        self, blocks: int, *, eased: bool = False, climb: Strategy | None = None
+    ) -> SizingProblem:
         """Program with this number of scenario blocks.
 
-        ``eased``: whether technology, limits and wind are variables, which may be freed.
+        ``eased``, ``climb``: as for :func:`build_problem`.
         """
-        key = (blocks, eased)
+        key = (blocks, eased, climb)
         if key not in self._known:
-            self._known[key] = build_problem(self.aircraft, blocks, eased=eased)
+            self._known[key] = build_problem(self.aircraft, blocks, eased=eased, climb=climb)
         return self._known[key]

@@ -13,6 +13,7 @@ import numpy as np
 from missions.mission import Mission
 from sizing.design import DesignVariables, FlightConditions, closed_design, variable_keys
 from sizing.limits import ROW_TOLERANCE
+from sizing.optimisation.climb_constraints import Strategy, aloft_parameters
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import Effort, SizingProblem, SizingProblems
@@ -242,6 +243,9 @@ class ProgramSolver:
         self.by_model = by_model
         self._fine_days: dict[int, SolarDay] = {}
         self.conditions = FlightConditions.of(mission, problems.aircraft)
+        climb = mission.climb
+        self.climb: Strategy | None = None if climb is None else climb.strategy
+        self._aloft = None if climb is None else aloft_parameters(mission, self.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self.work = SolverReport()
         self.nearly: Solution | None = None
@@ -326,9 +330,9 @@ class ProgramSolver:
     def _posed(self, instance: ProblemInstance, scenarios: Sequence[int]) -> _Posed:
         """Arguments of the program with these scenarios in its blocks."""
         begun = time.perf_counter()
-        problem = self.problems.of(len(scenarios))
+        problem = self.problems.of(len(scenarios), climb=self.climb)
         if any(name not in problem.index for name in instance.freed):
-            problem = self.problems.of(len(scenarios), eased=True)
+            problem = self.problems.of(len(scenarios), eased=True, climb=self.climb)
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
         suns = self._suns[list(scenarios)]
@@ -342,7 +346,9 @@ class ProgramSolver:
         if instance.wind_m_per_s is not None:
             conditions = conditions._replace(wind_m_per_s=instance.wind_m_per_s)
         limits = {
-            "p": problem.parameters(weights, conditions, suns, margin=instance.margin),
+            "p": problem.parameters(
+                weights, conditions, suns, margin=instance.margin, aloft=self._aloft
+            ),
             "lbx": lower,
             "ubx": upper,
             "lbg": 0.0,

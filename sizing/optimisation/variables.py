@@ -45,6 +45,7 @@ class Role(Enum):
     objective = auto()  # equal to the user's own, where there is one
     wind = auto()  # held at the mission's value unless it is freed
     dawn_state = auto()
+    height = auto()  # reached by day, over that of the ceiling
     worst_excess = auto()
     slack = auto()
 
@@ -97,17 +98,29 @@ class Constraint(NamedTuple):
 
 
 def all_variables(
-    chosen: Sequence[Variable], blocks: int, constraints: Sequence[Constraint]
+    chosen: Sequence[Variable],
+    blocks: int,
+    constraints: Sequence[Constraint],
+    *,
+    climbs: bool = False,
 ) -> tuple[Variable, ...]:
-    """Variables in the order of the decision vector: design, dawns, excess time, slacks."""
+    """Variables in the order of the decision vector: design, dawns, excess time, slacks.
+
+    ``climbs``: whether there are heights as well, as potential energy over that of the ceiling.
+    """
     dawns = (
         Variable(f"dawn_state_of_charge[{i}]", "1", 0.0, 1.0, 1.0, Role.dawn_state, 0.2)
         for i in range(blocks)
+    )
+    heights = (
+        Variable(f"height[{i}]", "1", 0.0, 1.0, 1.0, Role.height, 0.2)
+        for i in range(blocks if climbs else 0)
     )
     slacks = dict.fromkeys(c.slack for c in constraints)
     return (
         *chosen,
         *dawns,
+        *heights,
         Variable(WORST_EXCESS, "h", 0.0, math.inf, 1.0, Role.worst_excess),
         *(Variable(name, "1", 0.0, np.inf, 1.0, Role.slack) for name in slacks),
     )
