@@ -5,6 +5,7 @@ What a step does, and why, stands at the head of :mod:`sizing.altitude.climb_cyc
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -85,21 +86,33 @@ class March:
         strategy: Strategy,
         steps_per_node: int,
     ) -> None:
-        self.node_h, self.levels, self.store = np.asarray(time_h, float), levels, store
+        self.node_h = np.asarray(time_h, float)
         self.steps_per_node = steps_per_node
         self.always_climb = strategy == "surplus"
-        self.potential_max_wh = levels.potential_energy_wh[-1]
         self.light = np.ascontiguousarray(np.moveaxis(levels.specific_power_w_per_m2, -1, 0))
         self.factor = np.ascontiguousarray(levels.turbulence_factor.T)
+        lengths = np.diff(self.node_h) / self.steps_per_node
+        self.hours = [float(length) for length in lengths for _ in range(self.steps_per_node)]
+        self._take(levels, store)
+
+    def _take(self, levels: FlightLevels, store: Store) -> None:
+        """Hold what belongs to the elements; the light and the day are those of all scenarios."""
+        self.levels, self.store = levels, store
+        self.potential_max_wh = levels.potential_energy_wh[-1]
         self.places = np.arange(len(levels.scenario))
         rises = np.diff(levels.potential_energy_wh, axis=0)
         self.per_wh = 1.0 / np.where(rises > 0.0, rises, np.inf)
         self.thresholds_wh = levels.potential_energy_wh[1:-1]
         self.counts_as_full_wh = FULL * store.battery_energy_wh
-        lengths = np.diff(self.node_h) / self.steps_per_node
-        self.hours = [float(length) for length in lengths for _ in range(self.steps_per_node)]
         zero = np.zeros(len(self.places))
         self.nothing = _Drawn(Stored(zero, zero), zero, zero, zero)
+
+    def select(self, some: BoolArray) -> March:
+        """Steps of a part of the elements."""
+        part = copy.copy(self)
+        vars(part).pop("_at_floor", None)  # of all elements
+        part._take(self.levels.select(some), self.store.select(some))
+        return part
 
     @property
     def time_h(self) -> FloatArray:
@@ -231,7 +244,8 @@ class March:
         # counted as a whole would make the day's gain jump with the state of charge.
         soc = np.minimum(energy / self.store.battery_energy_wh, 1.0)
         after = np.clip(1.0 - clock.hours_to_full(soc) / hours, 0.0, 1.0)
-        return np.where(full, np.minimum(left_over, after * surplus), 0.0)
+        usable = np.where(energy < self.counts_as_full_wh, after * surplus, left_over)
+        return np.where(full, np.minimum(left_over, usable), 0.0)
 
     def _climb_wh(
         self, potential: FloatArray, usable_wh: FloatArray, room_wh: FloatArray
@@ -347,19 +361,28 @@ def periodic_state(march: March) -> Stored:
     bracket = _EnergyBracket(full)
     previous = np.zeros_like(full)
     low = np.ones(full.shape, bool)
+    found, places = Stored(energy.copy(), potential.copy()), np.arange(len(full))
     for number in range(1, _MAXIMUM_ROUNDS + 1):
         end = march.end_of_day(Stored(energy, potential))
         gain, shift = end.battery_wh - energy, np.abs(end.potential_wh - potential)
         low = low & (potential == 0.0) & (end.potential_wh == 0.0)
         bracket.learn(energy, gain, low)
         energy, potential = end
-        if np.all(np.maximum(np.abs(gain), shift) <= _TOLERANCE * scale):
+        found.battery_wh[places], found.potential_wh[places] = end
+        moves = np.maximum(np.abs(gain), shift) > _TOLERANCE * scale
+        if not moves.any():
             break
         if number % _PLAIN_ROUNDS == 0 and number <= _MAXIMUM_ROUNDS - _LAST_ROUNDS:
             energy = np.where(low, bracket.extrapolated(energy, gain, previous), energy)
             low = np.ones_like(low)
         previous = gain
-    return Stored(energy, potential)
+        if not moves.all():
+            # Elements that have settled stay as they are, whatever the others take.
+            march, bracket, places = march.select(moves), bracket.select(moves), places[moves]
+            energy, potential, scale, previous, low = (
+                values[moves] for values in (energy, potential, scale, previous, low)
+            )
+    return found
 
 
 class _EnergyBracket:
@@ -368,6 +391,12 @@ class _EnergyBracket:
     def __init__(self, battery_energy_wh: FloatArray) -> None:
         self.full = battery_energy_wh
         self.lower, self.upper = np.zeros_like(self.full), self.full.copy()
+
+    def select(self, some: BoolArray) -> _EnergyBracket:
+        """Energies of a part of the scenarios."""
+        part = _EnergyBracket(self.full[some])
+        part.lower, part.upper = self.lower[some], self.upper[some]
+        return part
 
     def learn(self, energy: FloatArray, gain: FloatArray, low: BoolArray) -> None:
         """Narrow by the gain of a day, or start anew where altitude was left at midnight."""
