@@ -229,11 +229,23 @@ class Climb(Record):
     """Surplus power stored as height by day, to sink to the mission's altitude in the evening.
 
     ``battery_full`` climbs once the battery is full, ``surplus`` with whatever the charger leaves
-    over at any time.
+    over at any time. ``minimum_altitude_m``: the night's floor, which the aircraft does not sink
+    below; another name for the mission's altitude, which need not be given beside it.
     """
 
     ceiling_m: Altitude
+    minimum_altitude_m: Altitude | None = None
     strategy: Literal["battery_full", "surplus"] = "battery_full"
+
+    @property
+    def when(self) -> str:
+        """When it climbs, in words."""
+        return "once the battery is full" if self.strategy == "battery_full" else "on any surplus"
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Ceiling and strategy, JSON-ready; the floor is the mission's altitude."""
+        return {"ceiling_m": self.ceiling_m, "strategy": self.strategy}
 
 
 class Mission(FileRecord):
@@ -281,10 +293,49 @@ class Mission(FileRecord):
         named_clear_sky(value)
         return value
 
+    @model_validator(mode="before")
+    @classmethod
+    def _altitude_of_floor(cls, data: Any) -> Any:
+        """The night's floor is the mission's altitude, where the file gives that instead."""
+        if not isinstance(data, Mapping) or "altitude_m" in data:
+            return data
+        climb = data.get("climb")
+        floor_m = climb.get("minimum_altitude_m") if isinstance(climb, Mapping) else None
+        # What is no altitude is told once, at its own key.
+        if not isinstance(floor_m, int | float) or isinstance(floor_m, bool):
+            return data
+        allowed = MINIMUM_ALTITUDE_M <= floor_m <= MAXIMUM_ALTITUDE_M
+        return {**data, "altitude_m": floor_m} if allowed else data
+
     @model_validator(mode="after")
     def _check_climb(self) -> Mission:
         if self.climb is None:
             return self
+        floor_m = self.climb.minimum_altitude_m
+        if floor_m is not None and floor_m > self.climb.ceiling_m:
+            raise PydanticCustomError(
+                "high_floor",
+                "must be at most climb.ceiling_m of {ceiling} (got {floor})",
+                {
+                    "key": "climb.minimum_altitude_m",
+                    "ceiling": f"{self.climb.ceiling_m:g}",
+                    "floor": f"{floor_m:g}",
+                },
+            )
+        if floor_m is not None and floor_m != self.altitude_m:
+            raise PydanticCustomError(
+                "two_floors",
+                "is the mission's altitude_m by another name: leave one of them out "
+                "(got {floor}, altitude_m is {altitude})",
+                {
+                    "key": "climb.minimum_altitude_m",
+                    "altitude": f"{self.altitude_m:g}",
+                    "floor": f"{floor_m:g}",
+                },
+            )
+        if floor_m is not None:
+            # Not a value of its own, or a study that varies the one would contradict the other.
+            self.model_fields_set.discard("altitude_m")
         if self.climb.ceiling_m < self.altitude_m:
             raise PydanticCustomError(
                 "low_ceiling",
@@ -460,6 +511,13 @@ class Mission(FileRecord):
         count = int(np.ceil((ceiling_m - floor_m) / LEVEL_SPACING_M - 1e-9)) + 1
         return np.linspace(floor_m, ceiling_m, min(max(count, 2), MAXIMUM_LEVELS)).tolist()
 
+    @property
+    def climb_label(self) -> str:
+        """Climbs in words, for captions; empty without any."""
+        if self.climb is None:
+            return ""
+        return f"climbs from {self.altitude_m:g} to {self.climb.ceiling_m:g} m {self.climb.when}"
+
     def at_altitude(self, altitude_m: float) -> Mission:
         """Same mission at one constant other altitude, through the same weather.
 
@@ -479,6 +537,14 @@ class Mission(FileRecord):
             update["module_temperature_c"] = float(there.temperature_c) + warmer_k
         air = self.air.model_copy(update=update)
         return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
+
+    def climbing_from(self, floor_m: float) -> Mission:
+        """Same mission with another night's floor, through the same weather; its ceiling stays."""
+        level = self.at_altitude(floor_m)
+        if self.climb is None:
+            return level
+        climb = self.climb.model_copy(update={"minimum_altitude_m": level.altitude_m})
+        return level.model_copy(update={"climb": climb})
 
     def module_temperature_c(self) -> float:
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""

@@ -63,6 +63,9 @@ class Performance:
     """Converged cycles of a design in its scenarios, and what went in.
 
     Arrays have the scenarios on their last batch axis; with a batch of designs those come first.
+    Of a mission with climbs the cycles are those of the flight with climbs, and
+    ``maximum_altitude_m`` their highest altitudes; solar power, load and the longest flights are
+    those of level flight at the night's floor.
     """
 
     design: Design
@@ -74,6 +77,7 @@ class Performance:
     nominal_load_w: FloatArray
     store: Store
     cycle: Cycle
+    maximum_altitude_m: FloatArray | None = None
 
     def __repr__(self) -> str:
         excess_h = np.asarray(self.cycle.excess_time_h)
@@ -349,8 +353,11 @@ def _simulate(
         levels = flight_levels(aircraft, mission, design, day, paired=paired)
         batch = solar_w.shape[:-1]
         own = store.flat(batch)
-        cycle = cycles_with_climb(day.time_h, levels, own, mission.climb.strategy).reshaped(batch)
-        return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
+        cycle, highest_m = cycles_with_climb(day.time_h, levels, own, mission.climb.strategy)
+        return Performance(
+            *(design, mission, solar, day, solar_w, load_w, nominal, store),
+            *(cycle.reshaped(batch), highest_m.reshape(batch)),
+        )
     cycle = simulate_cycle(
         day.time_h,
         solar_w,

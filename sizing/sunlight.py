@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -103,8 +104,8 @@ class SolarDay:
             np.concatenate(aloft, axis=1) if aloft else None,
         )
 
-    def scaled(self, factor: float) -> SolarDay:
-        """Same day with all power multiplied by a factor."""
+    def scaled(self, factor: float | FloatArray) -> SolarDay:
+        """Same day with all power multiplied by a factor, or one of shape ``(scenario, 1)``."""
         return self._with(lambda power: power * factor)
 
     def coarsened(self, steps: int) -> SolarDay:
@@ -204,13 +205,16 @@ class Sunlight:
         """Specific power at the higher levels of a mission with climbs; None without any."""
         if self.mission.climb is None:
             return None
+        return [level.day(solar).specific_power_w_per_m2 for level in self._levels]
+
+    @cached_property
+    def _levels(self) -> list[Sunlight]:
+        return [self._at(self.mission.at_altitude(h)) for h in self.mission.climb_levels_m[1:]]
+
+    def _at(self, there: Mission) -> Sunlight:
+        """Sunlight of the same scenarios at another altitude."""
         step_h = float(self.time_h[1])
-        return [
-            Sunlight(self.aircraft, self.mission.at_altitude(level_m), self.scenarios, step_h=step_h)
-            .day(solar)
-            .specific_power_w_per_m2
-            for level_m in self.mission.climb_levels_m[1:]
-        ]
+        return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h)
 
 
 def solar_day(

@@ -86,5 +86,6 @@ def climb_performance(
         solar_power_w=flown.solar_power_w[:, flown.nodes],
         load_w=flown.load_w[:, flown.nodes],
         cycle=flown.cycle,
+        maximum_altitude_m=flown.maximum_altitude_m,
     )
     return ClimbPerformance(ours, constant, flown, limits)

@@ -102,16 +102,19 @@ def simulate_climb(
 
 def cycles_with_climb(
     time_h: FloatArray, levels: FlightLevels, store: Store, strategy: Strategy
-) -> Cycle:
+) -> tuple[Cycle, FloatArray]:
     """Metrics of many days with potential-energy storage, one step from node to node.
 
-    Steps of 5 min are within 0.001 h of excess time of those of 1 min.
+    Steps of 5 min are within 0.001 h of excess time of those of 1 min. Returns cycles, and the
+    highest altitude of each [m].
     """
-    parts = []
+    parts, highest_m = [], []
     for some in blocks(len(levels.scenario), _ELEMENTS_AT_ONCE):
         march = March(time_h, levels.select(some), store.select(some), strategy, 1)
-        parts.append(_Day(march).cycle())
-    return _joined(parts)
+        day = _Day(march)
+        parts.append(day.cycle())
+        highest_m.append(day.maximum_altitude_m())
+    return _joined(parts), np.concatenate(highest_m)
 
 
 def _joined(parts: Sequence[Cycle]) -> Cycle:
@@ -165,6 +168,11 @@ class _Day:
             load_w=self.load_w.T.copy(),
             gliding_h=_gliding_h(self.time_h, self.potential),
         )
+
+    def maximum_altitude_m(self) -> FloatArray:
+        """Highest altitude of the day [m]."""
+        highest_wh = self.potential.max(axis=0)
+        return self.march.levels.altitude_at(highest_wh[:, np.newaxis])[:, 0]
 
     @cached_property
     def energy_budget(self) -> ClimbEnergyBudget:

@@ -30,6 +30,7 @@ from studies.output.columns import (
     SIZED,
     extrapolations_of,
     failed_count,
+    flown_caption,
     status_names,
 )
 from studies.output.figures.drawing import (
@@ -40,7 +41,6 @@ from studies.output.figures.drawing import (
     SUN,
     VERMILLION,
     Canvas,
-    dataset_caption,
     ink,
     new_figure,
     objective_caption,
@@ -104,7 +104,7 @@ def _title_and_notes(data: xr.Dataset, note: str = "") -> dict[str, Any]:
     failed = failed_count(data)
     notes = (
         f"sized for the {objective_caption(objective)}" if objective else "",
-        dataset_caption(data),
+        flown_caption(data),
         f"{failed} of {data['status'].size} points failed" if failed else "",
         note,
         outside_ranges(extrapolations_of(data)),

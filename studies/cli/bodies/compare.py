@@ -5,7 +5,13 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from studies.cli.checks import refuse_climb, refuse_polar_night, require_path
+from sizing.aircraft import ParametricAirframe
+from studies.cli.checks import (
+    refuse_climb,
+    refuse_polar_night,
+    require_climber,
+    require_path,
+)
 from studies.cli.commands.compare import Compare
 from studies.cli.files import load
 from studies.cli.options import EXIT_FAILED
@@ -23,11 +29,13 @@ _IMAGE = "comparison.png"
 def compare(options: Compare) -> None:
     """Run all solar power models, and tell what each says."""
     case = load(options.case, required_excess_time_h=options.required_h)
-    refuse_climb(case, "compare")
+    require_climber(case)
     refuse_polar_night(case)
     if options.needs_path is not None or attitude_is_known(case.aircraft, case.mission):
         # With surfaces and a path, the reference flies it even if no case does.
         require_path(case, options.needs_path or "the reference")
+    if not options.no_design and isinstance(case.aircraft.airframe, ParametricAirframe):
+        refuse_climb(case, "compare without --no-design")
     with progress_of("models", lines=False) as progress:
         compared = comparison.compare(
             case.aircraft,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from studies.cli.checks import refuse_climb, require_parametric, require_path
+from studies.cli.checks import refuse_climb, require_climber, require_parametric, require_path
 from studies.cli.commands.map import Map
 from studies.cli.files import Case, load
 from studies.cli.jobs import completed
@@ -23,12 +23,14 @@ if TYPE_CHECKING:
 def map_(options: Map) -> None:
     """Compute the cells of a map, write it, and tell it."""
     case = load(options.case)
-    refuse_climb(case, "map")
     require_path(case)
+    require_climber(case)
     resized = options.objective is not None
     if resized:
+        refuse_climb(case, "map --resize")
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
     if options.weather_file is not None:
+        refuse_climb(case, "map --weather")
         from studies.cli.bodies.weather import map_in_weather
 
         map_in_weather(case, options, options.weather_file)
