@@ -29,6 +29,7 @@ from solar.types import BoolArray, FloatArray
 FINE_STEP_H = 10.0 / 3600.0
 FINE_ALLOWANCE_H = 0.02  # of excess time, between the usual steps and the fine ones
 _COARSE_STEP_H, _FINE_RANGE_STEP_H = 0.25, 1.0 / 60.0
+_FINE_CLIMB_STEP_H = 1.0 / 60.0
 _HEAVIEST_PAYLOAD_KG, _MOST_PAYLOAD_W = 500.0, 2e4
 # What an infeasible design misses without being able to carry itself: worse than any other.
 _CANNOT_FLY = 100.0
@@ -162,8 +163,8 @@ class Judge:
 
     @property
     def fine_step_h(self) -> float:
-        """Time step that confirms a design [h]."""
-        return FINE_STEP_H
+        """Time step that confirms a design [h]; days with climbs are marched, which takes long."""
+        return FINE_STEP_H if self.problem.mission.climb is None else _FINE_CLIMB_STEP_H
 
     def objective(self, perf: Performance) -> FloatArray:
         """Objective of designs whether or not they are feasible."""

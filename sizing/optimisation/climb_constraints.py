@@ -120,24 +120,32 @@ def climbing_cycle_function(charge_limit: ChargeLimit, strategy: Strategy) -> ca
 
     Arguments: module area [m2], capacity [Wh], state of charge at dawn, potential energy from which
     the evening's glide begins over that of the ceiling, :class:`ClimbValues` as a vector,
-    efficiencies of charge and discharge, and the sun with the light aloft
-    (:func:`sizing.optimisation.energy_constraints.sun_parameters`). Returns deficit and charge
-    relative to the capacity, the potential energy that the day's surplus reaches over that of the
-    ceiling, and the hours of gliding from the height that is left at the morning's equal power [h].
+    efficiencies of charge and discharge, the margin of the recharge, and the sun with the light
+    aloft (:func:`sizing.optimisation.energy_constraints.sun_parameters`). Returns deficit and
+    charge relative to the capacity, the potential energy that the day's surplus reaches over that
+    of the ceiling, and the hours of gliding from the height that is left at the morning's equal
+    power [h].
+
+    The day begins with less than the night leaves, by the margin times the deficit. Where the
+    aircraft climbs once the battery is full, a battery that fills a little later leaves less time
+    to climb, and the night after takes more: next to that edge the days do not repeat themselves.
     """
     area, capacity_wh = ca.SX.sym("area"), ca.SX.sym("capacity")
     dawn_soc, height = ca.SX.sym("dawn"), ca.SX.sym("height")
     vector = ca.SX.sym("climb", len(ClimbValues._fields))
-    efficiencies, sun = ca.SX.sym("efficiencies", 2), ca.SX.sym("sun", CLIMB_SUN_PARAMETERS)
+    efficiencies, margin = ca.SX.sym("efficiencies", 2), ca.SX.sym("margin")
+    sun = ca.SX.sym("sun", CLIMB_SUN_PARAMETERS)
     day = _Day(area, capacity_wh, ClimbValues(*ca.vertsplit(vector)), sun, efficiencies[0])
     charge = charge_step_function(charge_limit)
-    soc, reached = day.climbed(dawn_soc, height, charge, always=strategy == "surplus")
     deficit_wh, left_h = day.deficit(height)
+    deficit = deficit_wh / (efficiencies[1] * capacity_wh)
+    begun = dawn_soc - margin * deficit
+    soc, reached = day.climbed(begun, height, charge, always=strategy == "surplus")
     return ca.Function(
         "climbing_cycle",
-        [area, capacity_wh, dawn_soc, height, vector, efficiencies, sun],
-        [deficit_wh / (efficiencies[1] * capacity_wh), soc, reached, left_h],
-        {"is_diff_in": [True] * 5 + [False] * 2, "never_inline": True, "jac_penalty": 0},
+        [area, capacity_wh, dawn_soc, height, vector, efficiencies, margin, sun],
+        [deficit, soc, reached, left_h],
+        {"is_diff_in": [True] * 5 + [False] * 3, "never_inline": True, "jac_penalty": 0},
     )
 
 

@@ -373,8 +373,10 @@ def _program(
         else:
             climbing = climbing_cycle_function(kind.battery.charge_limit, climb)
             deficit, charged, reached, glide_h = climbing(
-                *(lit_area, capacity_wh, dawn_soc[i], heights[i], store, efficiencies, sun[:, i])
+                *(lit_area, capacity_wh, dawn_soc[i], heights[i], store),
+                *(efficiencies, margin, sun[:, i]),
             )
+            charged = charged + margin * deficit  # the day began with so much less
             rows.append((Constraint("height", i), reached - heights[i]))
             of_avionics = ClimbValues(*ca.vertsplit(store)).constant_w / nominal_w
             reserve_h = dawn_soc[i] * usable_h + glide_h * (1.0 - of_avionics)
