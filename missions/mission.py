@@ -515,7 +515,8 @@ class Mission(FileRecord):
             return [self.altitude_m]
         floor_m, ceiling_m = self.altitude_m, self.climb.ceiling_m
         count = int(np.ceil((ceiling_m - floor_m) / LEVEL_SPACING_M - 1e-9)) + 1
-        return np.linspace(floor_m, ceiling_m, min(max(count, 2), MAXIMUM_LEVELS)).tolist()
+        levels = np.linspace(floor_m, ceiling_m, min(max(count, 2), MAXIMUM_LEVELS))
+        return [float(level) for level in levels]
 
     @property
     def climb_label(self) -> str:

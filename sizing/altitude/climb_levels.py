@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -22,6 +23,11 @@ from sizing.sunlight import SolarDay
 from solar.types import BoolArray, FloatArray, IntArray
 
 _GLIDE_POINTS = 2001
+# Fields of the levels that every element has one of.
+_OF_EACH = (
+    *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
+    *("efficiency", "maximum_power_w", "flies"),
+)
 _NO_FLIGHT_W = 1e12  # power of a level flight that there is none of
 
 
@@ -66,20 +72,34 @@ class FlightLevels:
     constant_power_w: FloatArray
     efficiency: FloatArray
     maximum_power_w: FloatArray
-    flies: FloatArray
+    flies: BoolArray
 
     @property
     def nominal_load_w(self) -> FloatArray:
         """Load at the lowest altitude without thermals [W]."""
-        return self.propulsion_power_w[0] * self.nominal_factor + self.constant_power_w
+        return np.asarray(self.propulsion_power_w[0] * self.nominal_factor + self.constant_power_w)
 
     def select(self, some: slice | BoolArray) -> FlightLevels:
         """Flights of a part of the elements."""
         by_level = ("potential_energy_wh", "propulsion_power_w")
         rows = {name: getattr(self, name)[:, some] for name in by_level}
-        of_each = ("module_area_m2", "scenario", "nominal_factor", "constant_power_w")
-        of_each += ("efficiency", "maximum_power_w", "flies")
-        return replace(self, **rows, **{name: getattr(self, name)[some] for name in of_each})
+        return replace(self, **rows, **{name: getattr(self, name)[some] for name in _OF_EACH})
+
+    @classmethod
+    def joined(cls, several: Sequence[FlightLevels]) -> FlightLevels:
+        """Flights at the same levels, each in its own scenarios."""
+        first = [0, *np.cumsum([one.specific_power_w_per_m2.shape[1] for one in several])]
+        along = {
+            1: ("potential_energy_wh", "propulsion_power_w", "specific_power_w_per_m2"),
+            0: ("turbulence_factor", *_OF_EACH),
+        }
+        arrays = {
+            name: np.concatenate([getattr(one, name) for one in several], axis=axis)
+            for axis, names in along.items()
+            for name in names
+        }
+        places = [one.scenario + n for one, n in zip(several, first, strict=False)]
+        return cls(several[0].altitude_m, **arrays | {"scenario": np.concatenate(places)})
 
     def altitude_at(self, potential_energy_wh: FloatArray) -> FloatArray:
         """Altitude of potential energies, elements first [m]."""
@@ -192,7 +212,7 @@ def flight_levels(
         constant_power_w=each(design.constant_power_w),
         efficiency=each(limits.efficiency),
         maximum_power_w=np.where(flies, each(limits.maximum_power_w), 0.0),
-        flies=flies,
+        flies=np.asarray(flies),
     )
 
 

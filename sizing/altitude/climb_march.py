@@ -253,7 +253,7 @@ class March:
         """Electric energy spent on climbing [Wh]."""
         to_ceiling = (self.potential_max_wh - potential) / self.levels.efficiency
         energy = np.minimum(np.minimum(usable_wh, np.maximum(room_wh, 0.0)), to_ceiling)
-        return np.maximum(energy, 0.0)
+        return np.asarray(np.maximum(energy, 0.0))
 
     def _drawn(self, stored: Stored, deficit: FloatArray, of_avionics: FloatArray) -> _Drawn:
         """Meet a deficit: what the motor lacks by sinking first, all else from the battery."""
