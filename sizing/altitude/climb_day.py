@@ -12,13 +12,14 @@ from functools import cached_property
 import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
-from sizing.altitude.climb_march import STEPS_PER_NODE, Flows, March, Strategy, periodic_state
+from sizing.altitude import climb_march
+from sizing.altitude.climb_march import March, Strategy, repeated_day
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
 from sizing.energy.power_balance import blocks
 from solar.types import FloatArray
 
-_ELEMENTS_AT_ONCE = 1024  # so that the arrays of a day stay near the processor
+_ELEMENTS_AT_ONCE = 512  # so that the arrays of a day stay near the processor
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ def simulate_climb(
     store: Store,
     strategy: Strategy,
     *,
-    steps_per_node: int = STEPS_PER_NODE,
+    steps_per_node: int | None = None,
 ) -> ClimbCycle:
     """Converge the cycle with potential-energy storage and measure it.
 
@@ -97,7 +98,8 @@ def simulate_climb(
     propulsion power and potential energy over altitude; ``store``: batteries of its elements.
     Returns arrays of the elements.
     """
-    return _Day(March(time_h, levels, store, strategy, steps_per_node)).result()
+    steps = climb_march.STEPS_PER_NODE if steps_per_node is None else steps_per_node
+    return _Day(March(time_h, levels, store, strategy, steps)).result()
 
 
 def cycles_with_climb(
@@ -137,35 +139,21 @@ class _Day:
     """Trajectory, flows and metrics of the day that repeats itself; time is the first axis."""
 
     def __init__(self, march: March) -> None:
-        self.march = march
-        self.time_h = march.time_h
-        shape = (len(self.time_h), len(march.places))
-        self.energy, self.potential = np.empty(shape), np.empty(shape)
-        self.solar_w, self.load_w = np.empty(shape), np.empty(shape)
-        self.sums = Flows(*(np.zeros(shape[1]) for _ in Flows._fields))
-        end = periodic_state(march)
-        for k, step in enumerate(march.steps(end)):
-            self.energy[k], self.potential[k] = step.start
-            hours = self.time_h[k + 1] - self.time_h[k]
-            self.solar_w[k] = step.power.solar_left_w
-            self.load_w[k] = step.flows.motor_wh / hours + march.levels.constant_power_w
-            self.sums = Flows(*(a + b for a, b in zip(self.sums, step.flows, strict=True)))
-            end = step.end
-        self.energy[-1], self.potential[-1] = end
-        # The power of the end is that of the beginning.
-        self.solar_w[-1], self.load_w[-1] = self.solar_w[0], self.load_w[0]
+        self.march, self.time_h, self.run = march, march.time_h, repeated_day(march)
+        self.energy, self.potential = self.run.energy_wh, self.run.potential_wh
 
     def result(self) -> ClimbCycle:
         """Metrics of the whole day."""
+        levels = self.march.levels
         return ClimbCycle(
             cycle=self.cycle(),
             energy_budget=self.energy_budget,
             time_h=self.time_h,
-            altitude_m=self.march.levels.altitude_at(self.potential.T),
+            altitude_m=levels.altitude_at(self.potential.T),
             energy_wh=self.energy.T.copy(),
             potential_energy_wh=self.potential.T.copy(),
-            solar_power_w=self.solar_w.T.copy(),
-            load_w=self.load_w.T.copy(),
+            solar_power_w=_closed(self.run.power.solar_left_w),
+            load_w=_closed(self.run.motor_wh / self.march.hours + levels.constant_power_w),
             gliding_h=_gliding_h(self.time_h, self.potential),
         )
 
@@ -177,34 +165,36 @@ class _Day:
     @cached_property
     def energy_budget(self) -> ClimbEnergyBudget:
         """Where the energy goes."""
-        sums, march = self.sums, self.march
-        eta = march.levels.efficiency
+        run, march = self.run, self.march
+        eta, charged_wh = march.levels.efficiency, run.charged.sum(axis=0)
+        discharge_loss = 1.0 - march.store.discharge_efficiency
         return ClimbEnergyBudget(
-            solar_wh=sums.solar_wh,
-            unserved_wh=sums.unserved_wh,
+            solar_wh=run.solar_wh.sum(axis=0),
+            unserved_wh=run.unserved.sum(axis=0),
             constant_load_wh=24.0 * march.levels.constant_power_w,
-            level_flight_wh=eta * sums.level_electric_wh,
-            propulsion_loss_wh=(1.0 - eta) * sums.motor_wh,
+            level_flight_wh=eta * run.level_electric_wh.sum(axis=0),
+            propulsion_loss_wh=(1.0 - eta) * run.motor_wh.sum(axis=0),
             stored_wh=self.energy[-1] - self.energy[0],
             stored_potential_wh=self.potential[-1] - self.potential[0],
-            charge_loss_wh=sums.charged_wh * (1.0 / march.store.charge_efficiency - 1.0),
-            discharge_loss_wh=sums.drawn_wh * (1.0 - march.store.discharge_efficiency),
-            curtailed_wh=sums.curtailed_wh,
-            climb_electric_wh=sums.climb_wh,
-            glide_potential_wh=eta * sums.glide_wh,
+            charge_loss_wh=charged_wh * (1.0 / march.store.charge_efficiency - 1.0),
+            discharge_loss_wh=run.drawn.sum(axis=0) * discharge_loss,
+            curtailed_wh=(run.left_over - run.climb).sum(axis=0),
+            climb_electric_wh=run.climb.sum(axis=0),
+            glide_potential_wh=eta * run.glide.sum(axis=0),
         )
 
     def cycle(self) -> Cycle:
         """Metrics of :mod:`sizing.energy.cycle`, with the altitude that is left at dawn."""
-        march, levels, sums, budget = self.march, self.march.levels, self.sums, self.energy_budget
+        march, levels, budget = self.march, self.march.levels, self.energy_budget
+        missing_h = self.run.missing_h
         battery_energy_wh = march.store.battery_energy_wh
-        floor_w = march.light[:, 0, levels.scenario] * levels.module_area_m2
+        floor_w = march.solar_at[:, : march.count]
         equal = equal_power(march.node_h, floor_w - levels.nominal_load_w)
         excess, status = excess_and_status(
             equal,
-            runs_empty=sums.unserved_wh > 1e-9 * battery_energy_wh,
+            runs_empty=budget.unserved_wh > 1e-9 * battery_energy_wh,
             sunlit=np.any(floor_w > 0.0, axis=0),
-            missing_h=sums.missing_h,
+            missing_h=missing_h,
             reserve_h=self._reserve_h(equal.morning_h),
         )
         lowest = self.energy.min(axis=0) / battery_energy_wh
@@ -217,10 +207,10 @@ class _Day:
             equal_power_morning_h=equal.morning_h,
             equal_power_evening_h=equal.evening_h,
             full_charge_h=first_full,
-            missing_h=sums.missing_h,
+            missing_h=missing_h,
             energy_budget=EnergyBudget(
                 solar_wh=budget.solar_wh,
-                load_wh=budget.constant_load_wh + sums.motor_wh,
+                load_wh=budget.constant_load_wh + self.run.motor_wh.sum(axis=0),
                 unserved_wh=budget.unserved_wh,
                 stored_wh=budget.stored_wh,
                 charge_loss_wh=budget.charge_loss_wh,
@@ -253,6 +243,11 @@ class _Day:
         first = self.time_h[np.argmax(full, axis=0)]
         last = self.time_h[len(full) - 1 - np.argmax(full[::-1], axis=0)]
         return np.where(ever, first, np.nan), np.where(ever, last, np.nan)
+
+
+def _closed(power_w: FloatArray) -> FloatArray:
+    """Power of the steps, elements first; that of the end is that of the beginning."""
+    return np.concatenate([power_w, power_w[:1]]).T.copy()
 
 
 def _at_times(time_h: FloatArray, values: FloatArray, at_h: FloatArray) -> FloatArray:
