@@ -171,6 +171,19 @@ class Solution:
         )
         return float(cost / (whole or 1.0))
 
+    def ceiling_multipliers(self) -> dict[int, float]:
+        """Multipliers of the ceiling of climbs by scenario; empty without climbs."""
+        found: dict[int, float] = {}
+        heights = [
+            float(multiplier)
+            for v, multiplier in zip(self.variables, self.bound_multipliers, strict=True)
+            if v.role is Role.height
+        ]
+        # Blocks without heights of their own are those of flight at one altitude.
+        for scenario, multiplier in zip(self.scenarios, heights, strict=False):
+            found[scenario] = found.get(scenario, 0.0) + max(multiplier, 0.0)
+        return found
+
     def free_bound_multipliers(self) -> dict[str, float]:
         """Multipliers of the bounds of all design variables that are not held at a value."""
         return {
@@ -472,7 +485,7 @@ def _cost(problem: SizingProblem, instance: ProblemInstance) -> dict[str, float]
     """Cost of an instance, with what a missed requirement costs."""
     if instance.penalty is None:
         return dict(instance.cost)
-    own, rows = _SLACK_WEIGHTS, problem.constraints
+    own, rows = _SLACK_WEIGHTS, [row for row in problem.constraints if not row.firm]
     weights = {row.slack: own.get(row.name, _OTHER_SLACK_WEIGHT) for row in rows}
     if math.isinf(instance.penalty):
         return weights
