@@ -57,6 +57,11 @@ LEVEL_SPACING_M = 500.0
 MAXIMUM_LEVELS = 21
 
 
+def _number(value: Any) -> float:
+    """Plain number; draws of uncertain inputs are arrays, and stay so."""
+    return float(value) if np.ndim(value) == 0 else cast("float", value)
+
+
 def _date(value: Any) -> str:
     if not isinstance(value, str):
         raise ValueError(f"must be a date MM-DD, for instance 07-15 (got {value!r})")
@@ -300,7 +305,10 @@ class Mission(FileRecord):
         if not isinstance(data, Mapping) or "altitude_m" in data:
             return data
         climb = data.get("climb")
-        floor_m = climb.get("minimum_altitude_m") if isinstance(climb, Mapping) else None
+        if isinstance(climb, Climb):
+            floor_m: Any = climb.minimum_altitude_m
+        else:
+            floor_m = climb.get("minimum_altitude_m") if isinstance(climb, Mapping) else None
         # What is no altitude is told once, at its own key.
         if not isinstance(floor_m, int | float) or isinstance(floor_m, bool):
             return data
@@ -466,9 +474,7 @@ class Mission(FileRecord):
         """Wind that an aircraft must be faster than in all scenarios [m/s]."""
         if self.wind_statistics is None:
             return self.wind_m_per_s
-        strongest = self.scenario_winds_m_per_s().max(axis=0)
-        # Draws of an uncertain altitude are arrays.
-        return float(strongest) if strongest.ndim == 0 else cast("float", strongest)
+        return _number(self.scenario_winds_m_per_s().max(axis=0))
 
     def scenario_winds_m_per_s(self, scenarios: Scenarios | None = None) -> FloatArray:
         """Wind of each scenario, by default of the mission's own [m/s]."""
@@ -509,7 +515,8 @@ class Mission(FileRecord):
             return [self.altitude_m]
         floor_m, ceiling_m = self.altitude_m, self.climb.ceiling_m
         count = int(np.ceil((ceiling_m - floor_m) / LEVEL_SPACING_M - 1e-9)) + 1
-        return np.linspace(floor_m, ceiling_m, min(max(count, 2), MAXIMUM_LEVELS)).tolist()
+        levels = np.linspace(floor_m, ceiling_m, min(max(count, 2), MAXIMUM_LEVELS))
+        return [float(level) for level in levels]
 
     @property
     def climb_label(self) -> str:
@@ -526,15 +533,15 @@ class Mission(FileRecord):
         """
         here = self.air_state()
         standard = standard_air(self.altitude_m)
-        offset_k = float(here.temperature_k - standard.temperature_k)
+        offset_k = _number(here.temperature_k - standard.temperature_k)
         update: dict[str, float | None] = {
             "temperature_offset_k": offset_k,
             "ambient_temperature_c": None,
         }
         if self.air.module_temperature_c is not None:
-            warmer_k = self.air.module_temperature_c - float(here.temperature_c)
+            warmer_k = self.air.module_temperature_c - _number(here.temperature_c)
             there = standard_air(altitude_m, offset_k)
-            update["module_temperature_c"] = float(there.temperature_c) + warmer_k
+            update["module_temperature_c"] = _number(there.temperature_c) + warmer_k
         air = self.air.model_copy(update=update)
         return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
 
@@ -550,9 +557,7 @@ class Mission(FileRecord):
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
         if self.air.module_temperature_c is not None:
             return self.air.module_temperature_c
-        temperature_c = self.air_state().temperature_c
-        # Draws of uncertain inputs are arrays.
-        return float(temperature_c) if temperature_c.ndim == 0 else cast("float", temperature_c)
+        return _number(self.air_state().temperature_c)
 
     def scenarios(self) -> Scenarios:
         """Every latitude on every day that stands for the dates, latitude by latitude."""

@@ -16,7 +16,7 @@ from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_day import cycles_with_climb
-from sizing.altitude.climb_levels import flight_levels
+from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import (
     Design,
     DesignVariables,
@@ -24,7 +24,7 @@ from sizing.design import (
     design_of,
     load_profile,
 )
-from sizing.energy.battery import Battery, Store
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
@@ -314,24 +314,28 @@ def performance_in_pairs(
 
 
 def cycle_of_variants(
-    battery: Battery, variants: Sequence[tuple[Design, Mission, SolarDay]]
+    variants: Sequence[tuple[Aircraft, Design, Mission, SolarDay]],
 ) -> Cycle:
     """Cycles of designs that differ in anything but how their battery charges, in one march.
 
-    ``battery``: that of all of them but for its size. ``variants``: designs with the mission and
-    the day of each; the days have the same scenarios. Returns arrays of shape ``(variant,
+    ``variants``: aircraft with their designs, missions and days; the days have the same scenarios,
+    and all missions climb to the same levels or none does. Returns arrays of shape ``(variant,
     scenario)``.
     """
-    powers = [_powers(mission, design, day) for design, mission, day in variants]
+    aircraft, _, mission, day = variants[0]
+    energy_wh = np.array([float(design.battery_energy_wh) for _, design, _, _ in variants])
+    store = Store.of(aircraft.battery, energy_wh[:, np.newaxis])
+    if mission.climb is not None:
+        batch = len(variants), len(day.scenarios)
+        levels = FlightLevels.joined(
+            [flight_levels(craft, flown, design, lit) for craft, design, flown, lit in variants]
+        )
+        strategy = mission.climb.strategy
+        return cycles_with_climb(day.time_h, levels, store.flat(batch), strategy)[0].reshaped(batch)
+    powers = [_powers(flown, design, lit) for _, design, flown, lit in variants]
     solar_w, load_w, nominal = (np.stack(values) for values in zip(*powers, strict=True))
-    energy_wh = np.array([float(design.battery_energy_wh) for design, _, _ in variants])
     return simulate_cycle(
-        variants[0][2].time_h,
-        solar_w,
-        load_w,
-        Store.of(battery, energy_wh[:, np.newaxis]),
-        nominal_load_w=nominal,
-        keep_trajectory=False,
+        day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=False
     )
 
 

@@ -108,6 +108,15 @@ class SolarDay:
         """Same day with all power multiplied by a factor, or one of shape ``(scenario, 1)``."""
         return self._with(lambda power: power * factor)
 
+    def less(self, other: SolarDay) -> SolarDay:
+        """Same day with the power of another one taken off."""
+        aloft, others = self.aloft_w_per_m2, other.aloft_w_per_m2
+        return replace(
+            self,
+            specific_power_w_per_m2=self.specific_power_w_per_m2 - other.specific_power_w_per_m2,
+            aloft_w_per_m2=None if aloft is None or others is None else aloft - others,
+        )
+
     def coarsened(self, steps: int) -> SolarDay:
         """Same day with some steps in one."""
         return replace(self._with(lambda power: power[..., ::steps]), time_h=self.time_h[::steps])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -19,9 +20,14 @@ from sizing.design import (
     thermal_shape,
 )
 from sizing.sunlight import SolarDay
-from solar.types import FloatArray, IntArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 _GLIDE_POINTS = 2001
+# Fields of the levels that every element has one of.
+_OF_EACH = (
+    *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
+    *("efficiency", "maximum_power_w", "flies"),
+)
 _NO_FLIGHT_W = 1e12  # power of a level flight that there is none of
 
 
@@ -49,8 +55,8 @@ class FlightLevels:
     altitude and speed above that of the lowest level [Wh], and electric propulsion power of level
     flight in calm air [W]. ``specific_power_w_per_m2``: of the solar modules, of shape ``(level,
     scenario, time)``; ``module_area_m2`` and ``scenario`` of every element say how much of which.
-    ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-];
-    ``nominal_factor`` is that without thermals. Of every element: ``constant_power_w`` of avionics
+    ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-]. Of
+    every element: ``nominal_factor`` is that without thermals, ``constant_power_w`` of avionics
     and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, and whether it
     ``flies`` at all levels.
     """
@@ -62,24 +68,38 @@ class FlightLevels:
     module_area_m2: FloatArray
     scenario: IntArray
     turbulence_factor: FloatArray
-    nominal_factor: float
+    nominal_factor: FloatArray
     constant_power_w: FloatArray
     efficiency: FloatArray
     maximum_power_w: FloatArray
-    flies: FloatArray
+    flies: BoolArray
 
     @property
     def nominal_load_w(self) -> FloatArray:
         """Load at the lowest altitude without thermals [W]."""
-        return self.propulsion_power_w[0] * self.nominal_factor + self.constant_power_w
+        return np.asarray(self.propulsion_power_w[0] * self.nominal_factor + self.constant_power_w)
 
-    def select(self, some: slice | IntArray) -> FlightLevels:
+    def select(self, some: slice | IntArray | BoolArray) -> FlightLevels:
         """Flights of a part of the elements."""
         by_level = ("potential_energy_wh", "propulsion_power_w")
         rows = {name: getattr(self, name)[:, some] for name in by_level}
-        of_each = ("module_area_m2", "scenario", "constant_power_w")
-        of_each += ("efficiency", "maximum_power_w", "flies")
-        return replace(self, **rows, **{name: getattr(self, name)[some] for name in of_each})
+        return replace(self, **rows, **{name: getattr(self, name)[some] for name in _OF_EACH})
+
+    @classmethod
+    def joined(cls, several: Sequence[FlightLevels]) -> FlightLevels:
+        """Flights at the same levels, each in its own scenarios."""
+        first = [0, *np.cumsum([one.specific_power_w_per_m2.shape[1] for one in several])]
+        along = {
+            1: ("potential_energy_wh", "propulsion_power_w", "specific_power_w_per_m2"),
+            0: ("turbulence_factor", *_OF_EACH),
+        }
+        arrays = {
+            name: np.concatenate([getattr(one, name) for one in several], axis=axis)
+            for axis, names in along.items()
+            for name in names
+        }
+        places = [one.scenario + n for one, n in zip(several, first, strict=False)]
+        return cls(several[0].altitude_m, **arrays | {"scenario": np.concatenate(places)})
 
     def altitude_at(self, potential_energy_wh: FloatArray) -> FloatArray:
         """Altitude of potential energies, elements first [m]."""
@@ -93,7 +113,7 @@ class FlightLevels:
             known = self.potential_energy_wh[:, place]
             energies = np.linspace(0.0, known[-1], _GLIDE_POINTS)
             level_w = np.interp(energies, known, self.propulsion_power_w[:, place])
-            slowness = 1.0 / (self.efficiency[place] * (level_w * self.nominal_factor))
+            slowness = 1.0 / (self.efficiency[place] * (level_w * self.nominal_factor[place]))
             each = np.diff(energies) * (slowness[1:] + slowness[:-1]) / 2.0
             summed = np.concatenate(([0.0], np.cumsum(each)))
             hours[place] = np.interp(potential_energy_wh[place], energies, summed)
@@ -174,7 +194,12 @@ def flight_levels(
     flies = np.isfinite(power_w).all(axis=0) & np.isfinite(potential_wh).all(axis=0)
     limits = climb_limits(aircraft, design)
     thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
-    steady = 1.0 + mission.turbulence.all_day
+    # Draws of uncertain inputs are arrays of the elements.
+    all_day, most = (
+        np.asarray(value, float)[..., np.newaxis]
+        for value in (mission.turbulence.all_day, mission.turbulence.thermal)
+    )
+    steady = 1.0 + all_day
     return FlightLevels(
         altitude_m=altitudes,
         potential_energy_wh=np.where(flies, potential_wh, 0.0),
@@ -182,14 +207,12 @@ def flight_levels(
         specific_power_w_per_m2=light,
         module_area_m2=each(design.variables.module_area_m2),
         scenario=np.broadcast_to(scenarios, shape).ravel(),
-        turbulence_factor=np.broadcast_to(
-            steady + mission.turbulence.thermal * thermal, light.shape[1:]
-        ),
-        nominal_factor=steady,
+        turbulence_factor=np.broadcast_to(steady + most * thermal, light.shape[1:]),
+        nominal_factor=each(steady[..., 0]),
         constant_power_w=each(design.constant_power_w),
         efficiency=each(limits.efficiency),
         maximum_power_w=np.where(flies, each(limits.maximum_power_w), 0.0),
-        flies=flies,
+        flies=np.asarray(flies),
     )
 
 
@@ -199,9 +222,7 @@ _TWICE_GRAVITY = 2.0 * GRAVITY_M_PER_S2
 def _same_aircraft_at(
     aircraft: Aircraft, mission: Mission, design: Design, altitude_m: float
 ) -> Design:
-    """Level flight of aircraft of given mass at another altitude; of a batch, of infinite power
-    where there is none.
-    """
+    """Level flight of given mass at another altitude, of a batch infinite power without any."""
     there = mission.at_altitude(altitude_m)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, there)

@@ -137,7 +137,7 @@ class March:
         self.hours = np.repeat(np.diff(self.node_h) / steps_per_node, steps_per_node)[:, np.newaxis]
         self._hours = [float(hours) for hours in self.hours[:, 0]]
 
-    def select(self, some: IntArray) -> March:
+    def select(self, some: IntArray | BoolArray) -> March:
         """Steps of some of the elements."""
         levels, store = self.levels.select(some), self.store.select(some)
         return March(self.node_h, levels, store, self.strategy, self.steps_per_node)
@@ -307,7 +307,8 @@ class March:
         # counted as a whole would make the day's gain jump with the state of charge.
         soc = np.minimum(energy / self.store.battery_energy_wh, 1.0)
         after = np.clip(1.0 - clock.hours_to_full(soc) / hours, 0.0, 1.0)
-        return np.where(full, np.minimum(left_over, after * surplus), 0.0)
+        usable = np.where(energy < self.counts_as_full_wh, after * surplus, left_over)
+        return np.where(full, np.minimum(left_over, usable), 0.0)
 
     def _climb_wh(
         self, potential: FloatArray, usable_wh: FloatArray, room_wh: FloatArray
@@ -315,7 +316,7 @@ class March:
         """Electric energy spent on climbing [Wh]."""
         to_ceiling = (self.potential_max_wh - potential) / self.levels.efficiency
         energy = np.minimum(np.minimum(usable_wh, room_wh), to_ceiling)
-        return np.maximum(energy, 0.0)
+        return np.asarray(np.maximum(energy, 0.0))
 
     def _drawn(self, stored: Stored, power: Power, share: FloatArray) -> _Drawn:
         """Meet a deficit: what the motor lacks by sinking first, all else from the battery."""
@@ -418,19 +419,28 @@ def _periodic_state(march: March, scale: FloatArray) -> Stored:
     bracket = _EnergyBracket(full)
     previous = np.zeros_like(full)
     low = np.ones(full.shape, bool)
+    found, places = Stored(energy.copy(), potential.copy()), np.arange(len(full))
     for number in range(1, _MAXIMUM_ROUNDS + 1):
         end = march.end_of_day(Stored(energy, potential))
         gain, shift = end.battery_wh - energy, np.abs(end.potential_wh - potential)
         low = low & (potential == 0.0) & (end.potential_wh == 0.0)
         bracket.learn(energy, gain, low)
         energy, potential = end
-        if np.all(np.maximum(np.abs(gain), shift) <= _TOLERANCE * scale):
+        found.battery_wh[places], found.potential_wh[places] = end
+        moves = np.maximum(np.abs(gain), shift) > _TOLERANCE * scale
+        if not moves.any():
             break
         if number % _PLAIN_ROUNDS == 0 and number <= _MAXIMUM_ROUNDS - _LAST_ROUNDS:
             energy = np.where(low, bracket.extrapolated(energy, gain, previous), energy)
             low = np.ones_like(low)
         previous = gain
-    return Stored(energy, potential)
+        if not moves.all():
+            # Elements that have settled stay as they are, whatever the others take.
+            march, bracket, places = march.select(moves), bracket.select(moves), places[moves]
+            energy, potential, scale, previous, low = (
+                values[moves] for values in (energy, potential, scale, previous, low)
+            )
+    return found
 
 
 class _EnergyBracket:
@@ -439,6 +449,12 @@ class _EnergyBracket:
     def __init__(self, battery_energy_wh: FloatArray) -> None:
         self.full = battery_energy_wh
         self.lower, self.upper = np.zeros_like(self.full), self.full.copy()
+
+    def select(self, some: BoolArray) -> _EnergyBracket:
+        """Energies of a part of the scenarios."""
+        part = _EnergyBracket(self.full[some])
+        part.lower, part.upper = self.lower[some], self.upper[some]
+        return part
 
     def learn(self, energy: FloatArray, gain: FloatArray, low: BoolArray) -> None:
         """Narrow by the gain of a day, or start anew where altitude was left at midnight."""

@@ -308,7 +308,9 @@ class _Cells:
         """Whether no random neighbour of a design is better by more than the tolerance."""
         bounds = {
             v.name: (v.minimum, v.maximum)
-            for v in self.solver.problems.of(self.each, climb=self.solver.climb).of_role(Role.design)
+            for v in self.solver.problems.of(self.each, climb=self.solver.climb).of_role(
+                Role.design
+            )
         }
         free = {*bounds, self.objective.variable}
         rng = np.random.default_rng(self.seed)

@@ -20,7 +20,7 @@ from studies.cli.files import Case
 def refuse_climb(case: Case, command: str) -> None:
     """Refuse a mission with climbs where flight at constant altitude is meant."""
     if case.mission.climb is not None:
-        message = f"{command} flies at constant altitude; remove climb (solar-uav analyse uses it)"
+        message = f"{command} flies at constant altitude; remove climb"
         raise located_error(case.where.document, ("climb",), message)
 
 

@@ -52,7 +52,7 @@ __all__ = [
 _CELLS_AT_ONCE = 8192
 _CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at all levels
 _ENDURANCE_S = 2e-4  # of a cell, roughly
-_CLIMB_S = 5e-3
+_CLIMB_S = 1e-3
 
 
 _PERPETUAL = (Status.perpetual, Status.always_lit)

@@ -138,13 +138,15 @@ def _enough(
         aircraft, mission, factor = one.changed(value)
         try:
             design = design_of(aircraft, mission)
+            if mission.climb is not None:
+                design_of(aircraft, mission.at_altitude(mission.climb.ceiling_m))
         except ImpossibleDesignError:
             continue
-        flown.append((number, aircraft.battery, (design, mission, day.scaled(factor))))
+        flown.append((number, (aircraft, design, mission, day.scaled(factor))))
     if flown:
-        cycle = cycle_of_variants(flown[0][1], [variant for _, _, variant in flown])
+        cycle = cycle_of_variants([variant for _, variant in flown])
         every = np.all(_hold(cycle, required), axis=-1).tolist()
-        for (number, _, _), holds in zip(flown, every, strict=True):
+        for (number, _), holds in zip(flown, every, strict=True):
             found[number] = holds
     return found
 
