@@ -200,7 +200,7 @@ class March:
         """First step from each on in which any element has a surplus."""
         lit = (self.at_floor.surplus_wh > 0.0).any(axis=1)
         steps = np.where(lit, np.arange(len(lit)), len(lit))
-        return np.minimum.accumulate(steps[::-1])[::-1].tolist()
+        return [int(step) for step in np.minimum.accumulate(steps[::-1])[::-1]]
 
     @cached_property
     def _floor_deficit_wh(self) -> FloatArray:
@@ -434,11 +434,12 @@ def _periodic_state(march: March, scale: FloatArray) -> Stored:
             energy = np.where(low, bracket.extrapolated(energy, gain, previous), energy)
             low = np.ones_like(low)
         previous = gain
-        if not moves.all():
-            # Elements that have settled stay as they are, whatever the others take.
-            march, bracket, places = march.select(moves), bracket.select(moves), places[moves]
+        if 2 * np.count_nonzero(moves) <= len(moves):
+            # Elements that have settled need not wait for the others.
+            some = np.flatnonzero(moves)
+            march, bracket, places = march.select(some), bracket.select(some), places[some]
             energy, potential, scale, previous, low = (
-                values[moves] for values in (energy, potential, scale, previous, low)
+                values[some] for values in (energy, potential, scale, previous, low)
             )
     return found
 
@@ -450,8 +451,8 @@ class _EnergyBracket:
         self.full = battery_energy_wh
         self.lower, self.upper = np.zeros_like(self.full), self.full.copy()
 
-    def select(self, some: BoolArray) -> _EnergyBracket:
-        """Energies of a part of the scenarios."""
+    def select(self, some: IntArray) -> _EnergyBracket:
+        """Energies of some of the elements."""
         part = _EnergyBracket(self.full[some])
         part.lower, part.upper = self.lower[some], self.upper[some]
         return part
