@@ -28,7 +28,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_day import ClimbCycle, simulate_climb
 from sizing.altitude.climb_levels import ClimbLimits, checked_climb_limits, flight_levels
@@ -64,17 +64,19 @@ def climb_performance(
     solar: SolarModel = UNCORRECTED_CAM,
     *,
     solar_factor: float = 1.0,
+    scenarios: Scenarios | None = None,
 ) -> ClimbPerformance:
     """Simulate an aircraft on a mission with ``climb`` in every scenario.
 
-    ``solar_factor``: factor on all solar power, for what an error of the model does. Returns flight
+    ``solar_factor``: factor on all solar power, for what an error of the model does.
+    ``scenarios``: others than the mission's own. Returns flight
     with climbs, and the flight at the mission's altitude to compare it with.
     """
     if mission.climb is None:
         raise ValueError(f"mission {mission.name} has no climb")
     design = design_of(aircraft, mission)
     limits = checked_climb_limits(aircraft, design)
-    day = solar_day(aircraft, mission, solar).scaled(solar_factor)
+    day = solar_day(aircraft, mission, solar, scenarios=scenarios).scaled(solar_factor)
     lowest = mission.at_altitude(mission.altitude_m)
     constant = performance(aircraft, lowest, solar, day=day, design=design)
     levels = flight_levels(aircraft, mission, design, day)

@@ -79,7 +79,7 @@ class FlightLevels:
         """Load at the lowest altitude without thermals [W]."""
         return np.asarray(self.propulsion_power_w[0] * self.nominal_factor + self.constant_power_w)
 
-    def select(self, some: slice | IntArray) -> FlightLevels:
+    def select(self, some: slice | IntArray | BoolArray) -> FlightLevels:
         """Flights of a part of the elements."""
         by_level = ("potential_energy_wh", "propulsion_power_w")
         rows = {name: getattr(self, name)[:, some] for name in by_level}

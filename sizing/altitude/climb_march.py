@@ -137,7 +137,7 @@ class March:
         self.hours = np.repeat(np.diff(self.node_h) / steps_per_node, steps_per_node)[:, np.newaxis]
         self._hours = [float(hours) for hours in self.hours[:, 0]]
 
-    def select(self, some: IntArray) -> March:
+    def select(self, some: IntArray | BoolArray) -> March:
         """Steps of some of the elements."""
         levels, store = self.levels.select(some), self.store.select(some)
         return March(self.node_h, levels, store, self.strategy, self.steps_per_node)
@@ -316,7 +316,7 @@ class March:
         """Electric energy spent on climbing [Wh]."""
         to_ceiling = (self.potential_max_wh - potential) / self.levels.efficiency
         energy = np.minimum(np.minimum(usable_wh, room_wh), to_ceiling)
-        return np.maximum(energy, 0.0)
+        return np.asarray(np.maximum(energy, 0.0))
 
     def _drawn(self, stored: Stored, power: Power, share: FloatArray) -> _Drawn:
         """Meet a deficit: what the motor lacks by sinking first, all else from the battery."""

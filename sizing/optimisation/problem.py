@@ -47,6 +47,7 @@ from sizing.optimisation.climb_constraints import (
 )
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
 from sizing.optimisation.variables import (
+    HEIGHT,
     OWN,
     SOLAR_TECHNOLOGY,
     WIND,
@@ -377,7 +378,7 @@ def _program(
                 *(efficiencies, margin, sun[:, i]),
             )
             charged = charged + margin * deficit  # the day began with so much less
-            rows.append((Constraint("height", i), reached - heights[i]))
+            rows.append((Constraint(HEIGHT, i, firm=True), reached - heights[i]))
             of_avionics = ClimbValues(*ca.vertsplit(store)).constant_w / nominal_w
             reserve_h = dawn_soc[i] * usable_h + glide_h * (1.0 - of_avionics)
         # The margin is slightly more charge than the night takes. At equality the cycle
@@ -396,8 +397,9 @@ def _program(
             (excess, (1.0 - sunlit) * reserve + sunlit * spare_sun),
         ]
     constraints = tuple(c for c, _ in rows)
-    slacks = list(dict.fromkeys(c.slack for c in constraints))
+    slacks = list(dict.fromkeys(c.slack for c in constraints if not c.firm))
     slack = ca.MX.sym("slack", len(slacks))
+    missed = [0.0 if c.firm else slack[slacks.index(c.slack)] for c in constraints]
     x = ca.vertcat(free, dawn_soc, heights, worst_h, slack)
     every = all_variables(chosen, blocks, constraints, climbs=climb is not None)
     names = tuple(v.name for v in every)
@@ -416,7 +418,7 @@ def _program(
         "x": x,
         "p": ca.vertcat(*(parameters[name] for name in _PARAMETERS)),
         "f": ca.dot(weights, x) + tie_break,
-        "g": ca.vertcat(*(value + slack[slacks.index(c.slack)] for c, value in rows)),
+        "g": ca.vertcat(*(value + by for (_, value), by in zip(rows, missed, strict=True))),
     }
     return Program(names, constraints, technology, symbols)
 

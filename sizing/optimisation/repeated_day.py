@@ -109,6 +109,8 @@ class DesignInDays:
     ) -> None:
         if not isinstance(aircraft.airframe, ParametricAirframe):
             raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget")
+        if mission.climb is not None:
+            raise ValueError(f"a day of level flight: remove climb from the mission {mission.name}")
         allowed = [
             key
             for key in numbers_taken_out(aircraft)

@@ -174,6 +174,9 @@ def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
                 label = "always_lit"
             label += f" ({day.scenarios.label(scenario)})"
         active[label] = active.get(label, 0.0) + abs(multiplier) * row.step
+    for scenario, multiplier in solution.ceiling_multipliers().items():
+        if multiplier > least:
+            active[f"climb_ceiling ({day.scenarios.label(scenario)})"] = multiplier * RELATIVE_STEP
     for name, multiplier in solution.free_bound_multipliers().items():
         if abs(multiplier) > least:
             label = f"{name} at its {'maximum' if multiplier > 0 else 'minimum'}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -171,6 +171,19 @@ class Solution:
         )
         return float(cost / (whole or 1.0))
 
+    def ceiling_multipliers(self) -> dict[int, float]:
+        """Multipliers of the ceiling of climbs by scenario; empty without climbs."""
+        found: dict[int, float] = {}
+        heights = [
+            float(multiplier)
+            for v, multiplier in zip(self.variables, self.bound_multipliers, strict=True)
+            if v.role is Role.height
+        ]
+        # Blocks without heights of their own are those of flight at one altitude.
+        for scenario, multiplier in zip(self.scenarios, heights, strict=False):
+            found[scenario] = found.get(scenario, 0.0) + max(multiplier, 0.0)
+        return found
+
     def free_bound_multipliers(self) -> dict[str, float]:
         """Multipliers of the bounds of all design variables that are not held at a value."""
         return {
@@ -203,6 +216,9 @@ class SolverReport:
 # Where the least that is missed stands still: over so many steps, to this part of it, rows as well;
 # and what is then missed beyond doubt, relative or in hours.
 _STILL, _STILL_KEPT, _CLEARLY_MISSED = 30, 1e-3, 0.01
+# Heights of climbs that a program starts from, besides those of the start itself: optima of several
+# heights, none among them, are common where the battery must be full before the aircraft climbs.
+_START_HEIGHTS = (None, 0.0, 1.0)
 _SETTLED = 1e-6  # what rows and derivatives may lack at an optimum without a kink
 
 
@@ -266,16 +282,42 @@ class ProgramSolver:
         first.
         """
         posed = self._posed(instance, scenarios)
+        found = [
+            one
+            for height in _START_HEIGHTS[: None if self.climb else 1]
+            if (one := self._from(posed, starts, efforts, previous, height)) is not None
+        ]
+        # Of several the best: a little height may be worth less than none, and more than either.
+        return min(found, key=lambda one: float(one.weights @ one.x), default=None)
+
+    def _from(
+        self,
+        posed: _Posed,
+        starts: Sequence[DesignVariables],
+        efforts: Sequence[Effort],
+        previous: Solution | None,
+        height: float | None,
+    ) -> Solution | None:
+        """First solution that is found, with all heights of the start at one value if given."""
+        problem, instance = posed.problem, posed.instance
+        places = [problem.index[v.name] for v in problem.of_role(Role.height)]
+
+        def risen(x: FloatArray) -> FloatArray:
+            if height is not None:
+                x[places] = height
+            return posed.within(x)
+
         if previous is not None:
-            solution = self._solved(posed, "next", _warm(posed, previous))
+            warm = _warm(posed, previous)
+            solution = self._solved(posed, "next", warm | {"x0": risen(warm["x0"])})
             if solution is not None:
                 return solution
         if starts and instance.penalty != math.inf:
-            solution = self._directly(posed, starts[0])
+            solution = self._directly(posed, starts[0], risen)
             if solution is not None:
                 return solution
         for variables in starts:
-            cold = {"x0": posed.within(self._start(posed.problem, instance, variables))}
+            cold = {"x0": risen(self._start(problem, instance, variables))}
             for effort in efforts:
                 soft = effort == "quick" and instance.penalty not in (None, math.inf)
                 solution = self._solved(posed, "still" if soft else effort, cold)
@@ -283,7 +325,12 @@ class ProgramSolver:
                     return solution
         return None
 
-    def _directly(self, posed: _Posed, variables: DesignVariables) -> Solution | None:
+    def _directly(
+        self,
+        posed: _Posed,
+        variables: DesignVariables,
+        risen: Callable[[FloatArray], FloatArray],
+    ) -> Solution | None:
         """Solution that meets every requirement, by a few whole steps from a design."""
         problem = posed.problem
         lower, upper = np.array(posed.limits["lbx"]), np.array(posed.limits["ubx"])
@@ -293,7 +340,7 @@ class ProgramSolver:
         if not posed.instance.sunlit:
             lower[[problem.index[v.name] for v in problem.of_role(Role.dawn_state)]] = -1.0
         strict = posed._replace(limits=posed.limits | {"lbx": lower, "ubx": upper})
-        start = strict.within(self._start(problem, posed.instance, variables))
+        start = strict.within(risen(self._start(problem, posed.instance, variables)))
         return self._solved(strict, "direct", {"x0": start})
 
     def performance(self, variables: DesignVariables, *, coarse: bool = False) -> Performance:
@@ -472,7 +519,7 @@ def _cost(problem: SizingProblem, instance: ProblemInstance) -> dict[str, float]
     """Cost of an instance, with what a missed requirement costs."""
     if instance.penalty is None:
         return dict(instance.cost)
-    own, rows = _SLACK_WEIGHTS, problem.constraints
+    own, rows = _SLACK_WEIGHTS, [row for row in problem.constraints if not row.firm]
     weights = {row.slack: own.get(row.name, _OTHER_SLACK_WEIGHT) for row in rows}
     if math.isinf(instance.penalty):
         return weights

@@ -33,6 +33,7 @@ WIND = "mission.wind_m_per_s"
 OWN = "own_objective"  # what the user's own objective is, where there is one
 # What is relative is eased by this to tell what that gains.
 RELATIVE_STEP = 0.01
+HEIGHT = "height"  # of climbs, as potential energy over that of the ceiling
 
 
 class Role(Enum):
@@ -78,6 +79,7 @@ class Constraint(NamedTuple):
 
     ``block`` is the scenario block it belongs to, None for the design itself; the row is the
     quantity over ``scale`` in ``unit``: over its limit, over the battery's capacity, or in hours.
+    ``firm``: whether it must not be missed for the sake of others, since it can always be met.
     """
 
     name: str
@@ -85,6 +87,7 @@ class Constraint(NamedTuple):
     unit: str = "1"
     scale: float = 1.0
     equation: bool = False
+    firm: bool = False
 
     @property
     def step(self) -> float:
@@ -113,10 +116,10 @@ def all_variables(
         for i in range(blocks)
     )
     heights = (
-        Variable(f"height[{i}]", "1", 0.0, 1.0, 1.0, Role.height, 0.2)
+        Variable(f"{HEIGHT}[{i}]", "1", 0.0, 1.0, 1.0, Role.height, 0.2)
         for i in range(blocks if climbs else 0)
     )
-    slacks = dict.fromkeys(c.slack for c in constraints)
+    slacks = dict.fromkeys(c.slack for c in constraints if not c.firm)
     return (
         *chosen,
         *dawns,

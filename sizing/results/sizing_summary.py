@@ -22,6 +22,7 @@ from sizing.performance import Performance
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.balance import balance_lines
 from sizing.results.battery import battery_line
+from sizing.results.climbs import climb_lines
 from sizing.results.constraint_words import constraint_words, parameter_words
 from sizing.results.notes import (
     catalogue_blocks,
@@ -64,6 +65,7 @@ def summary(study: SizingStudy) -> Summary:
     blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
     if study.power_budget is not None:
         blocks.append(power_line(study.power_budget))
+    blocks += climb_lines(study)
     blocks += _whole_cells(study)
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)

@@ -34,6 +34,19 @@ def require_climber(case: Case) -> None:
         raise located_error(case.craft.document, error.key, error.message) from None
 
 
+def require_climb_power(case: Case) -> None:
+    """Refuse a parametric aircraft that is sized for climbs without any power for them."""
+    propulsion = getattr(case.aircraft.airframe, "propulsion", None)
+    ratio = getattr(propulsion, "climb_power_ratio", None)
+    if case.mission.climb is not None and ratio is not None and ratio <= 1.0:
+        message = (
+            f"a mission with climb needs more power than level flight takes; allowed: above 1 "
+            f"(got {ratio:g}), or climb_rate_m_per_s"
+        )
+        key = ("airframe", "propulsion", "climb_power_ratio")
+        raise located_error(case.craft.document, key, message)
+
+
 def require_path(case: Case, option: str | None = None) -> None:
     """Refuse an aircraft without module surfaces and a mission without a path it can fly.
 

@@ -5,13 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from sizing.aircraft import ParametricAirframe
-from studies.cli.checks import (
-    refuse_climb,
-    refuse_polar_night,
-    require_climber,
-    require_path,
-)
+from studies.cli.checks import refuse_polar_night, require_climber, require_path
 from studies.cli.commands.compare import Compare
 from studies.cli.files import load
 from studies.cli.options import EXIT_FAILED
@@ -34,8 +28,6 @@ def compare(options: Compare) -> None:
     if options.needs_path is not None or attitude_is_known(case.aircraft, case.mission):
         # With surfaces and a path, the reference flies it even if no case does.
         require_path(case, options.needs_path or "the reference")
-    if not options.no_design and isinstance(case.aircraft.airframe, ParametricAirframe):
-        refuse_climb(case, "compare without --no-design")
     with progress_of("models", lines=False) as progress:
         compared = comparison.compare(
             case.aircraft,

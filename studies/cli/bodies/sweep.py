@@ -12,7 +12,7 @@ import click
 
 from missions.files.errors import InputError
 from missions.files.writing import write_files_atomically
-from studies.cli.checks import refuse_climb, require_climber, require_path
+from studies.cli.checks import require_climb_power, require_climber, require_path
 from studies.cli.commands.sweep import Sweep
 from studies.cli.files import Case, load
 from studies.cli.jobs import completed
@@ -40,11 +40,10 @@ def sweep(options: Sweep) -> None:
     climbs = case.mission.climb is not None or varies_climb(axis.key for axis in options.axes)
     _check_shown(options, climbs=climbs)
     require_path(case)
-    require_climber(case)
-    if options.objective is not None:
-        refuse_climb(case, "sweep --resize")
-        if climbs:
-            raise click.UsageError("--resize flies at constant altitude: vary no mission.climb")
+    if options.objective is None:
+        require_climber(case)
+    else:
+        require_climb_power(case)
     prepared = _prepared(case, options)
     with completed(prepared.job, options.work, out_file, "points") as outcome:
         data = dataset(prepared, outcome)
