@@ -104,13 +104,6 @@ class Session:
         return self.mission.climb is not None and self.mission.climb.minimum_altitude_m is not None
 
     @property
-    def cannot_size(self) -> str:
-        """Why nothing is sized here; empty where it is."""
-        if self.measured:
-            return "a measured airframe cannot be sized: its mass does not follow from its geometry"
-        return "" if self.mission.climb is None else "a mission with climbs is not sized here"
-
-    @property
     def measured(self) -> bool:
         """Whether the airframe is measured, so that it cannot be sized."""
         return isinstance(self.aircraft.airframe, MeasuredAirframe)
@@ -153,7 +146,11 @@ class Session:
             "objectives": objectives,
             "season_scale": page_scale(),
             "offline": False,
-            "cannot_size": self.cannot_size,
+            "cannot_size": (
+                "a measured airframe cannot be sized: its mass does not follow from its geometry"
+                if self.measured
+                else ""
+            ),
         }
 
     def settings(self, data: object = None) -> Settings:

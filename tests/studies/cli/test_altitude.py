@@ -165,11 +165,50 @@ def test_columns_without_climb_stay_as_they_are(run: Run, tmp_path: Path) -> Non
     assert "altitude_m" not in pd.read_csv(io.StringIO((tmp_path / "plain.csv").read_text()))
 
 
-@pytest.mark.parametrize("command", ["size", "map", "ceiling"])
-def test_commands_at_constant_altitude_refuse_climbs(run: Run, climb: str, command: str) -> None:
-    outcome = run(command, "atlantiksolar-design", "-m", climb)
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ("station", []),
+        ("map --weather", ["--weather", "any.csv"]),
+        ("explore --static", ["--static", "page.html"]),
+    ],
+)
+def test_commands_at_constant_altitude_refuse_climbs(
+    run: Run, climb: str, command: str, options: list[str]
+) -> None:
+    outcome = run(command.partition(" ")[0], "atlantiksolar-design", "-m", climb, *options)
     assert outcome.code == 2
     assert f"climb.yaml:5:1: climb: {command} flies at constant altitude" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["map", "--latitudes", "40:50:10", "--days", "172"], "climbs from 536 to 3536 m once"),
+        (["sweep", "--vary", "mission.altitude_m=536,1000"], "with climbs; endurance in level"),
+        (
+            ["compare", "--corrections", "none"],
+            "climbs from 536 to 3536 m once the battery is full",
+        ),
+        (["ceiling", "--step", "2000"], "with climbs to 3536 m from night floors up to 3536 m"),
+        (["uncertainty", "--samples", "64"], "climbs from 536 to 3536 m once the battery is full"),
+    ],
+)
+def test_commands_tell_that_the_flight_climbs(
+    run: Run, climb: str, tmp_path: Path, words: list[str], said: str
+) -> None:
+    outcome = run(*words[:1], AS2, "-m", climb, *words[1:], "--plot", "climbs.svg")
+    assert outcome.code == 0
+    assert said in " ".join(outcome.out.split())
+    assert "climbs" in (tmp_path / "climbs.svg").read_text()
+
+
+def test_ceiling_at_the_floor_leaves_no_floor_to_find(run: Run, climb: str) -> None:
+    outcome = run("ceiling", AS2, "-m", climb, "--set", "mission.climb.ceiling_m=536")
+    assert outcome.code == 2
+    assert (
+        "mission.climb.ceiling_m: must be above the night's floor of 536 (got 536)" in outcome.err
+    )
 
 
 @pytest.mark.parametrize(
