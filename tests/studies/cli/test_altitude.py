@@ -184,7 +184,10 @@ def test_commands_at_constant_altitude_refuse_climbs(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["map", "--latitudes", "40:50:10", "--days", "172"], "climbs from 536 to 3536 m once"),
+        (
+            ["map", "--latitudes", "40:50:10", "--days", "172:173:1"],
+            "climbs from 536 to 3536 m once",
+        ),
         (["sweep", "--vary", "mission.altitude_m=536,1000"], "with climbs; endurance in level"),
         (
             ["compare", "--corrections", "none"],
