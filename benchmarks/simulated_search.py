@@ -72,6 +72,7 @@ class Effort:
 
 
 _RANGE_EFFORT = Effort(drawn=60, population=20, generations=25, polishing=6)
+_CLIMB_EFFORT = Effort(drawn=300, population=32, generations=40, polishing=40)
 
 
 class Found(NamedTuple):
@@ -299,7 +300,7 @@ def search(
     Found
         Judged with the usual time step.
     """
-    how = effort or (_RANGE_EFFORT if isinstance(judge, RangeJudge) else Effort())
+    how = effort or _usual_effort(judge)
     rng = np.random.default_rng(seed)
     drawn = _latin_hypercube(rng, how.drawn, len(judge.axes))
     population = _Population(judge, rng, drawn, _COARSE_STEP_H).best(how.population)
@@ -314,6 +315,13 @@ def search(
     variables = judge.variables(winner.shares).mapped(lambda v: float(np.asarray(v)[0]))
     by_chance = float(elite.cost[0])
     return Found(float(winner.missed[0]), float(winner.cost[0]), variables, by_chance)
+
+
+def _usual_effort(judge: Judge) -> Effort:
+    """Length of a search: days with climbs take ten times as long to simulate."""
+    if isinstance(judge, RangeJudge):
+        return _RANGE_EFFORT
+    return Effort() if judge.problem.mission.climb is None else _CLIMB_EFFORT
 
 
 class _Population:

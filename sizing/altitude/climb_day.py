@@ -13,7 +13,8 @@ import numpy as np
 
 from sizing.altitude import climb_march
 from sizing.altitude.climb_levels import FlightLevels
-from sizing.altitude.climb_march import March, Strategy, repeated_day
+from sizing.altitude.climb_march import March, Strategy
+from sizing.altitude.climb_repetition import repeated_day
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
 from sizing.energy.power_balance import blocks

@@ -19,10 +19,6 @@ from solar.types import BoolArray, FloatArray, IntArray
 Strategy = Literal["battery_full", "surplus"]
 
 STEPS_PER_NODE = 5  # of the day's axis: 1 min
-_TOLERANCE = 1e-10  # of the battery's energy: gain of a cycle that repeats itself
-_MAXIMUM_ROUNDS = 160
-_PLAIN_ROUNDS = 4  # before an extrapolation
-_LAST_ROUNDS = 40  # without any, for what extrapolating does not settle
 
 
 class Stored(NamedTuple):
@@ -128,7 +124,7 @@ class March:
         self.potential_at = levels.potential_energy_wh.ravel()
         self.motor_at = levels.propulsion_power_w.ravel()
         self.count = len(levels.scenario)
-        self.places = np.arange(self.count)
+        self.places, self._nothing = np.arange(self.count), np.zeros(self.count)
         # Of every node: solar power at all levels, one after the other, and turbulence.
         light = np.moveaxis(levels.specific_power_w_per_m2, -1, 0)[:, :, levels.scenario]
         self.solar_at = (light * levels.module_area_m2).reshape(len(light), -1)
@@ -198,7 +194,7 @@ class March:
     @cached_property
     def _dark_until(self) -> list[int]:
         """First step from each on in which any element has a surplus."""
-        lit = (self.at_floor.surplus_wh > 0.0).any(axis=1)
+        lit = np.any(self.at_floor.surplus_wh > 0.0, axis=1)
         steps = np.where(lit, np.arange(len(lit)), len(lit))
         return [int(step) for step in np.minimum.accumulate(steps[::-1])[::-1]]
 
@@ -271,7 +267,7 @@ class March:
     def _moves(self, stored: Stored, power: Power, phases: _Phases, hours: float) -> _Moves:
         """Early deficit, surplus (charge, then climb), late deficit; none where there is none."""
         first = second = None
-        climb = charged_wh = left_over = 0.0
+        climb = charged_wh = left_over = self._nothing
         if phases.begins_short:
             first = self._drawn(stored, power, power.early)
             stored = first.end
@@ -364,9 +360,9 @@ class _Moves(NamedTuple):
     """What a step does with what is stored; per element."""
 
     first: _Drawn | None
-    charged_wh: float | FloatArray
-    left_over_wh: float | FloatArray
-    climb_wh: float | FloatArray
+    charged_wh: FloatArray
+    left_over_wh: FloatArray
+    climb_wh: FloatArray
     second: _Drawn | None
     end: Stored
 
@@ -384,95 +380,3 @@ def _surplus_share(left: FloatArray, right: FloatArray) -> FloatArray:
     begin = np.where(left < 0.0, np.where(right < 0.0, 1.0, crossing), 0.0)
     end = np.where((right < 0.0) & (left >= 0.0), crossing, 1.0)
     return end - begin
-
-
-def repeated_day(march: March) -> DayRun:
-    """Day that repeats itself, from midnight to midnight.
-
-    The cycle is repeated from a full battery, which settles at once where the battery is filled or
-    emptied every day. A small gain from day to day takes many days: every few of them the energy
-    is extrapolated to where a geometric series of the gains would end (Aitken), or halved between
-    the energies that are known to rise and to fall if the series leaves them. Where altitude is
-    left at midnight the battery was full in the evening, and plain repetition settles fast.
-    """
-    full = march.store.battery_energy_wh
-    scale = np.maximum(full, march.potential_max_wh)
-    run = DayRun(march)
-    start = march.end_of_day(Stored(full.copy(), np.zeros_like(full)))
-    end = march.end_of_day(start, run)
-    changes = [np.abs(a - b) for a, b in zip(start, end, strict=True)]
-    unsettled = np.flatnonzero(np.maximum(*changes) > _TOLERANCE * scale)
-    if not len(unsettled):
-        return run
-    settled = _periodic_state(march.select(unsettled), scale[unsettled])
-    for values, found in zip(start, settled, strict=True):
-        values[unsettled] = found
-    run = DayRun(march)
-    march.end_of_day(start, run)
-    return run
-
-
-def _periodic_state(march: March, scale: FloatArray) -> Stored:
-    """What is stored at midnight of a day that repeats itself, by repetition."""
-    full = march.store.battery_energy_wh
-    energy, potential = full.copy(), np.zeros_like(full)
-    bracket = _EnergyBracket(full)
-    previous = np.zeros_like(full)
-    low = np.ones(full.shape, bool)
-    found, places = Stored(energy.copy(), potential.copy()), np.arange(len(full))
-    for number in range(1, _MAXIMUM_ROUNDS + 1):
-        end = march.end_of_day(Stored(energy, potential))
-        gain, shift = end.battery_wh - energy, np.abs(end.potential_wh - potential)
-        low = low & (potential == 0.0) & (end.potential_wh == 0.0)
-        bracket.learn(energy, gain, low)
-        energy, potential = end
-        found.battery_wh[places], found.potential_wh[places] = end
-        moves = np.maximum(np.abs(gain), shift) > _TOLERANCE * scale
-        if not moves.any():
-            break
-        if number % _PLAIN_ROUNDS == 0 and number <= _MAXIMUM_ROUNDS - _LAST_ROUNDS:
-            energy = np.where(low, bracket.extrapolated(energy, gain, previous), energy)
-            low = np.ones_like(low)
-        previous = gain
-        if 2 * np.count_nonzero(moves) <= len(moves):
-            # Elements that have settled need not wait for the others.
-            some = np.flatnonzero(moves)
-            march, bracket, places = march.select(some), bracket.select(some), places[some]
-            energy, potential, scale, previous, low = (
-                values[some] for values in (energy, potential, scale, previous, low)
-            )
-    return found
-
-
-class _EnergyBracket:
-    """Energies below and above that of the repeating day, per scenario."""
-
-    def __init__(self, battery_energy_wh: FloatArray) -> None:
-        self.full = battery_energy_wh
-        self.lower, self.upper = np.zeros_like(self.full), self.full.copy()
-
-    def select(self, some: IntArray) -> _EnergyBracket:
-        """Energies of some of the elements."""
-        part = _EnergyBracket(self.full[some])
-        part.lower, part.upper = self.lower[some], self.upper[some]
-        return part
-
-    def learn(self, energy: FloatArray, gain: FloatArray, low: BoolArray) -> None:
-        """Narrow by the gain of a day, or start anew where altitude was left at midnight."""
-        self.lower = np.where(gain > 0.0, np.maximum(self.lower, energy), self.lower)
-        self.upper = np.where(gain < 0.0, np.minimum(self.upper, energy), self.upper)
-        void = ~low | (self.lower > self.upper)
-        self.lower = np.where(void, 0.0, self.lower)
-        self.upper = np.where(void, self.full, self.upper)
-
-    def extrapolated(
-        self, energy: FloatArray, gain: FloatArray, previous: FloatArray
-    ) -> FloatArray:
-        """Next energy to try, from the gains of two days one after the other."""
-        ratio = gain / np.where(previous == 0.0, np.inf, previous)
-        shrinks = (ratio > 0.0) & (ratio < 1.0 - 1e-9)
-        ahead = energy + gain * ratio / np.where(shrinks, 1.0 - ratio, 1.0)
-        halved = (self.lower + self.upper) / 2.0
-        inside = shrinks & (ahead > self.lower) & (ahead < self.upper)
-        trial = np.where(inside, ahead, halved)
-        return np.where(np.abs(gain) > _TOLERANCE * self.full, trial, energy)

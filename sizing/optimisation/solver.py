@@ -282,10 +282,13 @@ class ProgramSolver:
         first.
         """
         posed = self._posed(instance, scenarios)
+        ways = [(previous, height) for height in _START_HEIGHTS[: None if self.climb else 1]]
+        if previous is not None and starts and self.climb:
+            ways.append((None, 1.0))  # what is near the previous solution need not be the best
         found = [
             one
-            for height in _START_HEIGHTS[: None if self.climb else 1]
-            if (one := self._from(posed, starts, efforts, previous, height)) is not None
+            for known, height in ways
+            if (one := self._from(posed, starts, efforts, known, height)) is not None
         ]
         # Of several the best: a little height may be worth less than none, and more than either.
         return min(found, key=lambda one: float(one.weights @ one.x), default=None)
