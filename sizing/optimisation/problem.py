@@ -158,7 +158,7 @@ class Program:
     ``names``: of the variables, in the order of the decision
     vector. ``constraints``: in the order of the constraint vector. ``technology``: keys of its
     parameters. ``symbols``: decision vector ``x``, parameters ``p``, cost ``f`` and
-    constraints ``g``. ``lock``: held from a solver's call until its statistics are read: threads
+    constraints ``g``. ``climbs``: whether it is of missions with climbs. ``lock``: held from a solver's call until its statistics are read: threads
     share a program.
     """
 
@@ -166,6 +166,7 @@ class Program:
     constraints: tuple[Constraint, ...]
     technology: tuple[str, ...]
     symbols: dict[str, Any]
+    climbs: bool = False
     lock: RLock = field(default_factory=RLock)
     _solvers: dict[Effort, ca.Function] = field(default_factory=dict)
 
@@ -185,6 +186,8 @@ class Program:
                 solver = ca.nlpsol("sizing", "sqpmethod", self.symbols, options)
             else:
                 hessian, barrier, iterations = _IPOPT_EFFORTS[effort]
+                if self.climbs:  # second derivatives of two stores over a day take seconds to build
+                    hessian = "limited-memory"
                 options = _IPOPT_OPTIONS | {
                     "ipopt.hessian_approximation": hessian,
                     "ipopt.mu_strategy": barrier,
@@ -420,7 +423,7 @@ def _program(
         "f": ca.dot(weights, x) + tie_break,
         "g": ca.vertcat(*(value + by for (_, value), by in zip(rows, missed, strict=True))),
     }
-    return Program(names, constraints, technology, symbols)
+    return Program(names, constraints, technology, symbols, climbs=climb is not None)
 
 
 def forget_programs() -> None:

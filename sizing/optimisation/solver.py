@@ -283,8 +283,9 @@ class ProgramSolver:
         """
         posed = self._posed(instance, scenarios)
         found = [self._from(posed, starts, efforts, previous)]
-        if self.climb is not None:
-            found += [self._risen(posed, h, starts, efforts, previous) for h in _HELD_HEIGHTS]
+        # An eased program only points the way: sizings confirm what it finds.
+        if self.climb is not None and not posed.problem.of_role(Role.wind):
+            found += [self._risen(posed, h, starts, previous) for h in _HELD_HEIGHTS]
         # Of several the best: a little height may be worth less than none, and more than either.
         solved = [one for one in found if one is not None]
         return min(solved, key=lambda one: float(one.weights @ one.x), default=None)
@@ -294,7 +295,6 @@ class ProgramSolver:
         posed: _Posed,
         height: float,
         starts: Sequence[DesignVariables],
-        efforts: Sequence[Effort],
         previous: Solution | None,
     ) -> Solution | None:
         """Solution next to the one whose heights are all held at one value."""
@@ -303,7 +303,7 @@ class ProgramSolver:
         lower, upper = (np.array(posed.limits[key]) for key in ("lbx", "ubx"))
         lower[places] = upper[places] = height
         ends = posed.limits | {"lbx": lower, "ubx": upper}
-        held = self._from(posed._replace(limits=ends), starts, efforts, previous)
+        held = self._from(posed._replace(limits=ends), starts, ("quick",), previous)
         if held is None:
             return None
         freed = self._solved(posed, "next", _warm(posed, held))
