@@ -196,6 +196,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
+    "climb_sizes": ("altitude.md", lambda: _markdown(altitude_tables.climb_sizes())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
     "compare-design": (
         "compare.md",

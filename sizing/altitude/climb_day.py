@@ -108,8 +108,8 @@ def cycles_with_climb(
 ) -> tuple[Cycle, FloatArray]:
     """Metrics of many days with potential-energy storage, one step from node to node.
 
-    Steps of 5 min are within 0.001 h of excess time of those of 1 min. Returns cycles, and the
-    highest altitude of each [m].
+    Of 247 days, steps of 5 min are within 0.02 h of excess time of those of 1 min. Returns cycles,
+    and the highest altitude of each [m].
     """
     parts, highest_m = [], []
     for some in blocks(len(levels.scenario), _ELEMENTS_AT_ONCE):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,9 +41,9 @@ _OTHER_SLACK_WEIGHT = 100.0
 # Where the least that is missed stands still: over so many steps, to this part of it, rows as well;
 # and what is then missed beyond doubt, relative or in hours.
 _STILL, _STILL_KEPT, _CLEARLY_MISSED = 30, 1e-3, 0.01
-# Heights of climbs that a program starts from, besides those of the start itself: optima of several
-# heights, none among them, are common where the battery must be full before the aircraft climbs.
-_START_HEIGHTS = (None, 0.0, 1.0)
+# Heights of climbs whose solutions a program starts from as well: optima of several heights, none
+# among them, are common where the battery must be full before the aircraft climbs.
+_HELD_HEIGHTS = (0.0, 1.0)
 _SETTLED = 1e-6  # what rows and derivatives may lack at an optimum without a kink
 
 
@@ -108,16 +108,32 @@ class ProgramSolver:
         first.
         """
         posed = self._posed(instance, scenarios)
-        ways = [(previous, height) for height in _START_HEIGHTS[: None if self.climb else 1]]
-        if previous is not None and starts and self.climb:
-            ways.append((None, 1.0))  # what is near the previous solution need not be the best
-        found = [
-            one
-            for known, height in ways
-            if (one := self._from(posed, starts, efforts, known, height)) is not None
-        ]
+        found = [self._from(posed, starts, efforts, previous)]
+        if self.climb is not None:
+            found += [self._risen(posed, h, starts, efforts, previous) for h in _HELD_HEIGHTS]
         # Of several the best: a little height may be worth less than none, and more than either.
-        return min(found, key=lambda one: float(one.weights @ one.x), default=None)
+        solved = [one for one in found if one is not None]
+        return min(solved, key=lambda one: float(one.weights @ one.x), default=None)
+
+    def _risen(
+        self,
+        posed: _Posed,
+        height: float,
+        starts: Sequence[DesignVariables],
+        efforts: Sequence[Effort],
+        previous: Solution | None,
+    ) -> Solution | None:
+        """Solution next to the one whose heights are all held at one value."""
+        problem = posed.problem
+        places = [problem.index[v.name] for v in problem.of_role(Role.height)]
+        lower, upper = (np.array(posed.limits[key]) for key in ("lbx", "ubx"))
+        lower[places] = upper[places] = height
+        ends = posed.limits | {"lbx": lower, "ubx": upper}
+        held = self._from(posed._replace(limits=ends), starts, efforts, previous)
+        if held is None:
+            return None
+        freed = self._solved(posed, "next", _warm(posed, held))
+        return held if freed is None else freed
 
     def _from(
         self,
@@ -125,28 +141,19 @@ class ProgramSolver:
         starts: Sequence[DesignVariables],
         efforts: Sequence[Effort],
         previous: Solution | None,
-        height: float | None,
     ) -> Solution | None:
-        """First solution that is found, with all heights of the start at one value if given."""
+        """First solution that is found."""
         problem, instance = posed.problem, posed.instance
-        places = [problem.index[v.name] for v in problem.of_role(Role.height)]
-
-        def risen(x: FloatArray) -> FloatArray:
-            if height is not None:
-                x[places] = height
-            return posed.within(x)
-
         if previous is not None:
-            warm = _warm(posed, previous)
-            solution = self._solved(posed, "next", warm | {"x0": risen(warm["x0"])})
+            solution = self._solved(posed, "next", _warm(posed, previous))
             if solution is not None:
                 return solution
         if starts and instance.penalty != math.inf:
-            solution = self._directly(posed, starts[0], risen)
+            solution = self._directly(posed, starts[0])
             if solution is not None:
                 return solution
         for variables in starts:
-            cold = {"x0": risen(self._start(problem, instance, variables))}
+            cold = {"x0": posed.within(self._start(problem, instance, variables))}
             for effort in efforts:
                 soft = effort == "quick" and instance.penalty not in (None, math.inf)
                 solution = self._solved(posed, "still" if soft else effort, cold)
@@ -154,12 +161,7 @@ class ProgramSolver:
                     return solution
         return None
 
-    def _directly(
-        self,
-        posed: _Posed,
-        variables: DesignVariables,
-        risen: Callable[[FloatArray], FloatArray],
-    ) -> Solution | None:
+    def _directly(self, posed: _Posed, variables: DesignVariables) -> Solution | None:
         """Solution that meets every requirement, by a few whole steps from a design."""
         problem = posed.problem
         lower, upper = np.array(posed.limits["lbx"]), np.array(posed.limits["ubx"])
@@ -169,7 +171,7 @@ class ProgramSolver:
         if not posed.instance.sunlit:
             lower[[problem.index[v.name] for v in problem.of_role(Role.dawn_state)]] = -1.0
         strict = posed._replace(limits=posed.limits | {"lbx": lower, "ubx": upper})
-        start = strict.within(risen(self._start(problem, posed.instance, variables)))
+        start = strict.within(self._start(problem, posed.instance, variables))
         return self._solved(strict, "direct", {"x0": start})
 
     def performance(self, variables: DesignVariables, *, coarse: bool = False) -> Performance:
