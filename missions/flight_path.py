@@ -4,22 +4,21 @@ Paths are held over the ground at constant airspeed. North-East-Down; angles are
 degrees in fields that end in ``_deg``. Yaw counts from north, clockwise; roll is positive with the
 right wing down. Turns are coordinated and legs are flown without bank.
 
-Sources: Beard & McLain, Small Unmanned Aircraft: Theory and Practice (2012), section 2.4 (wind
-triangle) and section 5.2 (coordinated turn); DLMF, section 19.2 (elliptic integrals).
+Sources: see :mod:`missions.ground_track`, which moves the aircraft.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
+from dataclasses import dataclass, fields
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 from pydantic import Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
 from missions.air import GRAVITY_M_PER_S2
+from missions.ground_track import Leg, Motion, Track, Turn
 from solar.schema import NonNegativeReal, PositiveReal, Record
 from solar.types import FloatArray
 
@@ -185,7 +184,7 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
         return _level_orbit()
     _check_wind(path, wind)
     _check_bank_of(path, wind)
-    motion = _Motion(
+    motion = Motion(
         path.airspeed_m_per_s, wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi
     )
     sides = (1,) if isinstance(path, StraightLegs) else _SIDES[path.direction]
@@ -283,173 +282,24 @@ def _check_bank_of(path: _MovingPath, wind: Wind) -> None:
         )
 
 
-# ---- Motion in wind
-
-
-@dataclass(frozen=True)
-class _Motion:
-    """Wind triangle at constant airspeed: motion for a given course over the ground."""
-
-    airspeed: float
-    wind: float
-    downwind: float  # course [rad]
-
-    @property
-    def margin(self) -> float:
-        """Airspeed squared minus wind squared [m2/s2], exact also when they are close."""
-        return (self.airspeed - self.wind) * (self.airspeed + self.wind)
-
-    def headway(self, course: FloatArray) -> FloatArray:
-        """Velocity through the air along the course [m/s]."""
-        along = self.wind * np.cos(course - self.downwind)
-        return np.asarray(np.sqrt(self.margin + along**2))
-
-    def ground_speed(self, course: FloatArray) -> FloatArray:
-        """Speed over the ground [m/s]."""
-        along = self.wind * np.cos(course - self.downwind)
-        total = self.headway(course) + np.abs(along)
-        # Equal to headway + along in both cases, but free of cancellation against the wind.
-        return np.where(along < 0.0, self.margin / total, total)
-
-    def yaw(self, course: FloatArray) -> FloatArray:
-        """Heading [rad], from 0 to 2 pi: the course plus the crab angle into the wind."""
-        across = -self.wind * np.sin(course - self.downwind)
-        return np.mod(course - np.arcsin(across / self.airspeed), 2.0 * np.pi)
-
-    def roll(self, course: FloatArray, curvature: FloatArray) -> FloatArray:
-        """Bank of a coordinated turn [rad] for a curvature of the ground track [1/m].
-
-        The velocity through the air turns at ``V_g^2 / (R sqrt(V^2 - w_n^2))``: derivative of the
-        heading with respect to the course, ``V_g / sqrt(V^2 - w_n^2)``, times ``V_g / R``.
-        """
-        yaw_rate = curvature * self.ground_speed(course) ** 2 / self.headway(course)
-        return np.asarray(np.arctan(self.airspeed * yaw_rate / GRAVITY_M_PER_S2))
-
-    def turn_clock(self, angle: FloatArray) -> FloatArray:
-        """Time per radius to turn from downwind through an angle [s/m]; odd in the angle.
-
-        ``1 / V_g = (sqrt(V^2 - w^2 sin^2) - w cos) / (V^2 - w^2)`` integrates to the incomplete
-        elliptic integral of the second kind (DLMF 19.2.5).
-        """
-        elliptic: Any = angle  # of calm air, to the last bit what the integral is then
-        if self.wind != 0.0:
-            from scipy.special import ellipeinc  # a tenth of a second
-
-            elliptic = ellipeinc(angle, (self.wind / self.airspeed) ** 2)
-        return np.asarray(
-            (self.airspeed * elliptic - self.wind * np.sin(angle)) / self.margin, float
-        )
-
-
 # ---- Segments of a path
 
 
-class _Track(NamedTuple):
-    """Ground track: course [rad], curvature [1/m], position [m]."""
-
-    course: FloatArray
-    curvature: FloatArray
-    north: FloatArray
-    east: FloatArray
-
-
-@dataclass(frozen=True)
-class _Leg:
-    """Straight line over the ground, shifted to the right of the middle of the path."""
-
-    motion: _Motion
-    course: float
-    length: float
-    right: float
-
-    @cached_property
-    def ground_speed(self) -> float:
-        return float(self.motion.ground_speed(np.asarray(self.course)))
-
-    @property
-    def duration(self) -> float:
-        return self.length / self.ground_speed
-
-    def at(self, elapsed: FloatArray) -> _Track:
-        ahead = self.ground_speed * elapsed - 0.5 * self.length
-        cos, sin = math.cos(self.course), math.sin(self.course)
-        return _Track(
-            course=np.full_like(elapsed, self.course),
-            curvature=np.zeros_like(elapsed),
-            north=ahead * cos - self.right * sin,
-            east=ahead * sin + self.right * cos,
-        )
-
-
-@dataclass(frozen=True)
-class _Turn:
-    """Arc over the ground, to the right for ``side`` 1 and to the left for -1."""
-
-    motion: _Motion
-    start_course: float
-    sweep: float
-    radius: float
-    side: int
-    centre_north: float = 0.0
-    centre_east: float = 0.0
-
-    @cached_property
-    def table(self) -> tuple[FloatArray, FloatArray]:
-        """Angle turned since downwind [rad], counted in the turning direction, and its time [s]."""
-        first = self.side * (self.start_course - self.motion.downwind)
-        angle = np.linspace(first, first + self.sweep, 65)
-        return angle, self.radius * self.motion.turn_clock(angle)
-
-    @property
-    def duration(self) -> float:
-        _, clock = self.table
-        return float(clock[-1] - clock[0])
-
-    def at(self, elapsed: FloatArray) -> _Track:
-        course = self.motion.downwind + self.side * self._angle(elapsed)
-        return _Track(
-            course=course,
-            curvature=np.full_like(elapsed, self.side / self.radius),
-            north=self.centre_north + self.side * self.radius * np.sin(course),
-            east=self.centre_east - self.side * self.radius * np.cos(course),
-        )
-
-    def _angle(self, elapsed: FloatArray) -> FloatArray:
-        """Invert the time of the turn by Newton's method, kept within one cell of the table."""
-        angles, clock = self.table
-        target = clock[0] + elapsed
-        cell = np.clip(np.searchsorted(clock, target, side="right"), 1, len(clock) - 1)
-        low, high = angles[cell - 1], angles[cell]
-        angle = np.asarray(np.interp(target, clock, angles), float)
-        # Nearly always over after four steps; a wind just below the airspeed bends the time so
-        # sharply that some steps are bisections.
-        for _ in range(60):
-            late = self.radius * self.motion.turn_clock(angle) - target
-            low, high = np.where(late < 0.0, angle, low), np.where(late > 0.0, angle, high)
-            speed = self.motion.ground_speed(self.motion.downwind + angle)
-            newton = angle - late * speed / self.radius
-            inside = (newton >= low) & (newton <= high)
-            previous, angle = angle, np.where(inside, newton, 0.5 * (low + high))
-            if np.all(np.abs(angle - previous) < 1e-13):
-                break
-        return angle
-
-
-def _segments(path: _MovingPath, motion: _Motion, side: int) -> list[_Leg | _Turn]:
+def _segments(path: _MovingPath, motion: Motion, side: int) -> list[Leg | Turn]:
     if isinstance(path, Circle):
-        return [_Turn(motion, motion.downwind, 2.0 * math.pi, path.radius_m, side)]
+        return [Turn(motion, motion.downwind, 2.0 * math.pi, path.radius_m, side)]
     out = math.radians(path.heading_deg)
     if isinstance(path, StraightLegs):
-        return [_Leg(motion, course, path.leg_length_m, 0.0) for course in (out, out + math.pi)]
+        return [Leg(motion, course, path.leg_length_m, 0.0) for course in (out, out + math.pi)]
     return [part for half in (0, 1) for part in _half_racetrack(path, motion, side, half)]
 
 
-def _half_racetrack(path: Racetrack, motion: _Motion, side: int, half: int) -> tuple[_Leg, _Turn]:
+def _half_racetrack(path: Racetrack, motion: Motion, side: int, half: int) -> tuple[Leg, Turn]:
     """Leg and the turn at its end; the second half is the first one turned round."""
     course = math.radians(path.heading_deg) + side * half * math.pi
     ahead = 0.5 * path.leg_length_m
-    leg = _Leg(motion, course, path.leg_length_m, -side * path.turn_radius_m)
-    turn = _Turn(
+    leg = Leg(motion, course, path.leg_length_m, -side * path.turn_radius_m)
+    turn = Turn(
         motion,
         start_course=course,
         sweep=math.pi,
@@ -464,7 +314,7 @@ def _half_racetrack(path: Racetrack, motion: _Motion, side: int, half: int) -> t
 # ---- Sampling
 
 
-def _fly(segments: list[_Leg | _Turn], motion: _Motion, pitch: float, samples: int) -> Orbit:
+def _fly(segments: list[Leg | Turn], motion: Motion, pitch: float, samples: int) -> Orbit:
     """Sample the closed sequence of segments at the middles of equal steps of time."""
     ends = np.cumsum([segment.duration for segment in segments])
     duration = float(ends[-1])
@@ -472,7 +322,7 @@ def _fly(segments: list[_Leg | _Turn], motion: _Motion, pitch: float, samples: i
     parts = np.split(time, np.searchsorted(time, ends[:-1]))
     starts = np.concatenate(([0.0], ends[:-1]))
     tracks = [s.at(part - t0) for s, part, t0 in zip(segments, parts, starts, strict=True)]
-    track = _Track(*(np.concatenate(values) for values in zip(*tracks, strict=True)))
+    track = Track(*(np.concatenate(values) for values in zip(*tracks, strict=True)))
     return Orbit(
         time_s=time,
         roll_rad=motion.roll(track.course, track.curvature),
@@ -488,21 +338,10 @@ def _fly(segments: list[_Leg | _Turn], motion: _Motion, pitch: float, samples: i
 
 def _joined_laps(laps: list[Orbit]) -> Orbit:
     """One orbit after the other, of one duration."""
-
-    def every(name: str) -> FloatArray:
-        return np.concatenate([getattr(lap, name) for lap in laps])
-
-    return Orbit(
-        time_s=every("time_s"),
-        roll_rad=every("roll_rad"),
-        pitch_rad=every("pitch_rad"),
-        yaw_rad=every("yaw_rad"),
-        north_m=every("north_m"),
-        east_m=every("east_m"),
-        ground_speed_m_per_s=every("ground_speed_m_per_s"),
-        weights=every("weights") / len(laps),
-        duration_s=laps[0].duration_s,
-    )
+    names = [one.name for one in fields(Orbit) if one.name != "duration_s"]
+    joined = {name: np.concatenate([getattr(lap, name) for lap in laps]) for name in names}
+    joined["weights"] = joined["weights"] / len(laps)
+    return Orbit(**joined, duration_s=laps[0].duration_s)
 
 
 def _level_orbit() -> Orbit:

@@ -354,6 +354,13 @@ class Mission(FileRecord):
                     "ceiling": f"{self.climb.ceiling_m:g}",
                 },
             )
+        if self.holds_station:
+            raise PydanticCustomError(
+                "climb_and_station",
+                "an aircraft that holds its place keeps its altitude: give wind.hold_station or "
+                "climb, not both",
+                {"key": "climb"},
+            )
         if self.launch is not None:
             raise PydanticCustomError(
                 "climb_and_launch",
@@ -415,6 +422,11 @@ class Mission(FileRecord):
             if self.wind_m_per_s:
                 raise ValueError(f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s)")
             self.scenario_winds_m_per_s()
+            if given.hold_station and (self.launch is not None or self.climb is not None):
+                raise ValueError(
+                    "hold_station keeps an altitude in the wind of a month: give it "
+                    "without launch and climb"
+                )
         except InputError as error:
             first = error.problems[0]
             trouble = {"why": f"{first.source} {first.message}"}
@@ -484,6 +496,11 @@ class Mission(FileRecord):
         return self.wind_statistics.speeds(
             *(some.latitude_deg, some.day_of_year, self.altitude_m, self.longitude_deg)
         )
+
+    @property
+    def holds_station(self) -> bool:
+        """Whether the aircraft flies faster where the wind is faster than its own airspeed."""
+        return self.wind_statistics is not None and self.wind_statistics.hold_station
 
     def in_wind(self, wind_m_per_s: float) -> Mission:
         """Same mission in a wind that is the same everywhere and all year."""

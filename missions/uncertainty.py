@@ -169,11 +169,7 @@ class Uncertainty(Record):
                 raise PydanticCustomError(
                     "correlation",
                     "is the second correlation of {first} and {second}; allowed: one of each pair",
-                    {
-                        "key": f"correlations.{number}.between",
-                        "first": first,
-                        "second": second,
-                    },
+                    {"key": f"correlations.{number}.between", "first": first, "second": second},
                 )
             pairs.add(frozenset(correlation.between))
         return self

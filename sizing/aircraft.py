@@ -5,13 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    ModelWrapValidatorHandler,
-    Strict,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, ModelWrapValidatorHandler, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
 from missions.files.errors import shown
@@ -29,7 +23,7 @@ from sizing.balance.checks import (
 from sizing.balance.drag import DragComponents
 from sizing.balance.masses import Balance
 from sizing.balance.surfaces import Planform, Tail
-from sizing.catalogues.choice import Taken, filled, own_entries, taken
+from sizing.catalogues.choice import OfCatalogue, Taken, own_entries, taken
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.energy.battery import Battery
 from sizing.layout.cells import CellLayout, PlacedCell, Wing
@@ -201,7 +195,7 @@ class ParametricAirframe(Record):
 Airframe = Annotated[MeasuredAirframe | ParametricAirframe, Field(discriminator="kind")]
 
 
-class SolarModules(SolarCell):
+class SolarModules(OfCatalogue, SolarCell):
     """Solar modules: area, efficiencies, and the mass of modules and MPPT.
 
     ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
@@ -209,6 +203,8 @@ class SolarModules(SolarCell):
     ``cell`` names an entry of the catalogue of solar cells, which gives what the file does not.
     ``layout`` lays whole cells, which give the area and, with strings, the mass of the MPPTs.
     """
+
+    _entry = "cell", "cells"
 
     cell: Text | None = None
     layout: CellLayout | None = None
@@ -221,11 +217,11 @@ class SolarModules(SolarCell):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _from_catalogue(
+    def _with_layout(
         cls, data: Any, handler: ModelWrapValidatorHandler[SolarModules]
     ) -> SolarModules:
         data, new = laid_out(data)
-        record = filled(data, handler, "cell", "cells")
+        record = handler(data)
         mass_kg = mppt_mass_kg(record.layout)
         if mass_kg is not None:
             if "mppt_mass_kg_per_w" in data:
@@ -234,7 +230,7 @@ class SolarModules(SolarCell):
             rated_w = STC_IRRADIANCE_W_PER_M2 * record.efficiency_stc * record.area_m2
             new |= {"mppt_mass_kg_per_w"}
             data = {**data, "mppt_mass_kg_per_w": mass_kg / rated_w}
-            record = filled(data, handler, "cell", "cells")
+            record = handler(data)
         record.__pydantic_fields_set__.difference_update(new)
         return record
 
@@ -492,11 +488,10 @@ class Aircraft(FileRecord):
 
     def from_catalogues(self) -> list[Taken]:
         """Values that catalogues gave, with their sources."""
-        entries = taken(self.modules, "cell", "cells", "modules.")
-        entries += taken(self.battery, "cell", "batteries", "battery.")
+        entries = taken(self.modules, "modules.") + taken(self.battery, "battery.")
         propulsion = getattr(self.airframe, "propulsion", None)
         if isinstance(propulsion, Propulsion):
-            entries += taken(propulsion, "motor", "motors", "airframe.propulsion.")
+            entries += taken(propulsion, "airframe.propulsion.")
         elif isinstance(propulsion, OperatingPointPropulsion):
             entries += propulsion.taken()
         return entries

@@ -133,6 +133,16 @@ class Design(NamedTuple):
         """Wing area [m2]."""
         return self.variables.wingspan_m**2 / self.variables.aspect_ratio
 
+    def mapped(self, function: Callable[[Value], Value]) -> Design:
+        """Apply a function to all that level flight depends on; the budget of masses stays."""
+        return self._replace(
+            variables=self.variables.mapped(function),
+            total_mass_kg=function(self.total_mass_kg),
+            propulsion_power_w=function(self.propulsion_power_w),
+            airspeed_m_per_s=function(self.airspeed_m_per_s),
+            chain=None if self.chain is None else _links_of(self.chain, function),
+        )
+
     def nominal_load_w(self, mission: Mission) -> Value:
         """Load with the turbulence of all hours, without thermals [W]."""
         return self.load_in_turbulence_w(mission.turbulence.all_day)
@@ -143,7 +153,11 @@ class Design(NamedTuple):
 
 
 class FlightConditions(NamedTuple):
-    """What the design needs to know of a mission; numbers or symbols."""
+    """What the design needs to know of a mission; numbers or symbols.
+
+    ``wind_m_per_s``: that its own airspeed must exceed; none where it flies faster to hold its
+    place.
+    """
 
     density_kg_per_m3: Value
     dynamic_viscosity: Value
@@ -175,7 +189,7 @@ class FlightConditions(NamedTuple):
             payload_mass_kg=mission.payload.mass_kg,
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
-            wind_m_per_s=mission.strongest_wind_m_per_s,
+            wind_m_per_s=0.0 if mission.holds_station else mission.strongest_wind_m_per_s,
             battery_capacity_fraction=_scalar(
                 mission.uncertainty_margins.battery_capacity * battery.capacity_fraction(air_c)
             ),
@@ -238,6 +252,40 @@ def parametric_design(
         mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
     )
     air = given.with_payload_of(variables)
+    found, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
+    return Design(
+        variables=variables,
+        total_mass_kg=total_mass_kg,
+        masses=_masses(
+            aircraft,
+            airframe,
+            air,
+            variables,
+            found,
+            total_mass_kg=total_mass_kg,
+            electric_w=electric_w,
+            airspeed_m_per_s=airspeed,
+        ),
+        battery_energy_wh=variables.battery_mass_kg
+        * aircraft.battery.specific_energy_wh_per_kg
+        * air.battery_capacity_fraction,
+        propulsion_power_w=electric_w,
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
+        airspeed_m_per_s=airspeed,
+        chain=found,
+    )
+
+
+def level_flight(
+    aircraft: Aircraft,
+    air: FlightConditions,
+    variables: DesignVariables,
+    total_mass_kg: Value,
+    chain: Propulsion | None = None,
+) -> tuple[Propulsion, Value, Value]:
+    """Propulsion of a parametric aircraft in level flight, its electric power [W] and airspeed."""
+    airframe = aircraft.airframe
+    assert isinstance(airframe, ParametricAirframe)
     aerodynamics = polar_with_tail(
         airframe,
         flown_at(airframe.aerodynamics, variables.lift_coefficient),
@@ -263,28 +311,7 @@ def parametric_design(
         found = found.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
     elif found.efficiency_model is not None:
         found = found.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
-    electric_w = shaft_w / found.efficiency
-    return Design(
-        variables=variables,
-        total_mass_kg=total_mass_kg,
-        masses=_masses(
-            aircraft,
-            airframe,
-            air,
-            variables,
-            found,
-            total_mass_kg=total_mass_kg,
-            electric_w=electric_w,
-            airspeed_m_per_s=airspeed,
-        ),
-        battery_energy_wh=variables.battery_mass_kg
-        * aircraft.battery.specific_energy_wh_per_kg
-        * air.battery_capacity_fraction,
-        propulsion_power_w=electric_w,
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
-        airspeed_m_per_s=airspeed,
-        chain=found,
-    )
+    return found, shaft_w / found.efficiency, airspeed
 
 
 def propulsion_margins(

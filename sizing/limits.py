@@ -13,12 +13,7 @@ from numpy.typing import NDArray
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
-from sizing.aircraft import (
-    PROPULSION_VARIABLES,
-    Aircraft,
-    LimitedQuantity,
-    ParametricAirframe,
-)
+from sizing.aircraft import PROPULSION_VARIABLES, Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.balance.placing import moved_ends
 from sizing.design import Design, FlightConditions, flown_at, propulsion_margins
 from sizing.parameters import label, unit

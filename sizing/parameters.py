@@ -144,10 +144,7 @@ def replaced(node: M, parts: Sequence[str], value: Value) -> M:
     ``parts``: names of the fields that lead to the value. ``value``: the formulas use arithmetic
     only, so that any of them will do.
     """
-    head, *rest = parts
-    new = value if not rest else replaced(getattr(node, head), rest, value)
-    fields = {name: getattr(node, name) for name in type(node).model_fields}
-    return type(node).model_construct(**(fields | {head: new}))
+    return all_replaced(node, {".".join(parts): value})
 
 
 def all_replaced(node: M, values: Mapping[str, Value]) -> M:

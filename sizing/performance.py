@@ -17,19 +17,14 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_day import cycles_with_climb
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
-from sizing.design import (
-    Design,
-    DesignVariables,
-    closed_design,
-    design_of,
-    load_profile,
-)
+from sizing.design import Design, DesignVariables, closed_design, design_of, load_profile
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
+from sizing.held_station import power_against_wind_w
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
 
@@ -244,7 +239,7 @@ def performance_after_days(
     :func:`sizing.energy.settling.simulate_days`.
     """
     design = design_of(aircraft, mission)
-    powers = [_powers(mission, design, date) for date in dates]
+    powers = [_powers(aircraft, mission, design, date) for date in dates]
     solar_w, load_w, nominal = powers[-1]
     store = Store.of(aircraft.battery, np.asarray(design.battery_energy_wh)[..., np.newaxis])
     cycle = simulate_days(
@@ -314,25 +309,23 @@ def performance_in_pairs(
 
 
 def cycle_of_variants(
-    variants: Sequence[tuple[Aircraft, Design, Mission, SolarDay]],
+    variants: Sequence[tuple[Aircraft, Mission, Design, SolarDay]],
 ) -> Cycle:
     """Cycles of designs that differ in anything but how their battery charges, in one march.
 
-    ``variants``: aircraft with their designs, missions and days; the days have the same scenarios,
-    and all missions climb to the same levels or none does. Returns arrays of shape ``(variant,
+    ``variants``: aircraft, mission, design and day of each; the days have the same scenarios, and
+    all missions climb to the same levels or none does. Returns arrays of shape ``(variant,
     scenario)``.
     """
-    aircraft, _, mission, day = variants[0]
-    energy_wh = np.array([float(design.battery_energy_wh) for _, design, _, _ in variants])
+    aircraft, mission, _, day = variants[0]
+    energy_wh = np.array([float(design.battery_energy_wh) for _, _, design, _ in variants])
     store = Store.of(aircraft.battery, energy_wh[:, np.newaxis])
     if mission.climb is not None:
         batch = len(variants), len(day.scenarios)
-        levels = FlightLevels.joined(
-            [flight_levels(craft, flown, design, lit) for craft, design, flown, lit in variants]
-        )
+        levels = FlightLevels.joined([flight_levels(*variant) for variant in variants])
         strategy = mission.climb.strategy
         return cycles_with_climb(day.time_h, levels, store.flat(batch), strategy)[0].reshaped(batch)
-    powers = [_powers(flown, design, lit) for _, design, flown, lit in variants]
+    powers = [_powers(*variant) for variant in variants]
     solar_w, load_w, nominal = (np.stack(values) for values in zip(*powers, strict=True))
     return simulate_cycle(
         day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=False
@@ -350,7 +343,7 @@ def _simulate(
     paired: bool = False,
 ) -> Performance:
     """Simulate every design in every scenario, or ``paired``: every design in its own."""
-    solar_w, load_w, nominal = _powers(mission, design, day, paired=paired)
+    solar_w, load_w, nominal = _powers(aircraft, mission, design, day, paired=paired)
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
     if mission.climb is not None:
@@ -363,36 +356,34 @@ def _simulate(
             *(cycle.reshaped(batch), highest_m.reshape(batch)),
         )
     cycle = simulate_cycle(
-        day.time_h,
-        solar_w,
-        load_w,
-        store,
-        nominal_load_w=nominal,
-        keep_trajectory=keep_trajectory,
+        day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=keep_trajectory
     )
     return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
 
 
 def _powers(
-    mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
+    aircraft: Aircraft, mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Solar power, load and nominal load [W] of every design in every scenario, or in its own."""
 
     def over_scenarios(value: ArrayLike) -> FloatArray:
         return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
 
+    if mission.holds_station:
+        winds = mission.scenario_winds_m_per_s(day.scenarios)
+        power_w = power_against_wind_w(aircraft, mission, design.mapped(over_scenarios), winds)
+    else:
+        power_w = over_scenarios(design.propulsion_power_w)
     # An impossible design draws infinite power; a huge finite one keeps NaN out of the arithmetic.
-    power_w = np.asarray(design.propulsion_power_w)
-    sound = design._replace(propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12))
+    flown = design._replace(
+        propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12),
+        constant_power_w=over_scenarios(design.constant_power_w),
+    )
     area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]
     solar_w = area * day.specific_power_w_per_m2
-    per_scenario = sound._replace(
-        propulsion_power_w=over_scenarios(sound.propulsion_power_w),
-        constant_power_w=over_scenarios(sound.constant_power_w),
-    )
-    load_w = load_profile(day.time_h, per_scenario, mission, day.sunrise_h, day.sunset_h)
+    load_w = load_profile(day.time_h, flown, mission, day.sunrise_h, day.sunset_h)
     load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
-    return solar_w, load_w, np.asarray(per_scenario.nominal_load_w(mission))
+    return solar_w, load_w, np.asarray(flown.nominal_load_w(mission))
 
 
 def perpetual_days(

@@ -12,7 +12,7 @@ import numpy as np
 
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, closed_design, measured_design, variables_of
-from sizing.parameters import all_replaced
+from sizing.parameters import all_replaced, parameter
 from sizing.performance import Performance, performance
 from sizing.relaxation import Direction, Relaxation, rounded
 from solar.types import FloatArray
@@ -89,8 +89,7 @@ def _designs(aircraft: Aircraft, flown: Performance, key: str, values: FloatArra
         return flown.design._replace(constant_power_w=flown.design.constant_power_w - less_w)
     airframe = aircraft.airframe
     if not isinstance(airframe, MeasuredAirframe):
-        name = "battery_mass_kg" if key == _BATTERY else "module_area_m2"
-        variables = variables_of(aircraft)._replace(**{name: values})
+        variables = variables_of(aircraft)._replace(**{parameter(key).name: values})
         return closed_design(aircraft, flown.mission, variables)
     changed = {key: values}
     if key == _MODULES:

@@ -15,7 +15,8 @@ from missions.dates import month_and_day
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import Design, design_of, parametric_design
+from sizing.design import Design, design_of
+from sizing.held_station import power_against_wind_w
 from sizing.performance import performance_in_pairs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
@@ -62,6 +63,9 @@ def station_keeping(
     given = mission.wind_statistics
     if given is None:
         raise file_error(mission.name, "lacks wind: {percentile: ...}, for station keeping")
+    # How fast it flies is looked for here.
+    update = {"wind_statistics": given.model_copy(update={"hold_station": False})}
+    mission = mission.model_copy(update=update)
     some = mission.scenarios() if scenarios is None else scenarios
     winds = mission.scenario_winds_m_per_s(some)
     day = solar_day(aircraft, mission, solar, scenarios=some)
@@ -78,20 +82,14 @@ def faster_flight(
 ) -> tuple[FloatArray, FloatArray]:
     """Airspeeds from the design's up, and the least electric power at each or faster.
 
-    The lift coefficient falls with the square of the airspeed, the mass stays. What would be slower
-    and take more power is left out: the aircraft may always fly faster than it must.
+    What would be slower and take more power is left out: the aircraft may always fly faster than it
+    must. Infinite above the rated power.
     """
-    airframe = aircraft.airframe
-    assert isinstance(airframe, ParametricAirframe)
-    own = design.variables.lift_coefficient
-    lift = airframe.aerodynamics.flight_lift_coefficient if own is None else own
     ratio = np.linspace(1.0, FASTEST, _SPEEDS)
-    variables = design.variables._replace(lift_coefficient=lift / ratio**2)
-    flown = parametric_design(aircraft, mission, variables, design.total_mass_kg)
-    power = np.broadcast_to(np.asarray(flown.propulsion_power_w, float), ratio.shape)
-    power = np.where(np.isfinite(power), power, np.inf)
+    airspeed = np.asarray(design.airspeed_m_per_s, float) * ratio
+    power = power_against_wind_w(aircraft, mission, design, airspeed)
     least = np.minimum.accumulate(power[::-1])[::-1]
-    return np.asarray(flown.airspeed_m_per_s, float), least
+    return airspeed, least
 
 
 def _fastest(

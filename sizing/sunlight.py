@@ -20,13 +20,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from solar.clearsky import Irradiance
 from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power
-from solar.names import (
-    ATTITUDE_MODELS,
-    CORRECTION_NAMES,
-    MODEL_NAMES,
-    CorrectionName,
-    ModelName,
-)
+from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.sun import declination, sun_times
 from solar.systematic_errors import correction
 from solar.types import FloatArray
@@ -258,11 +252,7 @@ def solar_day(
 
 
 def consecutive_days(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel = UNCORRECTED_CAM,
-    *,
-    days: int,
+    aircraft: Aircraft, mission: Mission, solar: SolarModel = UNCORRECTED_CAM, *, days: int
 ) -> tuple[SolarDay, ...]:
     """Sunlight on the mission's dates and on the days that follow each of them.
 

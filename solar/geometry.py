@@ -32,7 +32,7 @@ class ModuleOutline(Record):
     rear_m: Real
 
     @model_validator(mode="after")
-    def _check_order(self) -> ModuleOutline:
+    def _check_edges(self) -> ModuleOutline:
         if self.inboard_m >= self.outboard_m or self.front_m >= self.rear_m:
             raise ValueError("inboard_m must be below outboard_m, and front_m below rear_m")
         return self
@@ -115,12 +115,7 @@ def surface_normal(roll: ArrayLike, pitch: ArrayLike) -> FloatArray:
     """
     phi, theta = np.broadcast_arrays(np.asarray(roll, float), np.asarray(pitch, float))
     return np.stack(
-        (
-            -np.sin(theta),
-            np.cos(theta) * np.sin(phi),
-            -np.cos(theta) * np.cos(phi),
-        ),
-        axis=-1,
+        (-np.sin(theta), np.cos(theta) * np.sin(phi), -np.cos(theta) * np.cos(phi)), axis=-1
     )
 
 

@@ -30,10 +30,7 @@ from solar.types import FloatArray
 
 
 def conceptual_design_model(
-    irradiance: Irradiance,
-    cos_aoi: ArrayLike,
-    cell: SolarCell,
-    module_temperature_c: ArrayLike,
+    irradiance: Irradiance, cos_aoi: ArrayLike, cell: SolarCell, module_temperature_c: ArrayLike
 ) -> FloatArray:
     """Specific power of the Conceptual Design Model (CDM): one efficiency for all light.
 
@@ -67,10 +64,7 @@ def conceptual_design_model(
 
 
 def conceptual_analysis_model(
-    irradiance: Irradiance,
-    cos_aoi: ArrayLike,
-    cell: SolarCell,
-    module_temperature_c: ArrayLike,
+    irradiance: Irradiance, cos_aoi: ArrayLike, cell: SolarCell, module_temperature_c: ArrayLike
 ) -> FloatArray:
     """Specific power of the Conceptual Analysis Model (CAM): direct and diffuse light apart.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from matplotlib.colors import Normalize
 from numpy.typing import ArrayLike
 
 from missions.dates import MONTH_NAMES, day_of_year
@@ -49,7 +50,8 @@ class Station(Result):
     """Share of the time in which an aircraft holds its place, by row and month.
 
     ``over``: what the rows are, ``latitude`` [deg] or ``altitude`` [m]. Arrays have the shape
-    ``(row, month)``; ``airspeed_m_per_s`` is NaN where no day is perpetual.
+    ``(row, month)``; ``airspeed_m_per_s`` is NaN where no day is perpetual. ``altitude_m``: that of
+    the largest share, where it is chosen by latitude and month.
     """
 
     aircraft: Aircraft
@@ -63,6 +65,7 @@ class Station(Result):
     wind_m_per_s: FloatArray
     source: str
     at_end: bool
+    altitude_m: FloatArray | None = None
     extrapolations: tuple[Extrapolation, ...] = ()
 
     def headline(self) -> str:
@@ -83,15 +86,24 @@ class Station(Result):
             text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
             notes.insert(0, Line(text, "faint"))
         outside = extrapolation_blocks(self.extrapolations)
-        return Summary((Line(self.headline(), "strong"), self.table(), *outside, *notes))
+        heights = () if self.altitude_m is None else (self._table_of_altitudes(self.altitude_m),)
+        tables = (self.table(), *heights)
+        return Summary((Line(self.headline(), "strong"), *tables, *outside, *notes))
 
     def table(self) -> Table:
         """Share of the time [%] by row and month; empty where no day is perpetual."""
+        return self._by_month("share of the time on station [%]", 100.0 * self.share, ".0f")
+
+    def _table_of_altitudes(self, altitude_m: FloatArray) -> Table:
+        return self._by_month("altitude of that share [km]", altitude_m / 1000.0, ".1f")
+
+    def _by_month(self, title: str, values: FloatArray, form: str) -> Table:
+        """Values by row and month; empty where no day is perpetual."""
         first = Column(self.over, to_right=True)
-        months = tuple(Column(MONTH_NAMES[m - 1], form=".0f") for m in self.months)
-        shown = np.where(np.isfinite(self.airspeed_m_per_s), 100.0 * self.share, np.nan)
+        months = tuple(Column(MONTH_NAMES[m - 1], form=form) for m in self.months)
+        shown = np.where(np.isfinite(self.airspeed_m_per_s), values, np.nan)
         rows = [(self._label(i), *shown[i].tolist()) for i in range(len(self.rows))][::-1]
-        return Table("share of the time on station [%]", (first, *months), tuple(rows))
+        return Table(title, (first, *months), tuple(rows))
 
     def _label(self, row: int) -> str:
         value = float(self.rows[row])
@@ -112,6 +124,7 @@ class Station(Result):
             "share_on_station": self.share.tolist(),
             "airspeed_m_per_s": speeds,
             "wind_m_per_s": self.wind_m_per_s.tolist(),
+            **({} if self.altitude_m is None else {"altitude_m": self.altitude_m.tolist()}),
             "at_fastest_airspeed": self.at_end,
             "extrapolations": extrapolation_records(self.extrapolations),
         }
@@ -128,19 +141,24 @@ class Station(Result):
                 "airspeed_m_per_s": self.airspeed_m_per_s.ravel(),
                 "wind_m_per_s": self.wind_m_per_s.ravel(),
             }
+            | ({} if self.altitude_m is None else {"altitude_m": self.altitude_m.ravel()})
         )
 
     def gridded(self) -> Gridded:
         """The same on a grid, for NetCDF files."""
         dims = (self.over, "month")
-        values = (self.share, self.airspeed_m_per_s, self.wind_m_per_s)
+        values = [self.share, self.airspeed_m_per_s, self.wind_m_per_s]
+        described = dict(_DESCRIBED)
+        if self.altitude_m is not None:
+            values.append(self.altitude_m)
+            described["chosen_altitude"] = ("m", "altitude of the largest share")
         units = "degrees_north" if self.over == "latitude" else "m"
         about = {"units": units, "standard_name": self.over}
         month = {"units": "1", "long_name": "month"}
         return Gridded(
             {
                 name: Labelled(dims, array, {"units": unit, "long_name": text})
-                for (name, (unit, text)), array in zip(_DESCRIBED.items(), values, strict=True)
+                for (name, (unit, text)), array in zip(described.items(), values, strict=True)
             },
             {
                 self.over: Labelled((self.over,), self.rows, about),
@@ -162,9 +180,10 @@ def station(
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
 ) -> Station:
-    """Share of the time in which an aircraft holds its place, by latitude or altitude and month."""
-    if latitudes is not None and altitudes_m is not None:
-        raise ValueError("station keeping goes over latitudes or altitudes, not both")
+    """Share of the time in which an aircraft holds its place, by latitude or altitude and month.
+
+    With both, each latitude and month is flown at that altitude which has the largest share.
+    """
     solar = SolarModel(model, correction)
     given = mission.wind_statistics
     table = None if given is None else given.table(mission.longitude_deg)
@@ -175,26 +194,37 @@ def station(
         cells = Scenarios(np.repeat(north, len(days)), np.tile(days, len(north)))
         return station_keeping(aircraft, where, solar, scenarios=cells)
 
-    over: Literal["latitude", "altitude"] = "latitude" if altitudes_m is None else "altitude"
-    if altitudes_m is None:
-        rows = np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
-        places = [mission]
-        found = [at(mission, rows)]
+    by_altitude = altitudes_m is not None and latitudes is None
+    if by_altitude:
+        north = np.array(mission.latitudes()[:1])
     else:
-        rows = np.asarray(altitudes_m, float)
-        here = np.array(mission.latitudes()[:1])
-        places = [mission.at_altitude(height) for height in rows.tolist()]
-        found = [at(where, here) for where in places]
-    shape = (len(rows), len(months))
+        north = np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
+    heights = np.asarray([mission.altitude_m] if altitudes_m is None else altitudes_m, float)
+    places = [mission if altitudes_m is None else mission.at_altitude(h) for h in heights.tolist()]
+    found = [at(where, north) for where in places]
 
-    def joined(name: str) -> FloatArray:
-        return np.concatenate([getattr(one, name) for one in found]).reshape(shape)
+    def stacked(name: str) -> FloatArray:
+        """Values of shape ``(altitude, latitude, month)``."""
+        return np.stack([getattr(one, name) for one in found]).reshape(-1, len(north), len(days))
+
+    share = stacked("share")
+    best = share.argmax(axis=0)[np.newaxis]
+
+    def shown(values: FloatArray) -> FloatArray:
+        """Values by row and month: every altitude's, or those of the largest share."""
+        return values[:, 0] if by_altitude else np.take_along_axis(values, best, axis=0)[0]
 
     return Station(
-        *(aircraft, mission, solar, over, rows, months),
-        *(joined("share"), joined("airspeed_m_per_s"), joined("wind_m_per_s")),
+        *(aircraft, mission, solar),
+        over="altitude" if by_altitude else "latitude",
+        rows=heights if by_altitude else north,
+        months=months,
+        share=shown(share),
+        airspeed_m_per_s=shown(stacked("airspeed_m_per_s")),
+        wind_m_per_s=shown(stacked("wind_m_per_s")),
         source="" if table is None else table.source,
-        at_end=bool(np.any(joined("at_end"))),
+        at_end=bool(np.any(shown(stacked("at_end")))),
+        altitude_m=heights[best[0]] if altitudes_m is not None and not by_altitude else None,
         extrapolations=_extrapolations(aircraft, places, solar),
     )
 
@@ -213,8 +243,6 @@ def _extrapolations(
 @styled
 def plot_station(result: Station, *, figure: Canvas = DEFAULT) -> Figure:
     """Share of the time on station over the months, blank where no day is perpetual."""
-    from matplotlib.colors import Normalize
-
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{result.aircraft.name} on {result.mission.name}: time on station",

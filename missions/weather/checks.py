@@ -82,7 +82,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         temperature_c=temperature_c,
         wind_m_per_s=wind_m_per_s,
         typical=typical,
-        repairs=tuple(repairs),
+        repairs=(*raw.notes, *repairs),
+        air_altitude_m=raw.air_altitude_m,
     )
 
 
@@ -309,11 +310,7 @@ def _diffuse_fraction(ghi: FloatArray, horizontal: FloatArray) -> FloatArray:
 
 
 def _filled(
-    light: dict[str, FloatArray],
-    sun: _Sun,
-    interval_s: float,
-    source: str,
-    start_s: FloatArray,
+    light: dict[str, FloatArray], sun: _Sun, interval_s: float, source: str, start_s: FloatArray
 ) -> list[str]:
     """Fill what is missing with shares of the clear sky, in place."""
     empty = np.any([np.isnan(values) for values in light.values()], axis=0)

@@ -10,18 +10,22 @@ from pathlib import Path
 
 from missions.files.errors import file_error, printable
 from missions.files.shipped import shipped_record, shipped_records
+from missions.mission import Mission
 from missions.weather.record import Weather
 
 
-def load_weather(path: str | os.PathLike[str]) -> Weather:
+def load_weather(path: str | os.PathLike[str], mission: Mission | None = None) -> Weather:
     """Load a weather record: light, temperature and wind at a site over time.
 
     Parameters
     ----------
     path : str or path
         Name of the shipped record, ``colorado-2023``, or a file: EPW, TMY2, TMY3, PVGIS (typical
-        year or hourly, CSV or JSON), NSRDB PSM, BSRN, or a plain CSV table. Which of them it is
-        is seen from the contents.
+        year or hourly, CSV or JSON), NSRDB PSM, BSRN, NASA POWER (CSV), ERA5 (CSV time series),
+        NetCDF of ERA5, NASA POWER and others, or a plain CSV table. Which of them it is is seen
+        from the contents.
+    mission : Mission, optional
+        Whose latitude, longitude and altitude choose the point of gridded data.
 
     Returns
     -------
@@ -34,11 +38,10 @@ def load_weather(path: str | os.PathLike[str]) -> Weather:
         With file, line and reason, if the file cannot be read or its values cannot be true.
     """
     # They read with pandas, which takes longer than a command without a record.
-    from missions.weather.checks import checked_record
-    from missions.weather.layouts import read_layout
+    from missions.weather import checks, layouts
 
     with weather_file(path) as (place, source):
-        return checked_record(read_layout(place, source), source)
+        return checks.checked_record(layouts.read_layout(place, source, mission), source)
 
 
 @contextmanager

@@ -21,17 +21,20 @@ from typing import Any
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error, printable, shortened
+from missions.mission import Mission
+from missions.weather.gridded import is_netcdf, read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.plain import read_plain
 from missions.weather.raw import END, MIDDLE, START, RawTable, as_file, head_of, text_of
 from missions.weather.record import Site
 
 
-def read_layout(path: Path, source: str) -> RawTable:
+def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawTable:
     """Read a weather file of any known layout.
 
-    ``path``: file: EPW, TMY2, TMY3, PVGIS (typical year or hourly), NSRDB PSM, BSRN, or plain CSV.
+    ``path``: file: EPW, TMY2, TMY3, PVGIS (typical year or hourly), NSRDB PSM, BSRN, NASA POWER,
+    ERA5, NetCDF or plain CSV. ``mission``: whose place chooses a point of a grid.
     """
-    layout = layout_of(path, source)
+    layout = "NetCDF" if is_netcdf(path) else layout_of(path, source)
     read: Callable[[Path, str, Any], RawTable] | None = {
         "EPW": _epw,
         "TMY2": _tmy2,
@@ -44,7 +47,12 @@ def read_layout(path: Path, source: str) -> RawTable:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what is wrong is told by its line, or by the error
-            raw = read_plain(path, source) if read is None else read(path, source, _iotools(source))
+            if layout in _GRIDDED:
+                raw = _GRIDDED[layout](path, source, mission)
+            elif read is None:
+                raw = read_plain(path, source)
+            else:
+                raw = read(path, source, _iotools(source))
         return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
     except InputError:
         raise
@@ -55,6 +63,13 @@ def read_layout(path: Path, source: str) -> RawTable:
         raise file_error(
             source, f"is no readable {layout} file: {type(error).__name__}: {reason}"
         ) from error
+
+
+_GRIDDED: dict[str, Callable[[Path, str, Mission | None], RawTable]] = {
+    "NetCDF": read_netcdf,
+    "ERA5": lambda path, source, _: read_era5_csv(path, source),
+    "NASA POWER": lambda path, source, _: read_power_csv(path, source),
+}
 
 
 def _iotools(source: str) -> Any:
@@ -90,6 +105,10 @@ def layout_of(path: Path, source: str) -> str:
         return "NSRDB PSM"
     if re.match(r"\*[UC]0001", first):
         return "BSRN"
+    if first.startswith("-BEGIN HEADER-") and "NASA/POWER" in text:
+        return "NASA POWER"
+    if "valid_time" in first and "ssrd" in first:
+        return "ERA5"
     return "CSV"
 
 
@@ -158,11 +177,7 @@ def _pvgis_tmy(path: Path, source: str, iotools: Any) -> RawTable:
     if "latitude" not in inputs and "location" not in inputs:
         raise file_error(source, "does not name its site: write it with its first lines")
     return RawTable(
-        "PVGIS typical year",
-        _pvgis_site(source, inputs),
-        table,
-        MIDDLE,
-        offset_s=3600.0 * offset_h,
+        "PVGIS typical year", _pvgis_site(source, inputs), table, MIDDLE, offset_s=3600.0 * offset_h
     )
 
 
@@ -173,8 +188,7 @@ def _pvgis_hourly(path: Path, source: str, iotools: Any) -> RawTable:
     slope = _slope_deg(inputs)
     if slope not in (None, 0.0):
         raise file_error(
-            source,
-            f"is the light on a surface of {slope:g} deg slope: ask PVGIS for a slope of 0",
+            source, f"is the light on a surface of {slope:g} deg slope: ask PVGIS for a slope of 0"
         )
 
     if "poa_direct" in table:

@@ -74,11 +74,12 @@ def light_at_altitude(
     diffuse = _shared(weather.dhi, low.dhi.reshape(shape), cosine.reshape(shape)).reshape(-1)
     most = extraterrestrial_irradiance(day)
     recorded = Irradiance(
-        np.minimum(direct * _ratio(high.dni, low.dni), most),
-        diffuse * _ratio(high.dhi, low.dhi),
+        np.minimum(direct * _ratio(high.dni, low.dni), most), diffuse * _ratio(high.dhi, low.dhi)
     )
     temperature, wind = weather.temperature_c, weather.wind_m_per_s
-    above_m = altitude_m - site.altitude_m
+    own_m, ratio = weather.air_altitude_m, 1.0
+    if own_m is None:
+        own_m, ratio = site.altitude_m, wind_ratio(altitude_m - site.altitude_m)
     return RecordedLight(
         site=site,
         time_s=time_s,
@@ -90,8 +91,8 @@ def light_at_altitude(
         clear=high,
         temperature_c=None
         if temperature is None
-        else _at_nodes(temperature, parts) - LAPSE_K_PER_M * above_m,
-        wind_m_per_s=None if wind is None else _at_nodes(wind, parts) * wind_ratio(above_m),
+        else _at_nodes(temperature, parts) - LAPSE_K_PER_M * (altitude_m - own_m),
+        wind_m_per_s=None if wind is None else _at_nodes(wind, parts) * ratio,
     )
 
 

@@ -86,6 +86,8 @@ class Weather:
         Whether it is a typical year, put together from months of several years.
     repairs : tuple of str
         What was repaired, each with its count.
+    air_altitude_m : float or None
+        Where temperature and wind are taken, if not near the ground [m].
     """
 
     source: str
@@ -100,6 +102,7 @@ class Weather:
     wind_m_per_s: FloatArray | None
     typical: bool
     repairs: tuple[str, ...] = ()
+    air_altitude_m: float | None = None
 
     def __len__(self) -> int:
         return len(self.start_s)
@@ -138,8 +141,8 @@ def day_of_year(time_s: FloatArray) -> FloatArray:
     whole = np.floor(np.asarray(time_s, float) / SECONDS_PER_DAY)
     date = whole.astype("datetime64[D]")
     year = date.astype("datetime64[Y]")
-    number = (date - year.astype("datetime64[D]")).astype(int)
-    leap = _is_leap(year.astype(int) + 1970)
+    start, end = (one.astype("datetime64[D]") for one in (year, year + 1))
+    number, leap = (date - start).astype(int), (end - start).astype(int) == 366
     number = number - (leap & (number >= 59))
     return np.asarray(number + 1.0 + (time_s / SECONDS_PER_DAY - whole))
 
@@ -148,7 +151,3 @@ def runs_of(marks: BoolArray) -> tuple[IntArray, IntArray]:
     """First place, and the place after the last, of every run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
     return edges[::2], edges[1::2]
-
-
-def _is_leap(year: IntArray) -> BoolArray:
-    return np.asarray(((year % 4 == 0) & (year % 100 != 0)) | (year % 400 == 0))

@@ -20,12 +20,19 @@ from solar.types import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["PERCENTILES", "wind_table_from_netcdf"]
+__all__ = [
+    "AXES",
+    "PERCENTILES",
+    "altitudes_m",
+    "nearest_longitude",
+    "opened",
+    "wind_table_from_netcdf",
+]
 
 # What a file is reduced to, beside the percentile that is asked for.
 PERCENTILES = (5.0, 10.0, 25.0, 50.0, 75.0, 90.0, 95.0, 99.0)
 # Names of axes: those of ERA5 before and after its change of 2024, and of the CF conventions.
-_AXES = {
+AXES = {
     "time": ("time", "valid_time"),
     "latitude": ("latitude", "lat"),
     "longitude": ("longitude", "lon"),
@@ -45,14 +52,14 @@ def wind_table_from_netcdf(
 ) -> WindTable:
     """Percentiles of the wind speed in a file of its components over time."""
     source = printable(path)
-    with _opened(path, source) as data:
+    with opened(path, source) as data:
         u, v = (_component(data, name, source) for name in _COMPONENTS)
         u, v = (_arranged(one, source) for one in (u, v))
         if u.shape != v.shape:
             raise file_error(source, "has components of the wind on different axes")
         u, v, at = _at_longitude(u, v, longitude_deg, source)
         months = _months(u, source)
-        altitude_m = _altitudes_m(u["level"], source)
+        altitude_m = altitudes_m(u["level"], source)
         kept = (altitude_m >= MINIMUM_ALTITUDE_M) & (altitude_m <= MAXIMUM_ALTITUDE_M)
         levels = np.flatnonzero(kept)[np.argsort(altitude_m[kept])]
         latitudes = u["latitude"].to_numpy().astype(float)
@@ -88,7 +95,8 @@ def wind_table_from_netcdf(
 
 
 @contextmanager
-def _opened(path: str, source: str) -> Iterator[xr.Dataset]:
+def opened(path: str, source: str) -> Iterator[xr.Dataset]:
+    """Dataset of a NetCDF file while it is read."""
     import xarray as xr
 
     try:
@@ -110,14 +118,14 @@ def _component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArra
 
 def _arranged(one: xr.DataArray, source: str) -> xr.DataArray:
     """Component with the axes time, latitude, level and longitude, in this order."""
-    for axis, names in _AXES.items():
+    for axis, names in AXES.items():
         name = next((n for n in names if n in one.coords), None)
         if name is None:
             raise file_error(source, f"has no {axis} for {one.name} (named {', '.join(names)})")
         if name not in one.dims:
             one = one.expand_dims(name)
         one = one.rename({name: axis}) if name != axis else one
-    rest = [str(name) for name in one.dims if name not in _AXES]
+    rest = [str(name) for name in one.dims if name not in AXES]
     for name in rest:
         if one.sizes[name] != 1:
             raise file_error(source, f"has the axis {name} beside time, latitude, longitude, level")
@@ -132,15 +140,21 @@ def _at_longitude(
     longitudes = u["longitude"].to_numpy().astype(float)
     if longitude_deg is None:
         return u, v, f"all {len(longitudes)} longitudes"
-    away = np.abs((longitudes - longitude_deg + 180.0) % 360.0 - 180.0)
+    nearest = nearest_longitude(longitudes, longitude_deg, source)
+    east = (longitudes[nearest] + 180.0) % 360.0 - 180.0
+    some = slice(nearest, nearest + 1)
+    return u[..., some], v[..., some], f"longitude {east:g}, nearest to {longitude_deg:g}"
+
+
+def nearest_longitude(longitudes: FloatArray, wanted_deg: float, source: str) -> int:
+    """Place of the longitude nearest to one, no further away than the grid is wide."""
+    away = np.abs((longitudes - wanted_deg + 180.0) % 360.0 - 180.0)
     nearest = int(np.argmin(away))
     spacing = float(np.min(np.diff(np.sort(longitudes)))) if len(longitudes) > 1 else 0.0
     if away[nearest] > max(spacing, 1e-6):
         ends = f"{longitudes.min():g} to {longitudes.max():g}"
-        raise file_error(source, f"has longitudes {ends}, not {longitude_deg:g} of the mission")
-    east = (longitudes[nearest] + 180.0) % 360.0 - 180.0
-    some = slice(nearest, nearest + 1)
-    return u[..., some], v[..., some], f"longitude {east:g}, nearest to {longitude_deg:g}"
+        raise file_error(source, f"has longitudes {ends}, not {wanted_deg:g} of the mission")
+    return nearest
 
 
 def _months(u: xr.DataArray, source: str) -> FloatArray:
@@ -149,7 +163,7 @@ def _months(u: xr.DataArray, source: str) -> FloatArray:
     return np.asarray(u["time"].dt.month.to_numpy())
 
 
-def _altitudes_m(level: Any, source: str) -> FloatArray:
+def altitudes_m(level: Any, source: str) -> FloatArray:
     """Altitude of levels [m]; that of a pressure in the standard atmosphere."""
     unit = str(level.attrs.get("units", "")).lower()
     values = level.to_numpy().astype(float)

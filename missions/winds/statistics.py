@@ -14,7 +14,7 @@ from missions.dates import month_and_day
 from missions.files.errors import printable
 from missions.files.texts import read_text
 from missions.winds.table import WindTable, shipped_winds, wind_table_from_text
-from solar.schema import Record, Text
+from solar.schema import Flag, Record, Text
 
 if TYPE_CHECKING:
     from solar.types import FloatArray, IntArray
@@ -26,10 +26,13 @@ class WindStatistics(Record):
     """Wind that is not exceeded for a share of the time, by latitude, altitude and month.
 
     ``file``: a CSV table or a NetCDF file with wind components; the shipped table without one.
+    ``hold_station``: whether the aircraft flies faster where this wind is faster than its own
+    airspeed.
     """
 
     percentile: Annotated[float, Strict(), Field(gt=0.0, lt=100.0, allow_inf_nan=False)]
     file: Text | None = None
+    hold_station: Flag = False
 
     def table(self, longitude_deg: float | None = None) -> WindTable:
         """Table of winds."""

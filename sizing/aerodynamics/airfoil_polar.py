@@ -283,10 +283,7 @@ def _fit_maximum_lift(branches: tuple[_Branch, ...], scale: _ReynoldsScale) -> t
 
 
 def _fit_log_drag(
-    branches: tuple[_Branch, ...],
-    scale: _ReynoldsScale,
-    peak: tuple[float, ...],
-    least_lift: float,
+    branches: tuple[_Branch, ...], scale: _ReynoldsScale, peak: tuple[float, ...], least_lift: float
 ) -> tuple[tuple[float, ...], ...]:
     """Chebyshev coefficients of log drag, by lift (outer) and Reynolds number (inner)."""
     shares, coordinates, logs = [], [], []

@@ -109,7 +109,9 @@ def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None)
     if all(fixed):
         _check_repeated(pairs)
         both = [zip(polar.rows, reynolds, strict=True) for polar, reynolds in pairs]
-        rows = np.array([_row_values(row, re) for one in both for row, re in one])
+        rows = np.array(
+            [(row.alpha_deg, re, row.lift, row.drag, row.moment) for one in both for row, re in one]
+        )
     else:
         rows = _resampled(pairs, source)
     efficiency = None if wing is None else _span_efficiency(polars, wing, source)
@@ -193,10 +195,6 @@ def _reynolds(polar: FilePolar, wing: WingReference | None) -> list[float]:
         # QInf has fewer digits than a table's key may differ by.
         reynolds = [float(f"{np.mean(reynolds):.4g}")] * len(reynolds)
     return reynolds
-
-
-def _row_values(row: PolarRow, reynolds: float) -> tuple[float, ...]:
-    return (row.alpha_deg, reynolds, row.lift, row.drag, row.moment)
 
 
 def _check_repeated(pairs: Sequence[tuple[FilePolar, list[float]]]) -> None:

@@ -23,7 +23,6 @@ from sizing.balance.stability import (
 from sizing.balance.surfaces import TailPlanes, Wing, wing_of
 from sizing.design import Design, FlightConditions, flown_at
 from sizing.limits import DesignInFlight
-from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.smooth import Value
 
 __all__ = ["BalanceAssessment", "balance_assessment", "drag_shares"]
@@ -168,7 +167,8 @@ def balance_assessment(
     )
     sideslip = float(directional.rudder / directional.slope)
     slow_speed = float(design.airspeed_m_per_s) * (lift / slow_lift) ** 0.5
-    twin = _motors(airframe) == 2 and getattr(airframe.structure, "booms", 1) == 2
+    motors = getattr(airframe.propulsion, "propulsors", 1)
+    twin = motors == 2 and getattr(airframe.structure, "booms", 1) == 2
     yawing = slow_drag * planes.horizontal_span_m / 2.0 / wing.wingspan_m
     return BalanceAssessment(
         items=items,
@@ -188,8 +188,3 @@ def balance_assessment(
         crosswind_m_per_s=slow_speed * sin(sideslip),
         motor_out=float(yawing / directional.rudder) if twin else None,
     )
-
-
-def _motors(airframe: ParametricAirframe) -> int:
-    chain = airframe.propulsion
-    return chain.propulsors if isinstance(chain, OperatingPointPropulsion) else 1

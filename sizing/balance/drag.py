@@ -18,13 +18,7 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.balance.stability import neutral_point, trim
 from sizing.balance.surfaces import Tail, TailPlanes, Wing
 from sizing.smooth import Value
-from solar.schema import (
-    NonNegativeReal,
-    PositiveInteger,
-    PositiveReal,
-    Record,
-    UnitInterval,
-)
+from solar.schema import NonNegativeReal, PositiveInteger, PositiveReal, Record, UnitInterval
 
 __all__ = ["BuiltUpPolar", "DragComponents", "DragShares", "Pod", "skin_friction"]
 

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, ClassVar, Self
 
+from pydantic import ModelWrapValidatorHandler, model_validator
 from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError
 from missions.files.texts import read_text
+from sizing.catalogues.entries import Entry
+from sizing.catalogues.files import Kind, entry, is_entry_path
 from solar.schema import Record
 
-# The catalogues themselves are imported where an aircraft names an entry.
-if TYPE_CHECKING:
-    from sizing.catalogues.entries import Entry
-    from sizing.catalogues.files import Kind
-
-__all__ = ["Taken", "filled", "found_entry", "own_entries", "taken"]
-
-R = TypeVar("R", bound=Record)
+__all__ = ["OfCatalogue", "Taken", "found_entry", "known_entry", "own_entries", "taken"]
 
 
 @dataclass(frozen=True)
@@ -63,28 +59,32 @@ _FOLLOWS_FROM = {
 }
 
 
-def filled(data: Any, handler: Callable[[Any], R], key: str, kind: Kind) -> R:
-    """Validate the data of a record, with what the entry gives that it names.
+class OfCatalogue(Record):
+    """Record one key of which names an entry of a catalogue."""
 
-    What the data have wins. What the entry gave does not count as given: a copy of the record with
-    another entry takes the values of that one.
+    _entry: ClassVar[tuple[str, Kind]]
 
-    ``data``: as a validator of the mode ``wrap`` receives them.
-    """
-    name = data.get(key) if isinstance(data, Mapping) else None
-    if not isinstance(name, str | int) or isinstance(name, bool):
-        return handler(data)
-    parameters = found_entry(key, kind, str(name)).parameters(data)
-    new = {one: value for one, value in parameters.items() if one not in data}
-    record = handler({**data, **new})
-    record.__pydantic_fields_set__.difference_update(new)
-    return record
+    @model_validator(mode="wrap")
+    @classmethod
+    def _from_catalogue(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Validate the data of a record, with what the entry gives that it names.
+
+        What the data have wins. What the entry gave does not count as given: a copy of the record
+        with another entry takes the values of that one.
+        """
+        key, kind = cls._entry
+        name = data.get(key) if isinstance(data, Mapping) else None
+        if not isinstance(name, str | int) or isinstance(name, bool):
+            return handler(data)
+        parameters = found_entry(key, kind, str(name)).parameters(data)
+        new = {one: value for one, value in parameters.items() if one not in data}
+        record = handler({**data, **new})
+        record.__pydantic_fields_set__.difference_update(new)
+        return record
 
 
 def found_entry(key: str, kind: Kind, name: str) -> Entry:
     """Entry that a key of a record names; what is wrong with it becomes an error of validation."""
-    from sizing.catalogues.files import entry, is_entry_path
-
     try:
         return entry(kind, name)
     except InputError as error:
@@ -105,17 +105,25 @@ def found_entry(key: str, kind: Kind, name: str) -> Entry:
         ) from error
 
 
-def taken(record: Record, key: str, kind: Kind, prefix: str) -> list[Taken]:
+def known_entry(kind: Kind, data: Mapping[str, Any], key: str) -> Any:
+    """Entry that data name; None without a name, or with one that the validation refuses."""
+    name = data.get(key)
+    try:
+        return entry(kind, name) if isinstance(name, str) else None
+    except (InputError, OSError):
+        return None
+
+
+def taken(record: OfCatalogue, prefix: str) -> list[Taken]:
     """Values of a record that are those of the entry it names.
 
     ``prefix``: what stands before the record's keys in the aircraft's file, with the dot. Returns
     without those that something else has replaced since.
     """
+    key, kind = record._entry
     name = getattr(record, key)
     if name is None:
         return []
-    from sizing.catalogues.files import entry
-
     one = entry(kind, name)
     given = {field: getattr(record, field) for field in record.model_fields_set}
     found = []
@@ -135,8 +143,4 @@ def own_entries(record: Record, key: str) -> dict[str, str]:
     Empty for an entry of the shipped catalogue.
     """
     name = getattr(record, key)
-    if name is None:
-        return {}
-    from sizing.catalogues.files import is_entry_path
-
-    return {name: read_text(name)} if is_entry_path(name) else {}
+    return {name: read_text(name)} if name is not None and is_entry_path(name) else {}

@@ -90,7 +90,7 @@ def _disagree(key: str, text: str, one: float, other: float) -> None:
         )
 
 
-def _first(*values: float | None) -> float | None:
+def _first_known(*values: float | None) -> float | None:
     """First of values that is known."""
     return next((one for one in values if one is not None), None)
 
@@ -194,7 +194,7 @@ class BatteryEntry(Entry):
     dc_resistance_ohm: PositiveReal | None = None
 
     @model_validator(mode="after")
-    def _check_order(self) -> BatteryEntry:
+    def _check_typical(self) -> BatteryEntry:
         for less, more in (
             ("capacity_ah", "typical_capacity_ah"),
             ("energy_wh", "typical_energy_wh"),
@@ -242,11 +242,11 @@ class BatteryEntry(Entry):
 
     @property
     def _least_energy(self) -> float | None:
-        return _first(self.energy_wh, self._times_voltage(self.capacity_ah))
+        return _first_known(self.energy_wh, self._times_voltage(self.capacity_ah))
 
     @property
     def _typical_energy(self) -> float | None:
-        return _first(self.typical_energy_wh, self._times_voltage(self.typical_capacity_ah))
+        return _first_known(self.typical_energy_wh, self._times_voltage(self.typical_capacity_ah))
 
     @property
     def _energies_over_mass(self) -> list[float]:
@@ -258,22 +258,22 @@ class BatteryEntry(Entry):
     @property
     def capacity(self) -> float | None:
         """Capacity that counts [Ah]: the least, else the typical one."""
-        return _first(self.capacity_ah, self.typical_capacity_ah)
+        return _first_known(self.capacity_ah, self.typical_capacity_ah)
 
     @property
     def energy(self) -> float | None:
         """Energy that counts [Wh], None where it is not known."""
-        return _first(self._least_energy, self._typical_energy)
+        return _first_known(self._least_energy, self._typical_energy)
 
     @property
     def mass(self) -> float | None:
         """Mass that counts [kg]: the largest, else the typical one."""
-        return _first(self.mass_kg, self.typical_mass_kg)
+        return _first_known(self.mass_kg, self.typical_mass_kg)
 
     @property
     def specific_energy(self) -> float:
         """Energy over mass, else what the source gives [Wh/kg]."""
-        known = _first(*self._energies_over_mass, self.specific_energy_wh_per_kg)
+        known = _first_known(*self._energies_over_mass, self.specific_energy_wh_per_kg)
         assert known is not None  # refused at validation
         return known
 

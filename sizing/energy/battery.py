@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-from sizing.catalogues.choice import filled
+from sizing.catalogues.choice import OfCatalogue
 from sizing.energy.battery_condition import Ageing, BatteryTemperature, InternalResistance
 from sizing.energy.battery_pack import BatteryPack, packed
 from sizing.energy.battery_voltage import BatteryVoltage
@@ -167,7 +167,7 @@ class ChargeClock:
 _HIGHEST_WH_PER_KG = 6443.0
 
 
-class Battery(Record):
+class Battery(OfCatalogue):
     """A battery pack described by its mass.
 
     Temperature, internal resistance and ageing are those of :mod:`sizing.energy.battery_condition`;
@@ -177,6 +177,8 @@ class Battery(Record):
     for the share ``cell_mass_fraction`` of the pack's mass. ``pack`` makes it one of whole cells,
     whose mass follows from their number.
     """
+
+    _entry = "cell", "batteries"
 
     cell: Text | None = None
     cell_mass_fraction: Fraction = 1.0
@@ -193,9 +195,9 @@ class Battery(Record):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _from_catalogue(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
+    def _with_pack(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
         data, new = packed(data)
-        record = filled(data, handler, "cell", "batteries")
+        record = handler(data)
         record.__pydantic_fields_set__.difference_update(new)
         return record
 
@@ -321,10 +323,7 @@ class Store:
             for efficiency in (self.charge_efficiency, self.discharge_efficiency)
         )
         return replace(
-            self,
-            battery_energy_wh=energy,
-            charge_efficiency=charge,
-            discharge_efficiency=discharge,
+            self, battery_energy_wh=energy, charge_efficiency=charge, discharge_efficiency=discharge
         )
 
     def charged(

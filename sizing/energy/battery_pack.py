@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError, model_validator
 
-from missions.files.errors import InputError
+from sizing.catalogues.choice import known_entry
 from solar.schema import (
     CellCount,
     PositiveReal,
@@ -113,7 +113,7 @@ def _no_whole_number(
 
 def _in_window(data: Mapping[str, Any], pack: BatteryPack) -> dict[str, Any]:
     """Specific energy and charge limit of the part of the energy that is used."""
-    entry = _entry(data)
+    entry = known_entry("batteries", data, "cell")
     if pack.usable == 1.0 or (entry is None and data.get("cell") is not None):
         return {}
     if "specific_energy_wh_per_kg" in data or entry is None:
@@ -134,19 +134,9 @@ def _in_window(data: Mapping[str, Any], pack: BatteryPack) -> dict[str, Any]:
     return found
 
 
-def _entry(data: Mapping[str, Any]) -> Any:
-    """Entry that the battery names; None without a name, or with one that is refused later."""
-    from sizing.catalogues.files import entry
-
-    try:
-        return entry("batteries", data["cell"]) if isinstance(data.get("cell"), str) else None
-    except (InputError, OSError):
-        return None
-
-
 def _of_entry(data: Mapping[str, Any]) -> dict[str, Any]:
     """Mass and charge current of a cell of the catalogue, as far as it has them."""
-    one = _entry(data)
+    one = known_entry("batteries", data, "cell")
     if one is None:
         return {}
     if one.kind == "pack":

@@ -26,13 +26,7 @@ from numpy.typing import ArrayLike
 
 from sizing.energy.batch import Cells
 from sizing.energy.battery import Store
-from sizing.energy.march import (
-    DayRun,
-    first_repetition,
-    full_after_h,
-    repeated_wh,
-    unserved_h,
-)
+from sizing.energy.march import DayRun, first_repetition, full_after_h, repeated_wh, unserved_h
 from sizing.energy.power_balance import (
     PowerBalance,
     blocks,

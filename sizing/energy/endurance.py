@@ -47,6 +47,27 @@ class Endurance:
     launch_h: FloatArray
 
 
+@dataclass(frozen=True)
+class LimitedFlight:
+    """Flights that start full and end with an empty battery, in solar time [h].
+
+    ``launch_h``, ``endurance_h``: launch and length of the longest. ``before_sun_h``: from its end
+    until solar power meets the load again; NaN where it never does. ``from_sunrise_h``,
+    ``from_noon_h``: length of those launched at sunrise and at noon; NaN without a sunrise.
+    """
+
+    launch_h: float
+    endurance_h: float
+    before_sun_h: float
+    from_sunrise_h: float
+    from_noon_h: float
+
+    @property
+    def empty_h(self) -> float:
+        """When the longest flight ends, counted from midnight before its launch."""
+        return self.launch_h + self.endurance_h
+
+
 def longest_flight(
     time_h: ArrayLike, solar_power_w: ArrayLike, load_w: ArrayLike, store: Store
 ) -> Endurance:
@@ -237,7 +258,9 @@ class _Flights:
             day = self._flown_day(flying)
             ended = ~np.isnan(day.end_level_wh)
             end_h = number * HOURS_PER_DAY + flying.skipped_h
-            end_h[ended] += self._hour_of(day.end_level_wh[ended], flying.cell[ended])
+            level, cell = day.end_level_wh[ended], flying.cell[ended]
+            since_midnight_wh = self.day.cumulative_deficit_wh
+            end_h[ended] += hour_of_deficit(self.balance, since_midnight_wh, level, cell)
             over = (battery >= 0) & ended[battery]
             flown[over] = end_h[battery[over]] - launch_h[over]
             goes_on = ~ended & ~self._perpetual(number, flying, day)
@@ -294,10 +317,6 @@ class _Flights:
                 first = short & np.isnan(level)
                 level[first] = (settled + store.discharge_efficiency * step.drained_wh)[first]
         return level, energy, settled, lowest
-
-    def _hour_of(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
-        """Solar time at which the deficit since midnight reaches a level [h]."""
-        return hour_of_deficit(self.balance, self.day.cumulative_deficit_wh, level_wh, cells)
 
     def _perpetual(self, number: int, flying: _Flying, day: _FlownDay) -> BoolArray:
         """From the second day on, a day that gives back what it takes is perpetual flight."""

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import ValidationError
 
-from missions.files.errors import InputError
+from sizing.catalogues.choice import known_entry
+from sizing.catalogues.entries import CellEntry
 from sizing.layout.cells import CellLayout, LayoutError, Wing
 from solar.schema import Record, is_positive, wrong_value
 from solar.shading import TailGeometry
-
-if TYPE_CHECKING:
-    from sizing.catalogues.entries import CellEntry
 
 __all__ = ["check_layout", "laid_out", "mppt_mass_kg"]
 
@@ -31,7 +29,7 @@ def laid_out(data: Any) -> tuple[Any, set[str]]:
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, Record) else raw
     if not isinstance(raw, Mapping):
         return data, set()
-    layout = _with_entry(raw, _entry(data))
+    layout = _with_entry(raw, known_entry("cells", data, "cell"))
     try:
         found = CellLayout.model_validate(layout)
     except ValidationError:
@@ -47,19 +45,6 @@ def laid_out(data: Any) -> tuple[Any, set[str]]:
         )
     values = {**data, "layout": layout, "area_m2": found.area_m2}
     return values, set(values) - set(data)
-
-
-def _entry(data: Mapping[str, Any]) -> CellEntry | None:
-    from sizing.catalogues.files import entry
-
-    name = data.get("cell")
-    if not isinstance(name, str):
-        return None
-    try:
-        # Entries of this catalogue are of that class.
-        return entry("cells", name)  # type: ignore[return-value]
-    except (InputError, OSError):
-        return None  # told by the validation of the name
 
 
 def _with_entry(raw: Mapping[str, Any], entry: CellEntry | None) -> dict[str, Any]:

@@ -113,7 +113,7 @@ def check_reliability(
                 f"{one.key} is chosen by the sizing: uncertainty.inputs.{one.key} must be normal "
                 f"or lognormal, around what is chosen (got {one.distribution.distribution})"
             )
-    check_inputs(inputs, solar)
+    check_inputs(inputs, mission, solar)
 
 
 def size_reliably(

@@ -17,9 +17,8 @@ from sizing.limits import meets_requirements
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, merit_of
+from sizing.optimisation.result import SizingResult, SolverReport, merit_of
 from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.solver import SolverReport
 from sizing.parameters import MISSION_PREFIX, with_parameter
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import SolarDay, SolarModel

@@ -30,16 +30,19 @@ from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_powe
 from sizing.optimisation.infeasibility import percent, texts_of_requirements
 from sizing.optimisation.loop import PENALTY, Search, Simulated, run
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Effort, SizingProblems
+from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
+    ProblemInstance,
     SizingStatus,
+    Solution,
     merit_of,
     objective_value,
 )
 from sizing.optimisation.search import checked_problems
-from sizing.optimisation.solver import ProblemInstance, ProgramSolver, Solution
+from sizing.optimisation.solver import ProgramSolver
+from sizing.optimisation.solver_options import Effort
 from sizing.optimisation.variables import Role
 from sizing.performance import Performance, performance_of_pairs
 from sizing.smooth import Value
@@ -190,6 +193,8 @@ class _Cells:
         self.count = len(self.day.scenarios) // each
         winds = solver.mission.scenario_winds_m_per_s(self.day.scenarios)
         self.wind_m_per_s = winds.reshape(-1, each).max(axis=-1)
+        if solver.mission.holds_station:
+            self.wind_m_per_s[:] = 0.0  # each scenario is flown as fast as its wind
         self.own = variables_of(solver.aircraft)
         self.last: Solution | None = None
 
@@ -349,9 +354,23 @@ class _Cells:
             scales = {c.name: c.scale for c in problem.constraints}
             shortfall[cell] = short = scales[name] * slacks[name]
             message[cell] = self._message(cell, name, short)
-        names = self.own.chosen() | dict.fromkeys(self.payload)
+        names = self.own.chosen() | self.payload
+        names |= next((one.design.chosen() for one in best.values()), {})
         designs = {name: blank() for name in names}
-        columns = {name: blank() for name in _NUMBERS}
+        found = CellSizings(
+            status=status,
+            objective_value=blank(),
+            variables=DesignVariables(**designs),
+            total_mass_kg=blank(),
+            excess_time_h=blank(),
+            charge_margin_h=blank(),
+            minimum_state_of_charge=blank(),
+            airspeed_m_per_s=blank(),
+            load_w=blank(),
+            requirement=requirement,
+            shortfall=shortfall,
+            message=message,
+        )
         if best:
             kept = np.array(sorted(best), int)
             variables = _stacked([best[int(i)].design for i in kept])
@@ -359,28 +378,16 @@ class _Cells:
             checked = self._cross_checked(kept, variables, perf)
             status[kept] = np.where(checked, SizingStatus.cross_checked, SizingStatus.optimal)
             worst = (np.arange(len(kept)), perf.cycle.excess_time_h.argmin(axis=-1))
-            found = {
-                "objective_value": objective_value(self.objective, perf),
-                "total_mass_kg": perf.design.total_mass_kg,
-                "excess_time_h": perf.cycle.excess_time_h[worst],
-                "charge_margin_h": perf.cycle.charge_margin_h[worst],
-                "minimum_state_of_charge": perf.cycle.minimum_state_of_charge[worst],
-                "airspeed_m_per_s": perf.design.airspeed_m_per_s,
-                "load_w": perf.nominal_load_w,
-            }
-            for name, values in found.items():
-                columns[name][kept] = values
-            designs |= {name: blank() for name in variables.chosen()}
+            found.objective_value[kept] = objective_value(self.objective, perf)
+            found.total_mass_kg[kept] = perf.design.total_mass_kg
+            found.excess_time_h[kept] = perf.cycle.excess_time_h[worst]
+            found.charge_margin_h[kept] = perf.cycle.charge_margin_h[worst]
+            found.minimum_state_of_charge[kept] = perf.cycle.minimum_state_of_charge[worst]
+            found.airspeed_m_per_s[kept] = perf.design.airspeed_m_per_s
+            found.load_w[kept] = perf.nominal_load_w
             for name, values in variables.chosen().items():
                 designs[name][kept] = values
-        return CellSizings(
-            status=status,
-            variables=DesignVariables(**designs),
-            requirement=requirement,
-            shortfall=shortfall,
-            message=message,
-            **columns,
-        )
+        return found
 
     @cached_property
     def _of_design(self) -> list[Requirement]:
@@ -409,23 +416,11 @@ def _by_cell(perf: Performance, each: int) -> Performance:
             return type(value)._make(first(one) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
         return np.asarray(value)[::each] if np.ndim(value) else value
 
-    of_cells = ("excess_time_h", "charge_margin_h", "minimum_state_of_charge")
-    gathered = {name: getattr(perf.cycle, name).reshape(-1, each) for name in of_cells}
-    return replace(
-        perf,
-        design=first(perf.design),
-        nominal_load_w=first(perf.nominal_load_w),
-        cycle=replace(perf.cycle, **gathered),
+    cycle = replace(
+        perf.cycle,
+        excess_time_h=perf.cycle.excess_time_h.reshape(-1, each),
+        charge_margin_h=perf.cycle.charge_margin_h.reshape(-1, each),
+        minimum_state_of_charge=perf.cycle.minimum_state_of_charge.reshape(-1, each),
     )
-
-
-# Columns of the result that a design has.
-_NUMBERS = (
-    "objective_value",
-    "total_mass_kg",
-    "excess_time_h",
-    "charge_margin_h",
-    "minimum_state_of_charge",
-    "airspeed_m_per_s",
-    "load_w",
-)
+    load_w = first(perf.nominal_load_w)
+    return replace(perf, design=first(perf.design), nominal_load_w=load_w, cycle=cycle)

@@ -17,7 +17,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
@@ -27,11 +26,9 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus, limiting_rows
 from sizing.optimisation.search import size_aircraft
-from sizing.performance import performance_of_designs
+from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from solar.types import FloatArray
-
-IntArray = NDArray[np.intp]
+from solar.types import BoolArray, FloatArray, IntArray
 
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
@@ -89,9 +86,8 @@ def widest_range(
         raise ValueError(f"{objective.value} is no range: use size_aircraft")
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
-    return _Growth(
-        aircraft, mission, objective, solar, required, problems or SizingProblems(aircraft)
-    ).run()
+    problems = problems or SizingProblems(aircraft)
+    return _Growth(aircraft, mission, objective, solar, required, problems).run()
 
 
 class _Growth:
@@ -219,14 +215,14 @@ class _Growth:
         """Places of the peaks that are parted from higher ones by a valley."""
         peaks: list[int] = []
         for place in np.argsort(-excess_h, kind="stable"):
-            ways = [self._between(int(place), peak, len(excess_h)) for peak in peaks]
+            ways = [self._ways_between(int(place), peak, len(excess_h)) for peak in peaks]
             if all(
                 excess_h[way].min() < excess_h[place] - _VALLEY_H for both in ways for way in both
             ):
                 peaks.append(int(place))
         return peaks
 
-    def _between(self, one: int, other: int, count: int) -> list[IntArray]:
+    def _ways_between(self, one: int, other: int, count: int) -> list[IntArray]:
         """Places from one to another, and the other way round through the year's end."""
         first, last = sorted((one, other))
         inside = np.arange(first, last + 1)
@@ -251,14 +247,18 @@ class _Growth:
     def _excess_h(self, variables: DesignVariables) -> FloatArray:
         """Worst excess time of a design at every member."""
         if self.flown is None or self.flown[0] != variables:
-            perf = performance_of_designs(
-                self.aircraft, self.mission, variables, self.solar, day=self.day
-            )
-            each = perf.cycle.excess_time_h.reshape(len(self.members), -1).min(axis=-1)
-            enough = (each > 0.0) & (each >= self.required_h)
-            self.within.update(int(i) for i in np.flatnonzero(enough))
-            self.flown = variables, np.asarray(each)
+            cycle = self._simulated(variables, self.day).cycle
+            each = np.asarray(cycle.excess_time_h.reshape(len(self.members), -1).min(axis=-1))
+            self.within.update(int(i) for i in np.flatnonzero(self._enough_h(each)))
+            self.flown = variables, each
         return self.flown[1]
+
+    def _simulated(self, variables: DesignVariables, day: SolarDay) -> Performance:
+        given = (self.aircraft, self.mission, variables, self.solar)
+        return performance_of_designs(*given, day=day)
+
+    def _enough_h(self, excess_h: FloatArray) -> BoolArray:
+        return (excess_h > 0.0) & (excess_h >= self.required_h)
 
     def _easiest(self, variables: DesignVariables) -> list[int]:
         """Members, that of the most excess time first; of those without a night, by their sun."""
@@ -321,8 +321,7 @@ class _Growth:
     def _covered(self, result: SizingResult, nested: list[int]) -> int:
         """How many members, from the first on, a design covers."""
         assert result.design is not None
-        excess_h = self._excess_h(result.design.variables)[nested]
-        enough = (excess_h > 0.0) & (excess_h >= self.required_h)
+        enough = self._enough_h(self._excess_h(result.design.variables)[nested])
         return int(np.argmin([*enough, False]))
 
     def _over(self, result: SizingResult, members: list[int]) -> SizingResult:
@@ -417,14 +416,9 @@ class _Growth:
         self.start = variables = best.design.variables
         best = max(self._sized(held, enough_h=_MOST_H), best, key=_reached_h)
         if best.optimum is None:
-            day = self._day_of(held)
-            flown = performance_of_designs(
-                self.aircraft, self.mission, variables, self.solar, day=day
-            )
-            best = replace(best, simulated=flown)
+            best = replace(best, simulated=self._simulated(variables, self._day_of(held)))
         first, last = self._ends(held)
-        order = np.arange(first, last + 1) % len(self.members)
-        members = self.members[order]
+        members = self.members[np.arange(first, last + 1) % len(self.members)]
         ends = (float(members[0]), float(members[-1]))
         extent = float(len(members)) if self.season else ends[1] - ends[0]
         return WidestRange(self._named(best, extent), *ends, members)
@@ -442,8 +436,7 @@ class _Growth:
         if extent is not None or short is None:
             return named
         # It flies, but with less excess time than required.
-        shortfall_h = self.required_h - float(np.min(short.cycle.excess_time_h))
-        missed = {"excess_time": shortfall_h}
+        missed = {"excess_time": self.required_h - float(np.min(short.cycle.excess_time_h))}
         found = violations(self.aircraft, missed, short, self.required_h)
         return named.without_design(SizingStatus.infeasible, short, *sizing.violations, *found)
 

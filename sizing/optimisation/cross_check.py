@@ -150,7 +150,8 @@ class _Judge:
         values, confirmed = (
             self.value(self.performance(finalists, day)) for day in (self.day, self.fine_day)
         )
-        return self._best(np.where(np.isnan(confirmed), np.nan, values))
+        values = np.where(np.isnan(confirmed), np.nan, values)
+        return float(values[np.argmax(self.merit(values))]) if values.size else float("nan")
 
     def _finalists(self, variables: DesignVariables, day: SolarDay) -> DesignVariables:
         """The few best of a batch with the time step of a day."""
@@ -208,10 +209,6 @@ class _Judge:
         return self.best_of(
             DesignVariables(**{n: np.array([float(one[n]) for one in chosen]) for n in names})
         )
-
-    def _best(self, values: FloatArray) -> float:
-        """Best value; NaN where all designs miss a requirement."""
-        return float(values[np.argmax(self.merit(values))]) if values.size else float("nan")
 
 
 def _some_branches(day: SolarDay) -> list[list[int]]:

@@ -17,6 +17,7 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, parametric_design
+from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import Requirement, design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
@@ -92,6 +93,8 @@ def texts_of_requirements(
         "of its capacity",
         "energy_balance": f"the day does not recharge the battery at {where}: short by {{missed}} "
         "of its capacity",
+        POWER_AGAINST_WIND: f"flight as fast as the wind at {where} takes {{missed}} more than the "
+        "rated power",
         "excess_time": f"an excess time of {required_h:g} h is out of reach at {where}: the "
         f"nearest design has {excess_h:.2f} h",
     }

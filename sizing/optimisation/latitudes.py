@@ -52,7 +52,7 @@ def nearest_latitude(
         to = place if band is None else band.model_copy(update={end: place})
         return mission.model_copy(update={"latitude_deg": to})
 
-    found = _first(places, moved, enough, confirmed_h)
+    found = _first_enough(places, moved, enough, confirmed_h)
     if found is None:
         return None
     return key, present, "at most" if found[0] < present else "at least", *found
@@ -76,7 +76,7 @@ def _easier_latitudes(
     return sides[side][: 4 + 20 * int(peak)]
 
 
-def _first(
+def _first_enough(
     places: FloatArray,
     moved: Callable[[float], Mission],
     enough: Callable[[list[Mission]], BoolArray],

@@ -18,8 +18,8 @@ import numpy as np
 
 from sizing.design import DesignVariables
 from sizing.energy.cycle import Status
-from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, Solution
-from sizing.optimisation.variables import WORST_EXCESS
+from sizing.optimisation.result import GOAL_CUSHION_H, ProblemInstance, Solution
+from sizing.optimisation.variables import TOTAL_MASS, WORST_EXCESS
 from sizing.performance import Performance
 
 _ROUNDS = 12
@@ -135,7 +135,7 @@ class Search:
         if not (simulated.excess_time_h > 0.0 and simulated.excess_time_h >= self.required_h):
             return False
         # A limit on the total mass may be what is to be moved.
-        return simulated.sound or "total_mass_kg" in self.instance.bounds
+        return simulated.sound or TOTAL_MASS in self.instance.bounds
 
     def _wasteful(self, simulated: Simulated) -> bool:
         """Whether a design has more excess time than needed, and another goal may change that."""

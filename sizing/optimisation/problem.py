@@ -1,9 +1,7 @@
 """The sizing problem: variables, objective and constraints of a small nonlinear program.
 
-Constraints are the mass budget, those of the energy over a day, whose expressions come from
-:mod:`sizing.optimisation.energy_constraints`, and the limits of :mod:`sizing.limits`.
-
-Variables and rows are those of :mod:`sizing.optimisation.variables`. The sun enters as specific
+Variables and rows are those of :mod:`sizing.optimisation.variables`: the mass budget, the energy
+over a day, and the limits of :mod:`sizing.limits`. The sun enters as specific
 power per module area, which no design variable changes, so that a whole day of a scenario is a
 parameter vector, and so do air, wind, payload and technology: a program is built once for a kind of
 aircraft, and serves any mission and objective.
@@ -28,7 +26,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from threading import RLock
-from typing import Any, Literal
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -36,6 +34,7 @@ import numpy as np
 from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
+from sizing.held_station import POWER_AGAINST_WIND, faster_flight_w
 from sizing.limits import DesignInFlight, Requirement, design_requirements
 from sizing.optimisation.climb_constraints import (
     ALOFT_PARAMETERS,
@@ -46,10 +45,12 @@ from sizing.optimisation.climb_constraints import (
     climbing_cycle_function,
 )
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
+from sizing.optimisation.solver_options import OPTIONS, TOLERANCE, Effort
 from sizing.optimisation.variables import (
     HEIGHT,
     OWN,
     SOLAR_TECHNOLOGY,
+    TOTAL_MASS,
     WIND,
     WORST_EXCESS,
     Constraint,
@@ -63,78 +64,6 @@ from sizing.optimisation.variables import (
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.propulsion.chain import OperatingPointPropulsion
 from solar.types import FloatArray
-
-Effort = Literal["quick", "still", "steady", "next", "direct"]
-
-# Hessian, strategy of the barrier and most iterations of the interior-point method.
-_IPOPT_EFFORTS: dict[Effort, tuple[str, str, int]] = {
-    "quick": ("limited-memory", "monotone", 120),
-    "still": ("limited-memory", "monotone", 120),
-    "steady": ("exact", "monotone", 300),
-}
-
-_TOLERANCE = 1e-8  # of the interior-point method, in the program
-
-_COMMON_OPTIONS = {
-    "print_time": False,
-    "show_eval_warnings": False,
-    "error_on_fail": False,
-    # Multipliers of parameters are found only on request: sizing.optimisation.sensitivity.
-    "calc_lam_p": False,
-    "no_nlp_grad": True,
-}
-
-_IPOPT_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    "ipopt.tol": _TOLERANCE,
-    "ipopt.acceptable_tol": 1e-6,
-    "ipopt.acceptable_iter": 8,
-    # One factorisation of the low-rank Hessian bordered, instead of many solves with its inverse.
-    "ipopt.limited_memory_aug_solver": "extended",
-}
-
-# Where a requirement may be missed, at a cost, that cost is known once it stands still: at a kink
-# steps would go to and fro up to their limit.
-_STILL_OPTIONS: dict[str, Any] = {
-    "ipopt.acceptable_tol": 1e10,
-    "ipopt.acceptable_iter": 15,
-    "ipopt.acceptable_obj_change_tol": 3e-5,
-    "ipopt.acceptable_constr_viol_tol": 1e-3,
-    "ipopt.acceptable_compl_inf_tol": 1e-3,
-    "ipopt.acceptable_dual_inf_tol": 1e20,
-}
-
-# Sequential quadratic programming, for the next one of a row of similar problems.
-_SQP_OPTIONS: dict[str, Any] = _COMMON_OPTIONS | {
-    "print_header": False,
-    "print_iteration": False,
-    "print_status": False,
-    "qpsol": "qrqp",
-    "qpsol_options": {
-        "print_iter": False,
-        "print_header": False,
-        "print_info": False,
-        "error_on_fail": False,
-        # Where the active set has not settled by then it cycles, up to the default of 1000.
-        "max_iter": 100,
-    },
-    "hessian_approximation": "limited-memory",
-    "max_iter": 80,
-    "tol_du": 1e-6,
-    "tol_pr": 1e-7,
-}
-
-# The same for a program without a neighbour, from a design that need not be near: whole steps, and
-# few of them. Where they lead to no solution they seldom would later, and interior points follow.
-_DIRECT_OPTIONS: dict[str, Any] = _SQP_OPTIONS | {
-    "qpsol_options": _SQP_OPTIONS["qpsol_options"] | {"max_iter": 40},
-    "lbfgs_memory": 80,
-    "max_iter_ls": 0,
-    "max_iter": 20,
-    "tol_pr": 1e-9,
-}
-_SQP_EFFORTS: dict[Effort, dict[str, Any]] = {"next": _SQP_OPTIONS, "direct": _DIRECT_OPTIONS}
 
 # By how much the lowest sun must exceed the load where it carries it at all times, relative: at
 # equality rounding decides whether the battery is needed for an instant.
@@ -155,10 +84,11 @@ class Program:
     A program has a number of *scenario blocks*, each filled with one scenario by its parameters, so
     that the scenarios in it can be exchanged without building it anew.
 
-    ``names``: of the variables, in the order of the decision
-    vector. ``constraints``: in the order of the constraint vector. ``technology``: keys of its
-    parameters. ``symbols``: decision vector ``x``, parameters ``p``, cost ``f`` and
-    constraints ``g``. ``climbs``: whether it is of missions with climbs. ``lock``: held from a solver's call until its statistics are read: threads
+    ``names``: of the variables, in the order of the decision vector ``x``. ``constraints``: in the
+    order of the constraint vector ``g``. ``technology``: keys of the parameters ``p``. ``symbols``:
+    of these and of the cost ``f``. ``holds``: whether every scenario is flown at its own airspeed,
+    to hold the place; ``climbs``: whether missions have climbs. ``lock``: held from a solver's call
+    until its statistics are read: threads
     share a program.
     """
 
@@ -166,6 +96,7 @@ class Program:
     constraints: tuple[Constraint, ...]
     technology: tuple[str, ...]
     symbols: dict[str, Any]
+    holds: bool = False
     climbs: bool = False
     lock: RLock = field(default_factory=RLock)
     _solvers: dict[Effort, ca.Function] = field(default_factory=dict)
@@ -181,21 +112,12 @@ class Program:
         not; ``direct`` is the same for a start that is no solution, and gives up early.
         """
         if effort not in self._solvers:
-            if effort in _SQP_EFFORTS:
-                options = _SQP_EFFORTS[effort]
-                solver = ca.nlpsol("sizing", "sqpmethod", self.symbols, options)
-            else:
-                hessian, barrier, iterations = _IPOPT_EFFORTS[effort]
-                if self.climbs:  # second derivatives of two stores over a day take seconds to build
-                    hessian = "limited-memory"
-                options = _IPOPT_OPTIONS | {
-                    "ipopt.hessian_approximation": hessian,
-                    "ipopt.mu_strategy": barrier,
-                    "ipopt.max_iter": iterations,
-                }
-                options |= _STILL_OPTIONS if effort == "still" else {}
-                solver = ca.nlpsol("sizing", "ipopt", self.symbols, options)
-            self._solvers[effort] = solver
+            kind = "sqpmethod" if effort in ("next", "direct") else "ipopt"
+            options = OPTIONS[effort]
+            if self.climbs and kind == "ipopt":
+                # Second derivatives of two stores over a day take seconds to build.
+                options = options | {"ipopt.hessian_approximation": "limited-memory"}
+            self._solvers[effort] = ca.nlpsol("sizing", kind, self.symbols, options)
         return self._solvers[effort]
 
     @cached_property
@@ -251,11 +173,13 @@ class SizingProblem:
         *,
         margin: float,
         aloft: FloatArray | None = None,
+        winds_m_per_s: FloatArray | None = None,
     ) -> FloatArray:
         """Parameter vector of the program.
 
         ``margin``: by how much more charge the day must return than the night takes, relative.
-        ``aloft``: conditions above the floor, on missions with climbs.
+        ``aloft``: conditions above the floor, on missions with climbs. ``winds_m_per_s``: of every
+        block, where the place is held.
         """
         parts = {
             "weights": weights,
@@ -264,6 +188,7 @@ class SizingProblem:
             "aloft": () if aloft is None else aloft,
             "technology": self._technology,
             "suns": suns.ravel(),
+            "winds": winds_m_per_s if self.program.holds else np.empty(0),
         }
         return np.concatenate([parts[name] for name in _PARAMETERS])
 
@@ -280,22 +205,28 @@ class SizingProblem:
         for v, own in zip(self.variables, x, strict=True):
             if v.name in DesignVariables._fields:
                 value = float(np.clip(float(v.from_program(own)), *ends[v.name]))
-                noise = _TOLERANCE * (v.scale or 0.0) >= abs(value) and ends[v.name][0] == 0.0
+                noise = TOLERANCE * (v.scale or 0.0) >= abs(value) and ends[v.name][0] == 0.0
                 values[v.name] = 0.0 if noise else value
         return DesignVariables(**values)
 
 
 # Parts of the parameter vector, in their order.
-_PARAMETERS = ("weights", "margin", "conditions", "aloft", "technology", "suns")
+_PARAMETERS = ("weights", "margin", "conditions", "aloft", "technology", "suns", "winds")
 
 
 def build_problem(
-    aircraft: Aircraft, blocks: int, *, eased: bool = False, climb: Strategy | None = None
+    aircraft: Aircraft,
+    blocks: int,
+    *,
+    eased: bool = False,
+    holds: bool = False,
+    climb: Strategy | None = None,
 ) -> SizingProblem:
     """Build the program of an aircraft, unless one of its kind has been built before.
 
-    ``eased``: whether technology, limits and wind are variables, which may be freed. ``climb``:
-    when the aircraft climbs, on missions on which it does.
+    ``eased``: whether technology, limits and wind are variables, which may be freed. ``holds``:
+    whether every scenario is flown as fast as its wind. ``climb``: when the aircraft climbs, on
+    missions on which it does; those do not hold their place.
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
@@ -306,7 +237,7 @@ def build_problem(
         )
     chosen = chosen_variables(aircraft, eased=eased)
     # A mapping's order plays no part in the equality of aircraft, but in that of the rows.
-    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased, climb)
+    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased, holds, climb)
     variables = all_variables(chosen, blocks, program.constraints, climbs=climb is not None)
     return SizingProblem(aircraft, variables, program)
 
@@ -315,9 +246,7 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
     """Aircraft without the numbers that are parameters of its program, and without its name.
 
     A program is built from this alone: two aircraft share one exactly if they are of one kind, and
-    a number that is not a parameter makes another kind.
-
-    Returns with 1 for each of these numbers that is not zero; not validated.
+    a number that is not a parameter makes another kind. Those that are not zero are 1, unchecked.
     """
     values: dict[str, Any] = {
         key: 1.0 if parameter_value(aircraft, None, key) else 0.0
@@ -342,12 +271,19 @@ def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
 
 @lru_cache(maxsize=_PROGRAMS_KEPT)
 def _program(
-    kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool, climb: Strategy | None
+    kind: Aircraft,
+    limits: tuple[str, ...],
+    blocks: int,
+    eased: bool,
+    holds: bool,
+    climb: Strategy | None,
 ) -> Program:
     """Program of a kind of aircraft; ``limits`` is the order of its limits."""
     chosen = chosen_variables(kind, eased=eased)
     technology = numbers_taken_out(kind)
-    design, requirements = _design_function(kind, chosen, technology, climbs=climb is not None)
+    design, against_wind, requirements = _design_functions(
+        kind, chosen, technology, climbs=climb is not None
+    )
     free = ca.MX.sym("design", len(chosen))
     dawn_soc = ca.MX.sym("dawn_state_of_charge", blocks)
     worst_h = ca.MX.sym(WORST_EXCESS)
@@ -358,6 +294,7 @@ def _program(
     sun = ca.MX.sym("sun", SUN_PARAMETERS if climb is None else CLIMB_SUN_PARAMETERS, blocks)
     aloft = ca.MX.sym("aloft", 0 if climb is None else ALOFT_PARAMETERS)
     heights = ca.MX.sym("heights", 0 if climb is None else blocks)
+    winds = ca.MX.sym("winds", blocks if holds else 0)
 
     lit_area, capacity_wh, nominal_w, propulsion_w, values, store = design(
         free, conditions, numbers, aloft
@@ -366,8 +303,11 @@ def _program(
         (Constraint(one.name, equation=one.name in ("mass_budget", OWN)), values[k])
         for k, one in enumerate(requirements)
     ]
-    usable_h = capacity_wh * efficiencies[1] / nominal_w
     for i in range(blocks):
+        if holds:
+            nominal_w, propulsion_w, spare = against_wind(free, conditions, numbers, winds[i])
+            rows.append((Constraint(POWER_AGAINST_WIND, i), spare))
+        usable_h = capacity_wh * efficiencies[1] / nominal_w
         if climb is None:
             deficit, charged = cycle_function(kind.battery.charge_limit)(
                 *(lit_area, capacity_wh, nominal_w, propulsion_w),
@@ -414,6 +354,7 @@ def _program(
         "aloft": aloft,
         "technology": ca.vertcat(numbers, efficiencies),
         "suns": ca.vec(sun),
+        "winds": winds,
     }
     # The dawn states of scenarios that do not bind are otherwise undetermined.
     tie_break = -1e-7 * (ca.sum1(dawn_soc) + ca.sum1(heights))
@@ -423,7 +364,7 @@ def _program(
         "f": ca.dot(weights, x) + tie_break,
         "g": ca.vertcat(*(value + by for (_, value), by in zip(rows, missed, strict=True))),
     }
-    return Program(names, constraints, technology, symbols, climbs=climb is not None)
+    return Program(names, constraints, technology, symbols, holds, climb is not None)
 
 
 def forget_programs() -> None:
@@ -437,15 +378,15 @@ def programs_built() -> int:
     return _program.cache_info().misses
 
 
-def _design_function(
+def _design_functions(
     kind: Aircraft, variables: Sequence[Variable], technology: Sequence[str], *, climbs: bool
-) -> tuple[ca.Function, list[Requirement]]:
-    """Lit area, capacity, loads and requirements of a design, as a function of the variables.
+) -> tuple[ca.Function, ca.Function, list[Requirement]]:
+    """Functions of the variables: a design's properties, and its loads as fast as a wind.
 
-    And what its potential store is, where it ``climbs``.
-
-    Conditions and technology are data. The lit area is the module area times the relative
-    efficiency of the cells: power per area is a parameter, and proportional to their efficiency.
+    The first has lit area, capacity, loads and requirements, and what its potential store is where
+    it ``climbs``; the second loads and what the rated power has to spare. Conditions and technology
+    are data. The lit area is the module area times the relative efficiency of the cells: power per
+    area is a parameter, and proportional to it.
     """
     x = ca.SX.sym("x", len(variables))
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
@@ -463,7 +404,7 @@ def _design_function(
     conditions = conditions.with_payload_of(chosen)
     if WIND in values:
         conditions = conditions._replace(wind_m_per_s=values[WIND])
-    design = parametric_design(flown, conditions, chosen, values["total_mass_kg"])
+    design = parametric_design(flown, conditions, chosen, values[TOTAL_MASS])
     limits = limit_rows(kind)
     requirements = [
         row._replace(value=eased_row(row.value, limits[row.name][1], values[row.name]))
@@ -489,24 +430,41 @@ def _design_function(
         ],
         {"is_diff_in": [True, False, False, False], "jac_penalty": 0},
     )
-    return function, requirements
+    wind = ca.SX.sym("wind")
+    ratio = ca.fmax(wind / design.airspeed_m_per_s, 1.0)
+    faster_w, rated_w = faster_flight_w(flown, conditions, design, ratio)
+    faster = design._replace(propulsion_power_w=faster_w)
+    against_wind = ca.Function(
+        "against_wind",
+        [x, symbols, numbers, wind],
+        [faster.load_in_turbulence_w(conditions.turbulence), faster_w, rated_w / faster_w - 1.0],
+        {"is_diff_in": [True, False, False, False], "jac_penalty": 0},
+    )
+    return function, against_wind, requirements
 
 
 class SizingProblems:
-    """Programs of one aircraft by their number of blocks, put together when first needed."""
+    """Programs of one aircraft by their number of scenario blocks, built when first needed.
+
+    ``eased``: see :func:`build_problem`.
+    """
 
     def __init__(self, aircraft: Aircraft) -> None:
         self.aircraft = aircraft
-        self._known: dict[tuple[int, bool, Strategy | None], SizingProblem] = {}
+        self._known: dict[tuple[int, bool, bool, Strategy | None], SizingProblem] = {}
 
     def of(
-        self, blocks: int, *, eased: bool = False, climb: Strategy | None = None
+        self,
+        blocks: int,
+        *,
+        eased: bool = False,
+        holds: bool = False,
+        climb: Strategy | None = None,
     ) -> SizingProblem:
-        """Program with this number of scenario blocks.
-
-        ``eased``, ``climb``: as for :func:`build_problem`.
-        """
-        key = (blocks, eased, climb)
+        """Program with this number of blocks; the rest as for :func:`build_problem`."""
+        key = (blocks, eased, holds, climb)
         if key not in self._known:
-            self._known[key] = build_problem(self.aircraft, blocks, eased=eased, climb=climb)
+            self._known[key] = build_problem(
+                self.aircraft, blocks, eased=eased, holds=holds, climb=climb
+            )
         return self._known[key]

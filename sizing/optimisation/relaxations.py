@@ -24,15 +24,23 @@ from sizing.optimisation.latitudes import nearest_latitude
 from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, SizingStatus
-from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.solver import (
+from sizing.optimisation.result import (
     GOAL_CUSHION_H,
     ProblemInstance,
-    ProgramSolver,
+    SizingResult,
+    SizingStatus,
     Solution,
 )
-from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role, limit_rows
+from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.solver import ProgramSolver
+from sizing.optimisation.variables import (
+    SOLAR_TECHNOLOGY,
+    TOTAL_MASS,
+    WIND,
+    WORST_EXCESS,
+    Role,
+    limit_rows,
+)
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.relaxation import Direction, Relaxation, rounded
@@ -140,16 +148,16 @@ class _Relaxations:
 
     def _of_ends(self) -> Iterator[_Move]:
         """Bounds that the nearest design has reached, wind and limits that stand in the way."""
-        reached = self.start.chosen() | {"total_mass_kg": float(self.nearest.design.total_mass_kg)}
+        reached = self.start.chosen() | {TOTAL_MASS: float(self.nearest.design.total_mass_kg)}
         for key in (key for key, one in catalogue().items() if one.kind == "bound"):
             bare = key.removeprefix("design_space.")
             name = bare.removesuffix(".maximum").removeprefix("maximum_")
             present = self.program.variables[self.program.index[name]].maximum
-            if name != "wingspan_m" and reached[name] < _AT_BOUND * present:
+            if name != Objective.min_wingspan.variable and reached[name] < _AT_BOUND * present:
                 continue
             if not math.isinf(present):
                 yield _Move(key, name, present, (present, _WIDER * present), True)
-        space, wind = self.aircraft.design_space, self.mission.wind_m_per_s
+        space, wind = self.aircraft.design_space, self.mission.strongest_wind_m_per_s
         if "airspeed_above_wind" in self.in_the_way and wind != 0.0:
             yield _Move(WIND, WIND, wind, (0.0, wind), False, 0.0)
         for name in (name for name in self.limits if name in self.in_the_way):
@@ -172,6 +180,8 @@ class _Relaxations:
         def eased(value: float) -> tuple[Aircraft, Mission]:
             if move.name in self.limits:
                 return self._with_limit(*self.limits[move.name], value / move.present), self.mission
+            if move.key == WIND:
+                return self.aircraft, self.mission.in_wind(value)
             return with_parameter(self.aircraft, self.mission, move.key, value)
 
         found = move.scale * moved.solution.value(move.name)
@@ -182,12 +192,7 @@ class _Relaxations:
         return confirmed and Relaxation(move.key, parameter(of).unit, move.present, *confirmed)
 
     def _moved_least(
-        self,
-        name: str,
-        ends: tuple[float, float],
-        furthest: float | None,
-        *,
-        upwards: bool,
+        self, name: str, ends: tuple[float, float], furthest: float | None, *, upwards: bool
     ) -> Accepted | None:
         """Design that moves one variable no further than it must.
 
@@ -254,7 +259,7 @@ class _Relaxations:
         for key in solution.instance.freed:
             present, chosen = parameter_value(aircraft, mission, key), solution.value(key)
             if key == WIND:
-                aircraft, mission = with_parameter(aircraft, mission, key, chosen)
+                mission = mission.in_wind(chosen)
             elif key in self.technology and present is not None:
                 aircraft, mission = with_parameter(aircraft, mission, key, present * chosen)
                 day = day.scaled(chosen) if key == SOLAR_TECHNOLOGY else day

@@ -28,6 +28,7 @@ from sizing.design import (
     variables_of,
 )
 from sizing.energy.battery import ChargeLimit
+from sizing.held_station import refuse_held_station
 from sizing.limits import design_requirements
 from sizing.optimisation.energy_constraints import (
     NODES,
@@ -109,6 +110,7 @@ class DesignInDays:
     ) -> None:
         if not isinstance(aircraft.airframe, ParametricAirframe):
             raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget")
+        refuse_held_station(mission, "a design with derivatives")
         if mission.climb is not None:
             raise ValueError(f"a day of level flight: remove climb from the mission {mission.name}")
         allowed = [

@@ -26,22 +26,21 @@ from sizing.optimisation.infeasibility import (
 )
 from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Effort, SizingProblems
+from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     RELATIVE_TOLERANCE,
+    ProblemInstance,
     SizingResult,
     SizingStatus,
+    Solution,
     active_constraints,
     limiting_rows,
     merit_of,
 )
-from sizing.optimisation.solver import (
-    ProblemInstance,
-    ProgramSolver,
-    Solution,
-)
+from sizing.optimisation.solver import ProgramSolver
+from sizing.optimisation.solver_options import Effort
 from sizing.performance import Performance
-from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
 # Scenarios that a program starts with; others join when the simulator finds them worse.
 _FIRST_BLOCKS = 3
@@ -62,7 +61,6 @@ def size_aircraft(
     *,
     required_excess_time_h: float | None = None,
     day: SolarDay | None = None,
-    step_h: float = DEFAULT_STEP_H,
     problems: SizingProblems | None = None,
     start: DesignVariables | None = None,
     explain: bool = True,
@@ -83,7 +81,7 @@ def size_aircraft(
     problems = checked_problems(aircraft, objective, problems)
     required = mission.required_excess_time_h
     required = required if required_excess_time_h is None else required_excess_time_h
-    sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    sunlit = solar_day(aircraft, mission, solar) if day is None else day
     solver = ProgramSolver(problems, mission, solar, sunlit, by_model=day is None)
     return _sized(solver, objective, required, start, explain=explain, enough_h=enough_h)
 

@@ -23,8 +23,7 @@ from sizing.optimisation.climb_constraints import aloft_parameters
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblem, build_problem
-from sizing.optimisation.result import SizingResult
-from sizing.optimisation.solver import Solution
+from sizing.optimisation.result import SizingResult, Solution
 from sizing.optimisation.variables import HEIGHT, RELATIVE_STEP, Role
 from sizing.parameters import catalogue, parameter_value, with_parameter
 from sizing.performance import Performance
@@ -60,10 +59,7 @@ class Sensitivity:
 
 
 def sensitivities(
-    aircraft: Aircraft,
-    mission: Mission,
-    result: SizingResult,
-    solar: SolarModel = UNCORRECTED_CAM,
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel = UNCORRECTED_CAM
 ) -> list[Sensitivity]:
     """Sensitivities of an optimum to every parameter of the catalogue that the aircraft has.
 
@@ -188,7 +184,9 @@ class _Lagrangian:
         day = solar_day(aircraft, mission, self.solar, scenarios=self.scenarios)
         climb = mission.climb
         problem = build_problem(
-            aircraft, len(self.scenarios), climb=None if climb is None else climb.strategy
+            *(aircraft, len(self.scenarios)),
+            holds=mission.holds_station,
+            climb=None if climb is None else climb.strategy,
         )
         always = self.optimum.instance.sunlit
         sunlit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
@@ -198,6 +196,7 @@ class _Lagrangian:
             sun_parameters(day, mission, sunlit),
             margin=self.optimum.instance.margin,
             aloft=None if climb is None else aloft_parameters(mission, aircraft),
+            winds_m_per_s=mission.scenario_winds_m_per_s(self.scenarios),
         )
         cost, rows = problem.program.rows(self._point(problem, mission), parameters)
         multipliers = self.optimum.constraint_multipliers

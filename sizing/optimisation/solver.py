@@ -4,35 +4,28 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.design import DesignVariables, FlightConditions, closed_design, variable_keys
-from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.climb_constraints import Strategy, aloft_parameters
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.problem import Effort, SizingProblem, SizingProblems
-from sizing.optimisation.variables import OWN, WIND, WORST_EXCESS, Constraint, Role, Variable
+from sizing.optimisation.problem import SizingProblem, SizingProblems
+from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
+from sizing.optimisation.solver_options import Effort
+from sizing.optimisation.variables import TOTAL_MASS, WIND, WORST_EXCESS, Role
 from sizing.parameters import parameter_value
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-_FIRST_MARGIN = 1e-3  # of the recharge, to begin with
-# The goal is a little more than what is required [h]: the program's time step flatters a design by
-# up to 0.003 h, the simulator's by another 0.002.
-GOAL_CUSHION_H = 0.006
-
 # Another time step may take this from an excess time, or make another scenario the worst [h]: it is
 # off by 0.002 h, but where the day returns just what the night takes, excess times leap by 0.05 h.
 _BY_STEP_H = 0.1
 _COARSE = 4  # time steps in one, where only the order of the scenarios counts
-_LEAST_PAYLOAD = 1e-3  # that a relative cost refers to, in the unit of the payload [kg, W]
 
 # Sequential quadratic programming ends where the point is feasible and the multipliers balance the
 # cost. Old ones do so still where a requirement has only become easier, though it no longer binds;
@@ -43,174 +36,6 @@ _NOT_QUITE = 0.999
 # as a last resort what makes the design an aircraft at all.
 _SLACK_WEIGHTS = {"excess_time": 1.0, "energy_balance": 10.0, "battery_capacity": 10.0}
 _OTHER_SLACK_WEIGHT = 100.0
-
-# What an hour of excess time has a price in.
-_SIZES = {name for objective in Objective for name in objective.cost} - {WORST_EXCESS} | {OWN}
-
-
-@dataclass(frozen=True)
-class ProblemInstance:
-    """What a program is to be solved for.
-
-    ``cost``: weights of the decision vector by name of its variables. ``goal_h``: excess time that
-    every scenario must have [h]. ``best_excess``: whether the worst excess time may exceed the
-    goal: where it is what is maximised. ``freed``: payload or technology variables that may move;
-    all others are held. ``bounds``: bounds of variables, in their unit, that replace their own.
-    ``held``: variables held at other values than the aircraft's and the mission's. ``penalty``:
-    cost of a missed requirement on top of the other one; infinite where the least miss is all that
-    counts; None where every requirement must be met. ``margin``: by how much more charge the day
-    must return than the night takes, relative. ``lit``: scenarios in which the sun must carry the
-    nominal load at all times. Their excess time is unlimited and meets any requirement.
-    ``wind_m_per_s``: wind instead of the mission's strongest [m/s].
-    """
-
-    cost: Mapping[str, float]
-    goal_h: float
-    best_excess: bool = False
-    freed: tuple[str, ...] = ()
-    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    held: Mapping[str, float] = field(default_factory=dict)
-    penalty: float | None = None
-    margin: float = _FIRST_MARGIN
-    sunlit: frozenset[int] = frozenset()
-    wind_m_per_s: float | None = None
-
-    @classmethod
-    def of(cls, objective: Objective, required_h: float) -> ProblemInstance:
-        """Instance of an objective, with a cushion on the required excess time where that costs."""
-        best_excess = objective is Objective.max_excess_time
-        return cls(
-            cost=objective.cost,
-            goal_h=required_h if best_excess else required_h + GOAL_CUSHION_H,
-            best_excess=best_excess,
-            freed=() if objective.payload_key is None else (objective.variable,),
-        )
-
-    def always_lit(self, scenarios: Iterable[int], *, all_of_them: bool) -> ProblemInstance:
-        """The same with some scenarios whose sun must carry the load at all times.
-
-        ``all_of_them``: whether the mission has no others: no excess time is then required, and
-        that of the lightest of the designs is as unlimited as that of any other.
-        """
-        sunlit = replace(self, sunlit=frozenset(scenarios))
-        if not all_of_them:
-            return sunlit
-        cost = Objective.min_mass.cost if self.best_excess else self.cost
-        return replace(sunlit, cost=cost, goal_h=0.0, best_excess=False)
-
-    def penalised(self, penalty: float) -> ProblemInstance:
-        """The same where missing a requirement has a cost.
-
-        The solver says nearly as fast that nothing meets all of them as what does best.
-        """
-        return replace(self, penalty=penalty)
-
-    def least_missed(self) -> ProblemInstance:
-        """By how much the requirements must be missed, whatever the design costs."""
-        return replace(self, penalty=math.inf, best_excess=False)
-
-
-@dataclass(frozen=True)
-class Solution:
-    """Solution of a program.
-
-    ``x`` is the decision vector of ``variables``, ``weights`` its cost, ``design`` what it says of
-    the aircraft; ``scenarios`` are those in the blocks.
-    """
-
-    instance: ProblemInstance
-    variables: tuple[Variable, ...]
-    constraints: tuple[Constraint, ...]
-    scenarios: tuple[int, ...]
-    design: DesignVariables
-    x: FloatArray
-    weights: FloatArray
-    constraint_multipliers: FloatArray
-    bound_multipliers: FloatArray
-
-    def value(self, name: str) -> float:
-        """Value of a variable, in its unit."""
-        place = [v.name for v in self.variables].index(name)
-        return float(self.variables[place].from_program(self.x[place]))
-
-    def missed(self) -> dict[str, float]:
-        """Requirements that are missed by more than the solver's tolerance, and by how much."""
-        names = {c.slack: c.name for c in self.constraints}
-        return {
-            names[v.name]: float(slack)
-            for slack, v in zip(self.x, self.variables, strict=True)
-            if v.role is Role.slack and slack > ROW_TOLERANCE
-        }
-
-    def cost_of_missing(self) -> float:
-        """What missed requirements add to the cost."""
-        slacks = np.array([v.role is Role.slack for v in self.variables])
-        return float(self.weights[slacks] @ self.x[slacks])
-
-    def cost(self, excess_time_h: float, margin: float = 0.0) -> float:
-        """What some required excess time and margin on the recharge cost, relative.
-
-        Of the objective, if that is a size or a payload; at most, with a battery that the night
-        empties.
-        """
-        by_hour, by_charge = self._cost_of("excess_time"), self._cost_of("energy_balance")
-        return excess_time_h * by_hour + margin * by_charge
-
-    def _cost_of(self, name: str) -> float:
-        """Multipliers of the rows of a name over their scale, relative to the objective."""
-        if not _SIZES & set(self.instance.cost):
-            return 0.0  # an excess time, or technology
-        rows = zip(self.constraints, self.constraint_multipliers, strict=True)
-        cost = sum(abs(m) / row.scale for row, m in rows if row.name == name)
-        # The cost is a logarithm, or a payload over its scale.
-        payload = [v for v in self.variables if v.name in self.instance.cost and v.scale]
-        whole = sum(
-            max(abs(self.value(v.name)), _LEAST_PAYLOAD if v.role is Role.payload else 0.0)
-            / (v.scale or 1.0)
-            for v in payload
-        )
-        return float(cost / (whole or 1.0))
-
-    def ceiling_multipliers(self) -> dict[int, float]:
-        """Multipliers of the ceiling of climbs by scenario; empty without climbs."""
-        found: dict[int, float] = {}
-        heights = [
-            float(multiplier)
-            for v, multiplier in zip(self.variables, self.bound_multipliers, strict=True)
-            if v.role is Role.height
-        ]
-        # Blocks without heights of their own are those of flight at one altitude.
-        for scenario, multiplier in zip(self.scenarios, heights, strict=False):
-            found[scenario] = found.get(scenario, 0.0) + max(multiplier, 0.0)
-        return found
-
-    def free_bound_multipliers(self) -> dict[str, float]:
-        """Multipliers of the bounds of all design variables that are not held at a value."""
-        return {
-            v.name: float(multiplier)
-            for v, multiplier in zip(self.variables, self.bound_multipliers, strict=True)
-            if v.role is Role.design or v.name in self.instance.freed
-        }
-
-
-@dataclass(frozen=True)
-class SolverReport:
-    """What the solver did: iterations and time over all starts and rounds."""
-
-    iterations: int = 0
-    time_s: float = 0.0
-    build_time_s: float = 0.0
-    solves: int = 0
-    message: str = ""
-
-    def __add__(self, more: SolverReport) -> SolverReport:
-        return SolverReport(
-            iterations=self.iterations + more.iterations,
-            time_s=self.time_s + more.time_s,
-            build_time_s=self.build_time_s + more.build_time_s,
-            solves=self.solves + more.solves,
-            message=more.message or self.message,
-        )
 
 
 # Where the least that is missed stands still: over so many steps, to this part of it, rows as well;
@@ -263,6 +88,7 @@ class ProgramSolver:
         self.climb: Strategy | None = None if climb is None else climb.strategy
         self._aloft = None if climb is None else aloft_parameters(mission, self.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
+        self._winds = mission.scenario_winds_m_per_s(day.scenarios)
         self.work = SolverReport()
         self.nearly: Solution | None = None
 
@@ -382,9 +208,10 @@ class ProgramSolver:
     def _posed(self, instance: ProblemInstance, scenarios: Sequence[int]) -> _Posed:
         """Arguments of the program with these scenarios in its blocks."""
         begun = time.perf_counter()
-        problem = self.problems.of(len(scenarios), climb=self.climb)
+        kind: Any = {"climb": self.climb, "holds": self.mission.holds_station}
+        problem = self.problems.of(len(scenarios), **kind)
         if any(name not in problem.index for name in instance.freed):
-            problem = self.problems.of(len(scenarios), eased=True, climb=self.climb)
+            problem = self.problems.of(len(scenarios), eased=True, **kind)
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
         suns = self._suns[list(scenarios)]
@@ -399,7 +226,10 @@ class ProgramSolver:
             conditions = conditions._replace(wind_m_per_s=instance.wind_m_per_s)
         limits = {
             "p": problem.parameters(
-                weights, conditions, suns, margin=instance.margin, aloft=self._aloft
+                *(weights, conditions, suns),
+                margin=instance.margin,
+                aloft=self._aloft,
+                winds_m_per_s=self._winds[list(scenarios)],
             ),
             "lbx": lower,
             "ubx": upper,
@@ -474,7 +304,7 @@ class ProgramSolver:
         mass = float(closed_design(self.aircraft, self.mission, variables).total_mass_kg)
         polar = getattr(self.aircraft.airframe, "aerodynamics", None)
         guess = self._held_values(problem) | {
-            "total_mass_kg": mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
+            TOTAL_MASS: mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
             "lift_coefficient": getattr(polar, "flight_lift_coefficient", 1.0),
             WORST_EXCESS: instance.goal_h + 1.0,
         }

@@ -26,6 +26,7 @@ from sizing.aircraft import (
 )
 from sizing.parameters import catalogue, parameter_value, unit
 
+TOTAL_MASS = "total_mass_kg"
 WORST_EXCESS = "worst_excess_time_h"
 # Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
@@ -140,7 +141,7 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         "wingspan_m": space.wingspan_m,
         "battery_mass_kg": space.battery_mass_kg,
         "module_area_m2": space.module_area_m2,
-        "total_mass_kg": Range.model_construct(minimum=lightest, maximum=heaviest),
+        TOTAL_MASS: Range.model_construct(minimum=lightest, maximum=heaviest),
         **space.requested_ranges(),
     }
     variables = (

@@ -20,13 +20,7 @@ from sizing.design import DesignVariables
 from sizing.layout.cells import MOST_CELLS, Wing
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
-from sizing.optimisation.whole_cell_designs import (
-    ROW_ROOM,
-    CellDesigns,
-    Found,
-    Neighbour,
-    Numbers,
-)
+from sizing.optimisation.whole_cell_designs import ROW_ROOM, CellDesigns, Found, Neighbour, Numbers
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
 __all__ = ["WholeCells", "size_whole_cells"]
@@ -108,7 +102,7 @@ class _WholeCellSearch:
 
     def run(self) -> tuple[SizingResult, WholeCells]:
         """Best of the designs around the relaxed optimum."""
-        best = self._first()
+        best = self._of_rounded()
         stride = max(self.middle.per_half // _STRIDES, 1)
         while best is not None and stride:
             better = self._best(self._ring(best.numbers, 1, stride))
@@ -137,7 +131,7 @@ class _WholeCellSearch:
         result = replace(best.result, active_constraints=limiting)
         return result, WholeCells(best.aircraft, self.relaxed, best.neighbour, tried)
 
-    def _first(self) -> Found | None:
+    def _of_rounded(self) -> Found | None:
         """Best of the rounded optimum both ways, else of the rings around it."""
         half, parallel = self.wished
         counts = [max(math.floor(parallel), 1), max(math.ceil(parallel), 1)]

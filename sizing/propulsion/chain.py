@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import (
     AfterValidator,
     Field,
-    ModelWrapValidatorHandler,
     PrivateAttr,
     Strict,
     ValidatorFunctionWrapHandler,
@@ -23,8 +22,9 @@ from pydantic_core import PydanticCustomError
 from missions.air import GAS_CONSTANT_AIR, Air
 from missions.files.errors import InputError
 from missions.files.texts import read_text, texts_as_read
-from sizing.catalogues.choice import Taken, filled, found_entry, taken
+from sizing.catalogues.choice import OfCatalogue, Taken, found_entry, taken
 from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
+from sizing.parameters import all_replaced
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.smooth import Value
 from solar.schema import (
@@ -40,8 +40,6 @@ from solar.schema import (
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint, Propulsor
     from sizing.propulsion.propeller import Propeller
-
-R = TypeVar("R", bound=Record)
 
 __all__ = ["LINKS", "AnyPropulsion", "OperatingPointPropulsion", "PropellerChoice", "Propulsion"]
 
@@ -64,7 +62,7 @@ _EfficiencyModel = Annotated[
 _ClimbRatio = Annotated[float, Strict(), Field(ge=1.0)]
 
 
-class Propulsion(Record):
+class Propulsion(OfCatalogue):
     """Propulsion chain from the battery bus to thrust power, and its mass.
 
     The group's mass follows its rated electric power: level flight's times ``climb_power_ratio``
@@ -78,6 +76,8 @@ class Propulsion(Record):
     for the efficiency of the whole chain, instead of those of its links: see
     :func:`sizing.register_propulsion_efficiency`.
     """
+
+    _entry = "motor", "motors"
 
     kind: Literal["constant"] = "constant"
     motor: Text | None = None
@@ -93,13 +93,6 @@ class Propulsion(Record):
     climb_rate_m_per_s: PositiveReal | None = None
     mass_model: _MassModel | None = None
     efficiency_model: _EfficiencyModel | None = None
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _from_catalogue(
-        cls, data: Any, handler: ModelWrapValidatorHandler[Propulsion]
-    ) -> Propulsion:
-        return filled(data, handler, "motor", "motors")
 
     @model_validator(mode="after")
     def _check_rating(self) -> Propulsion:
@@ -151,13 +144,15 @@ class Propulsion(Record):
         return chain if self.wiring_efficiency is None else self.wiring_efficiency * chain
 
 
-class PropellerChoice(Record):
+class PropellerChoice(OfCatalogue):
     """A propeller by its diameter and pitch, or by the files of its table.
 
     ``product`` names an entry of the catalogue, which gives what the file does not. ``table``: see
     :func:`sizing.read_propeller`, which also says what ``any_speed`` is; there ``diameter_m`` is
     needed only where the files do not tell it.
     """
+
+    _entry = "product", "propellers"
 
     product: Text | None = None
     diameter_m: Annotated[PositiveReal, Field(le=100.0)] | None = None
@@ -169,13 +164,6 @@ class PropellerChoice(Record):
     mass_kg: NonNegativeReal = 0.0
     # Texts of the tables by path, as read when the record was made.
     _texts: dict[str, str] | None = PrivateAttr(default=None)
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _from_catalogue(
-        cls, data: Any, handler: ModelWrapValidatorHandler[PropellerChoice]
-    ) -> PropellerChoice:
-        return filled(data, handler, "product", "propellers")
 
     @model_validator(mode="after")
     def _check_choice(self) -> PropellerChoice:
@@ -220,15 +208,16 @@ class PropellerChoice(Record):
     @cached_property
     def propeller(self) -> Propeller:
         """The propeller itself."""
-        from sizing.propulsion.blade_elements import BladeElementPropeller
-        from sizing.propulsion.propeller_files import read_propeller
+        from sizing.propulsion import blade_elements, propeller_files
 
         if self.table is None:
             assert self.diameter_m is not None
             assert self.pitch_m is not None
-            return BladeElementPropeller(self.diameter_m, self.pitch_m, self.blades, self.chords)
+            size = (self.diameter_m, self.pitch_m)
+            return blade_elements.BladeElementPropeller(*size, self.blades, self.chords)
         with texts_as_read(self.texts_read()):
-            return read_propeller(self.paths, self.diameter_m, any_speed=self.any_speed)
+            given = (self.paths, self.diameter_m)
+            return propeller_files.read_propeller(*given, any_speed=self.any_speed)
 
 
 class OperatingPointPropulsion(Record):
@@ -268,13 +257,13 @@ class OperatingPointPropulsion(Record):
         self, diameter_m: Value | None, pitch_m: Value | None, gear_ratio: Value | None
     ) -> Self:
         """These parts with a chosen diameter and pitch [m] and gear; None leaves the file's."""
-        wanted = {"diameter_m": diameter_m, "pitch_m": pitch_m}
-        sizes = {key: value for key, value in wanted.items() if value is not None}
-        ratio = {} if gear_ratio is None else {"ratio": gear_ratio}
-        if not sizes and not ratio:
-            return self
-        parts = {"propeller": _rebuilt(self.propeller, sizes), "gear": _rebuilt(self.gear, ratio)}
-        return _rebuilt(self, parts)
+        sizes = {
+            "propeller.diameter_m": diameter_m,
+            "propeller.pitch_m": pitch_m,
+            "gear.ratio": gear_ratio,
+        }
+        chosen = {key: value for key, value in sizes.items() if value is not None}
+        return all_replaced(self, chosen) if chosen else self
 
     @cached_property
     def own_motor(self) -> Motor:
@@ -297,9 +286,7 @@ class OperatingPointPropulsion(Record):
 
     def taken(self) -> list[Taken]:
         """Values of propeller and motor that the catalogues give, with their sources."""
-        of_propeller = taken(
-            self.propeller, "product", "propellers", "airframe.propulsion.propeller."
-        )
+        of_propeller = taken(self.propeller, "airframe.propulsion.propeller.")
         if not isinstance(self.motor, str):
             return of_propeller
         one = found_entry("motor", "motors", self.motor)
@@ -401,14 +388,6 @@ class OperatingPointPropulsion(Record):
                 "mass_model": self.mass_model,
             }
         )
-
-
-def _rebuilt(record: R, values: Mapping[str, Any]) -> R:
-    """Record with other values, numbers or symbols, and nothing that it has kept; unchecked."""
-    fields = {name: getattr(record, name) for name in type(record).model_fields}
-    # A record of the class that was given.
-    built: R = type(record).model_construct(**(fields | dict(values)))  # type: ignore[assignment]
-    return built
 
 
 def _unwrapped(value: Value) -> Value:

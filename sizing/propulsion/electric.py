@@ -10,13 +10,7 @@ from numpy.typing import ArrayLike
 from sizing.catalogues.entries import MotorEntry
 from sizing.catalogues.files import entry
 from sizing.smooth import Value
-from solar.schema import (
-    Fraction,
-    NonNegativeReal,
-    PositiveReal,
-    Record,
-    UnitInterval,
-)
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
 
 __all__ = ["Controller", "Gear", "Motor", "MotorState"]

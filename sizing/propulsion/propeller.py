@@ -170,7 +170,7 @@ class PropellerTable:
                 [(curve, curve.power) for curve in self.curves],
             )
         )
-        return Coefficients(*(_between(column, place, upper, weight) for column in columns))
+        return Coefficients(*(_weighted(column, place, upper, weight) for column in columns))
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Ranges of the advance ratio [-] and of the speed of rotation [1/s] that it covers."""
@@ -190,7 +190,7 @@ def _on(advance: FloatArray, known: FloatArray, values: FloatArray) -> FloatArra
     return np.asarray(np.interp(near, known, values, left=np.nan, right=np.nan))
 
 
-def _between(
+def _weighted(
     curves: FloatArray, lower: np.ndarray, upper: np.ndarray, weight: FloatArray
 ) -> FloatArray:
     """Mean of two curves by weight; a curve without weight need not reach so far."""

@@ -15,7 +15,7 @@ from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
 from sizing.design import design_of, structure_assessment
-from sizing.energy.endurance import Endurance
+from sizing.energy.endurance import Endurance, LimitedFlight
 from sizing.performance import Performance, performance, performance_after_days
 from sizing.relaxation import Relaxation
 from sizing.relaxed_flight import relaxed_flight
@@ -23,13 +23,15 @@ from sizing.replay import CalendarRun, calendar_run
 from sizing.results import quantities as q
 from sizing.results.balance import drag_record
 from sizing.results.battery import battery_record
-from sizing.results.notes import (
-    catalogue_records,
-    extrapolation_records,
-    relaxation_records,
-)
+from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.power_budget import PowerBudget, power_budget
-from sizing.results.records import check_subjects, finite, finite_values
+from sizing.results.records import (
+    check_subjects,
+    climb_record,
+    finite,
+    finite_values,
+    flight_record,
+)
 from sizing.results.tables import Result, data_frame
 from sizing.results.whole_cells import cells_record
 from sizing.results.wind import wind_record
@@ -44,27 +46,6 @@ from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-@dataclass(frozen=True)
-class LimitedFlight:
-    """Flights that start full and end with an empty battery, in solar time [h].
-
-    ``launch_h``, ``endurance_h``: launch and length of the longest. ``before_sun_h``: from its end
-    until solar power meets the load again; NaN where it never does. ``from_sunrise_h``,
-    ``from_noon_h``: length of those launched at sunrise and at noon; NaN without a sunrise.
-    """
-
-    launch_h: float
-    endurance_h: float
-    before_sun_h: float
-    from_sunrise_h: float
-    from_noon_h: float
-
-    @property
-    def empty_h(self) -> float:
-        """When the longest flight ends, counted from midnight before its launch."""
-        return self.launch_h + self.endurance_h
 
 
 def _of_worst(one: q.Quantity) -> property:
@@ -238,9 +219,8 @@ class Analysis(Result):
         """Mass budget [kg]; None for a measured aircraft, whose parts are not known."""
         if isinstance(self.aircraft.airframe, MeasuredAirframe):
             return None
-        return {
-            item: float(mass) for item, mass in self.performance.design.masses._asdict().items()
-        }
+        masses = self.performance.design.masses._asdict()
+        return {item: float(mass) for item, mass in masses.items()}
 
     @cached_property
     def power_budget(self) -> PowerBudget:
@@ -285,8 +265,7 @@ class Analysis(Result):
         """Whole analysis, JSON-ready; the top level is the worst scenario."""
         records = [scenario_record(self, i) for i in range(len(self.performance.cycle.status))]
         design, solar = self.performance.design, self.performance.solar
-        limited = self.limited_flight
-        airspeed = design.airspeed_m_per_s
+        limited, airspeed = self.limited_flight, design.airspeed_m_per_s
         wind = self.mission.strongest_wind_m_per_s
         result = records[self.worst] | {
             "aircraft": self.aircraft.name,
@@ -307,19 +286,15 @@ class Analysis(Result):
             **software_record(),
             "scenarios": records,
         }
-        condition = battery_record(self.aircraft, self.mission)
-        if condition is not None:
-            result["battery_condition"] = condition
-        cells = cells_record(self.aircraft)
-        if cells:
-            result["whole_cells"] = cells
-        if self.drag_coefficients is not None:
-            result["drag_coefficients"] = drag_record(self.drag_coefficients)
-        if self.balance is not None:
-            result["balance"] = self.balance.to_dict()
-        winds = wind_record(self.mission)
-        if winds is not None:
-            result["wind"] = winds
+        drag, balance = self.drag_coefficients, self.balance
+        not_of_all = {
+            "battery_condition": battery_record(self.aircraft, self.mission),
+            "whole_cells": cells_record(self.aircraft) or None,
+            "drag_coefficients": None if drag is None else drag_record(drag),
+            "balance": None if balance is None else balance.to_dict(),
+            "wind": wind_record(self.mission),
+        }
+        result |= {key: one for key, one in not_of_all.items() if one is not None}
         result |= catalogue_records(self.aircraft)
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)
@@ -328,14 +303,12 @@ class Analysis(Result):
     def to_frame(self) -> pd.DataFrame:
         """Metrics of every scenario, one row each; infinite where unlimited."""
         scenarios = self.performance.day.scenarios
-        columns = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
-        columns |= {one.name: self.values[one] for one in q.SCENARIO_FRAME}
-        return data_frame(columns)
+        place = {"latitude_deg": scenarios.latitude_deg, "day_of_year": scenarios.day_of_year}
+        return data_frame(place | {one.name: self.values[one] for one in q.SCENARIO_FRAME})
 
     def trajectory(self) -> pd.DataFrame:
         """Power and state of charge over the cycle of every scenario, one row per node of time."""
-        perf = self.performance
-        scenarios = perf.day.scenarios
+        perf, scenarios = self.performance, self.performance.day.scenarios
         nodes = len(perf.day.time_h)
         table = data_frame(
             {
@@ -397,9 +370,8 @@ def analyse(
     """
     check_subjects(aircraft, mission)
     solar = SolarModel(model, correction)
-    rms = solar.rms_relative
-    factors = (1.0 - rms, 1.0, 1.0 + rms)
-    check_days(mission, days)
+    factors = (1.0 - solar.rms_relative, 1.0, 1.0 + solar.rms_relative)
+    _check_days(mission, days)
     if mission.climb is not None:
         down, climbs, up = (
             climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
@@ -421,12 +393,13 @@ def analyse(
             )
             for factor in factors
         )
-    fly = replay and mission.launch is not None
-    flight = calendar_run(aircraft, mission, solar) if fly else None
+    flight = None
+    if replay and mission.launch is not None:
+        flight = calendar_run(aircraft, mission, solar)
     return Analysis(aircraft, mission, centre, low, high, flight, days=days)
 
 
-def check_days(mission: Mission, days: int | None) -> None:
+def _check_days(mission: Mission, days: int | None) -> None:
     """Refuse a number of days that cannot be flown."""
     if days is None:
         return
@@ -472,33 +445,4 @@ def uncertainty_record(low: Performance, high: Performance, index: int) -> dict[
         "solar_power_rms_relative": low.solar.rms_relative,
         "excess_time_low_h": finite(low.cycle.excess_time_h[index]),
         "excess_time_high_h": finite(high.cycle.excess_time_h[index]),
-    }
-
-
-def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
-    """What climbing does in one scenario, JSON-ready."""
-    assert mission.climb is not None
-    flown, account = climbs.climb, climbs.climb.energy_budget
-    return {
-        "strategy": mission.climb.strategy,
-        "ceiling_m": mission.climb.ceiling_m,
-        "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
-        "gliding_h": finite(flown.gliding_h[index]),
-        "stored_height_wh": finite(flown.maximum_potential_energy_wh[index]),
-        "climb_energy_wh": finite(account.climb_electric_wh[index]),
-        "constant_altitude_excess_time_h": finite(climbs.constant.cycle.excess_time_h[index]),
-        "gain_in_excess_time_h": finite(climbs.gain_h[index]),
-    }
-
-
-def flight_record(flight: CalendarRun) -> dict[str, Any]:
-    """Replayed flight, JSON-ready; clock times are local hours since the launch day's midnight."""
-    return {
-        "launch": f"{flight.launch.date} {flight.launch.time_local}",
-        "utc_offset_h": flight.launch.utc_offset_h,
-        "duration_h": float(flight.clock_h[-1] - flight.clock_h[0]),
-        "full_charge_clock_h": list(flight.full_charge_clock_h),
-        "minimum_state_of_charge": flight.minimum_state_of_charge,
-        "final_state_of_charge": float(flight.state_of_charge[-1]),
-        "empty_clock_h": flight.empty_clock_h,
     }

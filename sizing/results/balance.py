@@ -18,11 +18,7 @@ _DRAG_WORDS = {
     "gaps": "gaps, leaks, protuberances",
     "other": "constants of the file",
 }
-_MASS_WORDS = {
-    "mppt": "MPPT",
-    "spar_caps": "spar caps",
-    "spar_web": "spar web",
-}
+_MASS_WORDS = {"mppt": "MPPT", "spar_caps": "spar caps", "spar_web": "spar web"}
 _CLOSE = 0.01  # what a weighed list and the mass budget may differ by without a note
 
 

@@ -12,8 +12,7 @@ from sizing.altitude.climb_cycle import ClimbPerformance
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
 from sizing.results import quantities as q
-from sizing.results.analysis import climb_record
-from sizing.results.records import finite, hours, relative_change
+from sizing.results.records import climb_record, finite, hours, relative_change
 from sizing.results.tables import MISSING, Line
 
 if TYPE_CHECKING:

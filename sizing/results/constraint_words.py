@@ -14,7 +14,11 @@ from sizing.parameters import catalogue, label
 _REQUIREMENTS = {
     "mass_budget": ("mass budget", ""),
     "module_coverage": ("modules over wing area", "airframe.maximum_module_coverage"),
-    "airspeed_above_wind": ("airspeed above the wind", "mission.wind_m_per_s"),
+    "airspeed_above_wind": ("airspeed above the wind", "mission.wind_m_per_s or mission.wind"),
+    "power_against_wind": (
+        "rated power for flight as fast as the wind",
+        "airframe.propulsion.climb_power_ratio",
+    ),
     "bus_voltage": ("bus voltage of the empty battery", "battery.voltage"),
     "tip_mach": ("Mach number of the tips", "airframe.propulsion.maximum_tip_mach"),
     "motor_current": ("current of the motor", "airframe.propulsion.motor"),

@@ -119,7 +119,8 @@ class Grid:
         cells = [
             [_broken(row[i], w) for i, w in zip(some, allowed, strict=True)] for row in self.rows
         ]
-        widths = [max(len(line) for line in column) for column in _joined_lines([heads, *cells])]
+        columns = zip(heads, *cells, strict=True)
+        widths = [max(len(line) for cell in column for line in cell) for column in columns]
 
         def line(parts: Sequence[str]) -> str:
             placed = (
@@ -168,8 +169,3 @@ def _broken(text: str, width: int, indent: str = "", further: str = "") -> list[
 def _words(text: str) -> list[str]:
     """What is not broken over lines."""
     return _GLUED.sub(_GLUE, text).split()
-
-
-def _joined_lines(rows: Sequence[Sequence[list[str]]]) -> list[list[str]]:
-    """All lines of each column."""
-    return [[line for cell in column for line in cell] for column in zip(*rows, strict=True)]

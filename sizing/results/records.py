@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from sizing.aircraft import Aircraft
 from sizing.results.tables import MISSING, UNLIMITED
 from solar.schema import Record
 from solar.types import FloatArray
+
+if TYPE_CHECKING:
+    from sizing.altitude.climb_cycle import ClimbPerformance
+    from sizing.replay import CalendarRun
 
 # What is smaller, in its unit, is nothing: a solver leaves such payloads, and no change is relative
 # to it.
@@ -92,3 +96,32 @@ def clock_label(clock_h: float | None, *, first_day: int | None = None) -> str:
     if first_day is None:
         return "24:00" if days == 1 and rest == 0 else reading
     return f"{date_label(first_day + days)} {reading}"
+
+
+def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
+    """What climbing does in one scenario, JSON-ready."""
+    assert mission.climb is not None
+    flown, account = climbs.climb, climbs.climb.energy_budget
+    return {
+        "strategy": mission.climb.strategy,
+        "ceiling_m": mission.climb.ceiling_m,
+        "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
+        "gliding_h": finite(flown.gliding_h[index]),
+        "stored_height_wh": finite(flown.maximum_potential_energy_wh[index]),
+        "climb_energy_wh": finite(account.climb_electric_wh[index]),
+        "constant_altitude_excess_time_h": finite(climbs.constant.cycle.excess_time_h[index]),
+        "gain_in_excess_time_h": finite(climbs.gain_h[index]),
+    }
+
+
+def flight_record(flight: CalendarRun) -> dict[str, Any]:
+    """Replayed flight, JSON-ready; clock times are local hours since the launch day's midnight."""
+    return {
+        "launch": f"{flight.launch.date} {flight.launch.time_local}",
+        "utc_offset_h": flight.launch.utc_offset_h,
+        "duration_h": float(flight.clock_h[-1] - flight.clock_h[0]),
+        "full_charge_clock_h": list(flight.full_charge_clock_h),
+        "minimum_state_of_charge": flight.minimum_state_of_charge,
+        "final_state_of_charge": float(flight.state_of_charge[-1]),
+        "empty_clock_h": flight.empty_clock_h,
+    }

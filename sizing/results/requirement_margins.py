@@ -71,9 +71,9 @@ def requirement_margins(
     )
     where = f", {flown.day.scenarios.label(worst)}"
     found = [
-        _absolute("excess_time_h", f"{EXCESS_TIME.label}{where}", excess_h, required_h, "h"),
+        _absolute(EXCESS_TIME.name, f"{EXCESS_TIME.label}{where}", excess_h, required_h, "h"),
         _absolute(
-            *("minimum_state_of_charge", f"{MINIMUM_CHARGE.label}{where}"), 100.0 * charge, 0.0, "%"
+            *(MINIMUM_CHARGE.name, f"{MINIMUM_CHARGE.label}{where}"), 100.0 * charge, 0.0, "%"
         ),
     ]
     if mission.wind_m_per_s > 0.0 and design.airspeed_m_per_s is not None:

@@ -60,6 +60,7 @@ from sizing.results.requirement_margins import (
 )
 from sizing.results.tables import Result, data_frame
 from sizing.results.whole_cells import sizing_record
+from sizing.results.wind import wind_record
 from sizing.smooth_propulsion import put_parts_in
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
@@ -285,6 +286,8 @@ class SizingStudy(Result):
         if self.balance is not None:
             record["balance"] = self.balance.to_dict()
         record |= {"model": self.solar.model, "correction": self.solar.correction}
+        if self.mission.holds_station:
+            record["wind"] = wind_record(self.mission)
         record["uncertainty"] = None
         if self.low is not None and self.high is not None and self.result.simulated is not None:
             worst = self.result.simulated.worst_scenario()

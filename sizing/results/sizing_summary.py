@@ -38,6 +38,7 @@ from sizing.results.requirement_margins import requirement_table
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table, sizing_record
+from sizing.results.wind import wind_rows
 from sizing.sunlight import SolarModel
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
@@ -159,7 +160,8 @@ def _design_table(study: SizingStudy) -> Table:
     excess, charge = (one.fact(one.of(flown)[worst]) for one in (EXCESS_TIME, MINIMUM_CHARGE))
     where = f"{EXCESS_TIME.label}{clear}, {flown.day.scenarios.label(worst)}"
     rows = [one.fact(value) for one, value in study.design_values()]
-    return facts("", [*rows, (where, excess[1]), charge])
+    winds = wind_rows(study.mission) if study.mission.holds_station else []
+    return facts("", [*rows, *winds, (where, excess[1]), charge])
 
 
 def _confidence(study: SizingStudy) -> list[Any]:
@@ -205,7 +207,7 @@ def _margin_blocks(study: SizingStudy, guarded: SizingStudy) -> list[Any]:
     was, now = (
         {one.name: value for one, value in each.design_values()}
         | {study.objective.variable: each.result.objective_value}
-        | {"excess_time_h": _least_h(modelled), "least_excess_time_h": _least_h(less)}
+        | {EXCESS_TIME.name: _least_h(modelled), "least_excess_time_h": _least_h(less)}
         for each, modelled, less in ((study, flown, low), (guarded, plain, safe))
     )
     return [
@@ -239,7 +241,7 @@ def margin_table(
     if objective.label not in (EXCESS_TIME.label, *(one.label for one in shown)):
         texts = (with_unit(one[name], ".4g", objective) for one in (was, now))
         rows.insert(0, (objective.label, *texts, _change(was, now, name)))
-    for key, what in (("excess_time_h", ""), ("least_excess_time_h", ", that error less")):
+    for key, what in ((EXCESS_TIME.name, ""), ("least_excess_time_h", ", that error less")):
         ends = (np.inf if one[key] is None else one[key] for one in (was, now))
         rows.append((f"{EXCESS_TIME.label}{what}", *map(hours, ends), ""))
     columns = (

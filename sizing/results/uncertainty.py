@@ -273,7 +273,7 @@ def analyse_uncertainty(
             f"neither {aircraft.name} nor {mission.name} has an uncertain input: give them "
             "uncertainty.inputs"
         )
-    check_inputs(inputs, solar)
+    check_inputs(inputs, mission, solar)
     study = Propagation(aircraft, mission, solar)
     values = inputs.values(sobol_points(len(inputs), samples, seed))
     few = {key: value[:_ENDURANCE_SAMPLES] for key, value in values.items()}

@@ -42,12 +42,7 @@ from sizing.validity.checks import (
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
-from sizing.weather_run import (
-    WeatherPerformance,
-    WeatherRun,
-    wait_for_window,
-    weather_performance,
-)
+from sizing.weather_run import WeatherPerformance, WeatherRun, wait_for_window, weather_performance
 from solar.names import CorrectionName, ModelName
 
 if TYPE_CHECKING:
@@ -392,6 +387,8 @@ def analyse_weather(
         notes = (*notes, "the mission's clearness plays no part: the clouds are the record's")
     if mission.climb is not None:
         notes = (*notes, "flown at constant altitude: the mission's climb plays no part")
+    if mission.holds_station:
+        notes = (*notes, "flown at the design's airspeed: hold_station plays no part")
     if mission.launch is not None:
         notes = (*notes, "launched at every dawn: the mission's launch plays no part")
     return WeatherAnalysis(aircraft, done, notes)

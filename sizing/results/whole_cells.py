@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
 from sizing.layout.cells import rows_text
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import unit_text
+from sizing.results.quantities import TOTAL_MASS
 from sizing.results.records import finite_values
 from sizing.results.tables import UNLIMITED, Column, Table
 
@@ -132,11 +134,7 @@ def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
         *([Column("strings")] if strung else []),
         Column("battery_cells", "battery cells"),
         Column("value", objective.label, objective.unit, ".4g"),
-        *(
-            []
-            if objective is Objective.min_mass
-            else [Column("total_mass_kg", "total mass", "kg", ".4g")]
-        ),
+        *([] if objective is Objective.min_mass else [replace(TOTAL_MASS, form=".4g")]),
         Column("reason", "why not", missing=""),
     ]
     unlimited = {"value": UNLIMITED}

@@ -16,6 +16,7 @@ def wind_record(mission: Mission) -> dict[str, Any] | None:
         return None
     return {
         "percentile": given.percentile,
+        "hold_station": given.hold_station,
         "source": given.table(mission.longitude_deg).source,
         "scenarios_m_per_s": mission.scenario_winds_m_per_s().tolist(),
     }
@@ -32,4 +33,9 @@ def wind_rows(mission: Mission) -> list[tuple[str, str]]:
     return [
         (f"wind, {given.percentile:g} % of the time at most", f"{' to '.join(ends)} m/s"),
         ("winds from", source),
+        *(
+            [("flown, to hold its place", "as fast as the wind at least")]
+            if given.hold_station
+            else []
+        ),
     ]

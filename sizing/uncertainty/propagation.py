@@ -28,6 +28,7 @@ from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
+from sizing.held_station import refuse_held_station
 from sizing.parameters import parameter_value, with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.smooth_propulsion import smooth_at
@@ -95,8 +96,9 @@ _PROPULSION, _FACTOR = "airframe.propulsion.", "efficiency_factor"
 _PARTS = tuple(f"{_PROPULSION}{part}." for part in ("propeller", "gear", "motor", "controller"))
 
 
-def check_inputs(inputs: UncertainInputs, solar: SolarModel) -> None:
+def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -> None:
     """Refuse inputs that a propagation cannot vary."""
+    refuse_held_station(mission, "a propagation of uncertain inputs")
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
@@ -173,10 +175,7 @@ class Propagation:
         ]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
         return worst_of(
-            [
-                *told(checks, of=case.count, what="draws"),
-                *told(of_sun, self.day.scenarios),
-            ]
+            [*told(checks, of=case.count, what="draws"), *told(of_sun, self.day.scenarios)]
         )
 
     def endurance_h(

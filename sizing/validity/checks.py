@@ -44,7 +44,8 @@ def design_checks(
     yield from battery_checks(aircraft.battery, mission.air_state().temperature_c)
     yield from altitude_checks(mission, solar, mission.altitude_m)
     yield from _path_check(mission, solar, design)
-    yield from wind_check(design, mission.strongest_wind_m_per_s)
+    if not mission.holds_station:
+        yield from wind_check(design, mission.strongest_wind_m_per_s)
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
         yield from _measured_checks(airframe, conditions, design)
@@ -69,12 +70,7 @@ def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
         if key == "airframe.propulsion.mass_kg_per_w" and value is not None and not np.any(value):
             continue  # parts that were weighed have none
         if value is not None:
-            yield Check(
-                experience(one),
-                value,
-                np.asarray(one.minimum),
-                np.asarray(one.maximum),
-            )
+            yield Check(experience(one), value, np.asarray(one.minimum), np.asarray(one.maximum))
 
 
 def _number_or_numbers(aircraft: Aircraft, key: str) -> FloatArray | None:

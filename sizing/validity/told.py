@@ -34,11 +34,7 @@ def extrapolations(aircraft: Aircraft, perf: Performance) -> tuple[Extrapolation
 
 
 def told(
-    checks: Iterable[Check],
-    scenarios: Scenarios | None = None,
-    *,
-    of: int = 0,
-    what: str = "",
+    checks: Iterable[Check], scenarios: Scenarios | None = None, *, of: int = 0, what: str = ""
 ) -> tuple[Extrapolation, ...]:
     """What is outside, each quantity of a model once with its worst value.
 

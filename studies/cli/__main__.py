@@ -62,8 +62,7 @@ _COMMANDS = {
     "fit": _Lazy("fit", "fit", "Parameters of an aircraft, fitted to a flight log.", "Verify"),
     "calibrate": _Lazy("fit", "calibrate", "A measured aircraft made parametric.", "Design"),
     "efficiencies": _Lazy(
-        *("validation", "efficiencies", "What drives the power of the Full Model."),
-        task="Verify",
+        *("validation", "efficiencies", "What drives the power of the Full Model."), task="Verify"
     ),
     "loiter-correction": _Lazy(
         *("validation", "loiter_correction"),

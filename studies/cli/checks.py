@@ -24,6 +24,13 @@ def refuse_climb(case: Case, command: str) -> None:
         raise located_error(case.where.document, ("climb",), message)
 
 
+def refuse_held_station(case: Case, command: str) -> None:
+    """Refuse a mission that holds its place where one power is flown in all scenarios."""
+    if case.mission.holds_station:
+        message = f"{command} flies at the design's airspeed; leave it out"
+        raise located_error(case.where.document, ("wind", "hold_station"), message)
+
+
 def require_climber(case: Case) -> None:
     """Refuse an aircraft that cannot climb on a mission that has climbs."""
     if case.mission.climb is None:

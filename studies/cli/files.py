@@ -20,13 +20,13 @@ from missions.dates import date_code
 from missions.files.errors import OVERRIDE, InputError, Problem, file_error, printable
 from missions.files.overrides import with_overrides
 from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
-from missions.files.validation import validate
+from missions.files.validation import located_error, validate
 from missions.files.writing import names_a_device, write_files_atomically
 from missions.files.yaml import Document
 from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from missions.weather.files import weather_file
-from sizing.aircraft import Aircraft
+from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import ImpossibleDesignError, with_total_mass
 from sizing.parameters import design_keys
 from sizing.sunlight import SolarModel
@@ -110,6 +110,12 @@ class Case:
         if place.day is not None:
             moved["dates"] = {"on": date_code(place.day)}
         return self.with_mission(**moved, launch=None) if moved else self
+
+    def holding_station(self, percentile: float) -> Case:
+        """Case of a mission flown as fast as a percentile of the wind of each scenario."""
+        given = self.where.document.data.get("wind")
+        file = {"file": given["file"]} if isinstance(given, dict) and "file" in given else {}
+        return self.with_mission(wind={"percentile": percentile, "hold_station": True, **file})
 
     def with_total_mass(self, total_mass_kg: float) -> Case:
         """Case of an aircraft of a known total mass; the rest is told on standard error."""
@@ -225,6 +231,9 @@ def load(
         raise _joined_errors(errors)
     solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
     case = Case(craft, where, is_default, solar, options.as_json)
+    if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
+        message = "needs a parametric aircraft: this one's power is known at one airspeed"
+        raise located_error(case.where.document, ("wind", "hold_station"), message)
     beside = Path(aircraft).with_name(f"{Path(aircraft).stem}-mission.yaml")
     if is_default and os.path.isfile(beside):  # noqa: PTH113 - takes any text for a path
         tell_error(f"solar-uav: the default mission is flown; beside it lies -m {beside}")

@@ -129,13 +129,7 @@ class RealRange(click.FloatRange):
     """
 
     def __init__(
-        self,
-        lowest: float,
-        highest: float,
-        *,
-        unit: str,
-        above: bool = False,
-        below: bool = False,
+        self, lowest: float, highest: float, *, unit: str, above: bool = False, below: bool = False
     ) -> None:
         super().__init__(lowest, highest, min_open=above, max_open=below)
         self.unit = unit

@@ -77,12 +77,7 @@ def told(
     except BaseException:  # a signal, too: a report takes seconds
         tell(case, record, shown)
         raise
-    tell(
-        *(case, record, shown),
-        out_dir=out_dir,
-        files=files,
-        next_step=next_step,
-    )
+    tell(*(case, record, shown), out_dir=out_dir, files=files, next_step=next_step)
 
 
 def suggest(step: str | None) -> None:

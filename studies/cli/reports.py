@@ -12,6 +12,7 @@ from missions.files.plain_file import read_plain_file
 from missions.files.writing import write_files_atomically
 from missions.mission import Mission
 from sizing.performance import performance
+from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS
 from sizing.results.sizing import SizingStudy
 from studies.cli.checks import uncertain_inputs_of
 from studies.cli.files import Case
@@ -26,13 +27,7 @@ from studies.report.subject import Subject
 if TYPE_CHECKING:
     from studies.flight_logs.verification import Verification
 
-__all__ = [
-    "report_on_log",
-    "report_on_sizing",
-    "sizing_of_folder",
-    "subject_of",
-    "write_report",
-]
+__all__ = ["report_on_log", "report_on_sizing", "sizing_of_folder", "subject_of", "write_report"]
 
 _MOST_BYTES = 10_000_000  # of a record of results
 # A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
@@ -58,7 +53,7 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
         return None
     try:
         record = json.loads(read_plain_file(Path(path) / RESULTS, most_bytes=_MOST_BYTES))
-        promised = record["simulated"]["excess_time_h"], record["total_mass_kg"]
+        promised = record["simulated"][EXCESS_TIME.name], record[TOTAL_MASS.name]
         known = {"objective", "active_constraints", "masses_kg"} <= record.keys()
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
@@ -74,12 +69,7 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
 
 
 def report_on_sizing(
-    case: Case,
-    study: SizingStudy,
-    record: dict[str, Any],
-    path: str,
-    *,
-    overrides: tuple[str, ...],
+    case: Case, study: SizingStudy, record: dict[str, Any], path: str, *, overrides: tuple[str, ...]
 ) -> None:
     """Write the report of a sizing: the optimum on the mission that it was sized for."""
     inputs = sized_inputs(study, case.inputs())
@@ -94,12 +84,7 @@ def report_on_sizing(
 
 
 def report_on_log(
-    case: Case,
-    verification: Verification,
-    log_file: str,
-    path: str,
-    *,
-    overrides: tuple[str, ...],
+    case: Case, verification: Verification, log_file: str, path: str, *, overrides: tuple[str, ...]
 ) -> None:
     """Write the report of a verification."""
     inputs = case.inputs(log=Path(log_file))

@@ -36,10 +36,7 @@ class DaskPool(Pool):
     """
 
     def __init__(
-        self,
-        scheduler: str,
-        workers: int | None = None,
-        tell: Callable[[str], None] | None = None,
+        self, scheduler: str, workers: int | None = None, tell: Callable[[str], None] | None = None
     ) -> None:
         try:
             import dask

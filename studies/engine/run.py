@@ -123,10 +123,7 @@ class ComputationError(RuntimeError):
 
 
 def compute(
-    job: Job,
-    workers: int | None = 1,
-    progress: Progress | None = None,
-    unit: str = "cells",
+    job: Job, workers: int | None = 1, progress: Progress | None = None, unit: str = "cells"
 ) -> Outcome:
     """Compute a job in memory, for callers in Python.
 

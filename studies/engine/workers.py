@@ -18,13 +18,7 @@ from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
 from typing import Any, TypeVar
 
-__all__ = [
-    "LocalPool",
-    "Pool",
-    "WorkersUnavailableError",
-    "available_cores",
-    "for_children",
-]
+__all__ = ["LocalPool", "Pool", "WorkersUnavailableError", "available_cores", "for_children"]
 
 T = TypeVar("T")
 

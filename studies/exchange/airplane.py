@@ -59,8 +59,7 @@ def to_aerosandbox(aircraft: Aircraft, gravity_m: float | None = None) -> asb.Ai
     missing = missing_library()
     if missing is not None:
         raise ImportError(missing)
-    import aerosandbox as asb
-
+    asb = _library()
     surfaces = lifting_surfaces(aircraft, gravity_m)
     return asb.Airplane(
         name=_script_name(aircraft.name),
@@ -75,6 +74,13 @@ def to_aerosandbox(aircraft: Aircraft, gravity_m: float | None = None) -> asb.Ai
     )
 
 
+def _library() -> Any:
+    """AeroSandbox, whose import takes seconds."""
+    import aerosandbox
+
+    return aerosandbox
+
+
 def airplane_text(aircraft: Aircraft, file_format: str, gravity_m: float | None = None) -> str:
     """Content of a file that holds the geometry of an aircraft.
 
@@ -85,8 +91,7 @@ def airplane_text(aircraft: Aircraft, file_format: str, gravity_m: float | None 
 
 
 def _avl(aircraft: Aircraft, gravity_m: float | None) -> str:
-    import aerosandbox as asb
-
+    asb = _library()
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "wing.avl"
         asb.AVL(to_aerosandbox(aircraft, gravity_m), asb.OperatingPoint()).write_avl(target)
@@ -167,8 +172,7 @@ def _wing_lines(surface: LiftingSurface) -> list[str]:
 
 
 def _wing(surface: LiftingSurface) -> asb.Wing:
-    import aerosandbox as asb
-
+    asb = _library()
     airfoil, options = _airfoil(surface.shape), _drag_options(surface)
     slope = {asb.AVL: {"cl_alpha_factor": _NEUTRAL_SLOPE, **options}}
     sections = [
@@ -191,12 +195,11 @@ def _wing(surface: LiftingSurface) -> asb.Wing:
 
 
 def _airfoil(shape: SectionShape) -> asb.Airfoil:
-    import aerosandbox as asb
-    from aerosandbox.geometry.airfoil.airfoil_families import get_NACA_coordinates
-
+    asb = _library()
+    coordinates = asb.geometry.airfoil.airfoil_families.get_NACA_coordinates
     if shape.airfoil is not None:
         return asb.Airfoil(shape.airfoil)
-    points = get_NACA_coordinates(max_camber=0.0, camber_loc=0.4, thickness=shape.thickness_ratio)
+    points = coordinates(max_camber=0.0, camber_loc=0.4, thickness=shape.thickness_ratio)
     return asb.Airfoil(f"symmetric {100.0 * shape.thickness_ratio:g} %", coordinates=points)
 
 

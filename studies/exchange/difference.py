@@ -13,12 +13,7 @@ from sizing.parameters import MISSION_PREFIX, unit_text
 from sizing.results.analysis import Analysis
 from sizing.results.records import finite
 from sizing.results.tables import MISSING, Column, Result, Summary, Table, data_frame
-from studies.exchange.design_sheet import (
-    DesignSheet,
-    Entry,
-    design_sheet,
-    number_text,
-)
+from studies.exchange.design_sheet import DesignSheet, Entry, design_sheet, number_text
 
 if TYPE_CHECKING:
     import pandas as pd

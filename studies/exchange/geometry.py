@@ -138,11 +138,7 @@ def _wing_sections(drawing: Drawing) -> list[Section]:
         places.add(drawing.dihedral_from_m)
     return [
         Section(
-            drawing.front_at(y),
-            y,
-            drawing.height_m(y),
-            drawing.chord_at(y),
-            drawing.incidence_deg,
+            drawing.front_at(y), y, drawing.height_m(y), drawing.chord_at(y), drawing.incidence_deg
         )
         for y in sorted(places)
     ]

@@ -20,6 +20,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError
 from sizing.optimisation.repeated_day import DAY_OUTPUTS, DesignInDays, State
 from sizing.parameters import unit
+from sizing.results.quantities import CHARGE_MARGIN, EXCESS_TIME
 from sizing.results.records import check_subjects
 from sizing.sunlight import SolarModel, solar_day
 from solar.names import CorrectionName, ModelName
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["to_openmdao"]
 
-_HOURS = ("excess_time_h", "charge_margin_h")
+_HOURS = (EXCESS_TIME.name, CHARGE_MARGIN.name)
 
 
 def to_openmdao(

@@ -157,12 +157,7 @@ def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) 
 
 
 def _number_field(
-    aircraft: Aircraft,
-    key: str,
-    group: Group,
-    value: float,
-    step: float,
-    ends: dict[str, float],
+    aircraft: Aircraft, key: str, group: Group, value: float, step: float, ends: dict[str, float]
 ) -> Field:
     known = parameter(key)
     minimum, maximum = min(known.minimum, value), max(known.maximum, value)

@@ -20,6 +20,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design
 from sizing.performance import performance
+from sizing.results.quantities import EXCESS_TIME
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
@@ -121,7 +122,7 @@ class SeasonMaps:
             "latitudes_deg": latitudes.tolist(),
             "days": days.tolist(),
             "step_h": step_h,
-            "excess_time_h": rows,
+            EXCESS_TIME.name: rows,
             "complete": len(light.rows) == len(rows),
         }
 

@@ -90,10 +90,7 @@ class Session:
         )
         scenarios = start.performance.day.scenarios
         self.scenarios = [scenarios.label(i) for i in range(len(scenarios))]
-        at = (
-            float(scenarios.latitude_deg[start.worst]),
-            int(scenarios.day_of_year[start.worst]),
-        )
+        at = (float(scenarios.latitude_deg[start.worst]), int(scenarios.day_of_year[start.worst]))
         self.fields: dict[str, Field | Choice] = fields_of(
             self.aircraft, self.mission, self.solar, at
         )
@@ -284,10 +281,7 @@ class Session:
         made = self.inputs(settings)
         files = {
             kind: InputFile(f"{document.source}, as explored", None)
-            for kind, document in (
-                ("aircraft", made.aircraft_file),
-                ("mission", made.mission_file),
-            )
+            for kind, document in (("aircraft", made.aircraft_file), ("mission", made.mission_file))
         }
         inputs = RunInputs(made.aircraft_file.data, made.mission_file.data, made.solar, files)
         return ReportTask(made.aircraft, made.mission, inputs)
@@ -309,10 +303,7 @@ class Session:
         head = f"Written by solar-uav {__version__} explore from"
         return {
             kind: file_text(f"{head} {document.source}", document.data)
-            for kind, document in (
-                ("aircraft", made.aircraft_file),
-                ("mission", made.mission_file),
-            )
+            for kind, document in (("aircraft", made.aircraft_file), ("mission", made.mission_file))
         }
 
 

@@ -14,18 +14,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import DesignVariables, design_of
+from sizing.design import design_of
 from sizing.optimisation.objectives import RESIZE_NAMES, Objective
 from sizing.optimisation.propulsion import with_smooth_chain
-from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
+from sizing.optimisation.result import SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance, performance_of_designs
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
-from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME, TOTAL_MASS
-from sizing.results.records import finite
+from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarDay, SolarModel, Sunlight
 from sizing.validity.checks import (
@@ -38,8 +36,8 @@ from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, together, told, worst_of
 from solar.names import CorrectionName, ModelName
 from solar.versions import software_record
-from studies.maps.season import Season, perpetual_flags, season_of
-from studies.models.prediction import Prediction, duration, predict
+from studies.maps.season import perpetual_flags, season_of
+from studies.models.prediction import Built, Case, predict, season_record
 from studies.models.solar_models import (
     attitude_is_known,
     combinations,
@@ -51,69 +49,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True)
-class Built:
-    """Design that a model led to, and what the reference says of it (none without a design)."""
-
-    sizing: SizingResult
-    judged: Prediction | None
-
-    def value(self, objective: Objective) -> float | None:
-        """Quantity of the objective, none without a design; infinite excess time is possible."""
-        design, simulated = self.sizing.design, self.sizing.simulated
-        if design is None or simulated is None:
-            return None
-        return float(objective_value(objective, simulated))
-
-    def result(self, objective: Objective) -> str:
-        """What the sizing arrived at, in words."""
-        value = self.value(objective)
-        if self.judged is None or value is None:
-            return "no design" if self.sizing.status is SizingStatus.infeasible else "no result"
-        if not np.isfinite(value):
-            return "an unlimited excess time"
-        noun, form = _RESULTS[objective]
-        return f"{noun} of {value:{form}} {objective.unit}"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Design and its outcome, JSON-ready; null where there is none."""
-        sizing, design = self.sizing, self.sizing.design
-        names = DesignVariables._fields
-        promised = self.value(Objective.max_excess_time)
-        return {
-            "status": sizing.status.name,
-            **(dict.fromkeys(names) if design is None else design.variables._asdict()),
-            TOTAL_MASS.name: None if design is None else design.total_mass_kg,
-            "promised_excess_time_h": None if promised is None else finite(promised),
-            "violated_requirements": [v.text for v in sizing.violations],
-            "judged": None if self.judged is None else self.judged.to_dict(),
-        }
-
-
-_RESULTS = {
-    Objective.min_wingspan: ("a span", ".2f"),
-    Objective.min_mass: ("a mass", ".2f"),
-    Objective.max_payload_mass: ("a payload", ".2f"),
-    Objective.max_payload_power: ("a payload", ".1f"),
-    Objective.max_excess_time: ("an excess time", ".1f"),
-}
-
-
-@dataclass(frozen=True)
-class Case:
-    """One model with one correction.
-
-    ``season`` holds the days on which all latitudes of the mission are flown perpetually,
-    ``seasons`` those of each latitude.
-    """
-
-    solar: SolarModel
-    prediction: Prediction
-    season: Season
-    seasons: tuple[Season, ...]
-    built: Built | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -261,7 +196,7 @@ class Comparison(Result):
             p.excess_time_h,
             100.0 * p.minimum_state_of_charge,
             p.charge_margin_h,
-            _endurance(p),
+            p.endurance_cell,
             days if days == season.window_days else f"{season.window_days} of {days}",
         )
 
@@ -271,7 +206,7 @@ class Comparison(Result):
         if prediction is None:
             return (*row, case.built.sizing.status.label, None, None)
         value = case.built.value(self.objective)
-        return (*row, value, prediction.excess_time_h, _endurance(prediction))
+        return (*row, value, prediction.excess_time_h, prediction.endurance_cell)
 
     def to_dict(self) -> dict[str, Any]:
         """Whole comparison, JSON-ready; infinite numbers are null, and the status says why."""
@@ -300,8 +235,8 @@ class Comparison(Result):
             "solar_power_rms_relative": case.solar.rms_relative,
             **case.prediction.to_dict(),
             "solar_energy_above_reference": self.solar_energy_above_reference(case),
-            "season": _season_record(case.season)
-            | {"latitudes": [{"latitude_deg": lat} | _season_record(s) for lat, s in seasons]},
+            "season": season_record(case.season)
+            | {"latitudes": [{"latitude_deg": lat} | season_record(s) for lat, s in seasons]},
             "design": None if case.built is None else case.built.to_dict(),
         }
 
@@ -326,19 +261,6 @@ _PREDICTED = (
     Column("endurance"),
     Column("season_days", "season", "d"),
 )
-
-
-def _endurance(p: Prediction) -> float | str:
-    return np.inf if p.perpetual else duration(p.endurance_h, " d")
-
-
-def _season_record(season: Season) -> dict[str, Any]:
-    return {
-        "days": season.days,
-        "window_days": season.window_days,
-        "first": None if season.first is None else date_code(season.first),
-        "last": None if season.last is None else date_code(season.last),
-    }
 
 
 def perpetual_line(perpetual: Sequence[bool]) -> str:

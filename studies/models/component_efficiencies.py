@@ -26,6 +26,7 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT
+from studies.output.gridded import dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,8 +71,6 @@ def component_efficiencies(
     ValueError
         If the aircraft has no module geometry or the mission no flight path.
     """
-    import xarray as xr
-
     geometry, path = aircraft.modules.geometry, mission.flight_path
     if geometry is None or path is None:
         raise ValueError("component efficiencies need modules.geometry and a flight_path")
@@ -92,13 +91,13 @@ def component_efficiencies(
     factor = mission.pessimistic_power_factor("FM")
     specific_power = power.specific_power_w_per_m2 * factor
     power = replace(power, specific_power_w_per_m2=specific_power)
-    return xr.Dataset(
+    return dataset(
         _variables(power, orbit.weights),
-        coords={
+        {
             "time": ("time", time_h[sunlit], {"units": "h", "long_name": "solar time"}),
             "surface": [s.name for s in geometry.surfaces],
         },
-        attrs={
+        {
             "aircraft": aircraft.name,
             "mission": mission.name,
             "scenario": scenarios.label(scenario),

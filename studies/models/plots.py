@@ -10,7 +10,8 @@ import numpy as np
 from missions.dates import MONTH_NAMES
 from sizing.optimisation.objectives import Objective
 from studies.maps.season import Season
-from studies.models.comparison import Case, Comparison
+from studies.models.comparison import Comparison
+from studies.models.prediction import Case
 from studies.models.solar_models import model_label
 from studies.output.figures.drawing import (
     BLUE,
@@ -102,12 +103,7 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     panels[0].set_ylim(heights.max() + 0.7, -0.7)
     panels[0].set_yticks(heights, [c.solar.label for c in comparison.cases])
     panels[0].yaxis.set_gid(NAMES)
-    drawn.legend(
-        handles=_legend(comparison),
-        loc="outside lower center",
-        ncols=5,
-        frameon=False,
-    )
+    drawn.legend(handles=_legend(comparison), loc="outside lower center", ncols=5, frameon=False)
     return drawn
 
 

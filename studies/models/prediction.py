@@ -1,4 +1,4 @@
-"""What a solar power model says of an aircraft on a mission, in numbers and in one clause."""
+"""What a solar power model says of an aircraft, in numbers and words, and what it would build."""
 
 from __future__ import annotations
 
@@ -8,11 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from missions.dates import date_code
+from sizing.design import DesignVariables
 from sizing.energy.cycle import Cycle, Status
 from sizing.energy.endurance import Endurance
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
 from sizing.performance import Performance
-from sizing.results.records import finite_values
+from sizing.results.quantities import TOTAL_MASS
+from sizing.results.records import finite, finite_values
 from sizing.sunlight import SolarDay, SolarModel
+from studies.maps.season import Season
 
 # Excess time that is missing by less than is printed is not missing [h].
 _MET_H = 0.005
@@ -60,6 +66,11 @@ class Prediction:
         """Whether the flight is perpetual in every scenario."""
         return self.status in (Status.perpetual, Status.always_lit)
 
+    @property
+    def endurance_cell(self) -> float | str:
+        """Endurance as tables write it."""
+        return np.inf if self.perpetual else duration(self.endurance_h, " d")
+
     def outcome(self, required_excess_time_h: float = 0.0) -> str:
         """What becomes of the aircraft in its worst scenario, as a clause without its subject."""
         at, excess_h = self.scenario, self.excess_time_h
@@ -103,6 +114,79 @@ class Prediction:
             },
             **numbers,
         }
+
+
+@dataclass(frozen=True)
+class Built:
+    """Design that a model led to, and what the reference says of it (none without a design)."""
+
+    sizing: SizingResult
+    judged: Prediction | None
+
+    def value(self, objective: Objective) -> float | None:
+        """Quantity of the objective, none without a design; infinite excess time is possible."""
+        design, simulated = self.sizing.design, self.sizing.simulated
+        if design is None or simulated is None:
+            return None
+        return float(objective_value(objective, simulated))
+
+    def result(self, objective: Objective) -> str:
+        """What the sizing arrived at, in words."""
+        value = self.value(objective)
+        if self.judged is None or value is None:
+            return "no design" if self.sizing.status is SizingStatus.infeasible else "no result"
+        if not np.isfinite(value):
+            return "an unlimited excess time"
+        noun, form = _RESULTS[objective]
+        return f"{noun} of {value:{form}} {objective.unit}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Design and its outcome, JSON-ready; null where there is none."""
+        sizing, design = self.sizing, self.sizing.design
+        names = DesignVariables._fields
+        promised = self.value(Objective.max_excess_time)
+        return {
+            "status": sizing.status.name,
+            **(dict.fromkeys(names) if design is None else design.variables._asdict()),
+            TOTAL_MASS.name: None if design is None else design.total_mass_kg,
+            "promised_excess_time_h": None if promised is None else finite(promised),
+            "violated_requirements": [v.text for v in sizing.violations],
+            "judged": None if self.judged is None else self.judged.to_dict(),
+        }
+
+
+_RESULTS = {
+    Objective.min_wingspan: ("a span", ".2f"),
+    Objective.min_mass: ("a mass", ".2f"),
+    Objective.max_payload_mass: ("a payload", ".2f"),
+    Objective.max_payload_power: ("a payload", ".1f"),
+    Objective.max_excess_time: ("an excess time", ".1f"),
+}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One model with one correction.
+
+    ``season`` holds the days on which all latitudes of the mission are flown perpetually,
+    ``seasons`` those of each latitude.
+    """
+
+    solar: SolarModel
+    prediction: Prediction
+    season: Season
+    seasons: tuple[Season, ...]
+    built: Built | None
+
+
+def season_record(season: Season) -> dict[str, Any]:
+    """Days of perpetual flight in the year, JSON-ready."""
+    return {
+        "days": season.days,
+        "window_days": season.window_days,
+        "first": None if season.first is None else date_code(season.first),
+        "last": None if season.last is None else date_code(season.last),
+    }
 
 
 def predict(

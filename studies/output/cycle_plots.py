@@ -313,9 +313,7 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
     _label_clock(charge_axes, ends, lambda day: date_label((first_day + day - 1) % 365 + 1))
     charge_axes.set_xlabel(f"local time, launched on {date_label(first_day)}")
     charge_axes.set(
-        ylabel="state of charge [%]",
-        ylim=(0, 105),
-        xlim=(flight.clock_h[0], flight.clock_h[-1]),
+        ylabel="state of charge [%]", ylim=(0, 105), xlim=(flight.clock_h[0], flight.clock_h[-1])
     )
     return drawn
 
@@ -409,11 +407,7 @@ def _with_value(sensitivity: Sensitivity) -> str:
 
 @styled
 def plot_masses(
-    masses_kg: dict[str, float],
-    title: str,
-    *,
-    notes: Sequence[str] = (),
-    figure: Canvas = DEFAULT,
+    masses_kg: dict[str, float], title: str, *, notes: Sequence[str] = (), figure: Canvas = DEFAULT
 ) -> Figure:
     """Mass budget as horizontal bars, heaviest on top.
 

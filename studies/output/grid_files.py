@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from missions.files.writing import to_json
+from sizing.results.tables import data_frame
 from studies.output.columns import status_names
 from studies.output.formats import csv_bytes, table_bytes, workbook_bytes
 from studies.output.gridded import Gridded, OnGrid, to_netcdf_bytes
@@ -59,7 +60,5 @@ def to_table(data: OnGrid) -> pd.DataFrame:
 
 def _configuration(attrs: dict[Any, Any]) -> pd.DataFrame:
     """Whole configuration as keys and values."""
-    import pandas as pd
-
     texts = [value if isinstance(value, str) else to_json(value) for value in attrs.values()]
-    return pd.DataFrame({"key": [str(key) for key in attrs], "value": texts})
+    return data_frame({"key": [str(key) for key in attrs], "value": texts})

@@ -21,7 +21,7 @@ from sizing.validity.told import from_text
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Gridded", "Labelled", "OnGrid", "can_be_result", "to_netcdf_bytes"]
+__all__ = ["Gridded", "Labelled", "OnGrid", "can_be_result", "dataset", "to_netcdf_bytes"]
 
 
 class Labelled(NamedTuple):
@@ -54,9 +54,14 @@ class Gridded:
 
     def to_xarray(self) -> xr.Dataset:
         """Return the same as a dataset."""
-        import xarray as xr
+        return dataset(self.variables, self.coordinates, self.attrs)
 
-        return xr.Dataset(dict(self.variables), dict(self.coordinates), dict(self.attrs))
+
+def dataset(variables: Any, coordinates: Any, attrs: Mapping[str, Any]) -> xr.Dataset:
+    """Dataset of variables, coordinates and attributes as xarray takes them."""
+    import xarray as xr
+
+    return xr.Dataset(dict(variables), dict(coordinates), dict(attrs))
 
 
 # A type of annotations alone: xarray is not imported for it.

@@ -154,9 +154,7 @@ def write_run_folder(
         raise trouble
 
 
-def _drawn(
-    figures: Mapping[str, Callable[[], bytes]],
-) -> tuple[dict[str, bytes], Exception | None]:
+def _drawn(figures: Mapping[str, Callable[[], bytes]]) -> tuple[dict[str, bytes], Exception | None]:
     """Files of figures, or none and the reason."""
     try:
         return {name: draw() for name, draw in figures.items()}, None
@@ -186,9 +184,7 @@ def _described_file(data: Mapping[str, Any], file: InputFile) -> bytes:
     return file_text(f"Written by solar-uav {__version__} from {file.source}", data).encode()
 
 
-def _with_named_files(
-    aircraft: Mapping[str, Any],
-) -> tuple[Mapping[str, Any], dict[str, Path]]:
+def _with_named_files(aircraft: Mapping[str, Any]) -> tuple[Mapping[str, Any], dict[str, Path]]:
     """Aircraft whose own files, such as an airfoil's table, lie beside it; and those files.
 
     The files are named by their role, a folder of polars by the one file that holds them all.

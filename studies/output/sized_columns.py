@@ -19,9 +19,9 @@ from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.propulsion import with_smooth_chain
-from sizing.optimisation.result import SizingResult
+from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance_of_designs
-from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
+from sizing.results.quantities import DESIGN_COLUMNS, LOAD, PAYLOAD_MASS, REACHED
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
     charge_rate_check,
@@ -29,15 +29,22 @@ from sizing.validity.checks import (
     correction_check,
     design_checks,
 )
-from sizing.validity.told import cell_texts
+from sizing.validity.told import as_text, cell_texts, extrapolations
 from studies.output.columns import BLANKS, SIZED
 
 __all__ = ["size_cells", "sized_flight", "sizing_row"]
 
 
-def sizing_row(result: SizingResult) -> dict[str, Any]:
-    """What a sizing has to say; what it has not is missing, see :data:`BLANKS`."""
-    row: dict[str, Any] = {"status": result.status}
+def sizing_row(
+    aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel, *, of: Aircraft
+) -> dict[str, Any]:
+    """Best design at a point of a trade study; what it has not is missing, see :data:`BLANKS`.
+
+    ``of``: the aircraft without what the point holds.
+    """
+    problems = _programs(aircraft, mission, objective, solar)
+    result = size_aircraft(problems.aircraft, mission, objective, solar, problems=problems)
+    row: dict[str, Any] = {"status": result.status, PAYLOAD_MASS.variable: mission.payload.mass_kg}
     if result.status is SizingStatus.not_converged:
         return row | {"message": f"the solver did not converge ({result.solver.message})"}
     if result.violations:
@@ -48,7 +55,8 @@ def sizing_row(result: SizingResult) -> dict[str, Any]:
         return row
     flown, scenario = result.simulated, result.simulated.worst_scenario()
     row |= {one.variable: one.of(result.design) for one in DESIGN_COLUMNS}
-    return row | {one.variable: float(one.of(flown)[scenario]) for one in (*REACHED, LOAD)}
+    row |= {one.variable: float(one.of(flown)[scenario]) for one in (*REACHED, LOAD)}
+    return row | {"extrapolations": as_text(extrapolations(of, flown))}
 
 
 def size_cells(
@@ -128,7 +136,11 @@ def _programs(
 
     A propulsion at its operating point has the efficiencies of the mission's own optimum.
     """
-    return SizingProblems(with_smooth_chain(aircraft, mission, objective, solar)[0])
+    return _problems(with_smooth_chain(aircraft, mission, objective, solar)[0])
+
+
+# Missions do not matter to them.
+_problems = lru_cache(maxsize=1)(SizingProblems)
 
 
 def _columns(sizings: CellSizings) -> dict[str, Any]:

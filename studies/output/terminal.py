@@ -5,15 +5,13 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from missions.files.errors import printable
 from sizing.results.layout import RULE
-
-if TYPE_CHECKING:
-    from sizing.results.tables import Emphasis, Result, Summary, Table
+from sizing.results.tables import Emphasis, Result, Summary, Table
 
 # Letters beyond ASCII that results have, for a terminal that has none.
 _PLAIN = str.maketrans(
@@ -38,8 +36,6 @@ def line_width() -> int:
 
 def show(shown: Result | Summary | Table) -> None:
     """Print a result, a summary or a table to standard output, as wide as the terminal is."""
-    from sizing.results.tables import Result
-
     summary = shown.summary() if isinstance(shown, Result) else shown
     for line, emphasis in summary.styled_lines(line_width()):
         tell_line(line, emphasis)

@@ -179,7 +179,10 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
         for text in (structure["text"], *structure["remarks"]):
             blocks.append(Text(f"{text[:1].upper()}{text[1:]}."))
     if sizing.get("reliability") is not None:
-        blocks.append(_reliability(sizing["reliability"]))
+        found = sizing["reliability"]
+        achieved = f"{100.0 * found['achieved']:.1f} % of {found['samples']} draws"
+        text = f"Reliability: {achieved}; required {100.0 * found['required']:g} %."
+        blocks.append(Text(text))
     tables = []
     if cells is not None:
         tables.append(neighbour_table(cells, objective))
@@ -214,19 +217,12 @@ def _with_margin(
     was = {
         **sizing,
         objective.variable: sizing["objective"]["value"],
-        "excess_time_h": sizing["simulated"]["excess_time_h"],
+        q.EXCESS_TIME.name: sizing["simulated"][q.EXCESS_TIME.name],
         "least_excess_time_h": sizing["uncertainty"]["excess_time_low_h"],
     }
     now = {**guarded, objective.variable: guarded["objective_value"]}
     solar = SolarModel(sizing["model"], sizing["correction"])
     return margin_table(objective, solar, was, now)
-
-
-def _reliability(record: Mapping[str, Any]) -> Text:
-    return Text(
-        f"Reliability: {100.0 * record['achieved']:.1f} % of {record['samples']} draws; required "
-        f"{100.0 * record['required']:g} %."
-    )
 
 
 def _sensitivities(records: list[Mapping[str, Any]]) -> list[Sensitivity]:

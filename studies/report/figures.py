@@ -54,10 +54,7 @@ def page_options(width_in: float, height_in: float | None = None) -> FigureOptio
     """How a figure is drawn for a page: without a title, which is left to the caption."""
     style = resources.files("studies.report").joinpath("templates", "page.mplstyle")
     return FigureOptions(
-        size_in=(width_in, height_in),
-        dots_per_inch=_DOTS_PER_INCH,
-        style=str(style),
-        title=False,
+        size_in=(width_in, height_in), dots_per_inch=_DOTS_PER_INCH, style=str(style), title=False
     )
 
 

@@ -234,10 +234,7 @@ def _module_places(
     along = max(0.98, share) * span_m / 2.0
     deep = area_m2 / (2.0 * along)
     front = (chord_m - deep) / 2.0
-    band = (
-        Rectangle(-along, 0.0, front, front + deep),
-        Rectangle(0.0, along, front, front + deep),
-    )
+    band = (Rectangle(-along, 0.0, front, front + deep), Rectangle(0.0, along, front, front + deep))
     why = (
         "the file's outlines are those of another area" if outlines else "the file has no outlines"
     )

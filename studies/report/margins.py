@@ -142,7 +142,7 @@ def _enough(
                 design_of(aircraft, mission.at_altitude(mission.climb.ceiling_m))
         except ImpossibleDesignError:
             continue
-        flown.append((number, (aircraft, design, mission, day.scaled(factor))))
+        flown.append((number, (aircraft, mission, design, day.scaled(factor))))
     if flown:
         cycle = cycle_of_variants([variant for _, variant in flown])
         every = np.all(_hold(cycle, required), axis=-1).tolist()

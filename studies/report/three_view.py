@@ -135,8 +135,7 @@ def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
     canvas.shape(_wing_outline(view, drawing), "wing")
     for m in drawing.modules:
         canvas.shape(
-            view.box(m.left_m, m.right_m, m.front_m, m.rear_m),
-            _looks(drawing, "modules", "module"),
+            view.box(m.left_m, m.right_m, m.front_m, m.rear_m), _looks(drawing, "modules", "module")
         )
     canvas.line(
         view.at(-half, drawing.spar_m),

@@ -121,14 +121,7 @@ def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
 
 def _drawable(data: xr.Dataset) -> xr.DataArray:
     """Mark the points that have a result, good or bad."""
-    if data.attrs["objective"]:
-        return data["status"].isin(SIZED)
-    return data["status"].isin(ENDS)
-
-
-def _reasons(data: xr.Dataset) -> dict[int, str]:
-    """Statuses without a result, with their names."""
-    return {value: name for value, name in status_names(data).items() if name in HATCHES}
+    return data["status"].isin(SIZED if data.attrs["objective"] else ENDS)
 
 
 # ---- Grids
@@ -146,24 +139,19 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     for axes, variable, colour in zip(
         panels, _plotted_variables(data), (LOAD, CHARGE), strict=True
     ):
-        values = np.where(shown, data[variable].to_numpy(), np.nan)
-        values = np.where(np.isinf(values), np.nan, values)
+        values = data[variable].to_numpy()
+        values = np.where(shown & ~np.isinf(values), values, np.nan)
         axes.plot(x, values, style, color=colour, markersize=4)
         _mark_extrapolated(axes, x, values, _extrapolated(data))
         axes.set(ylabel=_label(data, variable))
         if variable == "excess_time":
             axes.axhline(0.0, color=ink(), linewidth=0.8)
-        for value, reason in _reasons(data).items():
+        at_bottom = axes.get_xaxis_transform()
+        for value, reason in status_names(data).items():
             gone = x[data["status"].to_numpy() == value]
-            if len(gone):
-                axes.plot(
-                    gone,
-                    np.full(len(gone), 0.03),
-                    _MARKERS[reason],
-                    color=DARK_GREY,
-                    transform=axes.get_xaxis_transform(),
-                    label=reason.replace("_", " "),
-                )
+            if reason in HATCHES and len(gone):
+                low, mark, words = [0.03] * len(gone), _MARKERS[reason], reason.replace("_", " ")
+                axes.plot(gone, low, mark, color=DARK_GREY, transform=at_bottom, label=words)
         if axes.get_legend_handles_labels()[0]:
             axes.legend()
     _name_places(panels[-1].xaxis, data, name)
@@ -283,14 +271,9 @@ def _extrapolated(data: xr.Dataset) -> NDArray[np.bool_]:
 def _mark_extrapolated(axes: Axes, x: Any, y: Any, outside: NDArray[np.bool_]) -> None:
     """Ring around the points that lie outside the range of a model."""
     if np.isfinite(np.where(outside, y, np.nan)).any():
+        x, y = np.asarray(x)[outside], np.asarray(y)[outside]
         axes.plot(
-            *(np.asarray(x)[outside], np.asarray(y)[outside]),
-            linestyle="",
-            marker="o",
-            markersize=9,
-            markerfacecolor="none",
-            color=VERMILLION,
-            label="extrapolated",
+            x, y, "o", markersize=9, markerfacecolor="none", color=VERMILLION, label="extrapolated"
         )
 
 
@@ -355,10 +338,11 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     base = table[table["varied"] == ""].iloc[0]
     if not base["drawable"]:
         raise ValueError(f"the files' own point has no result to start from ({base['status']})")
-    bars = []
-    for name, rows in table[table["varied"] != ""].groupby("varied", sort=False):
-        bars.append((str(name), rows[rows["drawable"]], int((~rows["drawable"]).sum())))
-    bars.sort(key=lambda bar: _extent_with_base(bar[1][variable], base[variable]))
+    bars = [
+        (str(name), rows[rows["drawable"]], int((~rows["drawable"]).sum()))
+        for name, rows in table[table["varied"] != ""].groupby("varied", sort=False)
+    ]
+    bars.sort(key=lambda bar: float(np.ptp([*bar[1][variable], base[variable]])))
     figure, (axes,) = new_figure(
         canvas=canvas,
         **_title_and_notes(data),
@@ -369,13 +353,9 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     for place, (name, rows, lost) in enumerate(bars):
         _draw_bar(axes, place, rows, name, variable, base)
         if lost:
-            axes.annotate(
-                f"{lost} without a result",
-                (0.99, place + 0.3),
-                xycoords=("axes fraction", "data"),
-                ha="right",
-                fontsize="x-small",
-            )
+            at, by = (0.99, place + 0.3), ("axes fraction", "data")
+            words = f"{lost} without a result"
+            axes.annotate(words, at, xycoords=by, ha="right", fontsize="x-small")
     axes.axvline(base[variable], color=ink(), linewidth=0.8)
     labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels)
@@ -391,10 +371,6 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     return figure
 
 
-def _extent_with_base(values: pd.Series[Any], base: float) -> float:
-    return float(max(values.max(), base) - min(values.min(), base)) if len(values) else 0.0
-
-
 def _bar_style(*, low: bool) -> dict[str, Any]:
     colour, hatch = (SUN, "") if low else (LOAD, "//")
     return {"facecolor": colour, "edgecolor": paper(), "hatch": hatch}
@@ -404,8 +380,6 @@ def _draw_bar(
     axes: Axes, place: int, rows: pd.DataFrame, name: str, variable: str, base: pd.Series[Any]
 ) -> None:
     """Bar from the least to the largest result, with the values of the key at its ends."""
-    if rows.empty:
-        return
     for low in (True, False):
         side = rows[rows[name] < base[name]] if low else rows[rows[name] > base[name]]
         if side.empty:
@@ -462,14 +436,8 @@ def plot_pareto(data: xr.Dataset, x: str, y: str, *, figure: Canvas = DEFAULT) -
     drawn, (axes,) = new_figure(canvas=figure, **_title_and_notes(data, note), size_in=(7.0, 5.0))
     if len(front) < len(table):
         axes.plot(table[x], table[y], "o", color=DARK_GREY, markersize=4, label="feasible")
-    joined = front.sort_values([x, y])
-    axes.plot(
-        *(joined[x], joined[y], "s-"),
-        color=LOAD,
-        markersize=6,
-        linewidth=1.0,
-        label="Pareto front",
-    )
+    over, up = (front.sort_values([x, y])[name] for name in (x, y))
+    axes.plot(over, up, "s-", color=LOAD, markersize=6, linewidth=1.0, label="Pareto front")
     _mark_extrapolated(axes, table[x], table[y], table["extrapolations"].to_numpy() != "")
     for label, over, up in zip(front["point"], front[x], front[y], strict=True):
         axes.annotate(label, (over, up), (4, 4), textcoords="offset points", fontsize="small")

@@ -367,35 +367,17 @@ def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dic
     their units. Returns values of all points by the names of :data:`SIZED_BLANKS`, in the units of
     :data:`SIZED_DESCRIBED`.
     """
-    # The optimiser, for those who size.
-    from sizing.optimisation.problem import SizingProblems
-    from sizing.optimisation.propulsion import with_smooth_chain
-    from sizing.optimisation.search import size_aircraft
-    from studies.output.sized_columns import sizing_row
+    from studies.output.sized_columns import sizing_row  # the optimiser, for those who size
 
     assert configuration.objective is not None
     rows: list[dict[str, Any]] = [{} for _ in cells]
-    problems: SizingProblems | None = None
     for numbers, aircraft, mission in _flyable(configuration, cells, rows, SizingStatus):
         for number in numbers:
             given = zip(map(design_variable, configuration.keys), cells[number], strict=True)
             sized = held(aircraft, {name: value for name, value in given if name is not None})
             sought = configuration.objective, configuration.solar
             try:
-                sized, _ = with_smooth_chain(sized, mission, *sought)
+                rows[number] = sizing_row(sized, mission, *sought, of=aircraft)
             except ImpossibleDesignError as error:
                 rows[number] = {"status": SizingStatus.infeasible, "message": str(error)}
-                continue
-            if problems is None or problems.aircraft != sized:
-                problems = SizingProblems(sized)
-            result = size_aircraft(
-                problems.aircraft,
-                mission,
-                *sought,
-                problems=problems,
-            )
-            row = {PAYLOAD_MASS.variable: mission.payload.mass_kg} | sizing_row(result)
-            if result.simulated is not None:
-                row["extrapolations"] = as_text(extrapolations(aircraft, result.simulated))
-            rows[number] = row
     return {name: [row.get(name, blank) for row in rows] for name, blank in SIZED_BLANKS.items()}

@@ -127,10 +127,7 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
         value = analysis.values[one.key]
         low, high = (
             float(np.mean(excess[finite & side])) if np.any(finite & side) else np.nan
-            for side in (
-                value <= np.percentile(value, 20.0),
-                value >= np.percentile(value, 80.0),
-            )
+            for side in (value <= np.percentile(value, 20.0), value >= np.percentile(value, 80.0))
         )
         rows.append((one, low, high))
     rows.sort(key=lambda row: np.nan_to_num(abs(row[2] - row[1])))

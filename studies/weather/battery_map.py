@@ -31,6 +31,7 @@ from sizing.validity.told import told
 from solar.types import IntArray
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
+from studies.output.gridded import dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -86,8 +87,6 @@ def battery_map(
     ValueError
         If a factor is not positive.
     """
-    import xarray as xr
-
     solar = SolarModel() if solar is None else solar
     factors = np.asarray(battery_factors, float)
     if not np.all(factors > 0.0):
@@ -109,8 +108,8 @@ def battery_map(
     axis = flights.days.axis
     place = _half_month(axis.day_of_year[:-1])
     masses = [np.nan if one is None else float(one.total_mass_kg) for one in designs]
-    mass = _unit_attrs("kg")
-    return xr.Dataset(
+    mass = {"units": "kg"}
+    return dataset(
         {
             "closes": (("battery_factor", "time"), closes),
             "share": (("battery_factor", "half_month"), _shares(closes[:, :-1], place)),
@@ -118,13 +117,13 @@ def battery_map(
             "battery_mass": ("battery_factor", factors * aircraft.battery.mass_kg, mass),
             "total_mass": ("battery_factor", np.array(masses), mass),
         },
-        coords={
+        {
             "battery_factor": factors,
             "half_month": list(HALF_MONTHS),
             "time": (axis.time_s + 43200.0).astype("datetime64[s]").astype("datetime64[D]")
             .astype("datetime64[ns]"),
         },
-        attrs={
+        {
             "aircraft": aircraft.name,
             "mission": mission.name,
             "weather": weather.source,
@@ -134,10 +133,6 @@ def battery_map(
             "notes": "; ".join([*notes, *(one.text for one in above), _LAST_NIGHT]),
         },
     )  # fmt: skip
-
-
-def _unit_attrs(unit: str) -> dict[str, str]:
-    return {"units": unit}
 
 
 def _with_battery(aircraft: Aircraft, mission: Mission, factor: float) -> Design | None:

@@ -10,14 +10,7 @@ from missions.dates import MONTH_NAMES
 from sizing.results.weather import WeatherAnalysis
 from sizing.weather_run import WeatherRun
 from solar.types import BoolArray
-from studies.output.figures.drawing import (
-    BLUE,
-    ORANGE,
-    Canvas,
-    new_figure,
-    outside_ranges,
-    styled,
-)
+from studies.output.figures.drawing import BLUE, ORANGE, Canvas, new_figure, outside_ranges, styled
 from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:

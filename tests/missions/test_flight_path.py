@@ -24,11 +24,11 @@ from missions.flight_path import (
     Racetrack,
     StraightLegs,
     Wind,
-    _Motion,
     _segments,
     largest_wind_m_per_s,
     orbit,
 )
+from missions.ground_track import Motion
 from solar.attitude import direction_cosines
 from solar.schema import Record
 from solar.types import FloatArray
@@ -262,7 +262,7 @@ def test_airspeed_is_held(case: tuple[MovingPath, Wind]) -> None:
 def test_segments_join_and_close(case: tuple[MovingPath, Wind]) -> None:
     path, wind = case
     towards = np.radians(wind.from_deg + 180.0)
-    motion = _Motion(path.airspeed_m_per_s, wind.speed_m_per_s, float(towards))
+    motion = Motion(path.airspeed_m_per_s, wind.speed_m_per_s, float(towards))
     side = -1 if getattr(path, "direction", "") == "counterclockwise" else 1
     parts = _segments(path, motion, side)
     for part, following in zip(parts, parts[1:] + parts[:1], strict=True):

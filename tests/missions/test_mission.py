@@ -322,6 +322,12 @@ def test_bad_floors_are_one_line(changes: str, message: str) -> None:
     assert str(caught.value) == f"m.yaml:6:23: climb.minimum_altitude_m: {message}"
 
 
+def test_aircraft_that_holds_its_place_does_not_climb() -> None:
+    wind = {"percentile": 50, "hold_station": True}
+    with pytest.raises(ValidationError, match=r"give wind\.hold_station or climb, not both"):
+        mission(altitude_m=15000.0, climb={"ceiling_m": 18000.0}, wind=wind)
+
+
 def test_launch_is_read() -> None:
     launch = mission(longitude_deg=8.53, launch=LAUNCH).launch
     assert launch is not None

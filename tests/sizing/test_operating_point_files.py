@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import DESIGN
+from propulsors import PARTS, VOLTAGE, aircraft
 
 import sizing
 from missions.files.errors import InputError
@@ -17,19 +18,6 @@ from sizing.propulsion.operating_point import Propulsor, operating_point
 from sizing.results.power_budget import power_budget
 
 MISSION = load_mission("rafz-july")
-VOLTAGE = {
-    "cells_in_series": 6,
-    "state_of_charge": [0.0, 0.1, 0.9, 1.0],
-    "cell_voltage_v": [3.0, 3.4, 4.0, 4.2],
-}
-PARTS: dict[str, Any] = {
-    "kind": "operating_point",
-    "propeller": {"diameter_m": 0.66, "pitch_m": 0.60},
-    "gear": {"ratio": 5.0, "efficiency": 0.96},
-    "motor": "maxon-re40-148867",
-    "controller": {"resistance_ohm": 0.02, "freewheel_voltage_v": 0.7},
-    "wiring_resistance_ohm": 0.03,
-}
 PROPULSOR = Propulsor(
     propeller=sizing.BladeElementPropeller(0.66, 0.60),
     motor=sizing.Motor.from_catalogue("maxon-re40-148867"),
@@ -37,11 +25,6 @@ PROPULSOR = Propulsor(
     gear=sizing.Gear(ratio=5.0, efficiency=0.96),
     wiring_resistance_ohm=0.03,
 )
-
-
-def aircraft(*, voltage: Any = VOLTAGE, base: str = "atlantiksolar-design", **parts: Any) -> Any:
-    chain = {key: value for key, value in (PARTS | parts).items() if value is not None}
-    return sizing.load_aircraft(base, {"battery.voltage": voltage, "airframe.propulsion": chain})
 
 
 def test_power_is_that_of_the_chain_at_the_worse_end_of_the_battery() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from propulsors import PARTS, VOLTAGE, aircraft
 
 import sizing
 import studies
@@ -23,25 +24,7 @@ from sizing.smooth_propulsion import smooth_propulsion
 from sizing.sunlight import SolarModel
 
 MISSION = load_mission("rafz-july")
-VOLTAGE = {
-    "cells_in_series": 6,
-    "state_of_charge": [0.0, 0.1, 0.9, 1.0],
-    "cell_voltage_v": [3.0, 3.4, 4.0, 4.2],
-}
-PARTS: dict[str, Any] = {
-    "kind": "operating_point",
-    "propeller": {"diameter_m": 0.66, "pitch_m": 0.60},
-    "gear": {"ratio": 5.0, "efficiency": 0.96},
-    "motor": "maxon-re40-148867",
-    "controller": {"resistance_ohm": 0.02, "freewheel_voltage_v": 0.7},
-    "wiring_resistance_ohm": 0.03,
-}
 FACTOR = "airframe.propulsion.efficiency_factor"
-
-
-def aircraft(overrides: dict[str, Any] | None = None, **parts: Any) -> sizing.Aircraft:
-    values = {"battery.voltage": VOLTAGE, "airframe.propulsion": PARTS | parts}
-    return sizing.load_aircraft("atlantiksolar-design", values | (overrides or {}))
 
 
 def ranged(motor: Any = PARTS["motor"], **ranges: tuple[float, float]) -> sizing.Aircraft:

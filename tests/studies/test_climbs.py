@@ -258,7 +258,7 @@ def test_draw_is_what_it_is_alone(aircraft: Any, changes: dict[str, float]) -> N
 def test_heights_of_climbs_do_not_scatter() -> None:
     one = UncertainInput("mission.climb.ceiling_m", 3536.0, Normal(sigma=10.0))
     with pytest.raises(ValueError, match="vary it with `sweep`"):
-        check_inputs(UncertainInputs((one,), np.eye(1)), SolarModel())
+        check_inputs(UncertainInputs((one,), np.eye(1)), mission(), SolarModel())
 
 
 # ---- Reports
@@ -270,7 +270,7 @@ def test_variants_in_one_march_are_what_each_is_alone() -> None:
     windy = with_values(flown, {"turbulence.all_day": 0.2})
     day = solar_day(DESIGN, flown)
     each = [performance(DESIGN, one, day=day) for one in (flown, heavier, windy)]
-    together = cycle_of_variants([(DESIGN, one.design, one.mission, day) for one in each])
+    together = cycle_of_variants([(DESIGN, one.mission, one.design, day) for one in each])
     alone_h = [one.cycle.excess_time_h for one in each]
     np.testing.assert_allclose(together.excess_time_h, alone_h, atol=1e-7)
 

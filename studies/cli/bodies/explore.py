@@ -7,7 +7,12 @@ import sys
 import click
 
 from missions.files.writing import write_text_atomically
-from studies.cli.checks import refuse_climb, require_climber, require_path
+from studies.cli.checks import (
+    refuse_climb,
+    refuse_held_station,
+    require_climber,
+    require_path,
+)
 from studies.cli.commands.explore import Explore
 from studies.cli.files import load
 from studies.cli.options import EXIT_FAILED
@@ -20,6 +25,7 @@ from studies.output.terminal import tell_line
 def explore(options: Explore) -> None:
     """Serve the page of a design, or write it."""
     case = load(options.case)
+    refuse_held_station(case, "explore")
     require_path(case)
     require_climber(case)
     if options.static_file is not None:

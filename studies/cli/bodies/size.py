@@ -37,6 +37,8 @@ def size(options: Size) -> None:
         except ValueError as error:
             raise click.UsageError(str(error)) from error
     case = load(options.case, options.place, required_excess_time_h=options.required_h)
+    if options.hold_station is not None:
+        case = case.holding_station(options.hold_station)
     _check(case, options)
     check_report(options.report_file, option="--report")
     study = _designed(case, options)
@@ -89,6 +91,11 @@ def _check(case: Case, options: Size) -> None:
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)
     checks.require_path(case)
+    for option in ("reliability", "survive", "report_file"):
+        if getattr(options, option):
+            checks.refuse_held_station(
+                case, f"size --{option.removesuffix('_file').replace('_', '-')}"
+            )
     if options.whole_cells:
         checks.require_whole_cells(case)
     least = options.reliability
@@ -112,7 +119,7 @@ def _designed(case: Case, options: Size) -> SizingStudy:
             whole_cells=options.whole_cells,
             reliability=options.reliability,
         )
-    weather = load_weather(options.weather_file)
+    weather = load_weather(options.weather_file, case.mission)
     with progress_of("steps of the search") as progress:
         return size_in_weather(
             case.aircraft,

@@ -18,7 +18,7 @@ from studies.weather.plots import plot_weather
 
 def analyse_in_weather(case: Case, options: Analyse, weather_file: str) -> None:
     """Fly the case through a weather record, and tell what became of it."""
-    weather, solar = load_weather(weather_file), case.solar
+    weather, solar = load_weather(weather_file, case.mission), case.solar
     if options.table_years is not None and weather.typical:
         raise click.UsageError("--table-years needs a record of years: this is a typical year")
     result = analyse_weather(
@@ -52,7 +52,7 @@ def map_in_weather(case: Case, options: Map, weather_file: str) -> None:
     data = maps.battery_map(
         case.aircraft,
         case.mission,
-        load_weather(weather_file),
+        load_weather(weather_file, case.mission),
         options.batteries,
         solar=case.solar,
         mission_chosen=not case.mission_is_default,

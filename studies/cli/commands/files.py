@@ -67,10 +67,7 @@ class Validate:
 
 list_ = Command("list", List, "studies.cli.bodies.shipped:list_", "solar-uav list")
 show = Command(
-    "show",
-    Show,
-    "studies.cli.bodies.shipped:show",
-    "solar-uav show atlantiksolar-as2 > mine.yaml",
+    "show", Show, "studies.cli.bodies.shipped:show", "solar-uav show atlantiksolar-as2 > mine.yaml"
 )
 init = Command("init", Init, "studies.cli.bodies.files:init", "solar-uav init albatross")
 validate = Command(

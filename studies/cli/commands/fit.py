@@ -41,9 +41,7 @@ class Fit:
         help="Standard uncertainty of the clear sky, relative.",
     )
     other_log: str | None = option(
-        "--predict",
-        metavar="LOG",
-        help="Another flight, whose charge is predicted from the fit.",
+        "--predict", metavar="LOG", help="Another flight, whose charge is predicted from the fit."
     )
     write_file: str | None = option(
         "--write",

@@ -70,6 +70,14 @@ class Size:
         help="Least probability of the required excess time in every scenario when the uncertain "
         "inputs of aircraft and mission scatter, for instance 0.95.",
     )
+    hold_station: float | None = option(
+        "--hold-station",
+        type=RealRange(0.0, 100.0, unit="the interval from 0 to 100", above=True, below=True),
+        metavar="PERCENTILE",
+        help="Fly as fast as this percentile of the wind of each latitude and month, for instance "
+        "95: it holds its place for at least that share of the time. Short for the mission's "
+        "wind: {percentile: 95, hold_station: true}.",
+    )
     weather_file: str | None = weather_option(
         "Size for the days of a weather record on the mission's dates, instead of clear ones; "
         "with --survive."

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import click
-
 from studies.cli.command import Command, option
 from studies.cli.options import (
     CaseOptions,
@@ -22,7 +20,8 @@ from studies.output.figures.options import FigureOptions
 class Station:
     """Tell how much of the time AIRCRAFT (name, file or folder) holds its place, by month.
 
-    Latitude against month, or altitude at the mission's latitude. It flies as fast as the repeated
+    Latitude against month, altitude against month at the mission's latitude, or latitude against
+    month at the best altitude. It flies as fast as the repeated
     day allows, and the wind is that of the mission's key wind.
     """
 
@@ -35,16 +34,12 @@ class Station:
     altitudes: list[float] | None = option(
         "--altitudes",
         type=Grid(-500.0, 32000.0),
-        help="Altitudes [m] in place of latitudes.",
+        help="Altitudes [m] in place of latitudes; with --latitudes too, that of the largest share "
+        "is flown in each month.",
     )
     out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw them")
     figure: FigureOptions = figure_options()
-
-    def __post_init__(self) -> None:
-        """Refuse two kinds of rows."""
-        if self.latitudes is not None and self.altitudes is not None:
-            raise click.UsageError("--altitudes goes in place of --latitudes")
 
 
 station = Command(

@@ -7,13 +7,7 @@ from dataclasses import dataclass
 import click
 
 from studies.cli.command import Command, option
-from studies.cli.options import (
-    CaseOptions,
-    case_options,
-    figure_options,
-    plot_option,
-    table_option,
-)
+from studies.cli.options import CaseOptions, case_options, figure_options, plot_option, table_option
 from studies.output.figures.options import FigureOptions
 
 

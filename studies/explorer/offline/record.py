@@ -9,6 +9,7 @@ import numpy as np
 from sizing.design import ImpossibleDesignError, design_of
 from sizing.energy.battery import ChargeClock
 from sizing.performance import performance
+from sizing.results.quantities import EXCESS_TIME
 from sizing.results.records import finite
 from sizing.sunlight import DEFAULT_STEP_H
 from studies.explorer.fields import DAY, LATITUDE, Field
@@ -151,7 +152,7 @@ def _status_and_excess(made: Inputs) -> dict[str, Any]:
     try:
         cycle = performance(made.aircraft, made.mission, made.solar, keep_trajectory=False).cycle
     except ImpossibleDesignError:
-        return {"status": "impossible", "excess_time_h": None}
+        return {"status": "impossible", EXCESS_TIME.name: None}
     hours = float(cycle.excess_time_h[0])
     status = "always_lit" if np.isinf(hours) else "perpetual" if hours > 0.0 else "limited"
-    return {"status": status, "excess_time_h": finite(hours)}
+    return {"status": status, EXCESS_TIME.name: finite(hours)}

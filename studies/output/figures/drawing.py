@@ -25,6 +25,7 @@ from studies.output.figures.options import (
     FigureOptions,
     check_dots,
     in_style,
+    library,
     style_settings,
 )
 from studies.output.formats import IMAGE_FORMATS, image_format
@@ -210,10 +211,7 @@ def is_narrow(canvas: Canvas, size_in: tuple[float, float]) -> bool:
 
 def _setting(name: str) -> Any:
     """Setting of matplotlib, as the style has it."""
-    import matplotlib as mpl
-
-    settings: Any = mpl.rcParams
-    return settings[name]
+    return library().rcParams[name]
 
 
 def ink() -> str:
@@ -228,9 +226,7 @@ def paper() -> str:
 
 def night() -> str:
     """Colour of the night, and of what is not shown: grey, a little off the ground."""
-    from matplotlib.colors import to_rgb
-
-    return GREY if sum(to_rgb(paper())) > 1.5 else _DARK_NIGHT
+    return GREY if sum(library().colors.to_rgb(paper())) > 1.5 else _DARK_NIGHT
 
 
 def shade(

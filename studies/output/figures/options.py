@@ -183,12 +183,17 @@ def read_dots_per_inch(text: str) -> float:
     return number
 
 
+def library() -> Any:
+    """Matplotlib, half a second for those who draw."""
+    import matplotlib.style
+
+    return matplotlib
+
+
 @contextmanager
 def in_style(options: FigureOptions) -> Iterator[None]:
     """Draw in a style, whatever settings the machine has; one thread at a time."""
-    from matplotlib import style
-
-    with SETTINGS, style.context(["default", options.settings()]):
+    with SETTINGS, library().style.context(["default", options.settings()]):
         yield
 
 
@@ -196,11 +201,9 @@ def style_settings(style: str) -> dict[str, Any]:
     """Settings of a shipped style, one of matplotlib's, or a file."""
     if style in SHIPPED_STYLES:
         return _settings_of_file(_shipped(style), style)
-    import matplotlib.style  # half a second, for those who ask for it only
-
-    library: dict[str, Any] = matplotlib.style.library
-    if style in library:
-        return dict(library[style])
+    known_styles: dict[str, Any] = library().style.library
+    if style in known_styles:
+        return dict(known_styles[style])
     path = Path(style)
     try:
         if not path.is_file() or path.stat().st_size > _MOST_STYLE_BYTES:
@@ -222,9 +225,8 @@ def _shipped(name: str) -> str:
 
 def _settings_of_file(text: str, source: str) -> dict[str, Any]:
     """Settings of a file; matplotlib's own reader goes on after a mistake, this one tells it."""
-    import matplotlib as mpl
-
-    parameters: Any = mpl.RcParams()
+    mpl = library()
+    parameters = mpl.RcParams()
     for number, line in enumerate(text.splitlines(), 1):
         content = _BEFORE_COMMENT.match(line)[0]  # type: ignore[index]  # matches any text
         if not content.strip():

@@ -128,24 +128,8 @@ class Flight:
         return next(q for q in self.quantities if q.name == name)
 
 
-def _minimum_charge_of_day(trial: Trial) -> float:
-    return 100.0 * float(_cycle(trial).minimum_state_of_charge[0])
-
-
-def _excess_time_h(trial: Trial) -> float:
-    return float(_cycle(trial).excess_time_h[0])
-
-
-def _charge_margin_h(trial: Trial) -> float:
-    return float(_cycle(trial).charge_margin_h[0])
-
-
 def _cycle(trial: Trial) -> Any:
     return performance(trial.aircraft, trial.mission, trial.solar).cycle
-
-
-def _minimum_charge_of_flight(trial: Trial) -> float:
-    return 100.0 * trial.replay().minimum_state_of_charge
 
 
 def _charge_after_a_day(trial: Trial) -> float:
@@ -172,10 +156,6 @@ def _full_charge_on_day(day: int) -> Callable[[Trial], float]:
     return clock_h
 
 
-def _largest_solar_power_w(trial: Trial) -> float:
-    return float(trial.replay().solar_power_w.max())
-
-
 def _flown_h(trial: Trial) -> float:
     run = trial.replay()
     end_h = run.clock_h[-1] if run.empty_clock_h is None else run.empty_clock_h
@@ -188,14 +168,14 @@ def _season_days(trial: Trial) -> float:
 
 
 COMPUTED: dict[str, Callable[[Trial], float]] = {
-    "minimum_charge_of_day": _minimum_charge_of_day,
-    "excess_time": _excess_time_h,
-    "charge_margin": _charge_margin_h,
-    "minimum_charge_of_flight": _minimum_charge_of_flight,
+    "minimum_charge_of_day": lambda t: 100.0 * float(_cycle(t).minimum_state_of_charge[0]),
+    "excess_time": lambda t: float(_cycle(t).excess_time_h[0]),
+    "charge_margin": lambda t: float(_cycle(t).charge_margin_h[0]),
+    "minimum_charge_of_flight": lambda t: 100.0 * t.replay().minimum_state_of_charge,
     "charge_after_a_day": _charge_after_a_day,
     "full_charge_on_the_first_day": _full_charge_on_day(0),
     "full_charge_on_the_second_day": _full_charge_on_day(1),
-    "largest_solar_power": _largest_solar_power_w,
+    "largest_solar_power": lambda t: float(t.replay().solar_power_w.max()),
     "flown": _flown_h,
     "season_days": _season_days,
 }

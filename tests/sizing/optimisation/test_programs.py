@@ -124,7 +124,9 @@ def test_one_program_serves_all_sizings_of_a_kind() -> None:
     places = [mission(latitude_deg=latitude) for latitude in (40.0, 45.0, 50.0, 55.0)]
     objectives = [Objective.min_mass, Objective.min_wingspan, Objective.max_excess_time]
     sized = [
-        size_aircraft(design(*values), place, objective, step_h=STEP_H)
+        size_aircraft(
+            design(*values), place, objective, day=solar_day(design(*values), place, step_h=STEP_H)
+        )
         for values, place in zip(technology, places, strict=True)
         for objective in objectives
     ]
@@ -165,7 +167,9 @@ def test_a_kept_program_gives_the_bits_of_a_fresh_one() -> None:
 
     def span_m(aircraft: Aircraft) -> Any:
         found = size_aircraft(
-            aircraft, place, Objective.min_wingspan, required_excess_time_h=2.0, step_h=STEP_H
+            *(aircraft, place, Objective.min_wingspan),
+            required_excess_time_h=2.0,
+            day=solar_day(aircraft, place, step_h=STEP_H),
         )
         return found.objective_value
 

@@ -11,8 +11,7 @@ import pytest
 from sizing.design import DesignVariables
 from sizing.optimisation.loop import Search, Simulated, run
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingStatus
-from sizing.optimisation.solver import GOAL_CUSHION_H, ProblemInstance, Solution
+from sizing.optimisation.result import GOAL_CUSHION_H, ProblemInstance, SizingStatus, Solution
 
 
 @dataclass(frozen=True)

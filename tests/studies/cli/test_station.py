@@ -46,9 +46,26 @@ def test_altitudes_go_in_place_of_latitudes(run: Run, tmp_path: Path) -> None:
     assert record["altitudes_m"] == [10000.0, 12000.0, 14000.0]
     plot = str(tmp_path / "b.png")
     assert run("station", DESIGN, *GOOD, *altitudes, "--plot", plot).code == 0
-    both = run("station", DESIGN, *GOOD, *altitudes, "--latitudes", "0:10:5")
-    assert both.code == 2
-    assert "--altitudes goes in place of --latitudes" in both.err
+
+
+def test_the_altitude_of_the_largest_share_is_flown_in_each_month(run: Run, tmp_path: Path) -> None:
+    here = ("--latitudes", "40:50:10")
+    heights = (9500, 12000)
+    each = [
+        run("station", DESIGN, *GOOD, *here, "--set", f"mission.altitude_m={h}", "--json").json()
+        for h in heights
+    ]
+    both = ("station", DESIGN, *GOOD, *here, "--altitudes", "9500:12000:2500")
+    record = run(*both, "--json").json()
+    shares = np.array([one["share_on_station"] for one in each])
+    assert np.array_equal(record["share_on_station"], shares.max(axis=0))
+    chosen = np.array(heights)[shares.argmax(axis=0)]
+    assert np.array_equal(record["altitude_m"], chosen)
+    assert len(set(chosen.ravel().tolist())) == 2  # neither is the best everywhere
+    outcome = run(*both, "--out", str(tmp_path / "c.nc"), "--plot", str(tmp_path / "c.png"))
+    assert "altitude of that share [km]" in outcome.out
+    with xr.open_dataset(tmp_path / "c.nc") as data:
+        assert np.array_equal(data["chosen_altitude"].to_numpy(), chosen)
 
 
 @pytest.mark.parametrize(

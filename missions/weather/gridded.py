@@ -1,0 +1,278 @@
+"""Weather records from gridded data: NetCDF of ERA5, NASA POWER and others, and their CSV files.
+
+Variables are known by their names or CF standard names, axes as in :mod:`missions.winds.netcdf`;
+of a grid the point nearest to the mission is taken. ERA5 gives the light of the hour that ends at a
+row's time (ECMWF, ERA5: data documentation), NASA POWER that of the hour that begins there.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from missions.air import GRAVITY_M_PER_S2, standard_air
+from missions.files.errors import file_error
+from missions.mission import Mission
+from missions.weather.raw import END, START, RawTable, text_of
+from missions.weather.record import SECONDS_PER_HOUR, Site
+from missions.winds.netcdf import AXES, altitudes_m, nearest_longitude, opened
+from solar.types import FloatArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["is_netcdf", "read_era5_csv", "read_netcdf", "read_power_csv"]
+
+_MAGIC = (b"CDF", b"\x89HDF")
+_SHORTWAVE = "surface_downwelling_shortwave_flux_in_air"
+# Names of a quantity in files: short names of ERA5 (accumulated, then mean rates), NASA POWER,
+# pvlib, and the CF standard name.
+_NAMES = {
+    "ghi": ("ssrd", "msdwswrf", "avg_sdswrf", "ALLSKY_SFC_SW_DWN", "ghi", _SHORTWAVE),
+    "direct": ("fdir", "msdrswrf", "avg_sdirswrf", "bhi"),
+    "dni": ("ALLSKY_SFC_SW_DNI", "dni"),
+    "dhi": ("ALLSKY_SFC_SW_DIFF", "dhi", "surface_diffuse_downwelling_shortwave_flux_in_air"),
+    "temp_air": ("t2m", "T2M", "temp_air", "t", "ta", "air_temperature"),
+    "wind_speed": ("WS10M", "wind_speed"),
+    "u": ("u10", "u", "eastward_wind"),
+    "v": ("v10", "v", "northward_wind"),
+    "ground": ("z", "orography", "elevation", "surface_altitude"),
+    "pressure": ("sp", "surface_air_pressure"),
+}
+_ERA5 = {*_NAMES["ghi"][:3], *_NAMES["direct"]}
+_MISSING = -900.0  # of NASA POWER: -999
+_SEA_LEVEL = "height of the ground unknown: taken as sea level"
+
+
+def is_netcdf(path: Path) -> bool:
+    """Whether a file begins as NetCDF does."""
+    try:
+        with path.open("rb") as file:
+            return file.read(4).startswith(_MAGIC)
+    except OSError:
+        return False
+
+
+def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
+    """Table of the grid point nearest to a mission; of the only one without a mission."""
+    with opened(str(path), source) as data:
+        known = {key: _variable(data, names) for key, names in _NAMES.items()}
+        first = next((one for one in known.values() if one is not None), None)
+        if first is None or (known["ghi"] is None and known["dni"] is None):
+            names = ", ".join(_NAMES["ghi"][:4])
+            raise file_error(source, f"has no light (variables named {names}, ...)")
+        place, latitude, longitude = _point(data, mission, source)
+        columns = {}
+        air_m = None
+        for key, one in known.items():
+            if one is None:
+                continue
+            values, height = _at_point(one, place, mission, source)
+            air_m = height if key == "temp_air" and height is not None else air_m
+            columns[key] = _in_units(values, str(one.attrs.get("units", "")), key, source)
+        time = _axis(data, "time", source)
+        index = pd.DatetimeIndex(data[time].to_numpy(), tz="UTC")
+        passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
+    return _record("NetCDF", columns, index, (latitude, longitude), passed)._replace(
+        air_altitude_m=air_m
+    )
+
+
+def read_era5_csv(path: Path, source: str) -> RawTable:
+    """Table of ERA5 hourly time series, as the Climate Data Store returns CSV."""
+    data = _csv(path, 0)
+    ends = [float(data[name].iloc[0]) for name in ("latitude", "longitude") if name in data]
+    if len(ends) < 2:
+        raise file_error(source, "does not name its place: latitude and longitude are needed")
+    columns = {
+        key: data[name].to_numpy(float)
+        for key, names in _NAMES.items()
+        for name in names
+        if name in data
+    }
+    units = {"ghi": "J/m2", "direct": "J/m2", "temp_air": "K"}
+    columns |= {
+        key: _in_units(columns[key], units[key], key, source) for key in units & columns.keys()
+    }
+    index = pd.DatetimeIndex(pd.to_datetime(data["valid_time"], utc=True))
+    return _record("ERA5", columns, index, (ends[0], _east(ends[1])), END)._replace(first_line=2)
+
+
+def read_power_csv(path: Path, source: str) -> RawTable:
+    """Table of NASA POWER's hourly point data."""
+    head, _, _ = text_of(path).partition("-END HEADER-")
+    place = re.search(r"latitude\s+(-?[\d.]+)\s+longitude\s+(-?[\d.]+)", head, re.IGNORECASE)
+    ground = re.search(r"elevation.*=\s*(-?[\d.]+)\s*meters", head, re.IGNORECASE)
+    if place is None:
+        raise file_error(source, "does not name its place: write it with its first lines")
+    latitude, longitude = float(place[1]), float(place[2])
+    data = _csv(path, head.count("\n") + 1)
+    columns: dict[str, FloatArray] = {}
+    for key, names in _NAMES.items():
+        for name in names:
+            if name in data:
+                values = data[name].to_numpy(float)
+                columns[key] = np.where(values <= _MISSING, np.nan, values)
+    parts = {"year": data["YEAR"], "month": data["MO"], "day": data["DY"], "hour": data["HR"]}
+    local = re.search(r"\bin\s+LST\b", head) is not None
+    index = pd.DatetimeIndex(pd.to_datetime(pd.DataFrame(parts), utc=True))
+    if local:  # mean solar time, by NASA's definition
+        index -= pd.Timedelta(hours=longitude / 15.0)
+    if ground is not None:
+        columns["ground"] = np.array([float(ground[1])])
+    found = _record("NASA POWER", columns, index, (latitude, longitude), START)
+    return found._replace(first_line=head.count("\n") + 3)
+
+
+def _csv(path: Path, skip: int) -> pd.DataFrame:
+    import io
+
+    return pd.read_csv(io.StringIO(text_of(path)), skiprows=skip)
+
+
+def _record(
+    layout: str,
+    columns: dict[str, FloatArray],
+    index: pd.DatetimeIndex,
+    place: tuple[float, float],
+    passed: float,
+) -> RawTable:
+    """Table of a file's columns; diffuse light from the direct light on a level surface."""
+    if "direct" in columns and "dhi" not in columns:
+        columns["dhi"] = np.maximum(columns["ghi"] - columns["direct"], 0.0)
+    if "u" in columns and "v" in columns and "wind_speed" not in columns:
+        columns["wind_speed"] = np.hypot(columns["u"], columns["v"])
+    if "ground" in columns:
+        ground_m = float(np.mean(columns["ground"]))
+    elif "pressure" in columns:
+        ground_m = _height_of(float(np.mean(columns["pressure"])))
+    else:
+        ground_m = np.nan
+    kept = ("ghi", "dni", "dhi", "temp_air", "wind_speed")
+    table = pd.DataFrame({k: columns[k] for k in kept if k in columns}, index=index)
+    notes = (_SEA_LEVEL,) if np.isnan(ground_m) else ()
+    site = Site("", *place, 0.0 if notes else ground_m, 0.0)
+    return RawTable(layout, site, table, passed, notes=notes)
+
+
+def _variable(data: xr.Dataset, names: tuple[str, ...]) -> xr.DataArray | None:
+    """Variable of a quantity, by its names in their order."""
+    for name in names:
+        for key, one in data.data_vars.items():
+            if name in (key, one.attrs.get("standard_name")):
+                return one
+    return None
+
+
+def _axis(data: Any, axis: str, source: str) -> str:
+    names = AXES[axis]
+    found = next((name for name in names if name in data.coords), None)
+    if found is None:
+        raise file_error(source, f"has no {axis} (named {', '.join(names)})")
+    return found
+
+
+def _point(
+    data: xr.Dataset, mission: Mission | None, source: str
+) -> tuple[dict[str, int], float, float]:
+    """Place of the nearest grid point on the axes, its latitude and its longitude."""
+    names = {axis: _axis(data, axis, source) for axis in ("latitude", "longitude")}
+    north, east = (np.atleast_1d(data[name].to_numpy()).astype(float) for name in names.values())
+    if np.any(np.abs(north) > 90.0):
+        raise file_error(source, "has latitudes beyond 90 degrees: its axes may be swapped")
+    wanted: tuple[float | None, float | None] = (None, None)
+    if mission is not None:
+        wanted = (mission.latitudes()[0], mission.longitude_deg)
+    for values, key, one in zip(
+        (north, east), ("latitude_deg", "longitude_deg"), wanted, strict=True
+    ):
+        if one is None and len(values) > 1:
+            message = f"has {len(values)} values of {key}: give {key} on the mission"
+            raise file_error(source, message)
+    i = 0 if wanted[0] is None else int(np.argmin(np.abs(north - wanted[0])))
+    spacing = float(np.max(np.abs(np.diff(north)))) if len(north) > 1 else np.inf
+    if wanted[0] is not None and abs(north[i] - wanted[0]) > spacing:
+        ends = f"{north.min():g} to {north.max():g}"
+        raise file_error(source, f"has latitudes {ends}, not {wanted[0]:g} of the mission")
+    j = 0 if wanted[1] is None or len(east) == 1 else nearest_longitude(east, wanted[1], source)
+    place = {names["latitude"]: i, names["longitude"]: j}
+    return place, float(north[i]), _east(float(east[j]))
+
+
+def _at_point(
+    one: xr.DataArray, place: dict[str, int], mission: Mission | None, source: str
+) -> tuple[FloatArray, float | None]:
+    """Values over time at a grid point, and their altitude [m] if there are levels.
+
+    Levels are interpolated at the mission's altitude.
+    """
+    at = one.isel({name: i for name, i in place.items() if name in one.dims})
+    level = next((name for name in AXES["level"] if name in at.dims), None)
+    time = next((name for name in AXES["time"] if name in at.dims), None)
+    for name in at.dims:
+        if name not in (level, time):
+            if at.sizes[name] != 1:
+                raise file_error(source, f"has the axis {name} for {one.name}")
+            at = at.isel({name: 0})
+    if level is None:
+        return at.to_numpy().astype(float), None
+    heights = altitudes_m(at[level], source)
+    order = np.argsort(heights)
+    wanted = heights[order[0]] if mission is None else mission.altitude_m
+    if not heights[order[0]] <= wanted <= heights[order[-1]]:
+        ends = f"{heights[order[0]]:.0f} to {heights[order[-1]]:.0f} m"
+        raise file_error(source, f"has {one.name} at {ends}, not at {wanted:g} m of the mission")
+    values = at.transpose(time, level).to_numpy().astype(float)[:, order]
+    upper = int(np.clip(np.searchsorted(heights[order], wanted), 1, len(order) - 1))
+    low, high = heights[order[upper - 1]], heights[order[upper]]
+    share = (wanted - low) / (high - low)
+    return (1.0 - share) * values[:, upper - 1] + share * values[:, upper], float(wanted)
+
+
+def _in_units(values: FloatArray, unit: str, key: str, source: str) -> FloatArray:
+    """Values in W/m2, C, m/s, m or Pa."""
+    plain = unit.replace("**", "^").replace(" ", "").replace("·", "").replace("-", "^-", 1).lower()
+    for of, factors in _UNITS.items():
+        if key in of:
+            for names, change in factors:
+                if plain.replace("^^-", "^-") in names:
+                    return change(values)
+            allowed = ", ".join(names[0] for names, _ in factors)
+            raise file_error(source, f"has {key} in {unit or 'no unit'} (known: {allowed})")
+    return values
+
+
+_Change = Callable[[FloatArray], FloatArray]
+_UNITS: dict[tuple[str, ...], tuple[tuple[tuple[str, ...], _Change], ...]] = {
+    ("ghi", "direct", "dni", "dhi"): (
+        (("jm^-2", "j/m^2", "j/m2"), lambda v: v / SECONDS_PER_HOUR),
+        (("wm^-2", "w/m^2", "w/m2", "whm^-2", "wh/m^2", "wh/m2", "kw^-hr/m^2/day"), lambda v: v),
+        (("mjm^-2", "mj/m^2", "mj/hr", "mj/m^2/hr"), lambda v: v * 1e6 / SECONDS_PER_HOUR),
+    ),
+    ("temp_air",): (
+        (("k", "kelvin"), lambda v: v - 273.15),
+        (("c", "degc", "degree_celsius", "celsius", "°c"), lambda v: v),
+    ),
+    ("wind_speed", "u", "v"): ((("ms^-1", "m/s"), lambda v: v),),
+    ("ground",): (
+        (("m^2s^-2", "m2s^-2", "m^2/s^2"), lambda v: v / GRAVITY_M_PER_S2),
+        (("m", "meters", "metres"), lambda v: v),
+    ),
+    ("pressure",): ((("pa",), lambda v: v), (("hpa", "mbar"), lambda v: 100.0 * v)),
+}
+
+
+def _east(longitude_deg: float) -> float:
+    """Longitude from -180 to 180 degrees."""
+    return (longitude_deg + 180.0) % 360.0 - 180.0
+
+
+def _height_of(pressure_pa: float) -> float:
+    """Height of a pressure in the standard atmosphere, for the ground [m]."""
+    heights = np.linspace(-400.0, 6000.0, 641)
+    return float(np.interp(-pressure_pa, -standard_air(heights).pressure_pa, heights))

@@ -1,0 +1,64 @@
+"""Flight as fast as the wind of its scenario, where a mission holds its place.
+
+At the same mass a higher airspeed takes a lower lift coefficient, ``C_L = 2 m g / (rho V^2 S)``,
+and the power of level flight at it. No more is flown than the propulsion's rated power.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from missions.air import GRAVITY_M_PER_S2
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.design import Design, FlightConditions, level_flight
+from sizing.smooth import Value
+from solar.types import FloatArray
+
+__all__ = ["POWER_AGAINST_WIND", "faster_flight_w", "power_against_wind_w", "refuse_held_station"]
+
+POWER_AGAINST_WIND = "power_against_wind"  # requirement of a scenario
+_ROUNDING = 1e-6  # of the rated power: what the solver of a sizing leaves
+
+
+def refuse_held_station(mission: Mission, study: str) -> None:
+    """Refuse a mission that holds its place where one power is flown in all scenarios."""
+    if mission.holds_station:
+        raise ValueError(
+            f"{study} flies at the design's airspeed: leave out wind.hold_station of {mission.name}"
+        )
+
+
+def power_against_wind_w(
+    aircraft: Aircraft, mission: Mission, design: Design, wind_m_per_s: FloatArray
+) -> FloatArray:
+    """Electric power of flight as fast as the wind, or at the design's airspeed if that is faster.
+
+    Infinite where it exceeds the rated power. ``wind_m_per_s`` broadcasts against the designs.
+    """
+    if not isinstance(aircraft.airframe, ParametricAirframe):
+        raise ValueError(
+            f"{aircraft.name} is a measured aircraft, whose power is known at one airspeed alone: "
+            "wind.hold_station needs a parametric one"
+        )
+    conditions = FlightConditions.of(mission, aircraft)
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        ratio = wind_m_per_s / np.asarray(design.airspeed_m_per_s)
+        power_w, rated_w = faster_flight_w(aircraft, conditions, design, np.maximum(ratio, 1.0))
+        calm = ratio <= 1.0
+        power_w = np.where(calm, design.propulsion_power_w, power_w)
+        return np.where(calm | (power_w <= rated_w * (1.0 + _ROUNDING)), power_w, np.inf)
+
+
+def faster_flight_w(
+    aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
+) -> tuple[Value, Value]:
+    """Electric power of flight faster by a ratio, and the rated power; arrays or symbols."""
+    airframe, lift = aircraft.airframe, design.variables.lift_coefficient
+    assert isinstance(airframe, ParametricAirframe)
+    own = airframe.aerodynamics.flight_lift_coefficient if lift is None else lift
+    faster = design.variables._replace(lift_coefficient=own / ratio**2)
+    _, power_w, _ = level_flight(aircraft, conditions, faster, design.total_mass_kg)
+    assert design.chain is not None
+    weight_n = design.total_mass_kg * GRAVITY_M_PER_S2
+    return power_w, design.chain.rated_power_w(design.propulsion_power_w, weight_n=weight_n)

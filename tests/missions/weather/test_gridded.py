@@ -1,0 +1,182 @@
+"""Weather of grids: ERA5 and NASA POWER as NetCDF and CSV, at the point nearest to a mission."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from builders import mission
+from weather_files import SITE, clear_record
+
+from missions.files.errors import InputError
+from missions.weather.files import load_weather
+from missions.weather.light import light_at_altitude
+from missions.weather.record import Weather
+
+HOUR_S = 3600.0
+NORTH, EAST = np.array([47.05, 46.8, 46.55]), np.array([6.65, 6.9, 7.15])
+HERE = mission(latitude_deg=46.85, longitude_deg=6.95, altitude_m=900.0)
+
+
+def horizontal(record: Weather) -> np.ndarray:
+    """Direct light on a level surface [W/m2]."""
+    return record.ghi - record.dhi
+
+
+def era5(record: Weather, **changes: xr.DataArray) -> xr.Dataset:
+    """Dataset as the Climate Data Store returns it; the light of the hour before each time."""
+    time = (record.start_s + HOUR_S).astype("datetime64[s]").astype("datetime64[ns]")
+    coords = {"valid_time": time, "latitude": NORTH, "longitude": EAST % 360.0}
+
+    def spread(values: np.ndarray | float, units: str) -> xr.DataArray:
+        """The same values in the middle of the grid, others around it."""
+        grid = np.zeros((len(time), 3, 3)) + np.asarray(values).reshape(-1, 1, 1)
+        around = grid * 0.5
+        around[:, 1, 1] = grid[:, 1, 1]
+        return xr.DataArray(around, coords, attrs={"units": units})
+
+    data = {
+        "ssrd": spread(record.ghi * HOUR_S, "J m**-2"),
+        "fdir": spread(horizontal(record) * HOUR_S, "J m**-2"),
+        "t2m": spread(288.15, "K"),
+        "u10": spread(3.0, "m s**-1"),
+        "v10": spread(-4.0, "m s**-1"),
+        "z": spread(SITE.altitude_m * 9.80665, "m**2 s**-2"),
+    }
+    return xr.Dataset(data | changes)
+
+
+def same(found: Weather, record: Weather) -> None:
+    assert found.start_s == pytest.approx(record.start_s)
+    for name in ("ghi", "dhi"):
+        assert getattr(found, name) == pytest.approx(getattr(record, name), abs=0.1)
+    # Direct light is that on a level surface over the mean cosine: 2 % off at a sun of 15 degrees.
+    high = record.ghi > 200.0
+    assert found.dni[high] == pytest.approx(record.dni[high], rel=3e-2)
+    assert found.temperature_c == pytest.approx(15.0)
+    assert found.wind_m_per_s == pytest.approx(5.0)
+
+
+def test_era5_is_read_at_the_grid_point_nearest_to_the_mission(tmp_path: Path) -> None:
+    record = clear_record(3)
+    era5(record).to_netcdf(tmp_path / "era5.nc")
+    found = load_weather(tmp_path / "era5.nc", HERE)
+    same(found, record)
+    assert found.site.latitude_deg == 46.8
+    assert found.site.longitude_deg == pytest.approx(6.9)
+    assert found.site.altitude_m == pytest.approx(SITE.altitude_m)
+    assert found.repairs == ()
+
+
+def test_swapped_axes_and_mean_rates_are_the_same(tmp_path: Path) -> None:
+    record = clear_record(3)
+    data = era5(record)
+    rates = data.rename(ssrd="avg_sdswrf", fdir="avg_sdirswrf")
+    for name in ("avg_sdswrf", "avg_sdirswrf"):
+        rates[name] = (rates[name] / HOUR_S).assign_attrs(units="W m**-2")
+    for name in ("t2m", "u10", "v10", "z"):
+        rates[name].attrs["units"] = data[name].attrs["units"]
+    rates.transpose("longitude", "valid_time", "latitude").to_netcdf(tmp_path / "rates.nc")
+    same(load_weather(tmp_path / "rates.nc", HERE), record)
+
+
+def test_without_the_ground_its_height_is_that_of_the_pressure_or_sea_level(tmp_path: Path) -> None:
+    data = era5(clear_record(3)).drop_vars("z")
+    data.to_netcdf(tmp_path / "flat.nc")
+    found = load_weather(tmp_path / "flat.nc", HERE)
+    assert found.site.altitude_m == 0.0
+    assert "sea level" in found.repairs[0]
+    # 955.6 hPa at 491 m in the standard atmosphere (ISO 2533).
+    pressure = (data["t2m"] * 0.0 + 95_560.0).assign_attrs(units="Pa")
+    data.assign(sp=pressure).to_netcdf(tmp_path / "sp.nc")
+    assert load_weather(tmp_path / "sp.nc", HERE).site.altitude_m == pytest.approx(491.0, abs=3.0)
+
+
+def test_air_at_flight_altitude_comes_from_the_levels(tmp_path: Path) -> None:
+    data = era5(clear_record(3)).drop_vars(["t2m", "u10", "v10"])
+    heights = xr.DataArray([0.0, 1000.0, 3000.0], dims="altitude", attrs={"units": "m"})
+    level = data["ssrd"].expand_dims(altitude=heights) * 0.0
+    level["altitude"].attrs["units"] = "m"
+    warm = (level + 290.0 - 0.01 * level["altitude"]).assign_attrs(units="K")
+    wind = (level + 0.01 * level["altitude"]).assign_attrs(units="m s**-1")
+    still = (level * 0.0).assign_attrs(units="m s**-1")
+    data.assign(t=warm, u=wind, v=still).to_netcdf(tmp_path / "levels.nc")
+    found = load_weather(tmp_path / "levels.nc", HERE)
+    assert found.air_altitude_m == 900.0
+    light = light_at_altitude(found, 900.0)
+    assert light.temperature_c == pytest.approx(290.0 - 9.0 - 273.15)
+    assert light.wind_m_per_s == pytest.approx(9.0)
+    with pytest.raises(InputError, match="at 0 to 3000 m, not at 4000 m"):
+        load_weather(tmp_path / "levels.nc", HERE.at_altitude(4000.0))
+
+
+def test_nasa_power_begins_its_hours_at_their_number(tmp_path: Path) -> None:
+    record = clear_record(3)
+    stamps = record.start_s.astype("datetime64[s]").tolist()
+    rows = [
+        f"{t.year},{t.month},{t.day},{t.hour},{g:.3f},{b:.3f},{d:.3f},15.0,5.0"
+        for t, g, b, d in zip(stamps, record.ghi, record.dni, record.dhi, strict=True)
+    ]
+    head = [
+        "-BEGIN HEADER-",
+        "NASA/POWER Source Native Resolution Hourly Data ",
+        "Dates (month/day/year): 06/20/2001 through 06/22/2001 in UTC",
+        f"Location: latitude  {SITE.latitude_deg}   longitude {SITE.longitude_deg}",
+        "elevation from MERRA-2: Average for 0.5 x 0.625 degree lat/lon region = 491.0 meters",
+        "The value for missing source data that cannot be computed or is outside of the sources "
+        "availability range: -999",
+        "-END HEADER-",
+        "YEAR,MO,DY,HR,ALLSKY_SFC_SW_DWN,ALLSKY_SFC_SW_DNI,ALLSKY_SFC_SW_DIFF,T2M,WS10M",
+    ]
+    path = tmp_path / "power.csv"
+    path.write_text("\n".join([*head, *rows]) + "\n")
+    found = load_weather(path)
+    same(found, record)
+    assert found.layout == "NASA POWER"
+    assert found.site.altitude_m == 491.0
+    rows[30] = ",".join([*rows[30].split(",")[:4], *["-999"] * 5])
+    path.write_text("\n".join([*head, *rows]) + "\n")
+    (repair,) = load_weather(path).repairs
+    assert "1 " in repair
+
+
+def test_era5_time_series_end_their_hours_at_their_time(tmp_path: Path) -> None:
+    record = clear_record(3)
+    stamps = (record.start_s + HOUR_S).astype("datetime64[s]")
+    values = zip(stamps, record.ghi * HOUR_S, horizontal(record) * HOUR_S, strict=True)
+    rows = [f"{t},3.0,-4.0,288.15,95560,{g:.1f},{b:.1f},46.8,6.9" for t, g, b in values]
+    head = "valid_time,u10,v10,t2m,sp,ssrd,fdir,latitude,longitude"
+    path = tmp_path / "series.csv"
+    path.write_text("\n".join([head, *rows]) + "\n")
+    found = load_weather(path)
+    same(found, record)
+    assert found.site.altitude_m == pytest.approx(491.0, abs=3.0)
+
+
+def test_what_a_grid_does_not_have_is_told(tmp_path: Path) -> None:
+    data = era5(clear_record(3))
+    data.to_netcdf(tmp_path / "a.nc")
+    for where, message in (
+        (None, "has 3 values of latitude_deg: give latitude_deg on the mission"),
+        (mission(latitude_deg=46.8, longitude_deg=None), "has 3 values of longitude_deg"),
+        (mission(latitude_deg=48.0, longitude_deg=6.9), "has latitudes 46.55 to 47.05, not 48"),
+        (mission(latitude_deg=46.8, longitude_deg=-40.0), "has longitudes 6.65 to 7.15, not -40"),
+    ):
+        with pytest.raises(InputError, match=message):
+            load_weather(tmp_path / "a.nc", where)
+    swapped = data.assign_coords(latitude=[170.0, 175.0, 180.0])
+    swapped.to_netcdf(tmp_path / "b.nc")
+    with pytest.raises(InputError, match="latitudes beyond 90 degrees: its axes may be swapped"):
+        load_weather(tmp_path / "b.nc", HERE)
+    data[["t2m"]].to_netcdf(tmp_path / "c.nc")
+    with pytest.raises(InputError, match="has no light"):
+        load_weather(tmp_path / "c.nc", HERE)
+    odd = data.assign(ssrd=data["ssrd"].assign_attrs(units="furlongs"))
+    odd.to_netcdf(tmp_path / "d.nc")
+    with pytest.raises(InputError, match="has ghi in furlongs"):
+        load_weather(tmp_path / "d.nc", HERE)
+    (tmp_path / "e.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + b"nonsense")
+    with pytest.raises(InputError, match="cannot be read as NetCDF"):
+        load_weather(tmp_path / "e.nc", HERE)

@@ -1,0 +1,34 @@
+"""An aircraft whose propulsion is at its operating point, for tests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sizing
+
+VOLTAGE = {
+    "cells_in_series": 6,
+    "state_of_charge": [0.0, 0.1, 0.9, 1.0],
+    "cell_voltage_v": [3.0, 3.4, 4.0, 4.2],
+}
+PARTS: dict[str, Any] = {
+    "kind": "operating_point",
+    "propeller": {"diameter_m": 0.66, "pitch_m": 0.60},
+    "gear": {"ratio": 5.0, "efficiency": 0.96},
+    "motor": "maxon-re40-148867",
+    "controller": {"resistance_ohm": 0.02, "freewheel_voltage_v": 0.7},
+    "wiring_resistance_ohm": 0.03,
+}
+
+
+def aircraft(
+    overrides: dict[str, Any] | None = None,
+    *,
+    voltage: Any = VOLTAGE,
+    base: str = "atlantiksolar-design",
+    **parts: Any,
+) -> sizing.Aircraft:
+    """Return a shipped aircraft with these parts, changed; a part that is None is left out."""
+    chain = {key: value for key, value in (PARTS | parts).items() if value is not None}
+    values = {"battery.voltage": voltage, "airframe.propulsion": chain}
+    return sizing.load_aircraft(base, values | (overrides or {}))
