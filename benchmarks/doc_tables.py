@@ -13,8 +13,10 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.validation import altitude_tables, clear_sky_comparison, found_designs
+from benchmarks.validation.large_wings import large_wings_table
 from benchmarks.validation.slender_wings import aspect_ratio_table, structure_table
 from benchmarks.validation.structure_comparison import gust_table, structure_tables
+from benchmarks.validation.zephyr import zephyr_table
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from missions.weather.files import load_weather
@@ -34,6 +36,7 @@ from studies.validation.flights.season import seasons
 from studies.validation.flights.single_inputs import explain
 from studies.validation.published import published
 from studies.validation.report_reproduction import reference, reproduce
+from studies.validation.structures.comparison import structures_table
 
 
 def _markdown(*tables: Table) -> str:
@@ -173,6 +176,8 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),
     "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
     "structure": ("structure.md", lambda: _markdown(*structure_tables())),
+    "large-wings": ("structure.md", lambda: _markdown(large_wings_table())),
+    "published-structures": ("structure.md", lambda: _markdown(structures_table())),
     "gusts": ("structure.md", lambda: _markdown(gust_table())),
     "aspect-ratio": ("structure.md", lambda: _markdown(aspect_ratio_table())),
     "slender-wings": (
@@ -195,6 +200,8 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "catalogue-sources": ("catalogues.md", lambda: _markdown(*map(sources_table, KINDS))),
     "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
+    "module-heat": ("altitude.md", lambda: _markdown(altitude_tables.module_heat())),
+    "zephyr": ("stratosphere.md", lambda: _markdown(zephyr_table())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
     "climb_sizes": ("altitude.md", lambda: _markdown(altitude_tables.climb_sizes())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),

@@ -3,17 +3,25 @@
 ``python -m benchmarks.fit_recovery --count 100`` flies as many synthetic aircraft, each
 with its own modules, drag and battery, fits them from the shipped file, and predicts two other
 flights of each: the least charge of a night in July, and the time to the empty battery in December.
+With ``--independent`` the flights are those of :mod:`benchmarks.independent_flights`, under another
+sky each, and the least charge of one other flight is predicted.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
+import warnings
 from dataclasses import dataclass
+from functools import partial
+from multiprocessing import Pool
 
 import numpy as np
 
+from benchmarks.independent_flights import drawn_cells, true_values
+from benchmarks.independent_flights import flown as flown_independently
 from missions.library import load_mission
+from missions.logs.table import log_from_table
 from sizing.library import load_aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import FloatArray
@@ -120,14 +128,15 @@ class Recovery(Result):
             Column("after", "RMS error fitted", form=".2f"),
             Column("bias", "mean error fitted", form="+.2f"),
             Column("stated", "stated", form=".2f"),
+            Column("z", "RMS of error over stated", form=".2f"),
         )
         rows = []
-        for quantity in ("minimum charge, July [%]", "time to empty, December [h]"):
+        for quantity in dict.fromkeys(name for case in self.cases for name in case.errors):
             known = [case.errors[quantity] for case in self.cases if quantity in case.errors]
             if known:
                 before, after, stated = np.array(known).T
                 sizes = (_rms(before), _rms(after), float(np.mean(after)), _rms(stated))
-                rows.append((quantity, len(known), *sizes))
+                rows.append((quantity, len(known), *sizes, _rms(after / stated)))
         return Table("other flights, predicted", columns, tuple(rows))
 
 
@@ -143,7 +152,14 @@ def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def recover(count: int, *, seed: int = 0, predict: bool = True) -> Recovery:
+def recover(
+    count: int,
+    *,
+    seed: int = 0,
+    predict: bool = True,
+    independent: int = 0,
+    workers: int = 1,
+) -> Recovery:
     """Fit synthetic flights of aircraft whose truth is known.
 
     Parameters
@@ -154,14 +170,53 @@ def recover(count: int, *, seed: int = 0, predict: bool = True) -> Recovery:
         Of the first; each has its own.
     predict : bool
         Whether other flights are predicted as well.
+    independent : int
+        Flights of each aircraft that are fitted together, by the independent simulation; 0 for one
+        flight under the project's own sky.
+    workers : int
+        Processes.
 
     Returns
     -------
     Recovery
     """
-    from studies.fitting.estimation import CONFIDENCE
+    from studies.fitting.least_squares import CONFIDENCE
 
-    return Recovery(tuple(_case(seed + number, predict) for number in range(count)), CONFIDENCE)
+    one = partial(_independent_case, flights=independent) if independent else _case
+    run = partial(one, predict=predict)
+    seeds = range(seed, seed + count)
+    if workers == 1:
+        return Recovery(tuple(map(run, seeds)), CONFIDENCE)
+    with Pool(workers) as pool:
+        return Recovery(tuple(pool.map(run, seeds, chunksize=1)), CONFIDENCE)
+
+
+def _independent_case(seed: int, predict: bool, flights: int) -> Case:
+    warnings.simplefilter("ignore")  # ranges of the models, which are not the subject
+    aircraft, mission = load_aircraft(AIRCRAFT), load_mission(MISSION)
+    names = ("module_efficiency", "level_power", "specific_energy")
+    parameters = tuple(PARAMETERS[name] for name in names)
+    rng = np.random.default_rng([seed, 2])
+    drawn = [
+        (1.0 + _SPREAD[one.name] * rng.standard_normal()) * one.value(aircraft)
+        for one in parameters
+    ]
+    truth, cells = with_values(aircraft, parameters, tuple(drawn)), drawn_cells(rng)
+    logs = [
+        log_from_table(flown_independently(truth, cells, 100 * seed + number).rows, f"{number}.csv")
+        for number in range(flights)
+    ]
+    fit = fit_flight(aircraft, logs, mission, correct=None)
+    errors: dict[str, tuple[float, float, float]] = {}
+    if predict:
+        other = flown_independently(truth, cells, 100 * seed + 50)
+        log = log_from_table(other.rows, "other.csv")
+        found = predict_flight(fit, log, mission, correct=None)
+        minima = (found.before.minimum_charge, found.after.minimum_charge)
+        apart = [100.0 * (value - other.minimum_charge) for value in minima]
+        errors["minimum charge [%]"] = (apart[0], apart[1], 100.0 * found.minimum_charge_error)
+    fitted = {one.parameter.name: (one.value, one.low, one.high) for one in fit.fitted}
+    return Case(true_values(truth, cells), fitted, errors)
 
 
 def _case(seed: int, predict: bool) -> Case:
@@ -206,8 +261,19 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100, help="aircraft to fly and fit")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--no-prediction", action="store_true", help="fit alone")
+    parser.add_argument(
+        "--independent", type=int, default=0, metavar="N", help="fit N independent flights together"
+    )
+    parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
-    print(recover(given.count, seed=given.seed, predict=not given.no_prediction))
+    found = recover(
+        given.count,
+        seed=given.seed,
+        predict=not given.no_prediction,
+        independent=given.independent,
+        workers=given.workers,
+    )
+    print(found)
 
 
 if __name__ == "__main__":

@@ -23,6 +23,8 @@ STEP_S = 4.0
 _GRAVITY = 9.81
 _ALBEDO = 0.2
 _BATTERY_WH = 732.0
+COEFFICIENT_PER_K = 0.0032
+_U1, _WIND_M_PER_S = 3.0, 8.0  # of Faiman's temperature
 _LOAD_W = 42.0
 
 
@@ -48,30 +50,28 @@ class Flight:
 def made(aircraft: Aircraft, truth: Truth, seed: int) -> Flight:
     """Fly once; ``seed`` decides place, day, weather, circle and noise."""
     rng = np.random.default_rng(seed)
-    place = _place(rng)
+    place = drawn_place(rng)
     hours = rng.uniform(6.0, 10.0)
     elapsed = np.arange(0.0, 3600.0 * hours, STEP_S)
     start = place.noon + pd.Timedelta(hours=rng.uniform(-0.62, -0.4) * hours)
     times = start + pd.to_timedelta(elapsed, unit="s")
     share = elapsed / elapsed[-1]
     inside = (share >= truth.start) & (share <= truth.end)
-    angles = _angles(elapsed, rng)
+    angles = angles_on_circles(elapsed, rng)
     air_c = rng.uniform(0.0, 28.0) + 4.0 * np.sin(np.pi * share)
-    power = _power(aircraft, place, times, angles, air_c, truth, inside)
+    power = power_of_modules(aircraft, place, times, angles, air_c, truth, inside)
     power = power * (1.0 + 0.01 * rng.standard_normal() * (2.0 * share - 1.0))
-    load = _LOAD_W + 1.5 * _lasting(rng.standard_normal(len(elapsed)), 60.0)
+    load = _LOAD_W + 1.5 * lasting_noise(rng.standard_normal(len(elapsed)), 60.0)
     power, charge, volts = _charged(power, load, truth, rng)
     power = power + rng.normal(0.0, 1.0, len(power))
-    biased = {n: a + rng.normal(0.0, 0.3) + rng.normal(0.0, 0.2, len(a)) for n, a in angles.items()}
+    logged = biased(angles, rng)
     rows = pd.DataFrame(
         {
             "time_utc_s": times.as_unit("ns").asi8 / 1e9,
             "latitude_deg": place.latitude + rng.normal(0.0, 1e-5, len(elapsed)),
             "longitude_deg": place.longitude + rng.normal(0.0, 1e-5, len(elapsed)),
             "altitude_m": place.altitude + rng.normal(0.0, 3.0, len(elapsed)),
-            "roll_deg": biased["roll"],
-            "pitch_deg": biased["pitch"],
-            "yaw_deg": biased["yaw"] % 360.0,
+            **logged,
             "solar_power_w": power,
             "ambient_temperature_c": air_c,
             "mppt_voltage_v": volts,
@@ -82,7 +82,7 @@ def made(aircraft: Aircraft, truth: Truth, seed: int) -> Flight:
     return Flight(_wrongly_logged(rows, truth, inside), truth)
 
 
-class _Place(NamedTuple):
+class Place(NamedTuple):
     """Where and when is flown, and under which sky."""
 
     latitude: float
@@ -92,7 +92,7 @@ class _Place(NamedTuple):
     turbidity: float
 
 
-def _place(rng: np.random.Generator) -> _Place:
+def drawn_place(rng: np.random.Generator) -> Place:
     """Place and day with the sun at 20 deg or higher at noon, and the sky of that day."""
     while True:
         latitude, longitude = rng.uniform(-50.0, 60.0), rng.uniform(-170.0, 170.0)
@@ -101,28 +101,50 @@ def _place(rng: np.random.Generator) -> _Place:
         sun = pvlib.solarposition.spa_python(pd.DatetimeIndex([noon]), latitude, longitude)
         if float(sun["elevation"].iloc[0]) > 20.0 and abs(longitude) > 5.0:
             break
-    return _Place(latitude, longitude, noon, rng.uniform(200.0, 1500.0), rng.uniform(2.0, 5.0))
+    return Place(latitude, longitude, noon, rng.uniform(200.0, 1500.0), rng.uniform(2.0, 5.0))
 
 
-def _lasting(white: FloatArray, seconds: float) -> FloatArray:
+def lasting_noise(white: FloatArray, seconds: float) -> FloatArray:
     """Noise of unit variance that lasts so long."""
     keep = float(np.exp(-STEP_S / seconds))
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white), float)
 
 
-def _angles(elapsed: FloatArray, rng: np.random.Generator) -> dict[str, FloatArray]:
+def angles_on_circles(elapsed: FloatArray, rng: np.random.Generator) -> dict[str, FloatArray]:
     """Roll, pitch and yaw [deg] on circles in turbulence, to one side all the time."""
     speed, bank = rng.uniform(8.0, 12.0), rng.uniform(4.0, 15.0) * rng.choice([-1.0, 1.0])
     rate = np.degrees(_GRAVITY * np.tan(np.radians(bank)) / speed)
     gusts = [
-        rng.uniform(0.5, 2.0) * _lasting(rng.standard_normal(len(elapsed)), 8.0) for _ in "abc"
+        rng.uniform(0.5, 2.0) * lasting_noise(rng.standard_normal(len(elapsed)), 8.0) for _ in "abc"
     ]
-    varied = 1.0 + 0.1 * _lasting(rng.standard_normal(len(elapsed)), 600.0)
+    varied = 1.0 + 0.1 * lasting_noise(rng.standard_normal(len(elapsed)), 600.0)
     return {
         "roll": bank * varied + gusts[0],
         "pitch": rng.uniform(1.5, 4.0) + 0.5 * gusts[1],
         "yaw": rng.uniform(0.0, 360.0) + np.cumsum(rate * varied) * STEP_S + gusts[2],
     }
+
+
+def biased(angles: dict[str, FloatArray], rng: np.random.Generator) -> dict[str, FloatArray]:
+    """Angles as logged [deg], each with a bias of the whole flight."""
+    wrong = {n: a + rng.normal(0.0, 0.3) + rng.normal(0.0, 0.2, len(a)) for n, a in angles.items()}
+    wrong["yaw"] = wrong["yaw"] % 360.0
+    return {f"{name}_deg": values for name, values in wrong.items()}
+
+
+class Cells(NamedTuple):
+    """Faiman's constant of the temperature, and light at which the efficiency is halved."""
+
+    u0: float = 25.0
+    halved_w_per_m2: float = 8.0
+
+    @property
+    def heat_transfer(self) -> float:
+        """Light over the temperature above the air [W/(m2 K)]."""
+        return self.u0 + _U1 * _WIND_M_PER_S
+
+
+USUAL_CELLS = Cells()
 
 
 def _normals(aircraft: Aircraft, angles: dict[str, FloatArray]) -> dict[str, FloatArray]:
@@ -153,14 +175,15 @@ def _normals(aircraft: Aircraft, angles: dict[str, FloatArray]) -> dict[str, Flo
     return found
 
 
-def _power(
+def power_of_modules(
     aircraft: Aircraft,
-    place: _Place,
+    place: Place,
     times: pd.DatetimeIndex,
     angles: dict[str, FloatArray],
     air_c: FloatArray,
     truth: Truth,
     inside: BoolArray,
+    cells: Cells = USUAL_CELLS,
 ) -> FloatArray:
     """Power behind the MPPTs [W] while the battery takes all of it."""
     where = (times, place.latitude, place.longitude, place.altitude)
@@ -197,16 +220,27 @@ def _power(
         rest = dhi * (1.0 - circumsolar) * (1.0 + np.cos(tilt)) / 2.0
         ground = _ALBEDO * (dni * np.sin(height) + dhi) * (1.0 - np.cos(tilt)) / 2.0
         light = beam + 0.95 * (rest + ground)
-        cell_c = pvlib.temperature.faiman(light, air_c, wind_speed=8.0, u0=25.0, u1=3.0)
+        cell_c = pvlib.temperature.faiman(
+            light, air_c, wind_speed=_WIND_M_PER_S, u0=cells.u0, u1=_U1
+        )
         power = surface.area_m2 * modules.efficiency_stc * 0.97 * light
-        power = power * (1.0 - 0.0032 * (cell_c - 25.0)) * (light / (light + 8.0))
+        power = power * (1.0 - COEFFICIENT_PER_K * (cell_c - 25.0))
+        power = power * light / (light + cells.halved_w_per_m2)
         lost = inside & (surface.name in truth.where) & (truth.cause == "modules")
         total += np.where(lost, 1.0 - truth.size, 1.0) * power
     rated = modules.efficiency_stc * modules.area_m2 * 1000.0
-    total = total * (0.965 - 0.9 / (1.0 + 400.0 * total / rated))
+    total = total * _mppt(total / rated)
     if truth.cause in ("mppt", "power_loss"):
         total = np.where(inside, (1.0 - truth.size) * total, total)
     return np.maximum(total, 0.0)
+
+
+def _mppt(load: FloatArray) -> FloatArray:
+    """Efficiency of the MPPTs at a share of the rated power."""
+    return np.asarray(0.965 - 0.9 / (1.0 + 400.0 * load))
+
+
+MPPT_AT_STC = float(_mppt(np.array(1.0)))
 
 
 def _charged(

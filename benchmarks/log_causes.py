@@ -94,8 +94,7 @@ def _said(result: Verification) -> Iterator[tuple[str, ...]]:
         yield ("unit",)
     if diagnosis.factor < 0.0:
         yield ("sign of power",)
-    if diagnosis.stuck:
-        yield ("frozen",)
+    yield from dict.fromkeys((one.kind,) for one in result.log.left_out)
     if diagnosis.sky is not None and not diagnosis.findings:
         yield ("sky",)
     for finding in diagnosis.findings:

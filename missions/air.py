@@ -22,6 +22,7 @@ ZERO_CELSIUS_K = 273.15
 MAXIMUM_ALTITUDE_M = 32000.0
 MINIMUM_ALTITUDE_M = -500.0
 
+_HEAT_CAPACITY = 1005.0  # of air at constant pressure [J/(kg K)]: Incropera et al., table A.4
 _EARTH_RADIUS_M = 6356766.0
 _SEA_LEVEL_TEMPERATURE_K = 288.15
 _SEA_LEVEL_PRESSURE_PA = 101325.0
@@ -103,6 +104,53 @@ def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
         density_kg_per_m3=np.asarray(p / (GAS_CONSTANT_AIR * t)),
         dynamic_viscosity_pa_s=np.asarray(_SUTHERLAND_BETA * t**1.5 / (t + _SUTHERLAND_K)),
     )
+
+
+# Below the lower altitude measured models of the ground hold as they are; from the upper one on the
+# balance of heat has taken over. Published results are of lower flights; assumption.
+_GROUND_UP_TO_M, _THIN_FROM_M = 3000.0, 4000.0
+
+
+def thin_air_share(altitude_m: ArrayLike) -> FloatArray:
+    """How much the heat balances of thin air count: 0 up to 3 km, 1 from 4 km, without a kink."""
+    way = (np.asarray(altitude_m, float) - _GROUND_UP_TO_M) / (_THIN_FROM_M - _GROUND_UP_TO_M)
+    way = np.clip(way, 0.0, 1.0)
+    return np.asarray(way * way * (3.0 - 2.0 * way))
+
+
+def plate_convection_w_per_m2k(
+    air: Air, airspeed_m_per_s: ArrayLike, chord_m: ArrayLike, transition_reynolds: float = 5e5
+) -> FloatArray:
+    """Mean forced convection of one face of a wing, as of a flat plate along the flow.
+
+    ``Nu = 0.664 Re^0.5 Pr^(1/3)`` where the flow is laminar to the trailing edge, and ``(0.037
+    Re^0.8 - A) Pr^(1/3)`` beyond, with ``A`` such that both agree at the transition.
+
+    Source: Incropera, DeWitt, Bergman, Lavine, Fundamentals of Heat and Mass Transfer, 6th edition,
+    equations 7.30 and 7.38. Conductivity of air: U.S. Standard Atmosphere 1976, equation 53.
+
+    Parameters
+    ----------
+    air : Air
+        State of the air.
+    airspeed_m_per_s, chord_m : array_like
+        True airspeed [m/s] and chord [m].
+    transition_reynolds : float
+        Reynolds number at which the flow turns turbulent [-].
+
+    Returns
+    -------
+    ndarray
+        Heat per area and kelvin [W/(m2 K)], broadcast shape of the arguments.
+    """
+    t, viscosity = air.temperature_k, air.dynamic_viscosity_pa_s
+    conductivity = 2.64638e-3 * t**1.5 / (t + 245.4 * 10.0 ** (-12.0 / t))
+    prandtl = viscosity * _HEAT_CAPACITY / conductivity
+    chord = np.asarray(chord_m, float)
+    reynolds = air.density_kg_per_m3 * np.asarray(airspeed_m_per_s, float) * chord / viscosity
+    laminar = 0.664 * np.sqrt(np.minimum(reynolds, transition_reynolds))
+    beyond = 0.037 * (np.maximum(reynolds, transition_reynolds) ** 0.8 - transition_reynolds**0.8)
+    return np.asarray((laminar + beyond) * prandtl ** (1.0 / 3.0) * conductivity / chord)
 
 
 def _standard_temperature_and_pressure(h: FloatArray) -> tuple[FloatArray, FloatArray]:

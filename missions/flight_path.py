@@ -236,18 +236,7 @@ def _check_calm_bank(key: str, radius: float, airspeed: float) -> None:
 
 
 def path_trouble(path: FlightPath, wind: Wind) -> str | None:
-    """Tell why a path cannot be flown in a wind.
-
-    Parameters
-    ----------
-    path : FlightPath
-    wind : Wind
-
-    Returns
-    -------
-    str or None
-        None where it can.
-    """
+    """Tell why a path cannot be flown in a wind; None where it can."""
     try:
         orbit(path, wind, samples=4)
     except ValueError as error:

@@ -16,6 +16,7 @@ from solar.attitude import direction_cosines
 from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import ClearSky, Irradiance, clear_sky
 from solar.geometry import ModuleGeometry
+from solar.heat_balance import Surroundings
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.shading import Shading
@@ -50,7 +51,8 @@ class Daylight(NamedTuple):
     ``latitude_deg``: one for all times. ``day_of_year``: fractional, one for all times or one each;
     for a repeated day that of its noon, ``day + 0.5``. ``time_solar_h``: local solar time, shape
     ``(time,)``. ``altitude_m``, ``clearness``, ``sky``: clear-sky model, where it is asked, and the
-    factor on it. ``irradiance``: light of each time, in place of the clear sky.
+    factor on it. ``irradiance``: light of each time, in place of the clear sky. ``albedo``: share
+    of the light that comes back from below [-].
     """
 
     latitude_deg: float
@@ -60,6 +62,7 @@ class Daylight(NamedTuple):
     clearness: float = 1.0
     sky: ClearSky = clear_sky
     irradiance: Irradiance | None = None
+    albedo: float = 0.0
 
 
 def mean_power_on_path(
@@ -69,6 +72,7 @@ def mean_power_on_path(
     *,
     ambient_temperature_c: ArrayLike,
     module_temperature_c: ArrayLike,
+    surroundings: Surroundings | None = None,
 ) -> FloatArray:
     """Specific power of VM or FM at the times of the daylight, averaged over the path [W/m2].
 
@@ -82,6 +86,8 @@ def mean_power_on_path(
         Sun and light.
     ambient_temperature_c, module_temperature_c : array_like
         Temperature of the air (FM) and of the modules (VM), one for all times or one each [C].
+    surroundings : Surroundings, optional
+        Air and radiation by which the modules find their temperature; the air as for FM.
 
     Returns
     -------
@@ -98,30 +104,44 @@ def mean_power_on_path(
     given = module_temperature_c if model == "VM" else ambient_temperature_c
     flown = _orbit(modules.path, modules.wind, modules.samples)
     time_h = np.asarray(daylight.time_solar_h, float)
-    temperature_c = np.broadcast_to(np.asarray(given, float), time_h.shape)
+    temperature_c, air_c = (
+        np.broadcast_to(np.asarray(one, float), time_h.shape)
+        for one in (given, ambient_temperature_c)
+    )
     result = np.zeros(time_h.shape)
     for start in range(0, len(time_h), _BLOCK):
         block = slice(start, start + _BLOCK)
         seen = _seen(daylight, block, flown)
         lit_c = temperature_c[block][seen.sunlit, np.newaxis]
+        around = surroundings
+        if around is not None:
+            around = around._replace(ambient_c=air_c[block][seen.sunlit, np.newaxis])
         if model == "VM":
             power = verification_model(
-                seen.light, seen.sun, seen.to_ned, modules.geometry, modules.cell, lit_c
+                *(seen.light, seen.sun, seen.to_ned, modules.geometry, modules.cell, lit_c),
+                surroundings=around,
+                albedo=daylight.albedo,
             )
         else:
-            power = _full_model(modules, seen, lit_c).specific_power_w_per_m2
+            power = _full_model(
+                modules, seen, lit_c, around, daylight.albedo
+            ).specific_power_w_per_m2
         result[block][seen.sunlit] = power @ flown.weights
     return result
 
 
 def module_power_on_path(
-    modules: FlownModules, daylight: Daylight, *, ambient_temperature_c: float
+    modules: FlownModules,
+    daylight: Daylight,
+    *,
+    ambient_temperature_c: float,
+    surroundings: Surroundings | None = None,
 ) -> tuple[BoolArray, Orbit, ModulePower]:
     """Full Model with its component efficiencies at every attitude of the path.
 
     Parameters
     ----------
-    modules, daylight, ambient_temperature_c
+    modules, daylight, ambient_temperature_c, surroundings
         As in :func:`mean_power_on_path`.
 
     Returns
@@ -135,7 +155,8 @@ def module_power_on_path(
     """
     flown = _orbit(modules.path, modules.wind, modules.samples)
     seen = _seen(daylight, slice(None), flown)
-    return seen.sunlit, flown, _full_model(modules, seen, ambient_temperature_c)
+    power = _full_model(modules, seen, ambient_temperature_c, surroundings, daylight.albedo)
+    return seen.sunlit, flown, power
 
 
 @lru_cache(maxsize=16)
@@ -144,7 +165,13 @@ def _orbit(path: FlightPath, wind: Wind, samples: int) -> Orbit:
     return orbit(path, wind, samples=samples)
 
 
-def _full_model(modules: FlownModules, seen: _Seen, ambient_c: ArrayLike) -> ModulePower:
+def _full_model(
+    modules: FlownModules,
+    seen: _Seen,
+    ambient_c: ArrayLike,
+    surroundings: Surroundings | None = None,
+    albedo: float = 0.0,
+) -> ModulePower:
     return full_model(
         seen.light,
         seen.sun,
@@ -153,6 +180,8 @@ def _full_model(modules: FlownModules, seen: _Seen, ambient_c: ArrayLike) -> Mod
         modules.cell,
         ambient_c,
         shading=modules.shading,
+        surroundings=surroundings,
+        albedo=albedo,
     )
 
 

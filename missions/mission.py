@@ -146,11 +146,16 @@ class Dates(Record):
 
 
 class AirConditions(Record):
-    """Air at flight altitude: standard, standard with an offset, or of a given temperature."""
+    """Air at flight altitude: standard, standard with an offset, or of a given temperature.
+
+    ``albedo``: share of the light that the earth and its clouds send back up; given, it lights
+    modules that face down (VM, FM).
+    """
 
     temperature_offset_k: TemperatureOffset | None = None
     ambient_temperature_c: Temperature | None = None
     module_temperature_c: Temperature | None = None
+    albedo: UnitInterval | None = None
 
     @model_validator(mode="after")
     def _check_choice(self) -> AirConditions:

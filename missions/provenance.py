@@ -27,6 +27,13 @@ class HeldValue(Record):
     reason: Text
 
 
+class LogFile(Record):
+    """A further log that was fitted together with the first, or the file of a bench test."""
+
+    log: Text
+    sha256: Text
+
+
 class Provenance(Record):
     """Command, date and files that a file was made of, and what was fitted.
 
@@ -40,6 +47,8 @@ class Provenance(Record):
     aircraft_sha256: Text | None = None
     log: Text | None = None
     log_sha256: Text | None = None
+    more_logs: tuple[LogFile, ...] = ()
+    bench_tests: tuple[LogFile, ...] = ()
     technology: Text | None = None
     technology_sha256: Text | None = None
     mission: Text | None = None

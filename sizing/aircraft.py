@@ -41,6 +41,7 @@ from solar.schema import (
     PositiveReal,
     Record,
     Text,
+    UnitInterval,
     is_positive,
     wrong_value,
 )
@@ -149,7 +150,9 @@ class ParametricAirframe(Record):
     avionics_mass_kg: NonNegativeReal
     other_mass_kg: NonNegativeReal = 0.0
     mass_growth: Annotated[float, Strict(), Field(ge=0.0, le=2.0)] = 0.0
-    distributed_battery_fraction: Annotated[float, Strict(), Field(ge=0.0, le=1.0)] = 1.0
+    distributed_battery_fraction: UnitInterval = 1.0
+    distributed_propulsion_fraction: UnitInterval = 0.0
+    distributed_systems_fraction: UnitInterval = 0.0
     maximum_module_coverage: Fraction = 0.85
     planform: Planform | None = None
     tail: Tail | None = None
@@ -164,6 +167,10 @@ class ParametricAirframe(Record):
     @model_validator(mode="after")
     def _check_balance(self) -> ParametricAirframe:
         check_balance(self)
+        braced = getattr(self.structure, "bracing", None) is not None
+        if braced and isinstance(self.aerodynamics, OwnDragPolar):
+            text = "its drag needs aerodynamics.model parabolic or wing_polar (got own)"
+            raise wrong_value("structure.bracing", text)
         return self
 
     @model_validator(mode="before")

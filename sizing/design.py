@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import cache
 from operator import itemgetter
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,8 +30,15 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.balance.in_design import polar_with_tail, structure_with_tail
 from sizing.parameters import catalogue, replaced
-from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion, air_of
+from sizing.propulsion.chain import (
+    LINKS,
+    ChainOfParts,
+    OperatingPointPropulsion,
+    Propulsion,
+    air_of,
+)
 from sizing.smooth import Value
+from sizing.structures.agreement import CALIBRATIONS, other_model
 from sizing.structures.assessment import StructureAssessment, assess
 from sizing.structures.flight_envelope import flight_envelope
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
@@ -42,6 +49,7 @@ from solar.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
+    from sizing.propulsion.part_load import PartLoad
 
 
 class ImpossibleDesignError(ValueError):
@@ -169,6 +177,7 @@ class FlightConditions(NamedTuple):
     battery_heater_w: Value
     gust_fraction: Value
     temperature_k: Value
+    insulated_heater_w_at_1_kg: Value = 0.0
 
     @property
     def air(self) -> Air:
@@ -183,6 +192,8 @@ class FlightConditions(NamedTuple):
         """
         air = mission.air_state()
         battery, air_c = aircraft.battery, _scalar(air.temperature_c)
+        fixed_w, at_1_kg_w = battery.heater_parts_w(air_c, mission.altitude_m)
+        left = battery.capacity_fraction(air_c, mission.altitude_m)
         return cls(
             density_kg_per_m3=_scalar(air.density_kg_per_m3),
             dynamic_viscosity=_scalar(air.dynamic_viscosity_pa_s),
@@ -190,12 +201,17 @@ class FlightConditions(NamedTuple):
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
             wind_m_per_s=0.0 if mission.holds_station else mission.strongest_wind_m_per_s,
-            battery_capacity_fraction=_scalar(
-                mission.uncertainty_margins.battery_capacity * battery.capacity_fraction(air_c)
-            ),
-            battery_heater_w=_scalar(battery.heater_w(air_c)),
+            battery_capacity_fraction=_scalar(mission.uncertainty_margins.battery_capacity * left),
+            battery_heater_w=_scalar(fixed_w),
             gust_fraction=_scalar(gust_speed_fraction(mission.altitude_m)),
             temperature_k=_scalar(air.temperature_k),
+            insulated_heater_w_at_1_kg=_scalar(at_1_kg_w),
+        )
+
+    def heater_w(self, battery_mass_kg: Value) -> Value:
+        """Power that the heater of a battery draws [W]."""
+        return self.battery_heater_w + self.insulated_heater_w_at_1_kg * battery_mass_kg ** (
+            2.0 / 3.0
         )
 
     def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
@@ -270,7 +286,8 @@ def parametric_design(
         * aircraft.battery.specific_energy_wh_per_kg
         * air.battery_capacity_fraction,
         propulsion_power_w=electric_w,
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w)
+        + air.heater_w(variables.battery_mass_kg),
         airspeed_m_per_s=airspeed,
         chain=found,
     )
@@ -286,9 +303,15 @@ def level_flight(
     """Propulsion of a parametric aircraft in level flight, its electric power [W] and airspeed."""
     airframe = aircraft.airframe
     assert isinstance(airframe, ParametricAirframe)
+    polar = flown_at(airframe.aerodynamics, variables.lift_coefficient)
+    airspeed = polar.airspeed_m_per_s(
+        mass_kg=total_mass_kg,
+        wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
+        density_kg_per_m3=air.density_kg_per_m3,
+    )
     aerodynamics = polar_with_tail(
         airframe,
-        flown_at(airframe.aerodynamics, variables.lift_coefficient),
+        _with_wires(polar, aircraft, variables, air, total_mass_kg, airspeed),
         variables.wingspan_m,
         variables.aspect_ratio,
     )
@@ -299,11 +322,6 @@ def level_flight(
         aspect_ratio=variables.aspect_ratio,
         density_kg_per_m3=air.density_kg_per_m3,
         dynamic_viscosity=air.dynamic_viscosity,
-    )
-    airspeed = aerodynamics.airspeed_m_per_s(
-        mass_kg=total_mass_kg,
-        wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
-        density_kg_per_m3=air.density_kg_per_m3,
     )
     found = airframe.propulsion if chain is None else chain
     if isinstance(found, OperatingPointPropulsion):
@@ -321,10 +339,13 @@ def propulsion_margins(
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion) or propulsion.is_exact:
         return {}
+    from sizing.propulsion.smooth_chain import SmoothPropulsion
+
+    assert isinstance(propulsion, SmoothPropulsion)
     assert design.chain is not None
     # The thrust, whatever the propulsion's own efficiency is.
     thrust_w = design.propulsion_power_w * design.chain.efficiency
-    own = _of_its_size(propulsion, design.variables)
+    own = propulsion.sized(*design.variables.of_propulsion)
     speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(aircraft)
     return own.margins(thrust_w, speed, conditions.air, bus_v)
 
@@ -372,14 +393,15 @@ def _masses(
     rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
     structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
     grown = 1.0 + airframe.mass_growth
+    propulsion_kg = propulsion.mass_kg(
+        propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
+    )
+    inputs = structure_inputs(
+        aircraft, variables, air, total_mass_kg, airspeed_m_per_s, propulsion_kg
+    )
     return Masses(
-        structure=grown
-        * structure.mass_kg(
-            structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s)
-        ),
-        propulsion=propulsion.mass_kg(
-            propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
-        ),
+        structure=grown * structure.mass_kg(inputs),
+        propulsion=propulsion_kg,
         battery=variables.battery_mass_kg,
         modules=modules_kg,
         mppt=modules.mppt_mass_kg_per_w * rated_w,
@@ -389,21 +411,45 @@ def _masses(
     )
 
 
+def _with_wires(
+    polar: Polar,
+    aircraft: Aircraft,
+    variables: DesignVariables,
+    air: FlightConditions,
+    total_mass_kg: Value,
+    airspeed_m_per_s: Value,
+) -> Polar:
+    """Polar with the drag of the wires that carry the wing; itself where there are none."""
+    structure = getattr(aircraft.airframe, "structure", None)
+    if not isinstance(structure, RibWingStructure) or structure.bracing is None:
+        return polar
+    assert isinstance(polar, DragPolar | WingPolar)  # others are refused at validation
+    inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s, 0.0)
+    wing = structure.wing(inputs)
+    added = structure.wires(wing).drag_area_m2 / wing.wing_area_m2
+    return replaced(polar, ["parasitic_drag_coefficient"], polar.parasitic_drag_coefficient + added)
+
+
 def structure_inputs(
     aircraft: Aircraft,
     variables: DesignVariables,
     air: FlightConditions,
     total_mass_kg: Value,
     airspeed_m_per_s: Value,
+    propulsion_kg: Value,
 ) -> StructureInputs:
-    """Inputs of the structure; modules and the battery's share in the wing lie along the span."""
-    assert isinstance(aircraft.airframe, ParametricAirframe)
-    battery_kg = aircraft.airframe.distributed_battery_fraction * variables.battery_mass_kg
+    """Inputs of the structure; along the span lie the modules and the shares of the file."""
+    airframe = aircraft.airframe
+    assert isinstance(airframe, ParametricAirframe)
+    battery_kg = airframe.distributed_battery_fraction * variables.battery_mass_kg
+    systems_kg = airframe.avionics_mass_kg + air.payload_mass_kg + airframe.other_mass_kg
+    along_kg = battery_kg + airframe.distributed_propulsion_fraction * propulsion_kg
+    along_kg = along_kg + airframe.distributed_systems_fraction * systems_kg
     return StructureInputs(
         wingspan_m=variables.wingspan_m,
         aspect_ratio=variables.aspect_ratio,
         total_mass_kg=total_mass_kg,
-        span_load_kg=aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + battery_kg,
+        span_load_kg=aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + along_kg,
         airspeed_m_per_s=airspeed_m_per_s,
         density_kg_per_m3=air.density_kg_per_m3,
         wing_battery_kg=battery_kg,
@@ -461,20 +507,49 @@ def _structure_remarks(
         )
 
 
+def structure_by_both(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> dict[str, Value] | None:
+    """Mass of the structure by the file's model, and by the other one, without mass growth [kg].
+
+    By their names, the file's first; None where there is no second opinion. The other one has the
+    calibration of the file too, relative to that of AtlantikSolar.
+    """
+    sized = _sized_structure(aircraft, mission, design)
+    other = None if sized is None else other_model(sized[0])
+    if sized is None or other is None:
+        return None
+    structure, inputs = sized
+    factor = structure.calibration / CALIBRATIONS[structure.model]
+    return {
+        structure.model: structure.mass_kg(inputs),
+        other.model: factor * other.mass_kg(inputs),
+    }
+
+
 def _sized_rib_wing(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> tuple[RibWingStructure, StructureInputs] | None:
     """Rib wing of an aircraft and what it is sized from; None where it has another structure."""
+    sized = _sized_structure(aircraft, mission, design)
+    if sized is None or not isinstance(sized[0], RibWingStructure):
+        return None
+    return sized[0], sized[1]
+
+
+def _sized_structure(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[Any, StructureInputs] | None:
+    """Model of an aircraft's structure and what it is sized from; None of a measured aircraft."""
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         return None
     variables = design.variables
     structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
-    if not isinstance(structure, RibWingStructure):
-        return None
-    air, mass_kg = FlightConditions.of(mission, aircraft), design.total_mass_kg
-    airspeed = design.airspeed_m_per_s
-    return structure, structure_inputs(aircraft, variables, air, mass_kg, airspeed)
+    air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
+    mass_kg, airspeed = design.total_mass_kg, design.airspeed_m_per_s
+    propulsion_kg = design.masses.propulsion
+    return structure, structure_inputs(aircraft, variables, air, mass_kg, airspeed, propulsion_kg)
 
 
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
@@ -513,7 +588,7 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
         propulsion_power_w=scaled_power_w(
             flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
         ),
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.battery_heater_w,
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
     )
 
@@ -625,11 +700,14 @@ def _link(chain: Propulsion, name: str) -> Value:
 def _links_of(chain: Propulsion, function: Callable[[Value], Value]) -> Propulsion:
     """Chain with a function of every link's efficiency."""
     links = {f"{name}_efficiency": function(_link(chain, name)) for name in LINKS}
-    return chain.model_copy(update=links)
+    mapped = chain.model_copy(update=links)
+    return mapped.mapped(function) if isinstance(mapped, ChainOfParts) else mapped
 
 
 # Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
 _ROUNDS, _SETTLED = 30, 1e-10
+# In these an estimated mass of a gear is found with usual efficiencies, well within a gram.
+_MASS_ROUNDS = 3
 # Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
 # closes, a long step might pass the lightest solution and find a heavier one.
 _STEEPEST = 0.8
@@ -737,12 +815,21 @@ def operating_reason(
     if not isinstance(propulsion, OperatingPointPropulsion):
         return ""
     variables = variables_of(aircraft) if variables is None else variables
-    airframe = aircraft.airframe.model_copy(update={"propulsion": first_chain(propulsion)})
-    usual = aircraft.model_copy(update={"airframe": airframe})
-    design = closed_design(usual, mission, variables)
-    if not np.isfinite(design.total_mass_kg):
-        return ""
-    return str(level_point(aircraft, mission, design).reason)
+    chain, reason = first_chain(propulsion), ""
+    for _ in range(_MASS_ROUNDS):
+        airframe = aircraft.airframe.model_copy(update={"propulsion": chain})
+        usual = aircraft.model_copy(update={"airframe": airframe})
+        design = closed_design(usual, mission, variables)
+        if not np.isfinite(design.total_mass_kg):
+            break
+        point = level_point(aircraft, mission, design)
+        reason = str(point.reason)
+        links = {name: _link(chain, name) for name in LINKS}
+        own = _of_its_size(propulsion, variables)
+        if own.gear.mass_kg is not None:
+            break
+        chain = own.with_links(links, point.propeller_torque_nm, design.propulsion_power_w)
+    return reason
 
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
@@ -797,12 +884,20 @@ def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) 
 
 
 def load_profile(
-    time_h: ArrayLike, design: Design, mission: Mission, sunrise_h: ArrayLike, sunset_h: ArrayLike
+    time_h: ArrayLike,
+    design: Design,
+    mission: Mission,
+    sunrise_h: ArrayLike,
+    sunset_h: ArrayLike,
+    part_load: PartLoad | None = None,
+    bus_v: FloatArray | None = None,
 ) -> Value:
     """Load over the day: level flight, turbulence and thermals.
 
-    ``mission``: with its turbulence; draws of it are arrays of the batch. Returns power that the
-    aircraft draws [W].
+    ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: power of a
+    propulsion whose efficiency is that of the moment, with axes for scenarios and time; ``bus_v``:
+    voltage at the nodes, by default that of :meth:`PartLoad.at`. Returns power that the aircraft
+    draws [W].
     """
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
     constant = np.asarray(design.constant_power_w)[..., np.newaxis]
@@ -811,6 +906,9 @@ def load_profile(
         for value in (mission.turbulence.all_day, mission.turbulence.thermal)
     )
     steady = 1.0 + all_day
+    if part_load is not None:
+        thermal = most * thermal_shape(time_h, sunrise_h, sunset_h)
+        return propulsion * part_load.at(steady + thermal, bus_v) + constant
     if not np.any(most):
         load = propulsion * steady + constant
         shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))

@@ -17,15 +17,15 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_day import cycles_with_climb
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
-from sizing.design import Design, DesignVariables, closed_design, design_of, load_profile
+from sizing.design import Design, DesignVariables, closed_design, design_of
 from sizing.energy.battery import Store
-from sizing.energy.cycle import Cycle, simulate_cycle
+from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
-from sizing.held_station import power_against_wind_w
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.varying_load import DesignLoads, flown_cycle
 from solar.types import BoolArray, FloatArray
 
 # Scenarios whose best launch is searched for together.
@@ -239,18 +239,21 @@ def performance_after_days(
     :func:`sizing.energy.settling.simulate_days`.
     """
     design = design_of(aircraft, mission)
-    powers = [_powers(aircraft, mission, design, date) for date in dates]
-    solar_w, load_w, nominal = powers[-1]
+    # Voltages are those of the end that takes more: no day's charge is known before it is flown.
+    loads = [DesignLoads.of(aircraft, mission, design, date) for date in dates]
+    solar_w, load_w = ([one.solar_w for one in loads], [one.load_w() for one in loads])
+    nominal = loads[-1].nominal_w()
     store = Store.of(aircraft.battery, np.asarray(design.battery_energy_wh)[..., np.newaxis])
     cycle = simulate_days(
         dates[-1].time_h,
-        [power[0] for power in powers],
-        [power[1] for power in powers],
+        solar_w,
+        load_w,
         store,
         nominal_load_w=nominal,
     )
     day = replace(dates[-1], scenarios=dates[0].scenarios)
-    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
+    last = (solar_w[-1], load_w[-1], nominal)
+    return Performance(design, mission, solar, day, *last, store, cycle)
 
 
 def performance_of_designs(
@@ -308,28 +311,24 @@ def performance_in_pairs(
     return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)
 
 
-def cycle_of_variants(
-    variants: Sequence[tuple[Aircraft, Mission, Design, SolarDay]],
-) -> Cycle:
+def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle:
     """Cycles of designs that differ in anything but how their battery charges, in one march.
 
-    ``variants``: aircraft, mission, design and day of each; the days have the same scenarios, and
-    all missions climb to the same levels or none does. Returns arrays of shape ``(variant,
-    scenario)``.
+    ``variants``: aircraft with their loads; the days have the same scenarios, and all missions
+    climb to the same levels or none does. Returns arrays of shape ``(variant, scenario)``.
     """
-    aircraft, mission, _, day = variants[0]
-    energy_wh = np.array([float(design.battery_energy_wh) for _, _, design, _ in variants])
-    store = Store.of(aircraft.battery, energy_wh[:, np.newaxis])
-    if mission.climb is not None:
-        batch = len(variants), len(day.scenarios)
-        levels = FlightLevels.joined([flight_levels(*variant) for variant in variants])
-        strategy = mission.climb.strategy
-        return cycles_with_climb(day.time_h, levels, store.flat(batch), strategy)[0].reshaped(batch)
-    powers = [_powers(*variant) for variant in variants]
-    solar_w, load_w, nominal = (np.stack(values) for values in zip(*powers, strict=True))
-    return simulate_cycle(
-        day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=False
+    battery, first = variants[0][0].battery, variants[0][1]
+    energy_wh = np.array([float(one.design.battery_energy_wh) for _, one in variants])
+    store = Store.of(battery, energy_wh[:, np.newaxis])
+    climb, day = first.mission.climb, first.day
+    if climb is None:
+        return flown_cycle([one for _, one in variants], store, battery, keep_trajectory=False)[0]
+    batch = len(variants), len(day.scenarios)
+    levels = FlightLevels.joined(
+        [flight_levels(aircraft, one.mission, one.design, one.day) for aircraft, one in variants]
     )
+    cycle, _ = cycles_with_climb(day.time_h, levels, store.flat(batch), climb.strategy)
+    return cycle.reshaped(batch)
 
 
 def _simulate(
@@ -343,47 +342,23 @@ def _simulate(
     paired: bool = False,
 ) -> Performance:
     """Simulate every design in every scenario, or ``paired``: every design in its own."""
-    solar_w, load_w, nominal = _powers(aircraft, mission, design, day, paired=paired)
+    loads = DesignLoads.of(aircraft, mission, design, day, paired=paired)
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
     if mission.climb is not None:
         levels = flight_levels(aircraft, mission, design, day, paired=paired)
-        batch = solar_w.shape[:-1]
+        batch = loads.solar_w.shape[:-1]
         own = store.flat(batch)
         cycle, highest_m = cycles_with_climb(day.time_h, levels, own, mission.climb.strategy)
+        level_w, nominal = loads.load_w(), loads.nominal_w()
         return Performance(
-            *(design, mission, solar, day, solar_w, load_w, nominal, store),
+            *(design, mission, solar, day, loads.solar_w, level_w, nominal, store),
             *(cycle.reshaped(batch), highest_m.reshape(batch)),
         )
-    cycle = simulate_cycle(
-        day.time_h, solar_w, load_w, store, nominal_load_w=nominal, keep_trajectory=keep_trajectory
+    cycle, load_w, nominal = flown_cycle(
+        loads, store, aircraft.battery, keep_trajectory=keep_trajectory
     )
-    return Performance(design, mission, solar, day, solar_w, load_w, nominal, store, cycle)
-
-
-def _powers(
-    aircraft: Aircraft, mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Solar power, load and nominal load [W] of every design in every scenario, or in its own."""
-
-    def over_scenarios(value: ArrayLike) -> FloatArray:
-        return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
-
-    if mission.holds_station:
-        winds = mission.scenario_winds_m_per_s(day.scenarios)
-        power_w = power_against_wind_w(aircraft, mission, design.mapped(over_scenarios), winds)
-    else:
-        power_w = over_scenarios(design.propulsion_power_w)
-    # An impossible design draws infinite power; a huge finite one keeps NaN out of the arithmetic.
-    flown = design._replace(
-        propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12),
-        constant_power_w=over_scenarios(design.constant_power_w),
-    )
-    area = over_scenarios(design.variables.module_area_m2)[..., np.newaxis]
-    solar_w = area * day.specific_power_w_per_m2
-    load_w = load_profile(day.time_h, flown, mission, day.sunrise_h, day.sunset_h)
-    load_w = np.broadcast_to(load_w, np.broadcast_shapes(load_w.shape, solar_w.shape))
-    return solar_w, load_w, np.asarray(flown.nominal_load_w(mission))
+    return Performance(design, mission, solar, day, loads.solar_w, load_w, nominal, store, cycle)
 
 
 def perpetual_days(

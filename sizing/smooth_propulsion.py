@@ -150,6 +150,9 @@ def put_parts_in(data: dict[str, Any], aircraft: Aircraft, variables: DesignVari
         if value is not None:
             parts.setdefault(part, {})[key] = float(value)
     sized = any(one is not None for one in variables.of_propulsion[:2])
+    mass_kg = propulsion.sized(*variables.mapped(float).of_propulsion).propeller.mass_kg
+    if sized and mass_kg:
+        parts["propeller"]["mass_kg"] = float(mass_kg)
     # No longer the product that the file names.
     if sized and parts["propeller"].pop("product", None) is not None:
         for key in PARTS_OF_PROPELLER:

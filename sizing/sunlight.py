@@ -15,11 +15,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.files.errors import file_error
-from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
+from missions.loiter_power import Daylight, mean_power_on_path
 from missions.mission import Mission, Scenarios
-from sizing.aircraft import Aircraft
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import Design
+from sizing.module_heat import (
+    FLOWS,
+    Cooling,
+    balances_heat,
+    convection_in_flight,
+    convection_of,
+    surroundings,
+)
+from sizing.module_power import (
+    flown_modules,
+    own_surroundings,
+    power_in_surroundings,
+    specific_power,
+)
 from solar.clearsky import Irradiance
-from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power
+from solar.horizontal_models import HORIZONTAL_MODELS, in_surroundings
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.sun import declination, sun_times
 from solar.systematic_errors import correction
@@ -70,9 +85,11 @@ class SolarDay:
     """Specific power over the day in each scenario: all that a design needs of the sun.
 
     ``specific_power_w_per_m2`` has the shape ``(scenario, time)``; ``sunrise_h`` and ``sunset_h``
-    are those of the geometric sun [solar h]. ``aloft_w_per_m2`` is the specific power at the levels
-    of a mission with climbs (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one
-    included, of shape ``(level, scenario, time)``; None for flight at one altitude.
+    are those of the geometric sun [solar h]. The power is that of the aircraft's own flow;
+    ``cooling``: how it changes with that of another design, where the modules balance their heat.
+    ``aloft_w_per_m2`` is the specific power at the levels of a mission with climbs
+    (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one included, of shape ``(level,
+    scenario, time)``, in the aircraft's own flow; None for flight at one altitude.
     """
 
     scenarios: Scenarios
@@ -80,6 +97,7 @@ class SolarDay:
     specific_power_w_per_m2: FloatArray
     sunrise_h: FloatArray
     sunset_h: FloatArray
+    cooling: Cooling | None = None
     aloft_w_per_m2: FloatArray | None = None
 
     @classmethod
@@ -95,6 +113,7 @@ class SolarDay:
             np.concatenate([d.specific_power_w_per_m2 for d in days]),
             np.concatenate([d.sunrise_h for d in days]),
             np.concatenate([d.sunset_h for d in days]),
+            _cooled([d.cooling for d in days], np.concatenate),
             np.concatenate(aloft, axis=1) if aloft else None,
         )
 
@@ -113,7 +132,9 @@ class SolarDay:
 
     def coarsened(self, steps: int) -> SolarDay:
         """Same day with some steps in one."""
-        return replace(self._with(lambda power: power[..., ::steps]), time_h=self.time_h[::steps])
+        cooling = _cooled([self.cooling], lambda parts: parts[0][..., ::steps])
+        coarse = self._with(lambda power: power[..., ::steps])
+        return replace(coarse, time_h=self.time_h[::steps], cooling=cooling)
 
     def _with(self, changed: Callable[[FloatArray], FloatArray]) -> SolarDay:
         """Same day with another power, at all its levels."""
@@ -134,8 +155,30 @@ class SolarDay:
             self.specific_power_w_per_m2[some],
             np.asarray(self.sunrise_h)[some],
             np.asarray(self.sunset_h)[some],
+            _cooled([self.cooling], lambda parts: parts[0][some]),
             None if self.aloft_w_per_m2 is None else self.aloft_w_per_m2[:, some],
         )
+
+    def power_of(self, design: Design, mission: Mission, *, paired: bool = False) -> FloatArray:
+        """Specific power of designs in every scenario, or ``paired``: of each in its own [W/m2]."""
+        cooling = self.cooling
+        if cooling is None:
+            return self.specific_power_w_per_m2
+        flow = convection_of(design, mission, cooling.transition_reynolds, cooling.convection)
+        flow = flow[..., np.newaxis] if paired else flow[..., np.newaxis, np.newaxis]
+        return self.specific_power_w_per_m2 * cooling.factor(flow)
+
+
+def _cooled(
+    parts: Sequence[Cooling | None], join: Callable[[Sequence[FloatArray]], FloatArray]
+) -> Cooling | None:
+    """Cooling of joined or cut days."""
+    known = [part for part in parts if part is not None]
+    if not known:
+        return None
+    return known[0].with_arrays(
+        [join(one) for one in zip(*(k.arrays() for k in known), strict=True)]
+    )
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
@@ -165,14 +208,36 @@ class Sunlight:
         self.scenarios = mission.scenarios() if scenarios is None else scenarios
         self.time_h = day_axis_h(step_h)
         self._power: dict[ModelName, FloatArray] = {}
+        self._cooling: dict[ModelName, Cooling] = {}
+
+    @cached_property
+    def _convection(self) -> float | None:
+        """Of the aircraft's own flow; none where modules do not balance their heat."""
+        balanced = balances_heat(self.mission)
+        return convection_in_flight(self.aircraft, self.mission) if balanced else None
 
     def modelled_power(self, model: ModelName) -> FloatArray:
-        """Uncorrected specific power [W/m2], shape ``(scenario, time)``: :func:`modelled_power`."""
+        """Uncorrected specific power [W/m2], shape ``(scenario, time)``."""
         if model not in self._power:
-            self._power[model] = modelled_power(
-                self.aircraft, self.mission, model, self.scenarios, self.time_h
-            )
+            self._power[model] = self._in_flow(model, self._convection)
         return self._power[model]
+
+    def _in_flow(self, model: ModelName, convection: float | None) -> FloatArray:
+        around = None if convection is None else surroundings(self.mission, convection)
+        given = (self.aircraft, self.mission, model, self.scenarios, self.time_h)
+        return power_in_surroundings(*given, around)
+
+    def _cooling_of(self, model: ModelName) -> Cooling | None:
+        """How the power changes with the flow; of VM and FM as that of CAM, relative to it."""
+        if self._convection is None or isinstance(self.aircraft.airframe, MeasuredAirframe):
+            return None
+        model = "CAM" if model in ATTITUDE_MODELS else model
+        if model not in self._cooling:
+            own, transition = self._convection, self.aircraft.modules.thermal.transition_reynolds
+            powers = [self._in_flow(model, flow * own) for flow in FLOWS]
+            cold = self._in_flow(model, None)
+            self._cooling[model] = Cooling.through(cold, powers, own, transition)
+        return self._cooling[model]
 
     def loiter_ratio(self, model: ModelName) -> FloatArray:
         """Daily energy of the Full Model on the flight path over that of a model, per scenario.
@@ -201,6 +266,7 @@ class Sunlight:
         aloft = self._aloft(solar)
         return SolarDay(
             *(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h),
+            self._cooling_of(solar.model),
             None if aloft is None else np.stack([corrected, *aloft]),
         )
 
@@ -268,33 +334,6 @@ def consecutive_days(
     return tuple(whole.at(np.arange(k * count, (k + 1) * count)) for k in range(days + 1))
 
 
-def modelled_power(
-    aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
-) -> FloatArray:
-    """Specific power of a model, uncorrected, over scenarios and time.
-
-    CDM and CAM see one horizontal surface
-    (:func:`solar.horizontal_models.horizontal_specific_power`); VM and
-    FM are averaged over the mission's flight path (:mod:`missions.loiter_power`).
-
-    Returns electric power per area of module [W/m2].
-    """
-    latitude_deg, day = scenarios.latitude_deg, scenarios.noon_day
-    if model not in ATTITUDE_MODELS:
-        # In memory the time comes first: the simulator marches over it, all scenarios at once.
-        column = time_h[:, np.newaxis]
-        return _specific_power(aircraft, mission, model, latitude_deg, day, column).T
-    flown = [mission] * len(scenarios)
-    if mission.wind_statistics is not None:
-        flown = [mission.in_wind(w) for w in mission.scenario_winds_m_per_s(scenarios).tolist()]
-    return np.stack(
-        [
-            _specific_power(aircraft, one, model, float(latitude), noon, time_h)
-            for one, latitude, noon in zip(flown, latitude_deg, day, strict=True)
-        ]
-    )
-
-
 def power_on_calendar(
     aircraft: Aircraft,
     mission: Mission,
@@ -309,7 +348,9 @@ def power_on_calendar(
     """
     _check_one_wind(mission, solar)
     latitude = mission.latitudes()[0]
-    power = _specific_power(aircraft, mission, solar.model, latitude, day_of_year, time_solar_h)
+    around = own_surroundings(aircraft, mission)
+    given = (aircraft, mission, solar.model, latitude, day_of_year, time_solar_h, around)
+    power = specific_power(*given)
     if solar.correction == "loiter":
         power = power * _loiter_ratio_on(aircraft, mission, solar.model, day_of_year)
     return power * mission.pessimistic_power_factor(solar.model, solar.correction)
@@ -343,22 +384,27 @@ def power_in_light(
     latitude. Returns electric power per area of module [W/m2].
     """
     _check_one_wind(mission, solar)
+    around = own_surroundings(aircraft, mission)
     if solar.model in ATTITUDE_MODELS:
         power = mean_power_on_path(
             solar.model,
-            _flown_modules(aircraft, mission, solar.model),
+            flown_modules(aircraft, mission, solar.model),
             Daylight(
                 mission.latitudes()[0],
                 sunlit.day_of_year,
                 sunlit.time_solar_h,
                 irradiance=sunlit.irradiance,
+                albedo=mission.air.albedo or 0.0,
             ),
             ambient_temperature_c=sunlit.ambient_c,
             module_temperature_c=sunlit.module_c,
+            surroundings=around,
         )
     else:
         convert = HORIZONTAL_MODELS[solar.model]
         up = sunlit.cos_zenith > 0.0
+        if around is not None:
+            convert = in_surroundings(convert, around._replace(ambient_c=sunlit.ambient_c[up]))
         power = np.zeros(up.shape)
         some = Irradiance(sunlit.irradiance.dni[up], sunlit.irradiance.dhi[up])
         power[up] = convert(some, sunlit.cos_zenith[up], aircraft.modules, sunlit.module_c[up])
@@ -381,53 +427,3 @@ def _check_one_wind(mission: Mission, solar: SolarModel) -> None:
     if solar.needs_path and mission.wind_statistics is not None:
         message = "needs one wind from day to day: give wind_m_per_s in place of wind"
         raise file_error(mission.name, f"{solar.label} on a flight path {message}")
-
-
-def _flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> FlownModules:
-    """What VM and FM need of aircraft and mission."""
-    modules = aircraft.modules
-    if modules.geometry is None:
-        raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
-    if mission.flight_path is None:
-        raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
-    return FlownModules(
-        modules.geometry, modules, mission.flight_path, mission.wind, modules.shading
-    )
-
-
-def _specific_power(
-    aircraft: Aircraft,
-    mission: Mission,
-    model: ModelName,
-    latitude_deg: float | FloatArray,
-    day_of_year: ArrayLike,
-    time_solar_h: FloatArray,
-) -> FloatArray:
-    """Uncorrected power by any model [W/m2]; VM and FM take a single latitude."""
-    modules = aircraft.modules
-    if model not in ATTITUDE_MODELS:
-        return horizontal_specific_power(
-            latitude_deg,
-            day_of_year,
-            time_solar_h,
-            cell=modules,
-            module_temperature_c=mission.module_temperature_c(),
-            altitude_m=mission.altitude_m,
-            clearness=mission.pessimistic_clearness,
-            sky=mission.sky,
-            model=model,
-        )
-    return mean_power_on_path(
-        model,
-        _flown_modules(aircraft, mission, model),
-        Daylight(
-            float(latitude_deg),
-            day_of_year,
-            time_solar_h,
-            mission.altitude_m,
-            mission.pessimistic_clearness,
-            mission.sky,
-        ),
-        ambient_temperature_c=float(mission.air_state().temperature_c),
-        module_temperature_c=mission.module_temperature_c(),
-    )

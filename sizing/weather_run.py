@@ -296,15 +296,17 @@ def _propulsion_ratio(mission: Mission, axis: DayAxis, ambient_c: FloatArray) ->
 
 def _more_heater_w(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:
     """Heater of each day's battery beyond that of the mission's air [W], shape ``(day, 1)``."""
-    heater_w = aircraft.battery.heater_w
+    heater_w, altitude_m = aircraft.battery.heater_w, mission.altitude_m
     mean_c, assumed_c = np.mean(air_c, axis=1, keepdims=True), mission.air_state().temperature_c
-    return np.asarray(heater_w(mean_c) - heater_w(assumed_c) + np.zeros(mean_c.shape))
+    more_w = heater_w(mean_c, altitude_m) - heater_w(assumed_c, altitude_m)
+    return np.asarray(more_w + np.zeros(mean_c.shape))
 
 
 def _capacity_of_days(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:
     """Capacity at the mean air temperature of each day over that in the mission's air [-]."""
-    fraction = aircraft.battery.capacity_fraction
-    of_days = fraction(np.mean(air_c, axis=1)) / fraction(mission.air_state().temperature_c)
+    fraction, altitude_m = aircraft.battery.capacity_fraction, mission.altitude_m
+    assumed = fraction(mission.air_state().temperature_c, altitude_m)
+    of_days = fraction(np.mean(air_c, axis=1), altitude_m) / assumed
     return np.asarray(of_days * np.ones(len(air_c)))
 
 

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.clearsky import Irradiance
+from solar.clearsky import Irradiance, global_horizontal
 from solar.geometry import ModuleGeometry, cos_angle_of_incidence
-from solar.horizontal_models import conceptual_analysis_model
+from solar.heat_balance import Surroundings, balanced_temperature_c
+from solar.horizontal_models import PowerModel, conceptual_analysis_model, in_surroundings
 from solar.modules import SolarCell
 from solar.shading import Shading
 from solar.types import FloatArray
@@ -53,6 +54,9 @@ def verification_model(
     geometry: ModuleGeometry,
     cell: SolarCell,
     module_temperature_c: ArrayLike,
+    *,
+    surroundings: Surroundings | None = None,
+    albedo: float = 0.0,
 ) -> FloatArray:
     """Specific power of the Verification Model: the CAM on the central wing's flat surface.
 
@@ -70,6 +74,10 @@ def verification_model(
         Module and MPPT efficiencies.
     module_temperature_c : array_like
         Constant module temperature [C].
+    surroundings : Surroundings, optional
+        Air and radiation by which the modules find their temperature.
+    albedo : float
+        Share of the light that the earth sends back up [-].
 
     Returns
     -------
@@ -78,7 +86,13 @@ def verification_model(
     """
     normal = np.asarray(to_ned, float) @ geometry.central_wing_normal()
     cosine = cos_angle_of_incidence(normal, sun_vector)
-    return conceptual_analysis_model(irradiance, cosine, cell, module_temperature_c)
+    if albedo:
+        up = _from_below(irradiance, np.asarray(sun_vector, float), normal, albedo)
+        irradiance = Irradiance(irradiance.dni, irradiance.dhi + up)
+    convert: PowerModel = conceptual_analysis_model
+    if surroundings is not None:
+        convert = in_surroundings(convert, surroundings, -np.asarray(sun_vector, float)[..., 2])
+    return convert(irradiance, cosine, cell, module_temperature_c)
 
 
 def full_model(
@@ -90,6 +104,8 @@ def full_model(
     ambient_temperature_c: ArrayLike,
     *,
     shading: Shading | None = None,
+    surroundings: Surroundings | None = None,
+    albedo: float = 0.0,
 ) -> ModulePower:
     """Specific power and component efficiencies of the Full Model.
 
@@ -113,6 +129,11 @@ def full_model(
         Temperature of the air [C].
     shading : Shading, optional
         Shading by the tail, where its losses are to count (the report only shows the shaded area).
+    surroundings : Surroundings, optional
+        Air and radiation by which the modules find their temperature, instead of eq. 10.
+    albedo : float
+        Share of the light that the earth sends back up, which surfaces see as far as they face
+        down [-].
 
     Returns
     -------
@@ -128,15 +149,30 @@ def full_model(
         sun_body = np.einsum("...ji,...j->...i", rotation, sun)
         direct = shading.direct_left(direct, geometry, sun_body)
     diffuse = np.asarray(irradiance.dhi)[..., np.newaxis]
+    if geometry.face_down.any():
+        # The lower face sees the part of the sky that its tilt leaves (Liu & Jordan 1963).
+        seen = np.where(geometry.face_down, (1.0 - normals[..., 2]) / 2.0, 1.0)
+        diffuse = diffuse * seen
+    if albedo:
+        one = Irradiance(*(np.asarray(part)[..., np.newaxis] for part in irradiance))
+        diffuse = diffuse + _from_below(one, sun[..., np.newaxis, :], normals, albedo)
     light = direct + diffuse
     low_light = cell.low_light_efficiency(light)
     incidence = cell.incidence_efficiency(cosine)
     useful = direct * incidence * cell.camber_efficiency + diffuse * cell.diffuse_efficiency
     shares = geometry.area_shares
     at_25_c = (useful * low_light) @ shares * cell.efficiency_stc
-    power, temperature = _balanced_power(at_25_c, cell, np.asarray(ambient_temperature_c, float))
-    before_mppt = at_25_c * cell.temperature_efficiency(temperature)
     falling = light @ shares
+    ambient_c = np.asarray(ambient_temperature_c, float)
+    power, temperature = _balanced_power(at_25_c, cell, ambient_c)
+    if surroundings is not None:
+        balanced = balanced_temperature_c(
+            falling, at_25_c, irradiance, -sun[..., 2], cell, surroundings
+        )
+        temperature = temperature + surroundings.share * (balanced - temperature)
+        before = at_25_c * cell.temperature_efficiency(temperature)
+        power = before * cell.mppt_efficiency_at(before / cell.full_load_w_per_m2)
+    before_mppt = at_25_c * cell.temperature_efficiency(temperature)
     return ModulePower(
         specific_power_w_per_m2=power,
         irradiance_w_per_m2=falling,
@@ -149,6 +185,18 @@ def full_model(
         incidence_efficiency_by_surface=incidence,
         low_light_efficiency_by_surface=low_light,
     )
+
+
+def _from_below(
+    irradiance: Irradiance, sun_vector: FloatArray, normals: FloatArray, albedo: float
+) -> FloatArray:
+    """Light that the earth sends up to surfaces, ``A GHI (1 - cos b) / 2`` of their tilt [W/m2].
+
+    Source: Liu, B. Y. H. and Jordan, R. C. (1963), The long-term average performance of flat-plate
+    solar-energy collectors, Solar Energy 7, 53-74; a plain that is lit evenly.
+    """
+    level = global_horizontal(irradiance, -sun_vector[..., 2])
+    return np.asarray(albedo * level * (1.0 + normals[..., 2]) / 2.0)
 
 
 def _balanced_power(

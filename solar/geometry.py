@@ -14,7 +14,7 @@ from pydantic import Field, Strict, model_validator
 
 from solar.attitude import direction_cosines
 from solar.schema import Name, PositiveReal, Real, Record
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 _Angle = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
 
@@ -39,7 +39,7 @@ class ModuleOutline(Record):
 
 
 class ModuleSurface(Record):
-    """One flat, module-covered surface of the wing.
+    """One flat, module-covered surface of the wing; ``facing`` is ``down`` on its lower face.
 
     ``pitch_deg`` is relative to the chord line, positive where the surface faces aft (nose up).
     The dihedral of a left or right surface raises its outer end.
@@ -50,6 +50,7 @@ class ModuleSurface(Record):
     side: Literal["left", "centre", "right"]
     dihedral_deg: _Angle = 0.0
     pitch_deg: _Angle = 0.0
+    facing: Literal["up", "down"] = "up"
     outline: ModuleOutline | None = None
 
     @model_validator(mode="after")
@@ -75,6 +76,11 @@ class ModuleGeometry(Record):
         """Share of each surface in the whole area [-]."""
         return np.array([s.area_m2 for s in self.surfaces]) / self.area_m2
 
+    @property
+    def face_down(self) -> BoolArray:
+        """Surfaces on the lower face of the wing."""
+        return np.array([s.facing == "down" for s in self.surfaces])
+
     def normals(self) -> FloatArray:
         """Unit normals of the surfaces in body axes, shape ``(surface, 3)``."""
         sides = {"left": 1.0, "centre": 0.0, "right": -1.0}
@@ -83,16 +89,19 @@ class ModuleGeometry(Record):
         # A module is pitched in its wing panel, the panel has a dihedral, and the whole wing is set
         # on the body at its incidence.
         set_on_body = direction_cosines(0.0, np.radians(self.wing_incidence_deg), 0.0)
-        return np.asarray(surface_normal(roll, pitch) @ set_on_body.T)
+        turned = np.where(self.face_down, -1.0, 1.0)[:, np.newaxis]
+        return np.asarray(turned * (surface_normal(roll, pitch) @ set_on_body.T))
 
     def central_wing_normal(self) -> FloatArray:
         """Unit normal of the central wing in body axes: the mean of its module surfaces.
 
         An aircraft without surfaces in the centre takes the mean of all, in which the dihedral of
-        the two sides cancels.
+        the two sides cancels. Surfaces of the lower face count where there are no others.
         """
-        central = np.array([s.side == "centre" for s in self.surfaces])
-        shares = np.where(central, self.area_shares, 0.0) if central.any() else self.area_shares
+        upper = ~self.face_down if not self.face_down.all() else self.face_down
+        central = upper & np.array([s.side == "centre" for s in self.surfaces])
+        counted = central if central.any() else upper
+        shares = np.where(counted, self.area_shares, 0.0) if not counted.all() else self.area_shares
         mean = shares @ self.normals()
         return np.asarray(mean / np.linalg.norm(mean))
 

@@ -19,10 +19,12 @@ from solar.clearsky import (
     Irradiance,
     clear_sky,
     coefficients,
+    global_horizontal,
     irradiance_under,
     pressure_ratio,
 )
-from solar.modules import SolarCell
+from solar.heat_balance import Surroundings, balanced_temperature_c
+from solar.modules import STC_TEMPERATURE_C, SolarCell
 from solar.names import CorrectionName, ModelName
 from solar.sun import NOON_H, cos_zenith, declination, hour_angle, sun_arc
 from solar.systematic_errors import correction
@@ -121,6 +123,7 @@ def horizontal_specific_power(
     model: ModelName | PowerModel = "CAM",
     correct: CorrectionName = "none",
     sky: ClearSky = clear_sky,
+    surroundings: Surroundings | None = None,
 ) -> FloatArray:
     """Specific power of horizontal modules under the clear sky, over latitude x day x time.
 
@@ -144,6 +147,8 @@ def horizontal_specific_power(
         Systematic correction of CDM or CAM, see :mod:`solar.systematic_errors`.
     sky : ClearSky
         Clear-sky model, :func:`solar.clearsky.clear_sky` or the user's own.
+    surroundings : Surroundings, optional
+        Air and radiation by which the modules find their temperature; numbers.
 
     Returns
     -------
@@ -156,6 +161,8 @@ def horizontal_specific_power(
         If the model or the correction does not exist, or needs a flight path.
     """
     convert, corrected = _power_model(model, correct)
+    if surroundings is not None:
+        convert = in_surroundings(convert, surroundings)
     factor = corrected * np.asarray(clearness, float)
     time = np.asarray(time_solar_h, float)
     if sky is not clear_sky:
@@ -179,6 +186,27 @@ def horizontal_specific_power(
         return part.factor * convert(irradiance, cosine, cell, part.temperature_c)
 
     return _over_the_day(power, skies, time)
+
+
+def in_surroundings(
+    convert: PowerModel, around: Surroundings, cos_zenith: ArrayLike | None = None
+) -> PowerModel:
+    """Same model with modules as warm as light and surroundings make them.
+
+    ``cos_zenith``: that of the sun, of modules that are not horizontal.
+    """
+
+    def power(
+        irradiance: Irradiance, cos_aoi: ArrayLike, cell: SolarCell, module_c: ArrayLike
+    ) -> FloatArray:
+        light = global_horizontal(irradiance, cos_aoi)
+        electric = convert(irradiance, cos_aoi, cell, STC_TEMPERATURE_C) / cell.mppt_efficiency
+        zenith = cos_aoi if cos_zenith is None else cos_zenith
+        balanced = balanced_temperature_c(light, electric, irradiance, zenith, cell, around)
+        warmer_k = around.share * (balanced - np.asarray(around.ambient_c, float))
+        return convert(irradiance, cos_aoi, cell, np.asarray(module_c, float) + warmer_k)
+
+    return power
 
 
 def _power_model(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, UnitInterval
 from solar.types import FloatArray, IntArray
 
 STC_TEMPERATURE_C = 25.0
@@ -195,6 +195,25 @@ def _without_header(text: str) -> str:
     return "\n".join(lines[1:])
 
 
+class ModuleHeat(Record):
+    """What heats and cools a module in thin air: see :mod:`solar.heat_balance`.
+
+    ``absorptance`` of light: Mermoud & Wittmer, PVsyst User's Manual, array thermal losses.
+    ``emissivity``: Driesse, Stein & Theristis (2022), Improving common PV module temperature models
+    by incorporating radiative losses to the sky, SAND2022-11604. ``underside_share``: how much of
+    the heat exchange of the wing's lower face the modules have; 1 of a thin film, 0 of modules on
+    foam. ``underside_absorptance``: of light from below; a white film, assumption.
+    ``transition_reynolds``: where the flow along the wing turns turbulent; Incropera et al.,
+    section 6.3, of a flat plate.
+    """
+
+    absorptance: Fraction = 0.9
+    emissivity: Fraction = 0.88
+    underside_share: UnitInterval = 1.0
+    underside_absorptance: UnitInterval = 0.2
+    transition_reynolds: Annotated[PositiveReal, Field(ge=1e4, le=3e6)] = 5e5
+
+
 # Infinitely many cells in series under the most concentrated sunlight: De Vos, A. (1980), Detailed
 # balance limit of the efficiency of tandem solar cells, J. Phys. D 13, 839-846.
 HIGHEST_EFFICIENCY = 0.868
@@ -208,7 +227,8 @@ class SolarCell(Record):
     models use the former, the Full Model the latter. ``rated_power_w_per_m2`` is the power at which
     the modules are ``temperature_rise_k`` warmer than the air and to which the MPPT's load is
     related; left out it is that of AS-2 (265 W of 1.35 m2, 12 K) in proportion to the efficiency,
-    because modules heat up by the light, not by the power they make of it.
+    because modules heat up by the light, not by the power they make of it. High up a balance of
+    heat takes its place, with what ``thermal`` says.
     """
 
     efficiency_stc: Annotated[Fraction, Field(le=HIGHEST_EFFICIENCY)] = 0.237
@@ -221,6 +241,7 @@ class SolarCell(Record):
     mppt: MpptTable | None = None
     rated_power_w_per_m2: PositiveReal | None = None
     temperature_rise_k: NonNegativeReal = 12.0
+    thermal: ModuleHeat = ModuleHeat()
 
     @property
     def full_load_w_per_m2(self) -> float:

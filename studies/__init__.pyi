@@ -1,3 +1,5 @@
+from .bench.result import BenchTests as BenchTests
+from .bench.result import evaluate_bench as evaluate_bench
 from .ceiling import Ceiling as Ceiling
 from .ceiling import perpetual_ceiling as perpetual_ceiling
 from .ceiling import plot_ceiling as plot_ceiling

@@ -11,10 +11,13 @@ from missions.mission import Scenarios
 from sizing.altitude.ceiling import highest_perpetual_altitude
 from sizing.altitude.climb_cycle import climb_performance
 from sizing.library import load_aircraft
+from sizing.module_heat import convection_in_flight
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.objectives import Objective
+from sizing.performance import performance
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
+from solar.modules import STC_TEMPERATURE_C
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 MODELS = (SolarModel("CAM"), SolarModel("CAM", "report"), SolarModel("CDM"))
@@ -112,3 +115,34 @@ def climbs() -> Table:
         Column("gain_h", "gain", "h", "z.2f"),
     )
     return Table("gains by climbing", columns, tuple(rows))
+
+
+def module_heat() -> Table:
+    """Modules of the stratospheric aircraft at noon of 21 June at 30 N, by altitude."""
+    aircraft = load_aircraft("stratosphere-design")
+    columns = (
+        Column("altitude", "altitude", "km"),
+        Column("air", "air", "°C", ".0f"),
+        Column("speed", "airspeed", "m/s", ".1f"),
+        Column("flow", "convection of a face", "W/(m² K)", ".1f"),
+        Column("modules", "modules at noon", "°C", ".0f"),
+        Column("less", "power beside modules as cold as the air", "%", "+.1f"),
+    )
+    rows = []
+    for altitude_km in (4, 8, 12, 16, 20, 24):
+        given = {"altitude_m": 1000.0 * altitude_km, "dates": {"on": "06-21"}, "latitude_deg": 30.0}
+        mission = load_mission("stratosphere-mission", given | {"wind": None})
+        air_c = float(mission.air_state().temperature_c)
+        cold = load_mission(
+            "stratosphere-mission", given | {"wind": None, "air": {"module_temperature_c": air_c}}
+        )
+        flown, without = (performance(aircraft, one) for one in (mission, cold))
+        noon = len(flown.day.time_h) // 2
+        ratio = float(flown.solar_power_w[0, noon] / without.solar_power_w[0, noon])
+        modules = aircraft.modules
+        at_air = float(modules.temperature_efficiency(air_c))
+        celsius = STC_TEMPERATURE_C + (1.0 - ratio * at_air) / modules.temperature_coefficient_per_k
+        convection = convection_in_flight(aircraft, mission)
+        speed = float(flown.design.airspeed_m_per_s)
+        rows.append((altitude_km, air_c, speed, convection, celsius, 100.0 * (ratio - 1.0)))
+    return Table("", columns, tuple(rows))

@@ -11,13 +11,51 @@ import numpy as np
 import pandas as pd
 
 from missions.files.errors import shown
-from missions.logs.units import UNITS, epoch_unit
+from missions.logs.units import MOST_SINCE_START, UNITS, epoch_unit
 from solar.types import BoolArray, FloatArray
 
+_DAY_S = 86400.0
+_SPAN = re.compile(r"(?:(\d{4}-\d\d-\d\d)@)?(\d\d?:\d\d(?::\d\d)?)-(\d\d?:\d\d(?::\d\d)?)")
 _OFFSET = re.compile(r"([+-])(\d{1,2})(?::?(\d\d))?")
 _DOTTED = r"^\s*(\d{1,2})\.(\d{1,2})\.(\d{4})[ T,]+"
 _SLASHED = r"^\s*(\d{1,2})/(\d{1,2})/(\d{4})[ T,]+"
 _HALF_DAY = r"^(.*?)(\d{1,2})(:\d\d(?::\d\d(?:\.\d+)?)?)\s*([AaPp])\.?[Mm]\.?$"
+
+
+class Span(NamedTuple):
+    """Times of day [s since midnight], on one date or on every day; the end may be on the next."""
+
+    text: str
+    date: datetime.date | None
+    start_s: float
+    end_s: float
+
+    def holds(self, time_s: FloatArray, zone: datetime.tzinfo) -> BoolArray:
+        """Which times are within it, by the clock of a zone."""
+        instants = pd.to_datetime(pd.Series(time_s), unit="s", utc=True).dt.tz_convert(zone)
+        local = instants.dt.tz_localize(None) - pd.Timedelta(seconds=self.start_s)
+        since = (local - local.dt.normalize()).dt.total_seconds()
+        inside = since <= (self.end_s - self.start_s) % _DAY_S
+        if self.date is not None:
+            inside &= local.dt.date == self.date
+        return np.asarray(inside, bool)
+
+
+def parse_span(text: str) -> Span:
+    """Read times of day like ``11:20-11:45`` or ``2015-07-01@11:20-11:45``."""
+    match = _SPAN.fullmatch(text.strip())
+    try:
+        if match is None:
+            raise ValueError
+        date = datetime.date.fromisoformat(match[1]) if match[1] else None
+        start, end = (datetime.time.fromisoformat(match[i].zfill(5)) for i in (2, 3))
+    except ValueError:
+        raise ValueError(
+            f"must be times like 11:20-11:45, or 2015-07-01@11:20-11:45 of one day "
+            f"(got {shown(text)})"
+        ) from None
+    seconds = (3600.0 * t.hour + 60.0 * t.minute + t.second for t in (start, end))
+    return Span(text.strip(), date, *seconds)
 
 
 class Times(NamedTuple):
@@ -71,6 +109,17 @@ def parse_instant(text: str) -> float:
         return instant.timestamp()
     except (OverflowError, OSError, ValueError):
         raise ValueError(f"must be a time from 1950 to 2049 (got {shown(text)})") from None
+
+
+def instant_text(text: str) -> str:
+    """Check that there is an instant of a text."""
+    parse_instant(text)
+    return text
+
+
+def span_text(text: str) -> str:
+    """Check that there are times of day of a text."""
+    return parse_span(text).text
 
 
 def times_from_text(
@@ -181,14 +230,15 @@ def times_from_numbers(
         factor = UNITS["time"][unit or "s"].factor
         first = values[np.isfinite(values)][:1]
         return start_s + factor * (values - (first[0] if len(first) else 0.0)), None
-    epoch = epoch_unit(values)
+    epoch, known = epoch_unit(values), values[np.isfinite(values)]
+    if epoch is None and not (len(known) and np.median(np.abs(known)) <= MOST_SINCE_START):
+        return values, None  # refused by its size, as other times that no flight has
     if epoch is None:
-        if unit is None:
-            raise ValueError(
-                "does not count from 1970 (s, ms, us or ns): give the instant of its first row as "
-                "start in the --columns file, with its zone"
-            )
-        return UNITS["time"][unit].factor * values, None
+        size = f" ({values[0]:g}, {values[1]:g}, ...)" if len(values) > 1 else ""
+        raise ValueError(
+            f"counts from the start of the log, not from 1970{size}: give the time of its first "
+            "row with its zone, such as --start 2015-06-30T11:14:00+02:00"
+        )
     note = None
     if unit is not None and UNITS["time"][unit].factor != UNITS["time"][epoch].factor:
         note = f"{name} is said to be in {unit}, and read as {epoch} since 1970: so its size says"

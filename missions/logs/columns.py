@@ -17,79 +17,16 @@ from pydantic import AfterValidator, Field
 from missions.files.errors import Problem, printable, shortened, shown
 from missions.files.validation import unknown_key, validate
 from missions.files.yaml import read_yaml
-from missions.logs.clock import parse_instant, zone_name
+from missions.logs.clock import Span, instant_text, parse_span, span_text, zone_name
+from missions.logs.quantities import QUANTITIES
 from missions.logs.units import UNITS, Dimension, Unit, known_unit, spelled, split_unit
 from solar.schema import Real, Record, Text
 from solar.types import FloatArray
 
-
-class Quantity(NamedTuple):
-    """What may be in a log: its dimension, and names that it goes by elsewhere, likeliest first.
-
-    Names are lower case without anything between words, and without a unit.
-    """
-
-    dimension: Dimension
-    aliases: tuple[str, ...]
-
-
-def _names(*groups: str) -> tuple[str, ...]:
-    return tuple(name for group in groups for name in group.split())
-
-
-QUANTITIES: Mapping[str, Quantity] = {
-    "time": Quantity("time", _names(
-        "time timestamp datetime utc timeutc utctime gpstime timegps epoch unixtime timeunix unix",
-        "localtime timelocal clock t",
-    )),
-    "latitude_deg": Quantity("angle", _names("latitude lat gpslat gpslatitude latgps poslat")),
-    "longitude_deg": Quantity("angle", _names(
-        "longitude lon lng long gpslon gpslongitude longps gpslng poslon"
-    )),
-    "altitude_m": Quantity("length", _names(
-        "altitude alt altitudemsl altmsl amsl gpsalt gpsaltitude altgps altitudeamsl altamsl posalt"
-    )),
-    "roll_deg": Quantity("angle", _names("roll rollangle phi bank bankangle attroll attituderoll")),
-    "pitch_deg": Quantity("angle", _names("pitch pitchangle theta attpitch attitudepitch")),
-    "yaw_deg": Quantity("angle", _names(
-        "yaw yawangle psi heading trueheading hdg attyaw attitudeyaw"
-    )),
-    "solar_power_w": Quantity("power", _names(
-        "solarpower powersolar psolar pvpower powerpv ppv mpptpower powermppt pmppt solar",
-        "arraypower parray solararraypower psun",
-    )),
-    "solar_voltage_v": Quantity("voltage", _names(
-        "solarvoltage voltagesolar vsolar usolar pvvoltage vpv upv mpptvoltage mpptvolt vmppt",
-    )),
-    "solar_current_a": Quantity("current", _names(
-        "solarcurrent currentsolar isolar pvcurrent ipv mpptcurrent mpptamp imppt"
-    )),
-    "ambient_temperature_c": Quantity("temperature", _names(
-        "ambienttemperature ambienttemp airtemperature airtemp tamb tambient tair oat",
-        "outsideairtemperature outsideairtemp temperature temp",
-    )),
-    "mppt_voltage_v": Quantity("voltage", _names("mpptvoltage mpptvolt vmppt umppt")),
-    "load_w": Quantity("power", _names(
-        "load loadpower powerload pload consumption powerconsumption consumedpower pout ptotal"
-    )),
-    "state_of_charge": Quantity("share", _names(
-        "stateofcharge soc batterysoc socbattery batsoc batteryremaining remaining chargestate",
-        "batterypercent batpercent batterylevel",
-    )),
-    "airspeed_m_per_s": Quantity("speed", _names(
-        "trueairspeed airspeedtrue tas vtas airspeed vair aspd airspeedspeed arspairspeed"
-    )),
-    "battery_power_w": Quantity("power", _names("batterychargepower chargepower")),
-}  # fmt: skip
 # Written time columns of the log format itself.
 TIME_NAMES = ("time_utc", "time_utc_s")
 # Made of others, never a column of the result.
 _PARTS = ("solar_voltage_v", "solar_current_a")
-
-
-def _instant_text(text: str) -> str:
-    parse_instant(text)
-    return text
 
 
 class Source(Record):
@@ -108,11 +45,20 @@ class ColumnMap(Record):
     separator: Literal[",", ";", "\t", "|", "tab", "comma", "semicolon"] | None = None
     decimal: Literal[".", ","] | None = None
     timezone: Annotated[Text, AfterValidator(zone_name)] | None = None
-    start: Annotated[Text, AfterValidator(_instant_text)] | None = None
+    start: Annotated[Text, AfterValidator(instant_text)] | None = None
     columns: Mapping[str, Text | Source] = Field(default_factory=dict)
+    ignore: tuple[Text, ...] = ()
+    exclude: tuple[Annotated[Text, AfterValidator(span_text)], ...] = ()
 
-    def with_options(self, columns: Mapping[str, str], timezone: str | None) -> ColumnMap:
-        """Map with columns and the zone of the command line, which precede those of the file.
+    def with_options(
+        self,
+        columns: Mapping[str, str],
+        timezone: str | None,
+        start: str | None = None,
+        ignore: Sequence[str] = (),
+        exclude: Sequence[str] = (),
+    ) -> ColumnMap:
+        """Map with what the command line says, which precedes the file or is added to it.
 
         Parameters
         ----------
@@ -120,15 +66,26 @@ class ColumnMap(Record):
             Column by quantity.
         timezone : str or None
             Zone of times that have none.
+        start : str, optional
+            Instant of the first row, of times that count from there.
+        ignore : sequence of str
+            Columns or quantities that are taken not to be in the log.
+        exclude : sequence of str
+            Times of day that are left out, such as ``11:20-11:45``.
 
         Returns
         -------
         ColumnMap
         """
         changes: dict[str, Any] = {"columns": {**self.columns, **columns}}
-        if timezone is not None:
-            changes["timezone"] = timezone
+        changes |= {n: v for n, v in (("timezone", timezone), ("start", start)) if v is not None}
+        changes |= {"ignore": (*self.ignore, *ignore), "exclude": (*self.exclude, *exclude)}
         return ColumnMap.model_validate({**self.model_dump(), **changes})
+
+    @property
+    def spans(self) -> list[Span]:
+        """Times of day that are left out."""
+        return [parse_span(text) for text in self.exclude]
 
 
 def read_column_map(path: str) -> ColumnMap:
@@ -255,7 +212,9 @@ def recipes_for(
     """Find out how the quantities of the log format are made of the columns of a log."""
     recipes: dict[str, Recipe] = {}
     problems: list[str] = []
-    for quantity, source in (given.columns if given else {}).items():
+    given = given or ColumnMap()
+    header = [name for name in header if name not in given.ignore]
+    for quantity, source in given.columns.items():
         try:
             recipes[quantity] = _given(quantity, source, header)
         except ValueError as error:
@@ -270,7 +229,9 @@ def recipes_for(
     if guess and "solar_power_w" not in recipes:
         recipes |= _power_of_trackers(header, taken)
     _join_power(recipes)
-    _leave_half_attitude(recipes)
+    for quantity in given.ignore:
+        recipes.pop(quantity, None)
+    _leave_half_attitude(recipes, given.ignore)
     used = {column for recipe in recipes.values() for column in recipe.columns}
     return Recipes(recipes, [name for name in header if name not in used], problems)
 
@@ -365,7 +326,7 @@ def _guess(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | No
 
 def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
     """Place of a column's name among the aliases of a quantity, and the column with its unit."""
-    dimension, aliases = QUANTITIES[quantity]
+    dimension, aliases = QUANTITIES[quantity].dimension, QUANTITIES[quantity].aliases
     base, bracketed = split_unit(name)
     unit = None if bracketed is None else known_unit(bracketed, dimension)
     if bracketed and unit is None and not _is_zone(quantity, bracketed):
@@ -422,11 +383,12 @@ def _join_power(recipes: dict[str, Recipe]) -> None:
         recipes["solar_power_w"] = Recipe("solar_power_w", (term,), guessed=True)
 
 
-def _leave_half_attitude(recipes: dict[str, Recipe]) -> None:
+def _leave_half_attitude(recipes: dict[str, Recipe], ignored: Sequence[str]) -> None:
     """Forget guessed angles if there are not all three: a course alone is no attitude."""
     every = ("roll_deg", "pitch_deg", "yaw_deg")
     angles = [name for name in every if name in recipes]
-    if len(angles) < len(every) and all(recipes[name].guessed for name in angles):
+    unwanted = any(name in ignored for name in every)
+    if len(angles) < len(every) and (unwanted or all(recipes[n].guessed for n in angles)):
         for name in angles:
             del recipes[name]
 

@@ -14,7 +14,6 @@ from missions.files.errors import InputError, Problem, file_error, printable, sh
 from missions.files.validation import unknown_key
 from missions.logs.clock import parse_instant, parse_zone, times_from_numbers, times_from_text
 from missions.logs.columns import (
-    QUANTITIES,
     TIME_NAMES,
     ColumnMap,
     Recipe,
@@ -25,6 +24,7 @@ from missions.logs.columns import (
 from missions.logs.dataflash import read_dataflash
 from missions.logs.delimited import Text, read_text
 from missions.logs.px4_ulog import read_ulog
+from missions.logs.quantities import QUANTITIES
 from missions.logs.table import (
     ATTITUDE,
     COLUMNS,
@@ -33,7 +33,7 @@ from missions.logs.table import (
     TIME,
     Check,
     FlightLog,
-    log_from_table,
+    checked_log,
     numbers,
 )
 from missions.logs.units import in_radians, recognised, spelled, surely_radians
@@ -102,25 +102,25 @@ def _check_header(text: Text, recipes: Recipes) -> list[str]:
     def complain(name: str, message: str) -> None:
         problems.append(Problem(text.source, line, None, shortened(printable(name)), message))
 
-    for name in dict.fromkeys(header):
-        if name and header.count(name) > 1:
-            complain(name, "column appears more than once")
+    for name in dict.fromkeys(name for one in recipes.found.values() for name in one.columns):
+        if header.count(name) > 1:
+            complain(name, "column appears more than once: which one is meant?")
     absent = [name for name in COLUMNS if name not in (*recipes.found, *header)]
     ignored = []
     date = _date_column(header, recipes.found)
     for name in recipes.unused:
         if name == date:
             continue
-        message = unknown_key(name, absent).replace("unknown key", "unknown column")
-        if "did you mean" in message:
-            complain(name, message)
-        else:
-            ignored.append(shortened(printable(name)) or "(unnamed)")
+        meant = unknown_key(name, absent).partition("; ")[2]
+        shown = shortened(printable(name)) or "(unnamed)"
+        ignored.append(f"{shown} ({meant})" if "did you mean" in meant else shown)
     missing = [name for name in REQUIRED if name not in recipes.found]
     if any(name in recipes.found for name in ATTITUDE):
         missing += [name for name in ATTITUDE if name not in recipes.found]
     for name in missing:
-        complain(name, "required column is missing")
+        alike = unknown_key(name, recipes.unused).partition("; ")[2]
+        hint = f"; {alike}".replace("did you mean", "is it") if "did you" in alike else ""
+        complain(name, f"required column is missing{hint}")
     if "time" not in recipes.found:
         complain(TIME, f"required column is missing; allowed: {TIME} or {EPOCH}")
     elif all(name in header for name in TIME_NAMES) and TIME in recipes.found["time"].columns:
@@ -142,14 +142,13 @@ def _date_column(header: Sequence[str], recipes: dict[str, Recipe]) -> str | Non
 
 def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
     """Log of a table whose columns are known."""
-    labels: dict[str, str] = {}
     remarks: list[str] = []
-    check = Check(raw.text.source, np.asarray(raw.text.numbers), labels, [])
+    check = Check(raw.text.source, np.asarray(raw.text.numbers))
     columns = [_time(raw, check, remarks)]
     for quantity, recipe in raw.recipes.items():
         if quantity != "time":
             columns.append(_quantity(raw, recipe, check, remarks))
-            labels[quantity] = recipe.expression or quantity
+            check.labels[quantity] = recipe.expression or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in columns})
     _turn_radians(raw, table, remarks)
@@ -157,9 +156,7 @@ def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
     if guessed:
         remarks.insert(0, f"guessed: {', '.join(guessed)}")
     zone = None if raw.layout.timezone is None else parse_zone(raw.layout.timezone)
-    return log_from_table(
-        table, raw.text.source, check.lines, [*remarks, *notes], zone=zone, labels=labels
-    )
+    return checked_log(table, check, [*remarks, *notes], raw.layout.spans, zone)
 
 
 def _time(raw: _Raw, check: Check, notes: list[str]) -> pd.Series:
@@ -169,7 +166,8 @@ def _time(raw: _Raw, check: Check, notes: list[str]) -> pd.Series:
         raise file_error(check.source, "columns.time: needs the name of one column")
     name = recipe.columns[0]
     column = raw.frame[name]
-    if pd.api.types.is_numeric_dtype(column) and raw.date is None and recipe.form is None:
+    as_numbers = pd.to_numeric(column, errors="coerce").notna().sum() > 0.5 * column.notna().sum()
+    if as_numbers and raw.date is None and recipe.form is None:
         values = numbers(column, check)
         start = None if raw.layout.start is None else parse_instant(raw.layout.start)
         unit = "s" if name == EPOCH else recipe.unit

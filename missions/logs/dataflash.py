@@ -91,7 +91,7 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
         notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")
     if "load_w" in series and "load_w" not in given:
         notes.append("load_w is voltage times current of the first battery monitor")
-    return log_from_series(series | given, _boot_s(gps, source), source, notes, constants)
+    return log_from_series(series | given, _boot_s(gps, source), source, notes, layout)
 
 
 def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, Stream], int]:

@@ -15,7 +15,7 @@ import pandas as pd
 from missions.files.errors import InputError, Problem, file_error, printable
 from missions.files.plain_file import read_plain_file
 from missions.logs.columns import ColumnMap
-from missions.logs.table import first_few
+from missions.logs.table import MAXIMUM_DROPPED, first_few
 from missions.logs.units import UNITS
 
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
@@ -49,22 +49,23 @@ class Text:
         """Columns of the table, numbers where all fields are."""
         if not self.rows:
             raise file_error(self.source, "has a header but no rows")
-        _check_widths(self)
+        # By their places: names of columns that nothing needs may be there twice.
+        places = [self.header.index(name) for name in used]
         try:
-            return pd.read_csv(
+            table = pd.read_csv(
                 io.StringIO("\n".join(self.rows)),
                 sep=self.separator,
                 decimal=self.decimal,
                 thousands=self.thousands,
                 header=None,
-                names=self.header,
-                usecols=list(used),
+                usecols=places,
                 index_col=False,
                 skipinitialspace=True,
                 low_memory=False,
             )
         except (pd.errors.ParserError, ValueError) as error:
             raise file_error(self.source, f"is not a CSV table: {printable(str(error))}") from None
+        return table.rename(columns=dict(zip(places, used, strict=True)))
 
 
 def read_text(source: str, layout: ColumnMap) -> Text:
@@ -82,10 +83,7 @@ def read_text(source: str, layout: ColumnMap) -> Text:
         raise file_error(source, "is empty; allowed: a header with the names of the columns")
     separator = _separator(lines[0], layout, named[1] if named else None)
     header = [name.strip() for name in next(csv.reader([lines[0]], delimiter=separator))]
-    rows, at = lines[1:], numbers[1:]
-    if len(rows) > 1 and _width(rows[-1], separator) < len(header):
-        rows, at = rows[:-1], at[:-1]
-        notes.append(f"line {numbers[-1]}, the last, is cut off and left out")
+    rows, at = _of_width(source, lines, numbers, separator, notes)
     if rows and _are_units(rows[0], separator):
         header = [
             f"{name} [{unit}]" if unit else name
@@ -203,22 +201,24 @@ def _decimal(rows: Sequence[str], separator: str) -> str:
     return "," if any(_DECIMAL_COMMA.fullmatch(field) for field in fields) else "."
 
 
-def _check_widths(text: Text) -> None:
-    """Refuse rows with more or fewer fields than the header."""
-    separator, expected = text.separator, len(text.header)
-    odd = [
-        (number, _width(row, separator))
-        for row, number in zip(text.rows, text.numbers, strict=True)
-        if row.count(separator) + 1 != expected
-    ]
-    wrong = [(number, found) for number, found in odd if found != expected]
-    if wrong:
+def _of_width(
+    source: str, lines: list[str], at: list[int], separator: str, notes: list[str]
+) -> tuple[list[str], list[int]]:
+    """Rows with as many fields as the header above them; most must have them."""
+    rows, numbers = lines[1:], at[1:]
+    expected, *widths = (_width(line, separator) for line in lines)
+    odd = [(n, width) for n, width in zip(numbers, widths, strict=True) if width != expected]
+    if len(odd) > MAXIMUM_DROPPED * len(rows):
         raise InputError(
-            Problem(
-                text.source, number, None, "", f"has {found} fields, the header {expected}{rest}"
-            )
-            for (number, found), rest in first_few(wrong)
+            Problem(source, number, None, "", f"has {found} fields, the header {expected}{rest}")
+            for (number, found), rest in first_few(odd)
         )
+    if odd:
+        count = "1 line is" if len(odd) == 1 else f"{len(odd)} lines are"
+        number, found = odd[0]
+        notes.append(f"{count} left out: line {number} has {found} fields, the header {expected}")
+    kept = [place for place, width in enumerate(widths) if width == expected]
+    return [rows[place] for place in kept], [numbers[place] for place in kept]
 
 
 def _width(row: str, separator: str) -> int:

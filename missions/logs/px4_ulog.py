@@ -69,7 +69,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
         notes.append("load_w is voltage times current of battery_status")
     if "airspeed_m_per_s" in series and "airspeed_m_per_s" not in given:
         notes.append("airspeed_m_per_s is the true airspeed of the autopilot")
-    return log_from_series(series | given, _boot_s(position, source), source, notes, constants)
+    return log_from_series(series | given, _boot_s(position, source), source, notes, layout)
 
 
 class _EndlessError(Exception):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from missions.files.errors import InputError, file_error, printable
 from missions.logs.columns import ColumnMap, Recipe, Source, problems_of, recipes_for
 from missions.logs.nearest import OTHER_AGE_S, Series, age_s_of, sampled
-from missions.logs.table import EPOCH, FlightLog, log_from_table
+from missions.logs.table import EPOCH, REQUIRED, FlightLog, log_from_table
 from solar.types import BoolArray, FloatArray
 
 _FIX_3D = 3
@@ -98,19 +98,22 @@ def log_from_series(
     series: Mapping[str, Series],
     boot_s: float,
     source: str,
-    notes: Sequence[str] = (),
-    constants: Mapping[str, float] | None = None,
+    notes: Sequence[str],
+    layout: ColumnMap,
 ) -> FlightLog:
     """Put quantities together at the times of the solar power.
 
-    ``constants``: quantities of one value, which come before series of the same name.
+    ``layout``: its quantities of one value come before series of the same name.
     """
+    if needed := set(REQUIRED) & set(layout.ignore):
+        raise file_error(source, f"{min(needed)} cannot be ignored: it is needed")
     time_s = series["solar_power_w"].time_s
     columns: dict[str, Any] = {EPOCH: time_s + boot_s}
     for quantity, one in series.items():
-        columns[quantity] = sampled(one, time_s, age_s_of(quantity))
-    columns |= constants or {}
-    return log_from_table(pd.DataFrame(columns), source, notes=notes)
+        if quantity not in layout.ignore:
+            columns[quantity] = sampled(one, time_s, age_s_of(quantity))
+    columns |= constants_of(layout)
+    return log_from_table(pd.DataFrame(columns), source, notes, layout.spans)
 
 
 def constants_of(layout: ColumnMap) -> dict[str, float]:

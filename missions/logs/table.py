@@ -1,17 +1,17 @@
 """Logs of flights: read, and checked before anything is computed from them.
 
-Nothing is repaired: rows that lack a required value are left out and counted, gaps split the log
-and are never interpolated over, everything else that cannot be true is an error that names its
-line. Rows out of order are sorted, and columns that are written at times of their own are put
-together by the nearest value; both are told. Angles are degrees in files and radians in
-:class:`FlightLog`.
+Nothing is repaired: values that cannot be are left out and told, and with them rows that then lack
+a required value; gaps split the log and are never interpolated over. A needed column most of which
+cannot be is an error that names its lines. Rows out of order are sorted, and columns that are
+written at times of their own are put together by the nearest value; both are told. Angles are
+degrees in files and radians in :class:`FlightLog`.
 """
 
 from __future__ import annotations
 
 import datetime
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,8 +19,18 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
-from missions.logs.clock import times_from_text
+from missions.logs.clock import Span, times_from_text
 from missions.logs.nearest import Series, age_s_of, sampled
+from missions.logs.plausible import (
+    Kind,
+    LeftOut,
+    codes,
+    leave_out_held,
+    left_out,
+    no_place,
+    without_spans,
+)
+from missions.logs.quantities import QUANTITIES
 from solar.types import BoolArray, FloatArray, IntArray
 
 TIME, EPOCH = "time_utc", "time_utc_s"
@@ -40,24 +50,8 @@ COLUMNS = (TIME, EPOCH, *REQUIRED, *ATTITUDE, *OPTIONAL)
 GAP_STEPS = 5.0
 MAXIMUM_DROPPED = 0.5
 _SHOWN_PROBLEMS = 3
+_YEAR_S = 365.25 * 86400.0  # no flight is as long
 
-# The almanac behind the sun's position holds from 1950 to 2050.
-_EPOCH_RANGE = (-631152000.0, 2524608000.0)
-_RANGES: dict[str, tuple[float, float]] = {
-    "latitude_deg": (-90.0, 90.0),
-    "longitude_deg": (-180.0, 180.0),
-    "altitude_m": (-500.0, 32000.0),
-    "roll_deg": (-180.0, 180.0),
-    "pitch_deg": (-90.0, 90.0),
-    "yaw_deg": (-360.0, 360.0),
-    "solar_power_w": (-1e3, 1e6),
-    "ambient_temperature_c": (-100.0, 100.0),
-    "mppt_voltage_v": (0.0, 1e4),
-    "load_w": (-1e6, 1e6),
-    "state_of_charge": (-0.05, 1.05),
-    "airspeed_m_per_s": (-10.0, 300.0),
-    "battery_power_w": (-1e6, 1e6),
-}
 _HINTS = {"state_of_charge": "; it is a share, not a percentage"}
 
 
@@ -107,6 +101,8 @@ class FlightLog:
         Stretches without samples.
     notes : tuple of str
         What the reader of the results should know.
+    left_out : tuple of LeftOut
+        Values that cannot be, and rows that were excluded.
     """
 
     source: str
@@ -126,6 +122,7 @@ class FlightLog:
     notes: tuple[str, ...]
     airspeed_m_per_s: FloatArray | None = None
     battery_power_w: FloatArray | None = None
+    left_out: tuple[LeftOut, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -154,41 +151,55 @@ def first_few(items: Sequence[Any]) -> list[tuple[Any, str]]:
 def log_from_table(
     table: pd.DataFrame,
     source: str,
-    lines: IntArray | None = None,
     notes: Iterable[str] = (),
-    *,
-    zone: datetime.tzinfo | None = None,
-    labels: Mapping[str, str] | None = None,
+    exclude: Sequence[Span] = (),
 ) -> FlightLog:
     """Check a table with the columns of the CSV format and make it a log.
 
-    ``lines``: line of each row; without, rows are counted from 2 like those below a header.
-    ``zone``: zone of times that are written without one; without, these are errors. ``labels``:
-    names of columns in the file, for messages, where they are others. Returns samples in SI units,
-    angles in radians.
+    ``exclude``: times of day that are left out. Returns samples in SI units, angles in radians.
     """
-    at = np.arange(2, len(table) + 2) if lines is None else lines
-    check = Check(source, at, dict(labels or {}), [])
+    return checked_log(table, Check(source, np.arange(2, len(table) + 2)), list(notes), exclude)
+
+
+def checked_log(
+    table: pd.DataFrame,
+    check: Check,
+    notes: Sequence[str],
+    exclude: Sequence[Span],
+    zone: datetime.tzinfo | None = None,
+) -> FlightLog:
+    """Log of a table that is being read.
+
+    ``zone``: zone of times that are written without one, without which these are errors, and of
+    the times in ``exclude``.
+    """
     remarks = list(notes)
     if TIME in table:
         time_s = _times(table[TIME], zone, check, remarks)
     else:
-        time_s = numbers(table[EPOCH], check, _EPOCH_RANGE)
-    values = {
-        name: numbers(table[name], check, _RANGES[name])
-        for name in (*REQUIRED, *ATTITUDE, *OPTIONAL)
-        if name in table
-    }
+        time_s = numbers(table[EPOCH], check, "time")
+    names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
+    values = {name: numbers(table[name], check, name) for name in names}
+    if all(name in values for name in REQUIRED):
+        nowhere = no_place(values["latitude_deg"], values["longitude_deg"])
+        for name in ("latitude_deg", "longitude_deg"):
+            values[name] = check.without(values[name], nowhere, table[name], "code")
     check.done()
-    if all(name in values and np.isnan(values[name]).all() for name in ATTITUDE):
-        for name in ATTITUDE:
-            del values[name]
+    left = check.left_out(time_s)
+    empty = [n for n in ATTITUDE if n not in values or np.isnan(values[n]).all()]
+    if empty:
+        angles = [values.pop(name, None) for name in ATTITUDE]
+        if len(empty) < len(angles):
+            remarks.append(f"the attitude is not used: {', '.join(empty)} not logged")
     time_s, values = _in_order(time_s, values, remarks)
+    time_s, values = without_spans(time_s, values, exclude, zone, left)
+    left += leave_out_held(time_s, values, check.labels)
+    remarks += [one.told() for one in left]
     time_s, values = _put_together(time_s, values, remarks)
-    keep = _complete(time_s, values, source)
+    keep = _complete(time_s, values, check.source, left)
     time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
     dropped = int(np.count_nonzero(~keep))
-    return _assembled(source, time_s, values, dropped, remarks)
+    return _assembled(check.source, time_s, values, dropped, remarks, tuple(left))
 
 
 def _in_order(
@@ -236,20 +247,23 @@ def _put_together(
     return at_s[rises], {name: column[rises] for name, column in together.items()}
 
 
-@dataclass(frozen=True)
+@dataclass
 class Check:
-    """What is being read: file, line of each row, names in the file, mistakes so far."""
+    """What is being read: file, line of each row, names in the file, mistakes so far.
+
+    ``doubts``: values that were left out: column, why, which rows, and one of them.
+    """
 
     source: str
     lines: IntArray
-    labels: dict[str, str]
-    problems: list[Problem]
+    labels: dict[str, str] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+    doubts: list[tuple[str, Kind, BoolArray, str]] = field(default_factory=list)
 
     def complain(self, column: pd.Series, wrong: NDArray[Any], message: str) -> None:
         """Note the first few rows in which a column is wrong."""
         rows = np.flatnonzero(wrong).tolist()
-        name = str(column.name)
-        label = self.labels.get(name, name)
+        label = self.label(column)
         self.problems.extend(
             Problem(
                 self.source,
@@ -260,6 +274,34 @@ class Check:
             )
             for row, rest in first_few(rows)
         )
+
+    def label(self, column: pd.Series) -> str:
+        """Name of a column in the file."""
+        return self.labels.get(str(column.name), str(column.name))
+
+    def without(
+        self, values: FloatArray, wrong: BoolArray, column: pd.Series, kind: Kind, message: str = ""
+    ) -> FloatArray:
+        """Values without those that are wrong; most of a column that is needed may not be."""
+        if not wrong.any():
+            return values
+        given = column.notna().to_numpy(bool)
+        if message and wrong.sum() > MAXIMUM_DROPPED * given.sum():
+            if column.name not in OPTIONAL:
+                self.complain(column, wrong, message)
+                return np.where(wrong, np.nan, values)
+            wrong = given  # the rest is right by chance
+        row = int(np.argmax(wrong))
+        value = f"{values[row]:g}" if np.isfinite(values[row]) else _cell(column.iloc[row])
+        example = f"{value} in line {self.lines[row]}"
+        if kind == "outside":
+            example += f", {message}"
+        self.doubts.append((self.label(column), kind, wrong, example))
+        return np.where(wrong, np.nan, values)
+
+    def left_out(self, time_s: FloatArray) -> list[LeftOut]:
+        """Values that were left out, with the times of the rows."""
+        return [left_out(*doubt[:3], time_s, doubt[3]) for doubt in self.doubts]
 
     def done(self) -> None:
         """Raise what was noted."""
@@ -278,39 +320,52 @@ def _times(
         "--timezone",
         "hour": "does not exist, or comes twice, in this time zone: the clocks were changed",
     }
-    for kind, wrong in times.wrong.items():
-        check.complain(column, wrong, messages[kind])
-    low, high = _EPOCH_RANGE
-    outside = (times.time_s < low) | (times.time_s > high)
-    check.complain(column, outside, "must be from 1950 to 2049")
-    return times.time_s
+    for kind, message in messages.items():
+        check.without(times.time_s, times.wrong[kind], column, "no_number", message)
+    return _of_flight(times.time_s, column, check)
 
 
-def numbers(
-    column: pd.Series, check: Check, limits: tuple[float, float] | None = None
-) -> FloatArray:
-    """Column as numbers, NaN where a field is empty."""
+def _of_flight(time_s: FloatArray, column: pd.Series, check: Check) -> FloatArray:
+    """Times without those that no flight has: before clocks are set, and a year from the others."""
+    limits = QUANTITIES["time"]
+    wrong = (time_s < limits.low) | (time_s > limits.high)
+    time_s = check.without(time_s, wrong, column, "outside", "must be from 1950 to 2049")
+    if not np.isfinite(time_s).any():
+        return time_s
+    far = np.abs(time_s - np.nanmedian(time_s)) > _YEAR_S
+    return check.without(time_s, far, column, "outside", "a year or more from the others")
+
+
+def numbers(column: pd.Series, check: Check, quantity: str | None = None) -> FloatArray:
+    """Column as numbers, NaN where a field is empty, or holds what the quantity cannot be.
+
+    ``quantity``: what the column is, in the unit of the log format; else only numbers are read.
+    """
     if pd.api.types.is_bool_dtype(column):
         column = column.astype("string")
     numeric = pd.to_numeric(column, errors="coerce").astype(float)
     values = np.asarray(numeric.to_numpy(float, na_value=np.nan), float)
     wrong = np.isnan(values) & column.notna().to_numpy(bool)
-    check.complain(column, wrong, "must be a number")
-    infinite = np.isinf(values)
-    check.complain(column, infinite, "must be a finite number")
-    if limits is not None:
-        low, high = limits
-        outside = ((values < low) | (values > high)) & ~infinite
-        message = f"must be from {low:g} to {high:g}{_HINTS.get(str(column.name), '')}"
-        check.complain(column, outside, message)
-    return values
+    values = check.without(values, wrong, column, "no_number", "must be a number")
+    values = check.without(values, np.isinf(values), column, "no_number", "must be finite")
+    if quantity is None:
+        return values
+    if quantity == "time":
+        return _of_flight(values, column, check)
+    dimension, low, high = QUANTITIES[quantity][:3]
+    message = f"must be from {low:g} to {high:g}{_HINTS.get(quantity, '')}"
+    values = check.without(values, (values < low) | (values > high), column, "outside", message)
+    marked = codes(dimension, values)
+    return check.without(values, marked, column, "code")
 
 
 def _cell(value: object) -> str:
     return shown(value.item() if isinstance(value, np.generic) else value)
 
 
-def _complete(time_s: FloatArray, values: dict[str, FloatArray], source: str) -> BoolArray:
+def _complete(
+    time_s: FloatArray, values: dict[str, FloatArray], source: str, left: Sequence[LeftOut]
+) -> BoolArray:
     """Rows in which nothing required is missing."""
     required = {TIME: time_s} | {n: values[n] for n in (*REQUIRED, *ATTITUDE) if n in values}
     lacking = {name: int(np.count_nonzero(np.isnan(v))) for name, v in required.items()}
@@ -321,10 +376,11 @@ def _complete(time_s: FloatArray, values: dict[str, FloatArray], source: str) ->
         raise file_error(
             source,
             f"{dropped} of {total} rows lack a required value ({counts}); "
-            f"allowed: at most {MAXIMUM_DROPPED:.0%}",
+            f"allowed: at most {MAXIMUM_DROPPED:.0%}" + "".join(f"; {one.told()}" for one in left),
         )
     if total - dropped < 2:
-        raise file_error(source, "has fewer than two complete rows")
+        why = "".join(f"; {one.told()}" for one in left)
+        raise file_error(source, f"has fewer than two complete rows{why}")
     return np.asarray(keep, bool)
 
 
@@ -334,6 +390,7 @@ def _assembled(
     values: dict[str, FloatArray],
     dropped: int,
     notes: Iterable[str],
+    left: tuple[LeftOut, ...],
 ) -> FlightLog:
     step = np.diff(time_s)
     after = np.flatnonzero(step > GAP_STEPS * np.median(step))
@@ -353,6 +410,7 @@ def _assembled(
         rows_dropped=dropped,
         gaps=gaps,
         notes=tuple(remarks),
+        left_out=left,
         **{name: values[name] for name in REQUIRED},
         **optional,
     )

@@ -69,6 +69,7 @@ UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
 }  # fmt: skip
 
 _TWO_PI = 2.0 * np.pi
+MOST_SINCE_START = 1e8  # s: smaller times count from the start of a log
 
 
 _SPELLED = {
@@ -126,7 +127,7 @@ def epoch_unit(values: FloatArray) -> str | None:
     size = float(np.median(np.abs(known)))
     # 1e8 s are in 1973, 2.6e9 s in 2052: each range is clear of the next.
     for unit, factor in (("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)):
-        if 1e8 * factor <= size < 2.6e9 * factor:
+        if MOST_SINCE_START * factor <= size < 2.6e9 * factor:
             return unit
     return None
 

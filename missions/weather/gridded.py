@@ -7,6 +7,7 @@ row's time (ECMWF, ERA5: data documentation), NASA POWER that of the hour that b
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -130,8 +131,6 @@ def read_power_csv(path: Path, source: str) -> RawTable:
 
 
 def _csv(path: Path, skip: int) -> pd.DataFrame:
-    import io
-
     return pd.read_csv(io.StringIO(text_of(path)), skiprows=skip)
 
 

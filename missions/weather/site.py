@@ -7,6 +7,7 @@ import numpy as np
 from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.record import Weather
+from solar.clearsky import THIN_AIR_FROM_M
 
 EARTH_RADIUS_KM = 6371.0
 NEAR_KM, FAR_KM = 100.0, 1000.0
@@ -35,6 +36,13 @@ def mission_at_site(
     if away_km > NEAR_KM:
         notes.append(f"flown at the record's site, {away_km:.0f} km from the mission's")
     altitude_m = mission.altitude_m
+    if altitude_m >= THIN_AIR_FROM_M:
+        raise file_error(
+            weather.source,
+            f"its site is {site.altitude_m:.0f} m high and its clouds lie below the mission's "
+            f"altitude_m of {altitude_m:g}: a flight through a record is below "
+            f"{THIN_AIR_FROM_M:g} m; above, leave the record out",
+        )
     if altitude_m < site.altitude_m:
         if chosen:
             raise file_error(

@@ -88,18 +88,7 @@ class AtLiftCoefficient(Record):
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``.
-
-        Parameters
-        ----------
-        mass_kg, wing_area_m2, density_kg_per_m3
-            Mass [kg], wing area [m2] and air density [kg/m3].
-
-        Returns
-        -------
-        Value
-            At ``lift_coefficient`` [m/s].
-        """
+        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``; see :class:`Polar`."""
         weight = mass_kg * GRAVITY_M_PER_S2
         return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
 
@@ -124,20 +113,7 @@ class DragPolar(AtLiftCoefficient):
     span_efficiency: Fraction = 0.9
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft in level flight [-], by the formula of the class.
-
-        Parameters
-        ----------
-        aspect_ratio
-            Of the wing [-].
-        reynolds
-            Reynolds number of the mean chord [-].
-
-        Returns
-        -------
-        Value
-            On the wing area [-].
-        """
+        """Drag coefficient of the aircraft [-], by the formula of the class; see :class:`Polar`."""
         profile, induced, parasitic = self.parts(aspect_ratio, reynolds)
         return profile + parasitic + induced
 

@@ -85,26 +85,13 @@ class PolarRow:
 class FilePolar:
     """One polar with what its header says.
 
-    Attributes
-    ----------
-    source, line
-        File and line of its header.
-    kind : {"section", "wing"}
-        Polar of an airfoil, or of a whole wing or plane.
-    name, polar_name
-        Of the airfoil or wing, and of the polar of a wing.
-    program
-        What wrote it, with its version.
-    reynolds_type : int
-        1: fixed Reynolds number; 2: ``Re C_L^1/2`` is fixed, as in level flight.
-    reynolds
-        Reynolds number [-], for type 2 that at ``C_L = 1``; NaN for a wing.
-    mach, ncrit, trip
-        Mach number, critical amplification, forced transition above and below (x/c).
-    speed_m_per_s
-        Free stream of a wing at fixed speed [m/s]; NaN without one.
-    rows
-        In the order of the file.
+    ``source``, ``line``: file and line of its header. ``kind``: polar of an airfoil, or of a whole
+    wing or plane. ``name``, ``polar_name``: of the airfoil or wing, and of the polar of a wing.
+    ``program``: what wrote it, with its version. ``reynolds_type``: 1: fixed Reynolds number; 2:
+    ``Re C_L^1/2`` is fixed, as in level flight. ``reynolds``: Reynolds number [-], for type 2 that
+    at ``C_L = 1``; NaN for a wing. ``mach``, ``ncrit``, ``trip``: Mach number, critical
+    amplification, forced transition above and below (x/c). ``speed_m_per_s``: free stream of a wing
+    at fixed speed [m/s]; NaN without one. ``rows``: in the order of the file.
     """
 
     source: str
@@ -126,17 +113,7 @@ class FilePolar:
     speed_unit: float = 1.0
 
     def problem(self, line: int | None, message: str) -> Problem:
-        """Problem at a line of its file.
-
-        Parameters
-        ----------
-        line : int or None
-        message : str
-
-        Returns
-        -------
-        Problem
-        """
+        """Problem at a line of its file."""
         return Problem(self.source, line, None, "", message)
 
 
@@ -151,22 +128,8 @@ def is_foreign(text: str) -> bool:
 def read_polars(text: str, source: str) -> list[FilePolar]:
     """Read all polars of a text.
 
-    Parameters
-    ----------
-    text : str
-        Contents of a file, or of a folder.
-    source : str
-        File or folder, for messages.
-
-    Returns
-    -------
-    list of FilePolar
-        At least one, each with rows.
-
-    Raises
-    ------
-    InputError
-        With every line that is wrong.
+    ``text``: contents of a file, or of a folder. ``source``: file or folder, for messages. Returns
+    at least one, each with rows. Raises InputError with every line that is wrong.
     """
     polars: list[FilePolar] = []
     problems: list[Problem] = []

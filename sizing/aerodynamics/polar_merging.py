@@ -46,23 +46,9 @@ class Merged:
 def parse_polar(text: str, source: str, wing: WingReference | None = None) -> PolarTable:
     """Read the text of a polar: our own table, or what XFOIL and XFLR5 write.
 
-    Parameters
-    ----------
-    text : str
-        Contents of the file, or of a folder.
-    source : str
-        File or folder, for messages.
-    wing : WingReference, optional
-        For polars of a whole wing, whose table then has the viscous drag.
-
-    Returns
-    -------
-    PolarTable
-
-    Raises
-    ------
-    InputError
-        With every line that is wrong.
+    ``text``: contents of the file, or of a folder. ``source``: file or folder, for messages.
+    ``wing``: for polars of a whole wing, whose table then has the viscous drag. Raises InputError
+    with every line that is wrong.
     """
     if not is_foreign(text):
         if wing is not None:
@@ -81,23 +67,9 @@ def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None)
     angle of attack, lift, the logarithm of drag and the moment are interpolated linearly in the
     logarithm of the Reynolds number, to as many fixed ones as there are polars.
 
-    Parameters
-    ----------
-    polars : sequence of FilePolar
-        As read.
-    source : str
-        File or folder, for messages.
-    wing : WingReference or None
-        Needed for polars of a wing, of no use for those of a section.
-
-    Returns
-    -------
-    Merged
-
-    Raises
-    ------
-    InputError
-        If they do not belong together, or are not what is asked for.
+    ``polars``: as read. ``source``: file or folder, for messages. ``wing``: needed for polars of a
+    wing, of no use for those of a section. Raises InputError if they do not belong together, or are
+    not what is asked for.
     """
     _check_kind(polars, source, wing)
     _check_settings(polars)

@@ -37,12 +37,8 @@ OF_A_SECTION = "holds polars of a section: wing_chord_m and wing_aspect_ratio go
 class WingReference:
     """What makes Reynolds numbers of the speeds of a wing's polars, and induced drag comparable.
 
-    Attributes
-    ----------
-    chord_m, aspect_ratio
-        Mean chord [m] and aspect ratio [-] of the wing that was computed.
-    kinematic_viscosity_m2_per_s
-        Of the air that it was computed in [m2/s].
+    ``chord_m``, ``aspect_ratio``: mean chord [m] and aspect ratio [-] of the wing that was
+    computed. ``kinematic_viscosity_m2_per_s``: of the air that it was computed in [m2/s].
     """
 
     chord_m: float
@@ -75,10 +71,7 @@ def shipped_airfoils() -> tuple[str, ...]:
 def shipped_table(name: str) -> PolarTable:
     """Read one of the tables that ship with the package.
 
-    Raises
-    ------
-    ValueError
-        If there is none of that name; the message lists the names.
+    Raises ValueError if there is none of that name; the message lists the names.
     """
     if name not in shipped_airfoils():
         known = ", ".join(shipped_airfoils())
@@ -93,12 +86,7 @@ def shipped_table(name: str) -> PolarTable:
 def read_polar_text(path: str) -> str:
     """Text of a polar: of a file, or of all files of a folder, whose path ends with a slash.
 
-    Raises
-    ------
-    InputError
-        If it is too large, or no text.
-    OSError
-        If it cannot be read.
+    Raises InputError if it is too large, or no text. Raises OSError if it cannot be read.
     """
     return read_folder(path, POLAR_SUFFIXES) if path.endswith("/") else read_text(path)
 
@@ -109,22 +97,8 @@ def parse_polar_table(text: str, source: str) -> PolarTable:
     The header is comment lines ``# key: value``, of which ``airfoil`` and ``source`` are required;
     then come the line of column names and the rows, in any order.
 
-    Parameters
-    ----------
-    text : str
-        Contents of the file.
-    source : str
-        File name, for messages.
-
-    Returns
-    -------
-    PolarTable
-        Header and columns; the rows in the order of the file.
-
-    Raises
-    ------
-    InputError
-        With every line that is wrong.
+    ``text``: contents of the file. ``source``: file name, for messages. Returns header and columns;
+    the rows in the order of the file. Raises InputError with every line that is wrong.
     """
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
     comments = [(number, line) for number, line in lines if line.startswith("#")]

@@ -232,37 +232,11 @@ class WingPolar(Record):
         return self.drag_at(lift, self.design_aspect_ratio, reynolds) * lift**-1.5
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft in level flight [-].
-
-        Parameters
-        ----------
-        aspect_ratio
-            Of the wing [-].
-        reynolds
-            Reynolds number of the mean chord [-].
-
-        Returns
-        -------
-        Value
-            On the wing area, calibrated [-].
-        """
+        """Drag coefficient of the aircraft in level flight, calibrated [-]."""
         return self.drag_at(self.flight_lift_coefficient, aspect_ratio, reynolds)
 
     def drag_at(self, lift_coefficient: Value, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft at a lift coefficient [-].
-
-        Parameters
-        ----------
-        lift_coefficient, aspect_ratio
-            Of the wing [-].
-        reynolds
-            Reynolds number of the mean chord [-].
-
-        Returns
-        -------
-        Value
-            On the wing area, calibrated [-].
-        """
+        """Drag coefficient of the aircraft at a lift coefficient, calibrated [-]."""
         return self.calibration * self.build_up(lift_coefficient, aspect_ratio, reynolds).total
 
     def build_up(
@@ -272,16 +246,6 @@ class WingPolar(Record):
 
         Flat plates of tail (laminar, ``1.328 Re^-1/2``) and fuselage (turbulent, ``0.074
         Re^-1/5``), Schlichting; sources of the factors at the head of the class.
-
-        Parameters
-        ----------
-        lift_coefficient, aspect_ratio, reynolds
-            As for :meth:`drag_at`.
-
-        Returns
-        -------
-        DragBuildUp
-            Drag coefficients on the wing area [-].
         """
         thickness = self.tail_thickness_ratio
         tail_form = 1.0 + 2.0 * thickness + 60.0 * thickness**4
@@ -305,18 +269,7 @@ class WingPolar(Record):
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``.
-
-        Parameters
-        ----------
-        mass_kg, wing_area_m2, density_kg_per_m3
-            Mass [kg], wing area [m2] and air density [kg/m3].
-
-        Returns
-        -------
-        Value
-            At :attr:`flight_lift_coefficient` [m/s].
-        """
+        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
         pressure = mass_kg * GRAVITY_M_PER_S2 / (wing_area_m2 * self.flight_lift_coefficient)
         return (2.0 * pressure / density_kg_per_m3) ** 0.5
 

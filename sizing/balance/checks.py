@@ -101,6 +101,8 @@ def _check_structure(structure: Any) -> None:
     if not isinstance(structure, RibWingStructure):
         _refuse("structure.model", "must be rib_wing with airframe.tail, as it alone has the tail "
                 f"as a part (got {structure.model})")  # fmt: skip
+    if structure.booms == 0:
+        _refuse("structure.booms", "must be 1 or 2 with airframe.tail (got 0)")
     for key in _TAIL_KEYS:
         if key in structure.model_fields_set and not structure.is_unchecked():
             value = getattr(structure, key)

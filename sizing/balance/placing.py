@@ -50,7 +50,12 @@ def _fixed_items(
     structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
     assert isinstance(structure, RibWingStructure)  # others are refused at validation
     inputs = structure_inputs(
-        aircraft, variables, conditions, design.total_mass_kg, design.airspeed_m_per_s
+        aircraft,
+        variables,
+        conditions.with_payload_of(variables),
+        design.total_mass_kg,
+        design.airspeed_m_per_s,
+        masses.propulsion,
     )
     planes = airframe.tail.planes(wing)
     chords = airframe.balance.positions_chords

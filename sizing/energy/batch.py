@@ -35,16 +35,8 @@ class Cells:
     ) -> tuple[Cells, tuple[int, ...]]:
         """Batch laid out flat, and its shape.
 
-        Parameters
-        ----------
-        time_h, solar_power_w, load_w, store, nominal_load_w
-            As for :func:`sizing.energy.cycle.simulate_cycle`.
-
-        Returns
-        -------
-        Cells
-        tuple of int
-            Shape of the batch.
+        ``time_h``, ``solar_power_w``, ``load_w``, ``store``, ``nominal_load_w``: as for
+        :func:`sizing.energy.cycle.simulate_cycle`. Returns shape of the batch.
         """
         time = np.asarray(time_h, float)
         solar, load = np.broadcast_arrays(

@@ -12,8 +12,14 @@ from numpy.typing import ArrayLike
 from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
+from missions.air import thin_air_share
 from sizing.catalogues.choice import OfCatalogue
-from sizing.energy.battery_condition import Ageing, BatteryTemperature, InternalResistance
+from sizing.energy.battery_condition import (
+    HEATED_PACK,
+    Ageing,
+    BatteryTemperature,
+    InternalResistance,
+)
 from sizing.energy.battery_pack import BatteryPack, packed
 from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.smooth import Value
@@ -214,16 +220,22 @@ class Battery(OfCatalogue):
     @property
     def ends_v(self) -> tuple[float, float] | None:
         """Voltages where it counts as empty and as full [V]; None without a table of voltages."""
-        if self.voltage is None or self.pack is None:
-            return None if self.voltage is None else self.voltage.ends_v
-        table = self.voltage.state_of_charge
-        ends = np.clip(
-            (self.pack.minimum_state_of_charge, self.pack.maximum_state_of_charge),
-            table[0],
-            table[-1],
-        )
-        low, high = self.voltage.voltage_v(ends)
+        if self.voltage is None:
+            return None
+        low, high = self.bus_voltage_v(np.array([0.0, 1.0]))
         return float(low), float(high)
+
+    def bus_voltage_v(self, state_of_charge: FloatArray) -> FloatArray:
+        """Voltage of the bus at shares of the usable energy [V]; held where the table ends.
+
+        That energy is what lies between the ends of a pack's window, or all.
+        """
+        assert self.voltage is not None
+        charge, table = state_of_charge, self.voltage.state_of_charge
+        if self.pack is not None:
+            least = self.pack.minimum_state_of_charge
+            charge = least + (self.pack.maximum_state_of_charge - least) * charge
+        return self.voltage.voltage_v(np.clip(charge, table[0], table[-1]))
 
     @property
     def battery_energy_wh(self) -> float:
@@ -248,18 +260,45 @@ class Battery(OfCatalogue):
     def _resistance_factor(self) -> Value:
         return 1.0 if self.ageing is None else self.ageing.resistance_factor()
 
-    def capacity_fraction(self, air_c: Value) -> Value:
-        """Capacity in air of a temperature [C], and at its age, over the new and warm one [-]."""
-        fraction: Value = 1.0
+    def temperature_at(self, altitude_m: Value) -> tuple[BatteryTemperature | None, Value]:
+        """What holds the pack's temperature at an altitude, and how much of it counts [-].
+
+        What the file says; else, high up, a heater and insulation.
+        """
         if self.temperature is not None:
-            fraction = fraction * self.temperature.capacity_fraction(air_c)
+            return self.temperature, 1.0
+        share = thin_air_share(altitude_m)
+        return (HEATED_PACK, share) if np.any(share > 0.0) else (None, 0.0)
+
+    def capacity_fraction(self, air_c: Value, altitude_m: Value = 0.0) -> Value:
+        """Capacity in air of a temperature [C], and at its age, over the new and warm one [-]."""
+        held, share = self.temperature_at(altitude_m)
+        fraction: Value = 1.0
+        if held is not None:
+            fraction = fraction * held.capacity_fraction(air_c)
+            if self.temperature is None:
+                fraction = 1.0 - share * (1.0 - fraction)
         if self.ageing is not None:
             fraction = fraction * self.ageing.capacity_fraction()
         return fraction
 
-    def heater_w(self, air_c: Value) -> Value:
-        """Power that its heater draws in air of a temperature [C]; 0 without a heater [W]."""
-        return 0.0 if self.temperature is None else self.temperature.heater_w(air_c)
+    def heater_w(
+        self, air_c: Value, altitude_m: Value = 0.0, mass_kg: Value | None = None
+    ) -> Value:
+        """Power that its heater draws in air of a temperature [C]; 0 without a heater [W].
+
+        ``mass_kg``: of another battery of its kind.
+        """
+        mass = self.mass_kg if mass_kg is None else mass_kg
+        fixed, at_1_kg = self.heater_parts_w(air_c, altitude_m)
+        return fixed + at_1_kg * mass ** (2.0 / 3.0)
+
+    def heater_parts_w(self, air_c: Value, altitude_m: Value) -> tuple[Value, Value]:
+        """Power of the heater that has no part in the mass, and that of an insulated 1 kg [W]."""
+        held, share = self.temperature_at(altitude_m)
+        if held is None:
+            return 0.0, 0.0
+        return share * held.heater_w(air_c), share * held.insulated_heater_w_at_1_kg(air_c)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,14 @@ from pydantic import Field, Strict, model_validator
 
 from missions.air import ZERO_CELSIUS_K
 from sizing.smooth import Value
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
+from solar.schema import (
+    Fraction,
+    NonNegativeReal,
+    PositiveInteger,
+    PositiveReal,
+    Record,
+    UnitInterval,
+)
 from solar.types import FloatArray
 
 Celsius = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
@@ -38,17 +45,42 @@ _LEAST = 0.001
 _LARGEST_LOSS = 0.5
 
 
+class Insulation(Record):
+    """Foam around the pack, from which its heat loss follows at any mass.
+
+    ``conductivity_w_per_m_k``: rigid polymer foam, Incropera et al., Fundamentals of Heat and Mass
+    Transfer, 6th edition, table A.3 (extruded polystyrene 0.027, moulded 0.040). ``packs`` cubes of
+    ``density_kg_per_m3`` hold the battery; thickness and density: assumption.
+    """
+
+    thickness_m: PositiveReal = 0.03
+    conductivity_w_per_m_k: PositiveReal = 0.03
+    packs: PositiveInteger = 1
+    density_kg_per_m3: PositiveReal = 2000.0
+
+    def heat_loss_w_per_k(self, mass_kg: Value) -> Value:
+        """Heat that a battery of a mass loses per kelvin [W/K].
+
+        Through the six faces of each cube, ``6 k (m / (n rho))^(2/3) n / d``; edges and the film of
+        air outside are left out, which make up for each other in part.
+        """
+        face_m2 = (mass_kg / (self.packs * self.density_kg_per_m3)) ** (2.0 / 3.0)
+        return 6.0 * self.packs * self.conductivity_w_per_m_k / self.thickness_m * face_m2
+
+
 class BatteryTemperature(Record):
     """Temperature of the pack, from the air and a heater, and its capacity over it.
 
     The pack is ``ambient_offset_k`` warmer than the air. With ``held_c`` a heater keeps it from
     getting colder, as far as ``heater_power_w`` goes, if that is given. What the heater draws the
-    pack loses to the air: ``heat_loss_w_per_k`` times the kelvins that it is heated by.
+    pack loses to the air: ``heat_loss_w_per_k`` times the kelvins that it is heated by, or what
+    ``insulation`` lets through.
     """
 
     ambient_offset_k: _Offset = 0.0
     held_c: _Held | None = None
     heat_loss_w_per_k: PositiveReal | None = None
+    insulation: Insulation | None = None
     heater_power_w: PositiveReal | None = None
     # Guaranteed at 6.7 C by the specification; taken for slow discharge too, which is pessimistic.
     table_c: tuple[Celsius, ...] = Field(default=(-20.0, -10.0, 0.0, 25.0, 60.0), min_length=2)
@@ -62,27 +94,43 @@ class BatteryTemperature(Record):
             raise ValueError("table_c and table_capacity_fraction must have the same length")
         if np.any(np.diff(self.table_c) <= 0.0):
             raise ValueError("table_c must increase strictly")
-        if (self.held_c is None) != (self.heat_loss_w_per_k is None):
-            raise ValueError("a heater needs both held_c and heat_loss_w_per_k")
-        if self.heater_power_w is not None and self.held_c is None:
+        if self.heat_loss_w_per_k is not None and self.insulation is not None:
+            raise ValueError("give heat_loss_w_per_k or insulation, not both")
+        lost = self.heat_loss_w_per_k is not None or self.insulation is not None
+        if (self.held_c is None) == lost:
+            raise ValueError("a heater needs held_c and either heat_loss_w_per_k or insulation")
+        if self.heater_power_w is not None and self.heat_loss_w_per_k is None:
             raise ValueError("heater_power_w needs held_c and heat_loss_w_per_k")
         return self
 
+    def _heated_k(self, air_c: Value) -> Value:
+        """How much a heater without a limit warms the pack [K]."""
+        if self.held_c is None:
+            return 0.0 * air_c
+        return np.maximum(self.held_c - (air_c + self.ambient_offset_k), 0.0)
+
     def heater_w(self, air_c: Value) -> Value:
-        """Power of the heater in air of a temperature [W].
+        """Power of the heater of a pack of known heat loss in air of a temperature [W].
 
         ``k (T_held - T_air - offset)`` where that is positive, at most ``heater_power_w``: the
         steady heat that a pack of that temperature loses.
         """
-        if self.held_c is None or self.heat_loss_w_per_k is None:
+        if self.heat_loss_w_per_k is None:
             return 0.0 * air_c
-        lacking_k = np.maximum(self.held_c - (air_c + self.ambient_offset_k), 0.0)
-        power_w = self.heat_loss_w_per_k * lacking_k
+        power_w = self.heat_loss_w_per_k * self._heated_k(air_c)
         return power_w if self.heater_power_w is None else np.minimum(power_w, self.heater_power_w)
+
+    def insulated_heater_w_at_1_kg(self, air_c: Value) -> Value:
+        """Power of the heater of an insulated pack of 1 kg [W]; grows with ``mass^(2/3)``."""
+        if self.insulation is None:
+            return 0.0 * air_c
+        return self.insulation.heat_loss_w_per_k(1.0) * self._heated_k(air_c)
 
     def pack_c(self, air_c: Value) -> Value:
         """Temperature of the pack in air of a temperature [C]."""
         passive_c = air_c + self.ambient_offset_k
+        if self.insulation is not None:
+            return passive_c + self._heated_k(air_c)
         if self.heat_loss_w_per_k is None:
             return passive_c
         return passive_c + self.heater_w(air_c) / self.heat_loss_w_per_k
@@ -90,6 +138,11 @@ class BatteryTemperature(Record):
     def capacity_fraction(self, air_c: Value) -> FloatArray:
         """Capacity in air of a temperature over that of the table's 1 [-]; held beyond its ends."""
         return np.asarray(np.interp(self.pack_c(air_c), self.table_c, self.table_capacity_fraction))
+
+
+# What a battery in thin air has where its file says nothing: insulation, and a heater that keeps it
+# at the temperature for which its energy is stated, so that all of that is left.
+HEATED_PACK = BatteryTemperature(held_c=REFERENCE_C, insulation=Insulation())
 
 
 class Ageing(Record):

@@ -27,12 +27,8 @@ _SHORT = 1e-12  # state of charge below zero that counts as an empty battery
 class Dawns(NamedTuple):
     """When the charge of each night is least: where a day begins.
 
-    Attributes
-    ----------
-    hour : ndarray, shape (element,)
-        Hours after the start of the day [h].
-    deficit_wh : ndarray, shape (element,)
-        Cumulative deficit from the start of the day until then [Wh].
+    ``hour``: hours after the start of the day [h], shape ``(element,)``. ``deficit_wh``: cumulative
+    deficit from the start of the day until then [Wh], shape ``(element,)``.
     """
 
     hour: FloatArray
@@ -49,20 +45,9 @@ def dawns_of(
     longer deficit eats up again before noon is no dawn. Under a clear sky it is the morning's equal
     power.
 
-    Parameters
-    ----------
-    balance : PowerBalance
-        Batch of one dimension, from about midnight to about midnight.
-    day : ChargingDay
-        The same reduced to its surpluses.
-    store : Store
-        Batteries of the elements.
-    noon_h : float or ndarray, shape (element,)
-        Hours from the start of the day to noon [h].
-
-    Returns
-    -------
-    Dawns
+    ``balance``: batch of one dimension, from about midnight to about midnight. ``day``: the same
+    reduced to its surpluses. ``store``: batteries of the elements. ``noon_h``: hours from the start
+    of the day to noon [h], shape ``(element,)``.
     """
     time, net, deficit = balance.time_h, balance.net_w, balance.deficit_wh
     noon = np.broadcast_to(noon_h, net.shape[1:])
@@ -91,18 +76,9 @@ def dawns_of(
 class CarriedDays:
     """Run of batteries over consecutive days.
 
-    Attributes
-    ----------
-    balance : PowerBalance
-        Surplus and deficit, elements ``day + days * aircraft``.
-    day : ChargingDay
-        The same reduced to its surpluses.
-    store : Store
-        Batteries of the elements.
-    days : int
-        Number of days.
-    run : DayRun
-        What became of the batteries on each day.
+    ``balance``: surplus and deficit, elements ``day + days * aircraft``. ``day``: the same reduced
+    to its surpluses. ``store``: batteries of the elements. ``days``: number of days. ``run``: what
+    became of the batteries on each day.
     """
 
     balance: PowerBalance
@@ -119,15 +95,7 @@ class CarriedDays:
     def runs_empty(self, dawns: Dawns) -> tuple[BoolArray, BoolArray]:
         """Whether each day's battery is empty before its dawn, and after it.
 
-        Parameters
-        ----------
-        dawns : Dawns
-            Of the elements.
-
-        Returns
-        -------
-        before, after : ndarray of bool, shape (element,)
-            Both where it is empty before dawn and stays so.
+        Both are true where it is empty before dawn and stays so.
         """
         run, eta = self.run, self.store.discharge_efficiency
         least = -_SHORT * self.store.battery_energy_wh
@@ -143,37 +111,14 @@ class CarriedDays:
         return before, after
 
     def closes(self, dawns: Dawns) -> BoolArray:
-        """Whether each day's battery lasts from its dawn to the next day's, the last to its end.
-
-        Parameters
-        ----------
-        dawns : Dawns
-            Of the elements.
-
-        Returns
-        -------
-        ndarray of bool, shape (element,)
-        """
+        """Whether each day's battery lasts from its dawn to the next day's, the last to its end."""
         before, after = (empty.reshape(-1, self.days) for empty in self.runs_empty(dawns))
         empty = after.copy()
         empty[:, :-1] |= before[:, 1:]
         return np.asarray(~empty.reshape(-1))
 
     def hour_at_level(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
-        """Hours after the start of their day at which the deficit reaches levels [h].
-
-        Parameters
-        ----------
-        level_wh : ndarray
-            Cumulative deficits [Wh].
-        cells : ndarray of int
-            Element of each.
-
-        Returns
-        -------
-        ndarray
-            Of the shape of ``level_wh`` [h].
-        """
+        """Hours after the start of their day at which the deficit reaches levels [h]."""
         return hour_of_deficit(self.balance, self.day.cumulative_deficit_wh, level_wh, cells)
 
     def energy_at_wh(self, hour: FloatArray) -> FloatArray:
@@ -199,21 +144,9 @@ def carried_over(
 ) -> CarriedDays:
     """March batteries through consecutive days.
 
-    Parameters
-    ----------
-    balance : PowerBalance
-        A day of nodes each, batch of one dimension: ``day + days * aircraft``. A day's last node is
-        the first of the next.
-    store : Store
-        Batteries of the elements.
-    start_wh : ndarray, shape (aircraft,)
-        Stored energy at the start of the first day [Wh].
-    days : int
-        Number of days.
-
-    Returns
-    -------
-    CarriedDays
+    ``balance``: a day of nodes each, batch of one dimension: ``day + days * aircraft``. A day's
+    last node is the first of the next. ``store``: batteries of the elements. ``start_wh``: stored
+    energy at the start of the first day [Wh], shape ``(aircraft,)``. ``days``: number of days.
     """
     day = ChargingDay.of(balance)
     brief = day.without_nodes()
@@ -297,24 +230,13 @@ def flight_hours(
 ) -> tuple[FloatArray, BoolArray]:
     """Flight times of launches, one on each day, until the battery is empty.
 
-    Parameters
-    ----------
-    carried : CarriedDays
-        Days of a single aircraft.
-    launch_h : ndarray, shape (day,)
-        Launch after the start of each day [h].
-    launch_wh : ndarray, shape (day,)
-        Stored energy at the launch [Wh].
-    settled_deficit_wh : ndarray, shape (day,), optional
-        Cumulative deficit from the start of the day until the launch [Wh], where it is known
-        exactly, as that of :class:`Dawns` is; by default straight lines between the nodes.
-
-    Returns
-    -------
-    hours : ndarray, shape (day,)
-        Flight time [h]; of a flight that lasts until the record's end, up to there.
-    outlasts : ndarray of bool, shape (day,)
-        Whether the battery was never empty until the record's end.
+    ``carried``: days of a single aircraft. ``launch_h``: launch after the start of each day [h],
+    shape ``(day,)``. ``launch_wh``: stored energy at the launch [Wh], shape ``(day,)``.
+    ``settled_deficit_wh``: cumulative deficit from the start of the day until the launch [Wh],
+    where it is known exactly, as that of :class:`Dawns` is; by default straight lines between the
+    nodes, shape ``(day,)``. Returns ``hours``: flight time [h]; of a flight that lasts until the
+    record's end, up to there, shape ``(day,)``. Returns ``outlasts``: whether the battery was never
+    empty until the record's end, shape ``(day,)``.
     """
     day, store, days = carried.day, carried.store, carried.days
     brief = day.without_nodes()

@@ -63,6 +63,9 @@ from sizing.optimisation.variables import (
 )
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.smooth_chain import SmoothPropulsion
+from sizing.smooth_propulsion import with_propulsion
+from sizing.varying_load import smooth_loads_w
 from solar.types import FloatArray
 
 # By how much the lowest sun must exceed the load where it carries it at all times, relative: at
@@ -143,8 +146,9 @@ class SizingProblem:
 
     @cached_property
     def _technology(self) -> list[float]:
-        """Technology parameters, and the efficiencies of the battery in flight."""
+        """Technology, correction of a propulsion by formulas, the battery's efficiencies."""
         values = [parameter_value(self.aircraft, None, key) for key in self.program.technology]
+        values += _correction_of(self.aircraft)
         battery = self.aircraft.battery
         efficiencies = (battery.mean_charge_efficiency, battery.mean_discharge_efficiency)
         return [float(value) for value in (*values, *efficiencies) if value is not None]
@@ -252,7 +256,23 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
         key: 1.0 if parameter_value(aircraft, None, key) else 0.0
         for key in numbers_taken_out(aircraft)
     }
-    return all_replaced(aircraft, values | {"name": "kind", "description": ""})
+    kind = all_replaced(aircraft, values | {"name": "kind", "description": ""})
+    return _corrected_by(kind, (1.0, 1.0))
+
+
+def _correction_of(aircraft: Aircraft) -> tuple[float, ...]:
+    """Correction of a propulsion by formulas, another one in each round of a sizing."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    return propulsion.correction if isinstance(propulsion, SmoothPropulsion) else ()
+
+
+def _corrected_by(aircraft: Aircraft, correction: tuple[Any, ...]) -> Aircraft:
+    """Aircraft whose propulsion by formulas has another correction; else itself."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, SmoothPropulsion):
+        return aircraft
+    changed = propulsion.model_copy(update={"correction": correction})
+    return with_propulsion(aircraft, changed)
 
 
 def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
@@ -289,7 +309,7 @@ def _program(
     worst_h = ca.MX.sym(WORST_EXCESS)
     margin = ca.MX.sym("recharge_margin")
     conditions = ca.MX.sym("conditions", len(FlightConditions._fields))
-    numbers = ca.MX.sym("technology", len(technology))
+    numbers = ca.MX.sym("technology", len(technology) + len(_correction_of(kind)))
     efficiencies = ca.MX.sym("battery_efficiencies", 2)
     sun = ca.MX.sym("sun", SUN_PARAMETERS if climb is None else CLIMB_SUN_PARAMETERS, blocks)
     aloft = ca.MX.sym("aloft", 0 if climb is None else ALOFT_PARAMETERS)
@@ -390,13 +410,14 @@ def _design_functions(
     """
     x = ca.SX.sym("x", len(variables))
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
-    numbers = ca.SX.sym("technology", len(technology))
+    numbers = ca.SX.sym("technology", len(technology) + len(_correction_of(kind)))
     aloft = ca.SX.sym("aloft", ALOFT_PARAMETERS if climbs else 0)
     values = {v.name: v.from_program(x[i]) for i, v in enumerate(variables)}
     relative = {v.name: values[v.name] for v in variables if v.role is Role.technology}
     flown = all_replaced(
         kind, {key: numbers[i] * relative.get(key, 1.0) for i, key in enumerate(technology)}
     )
+    flown = _corrected_by(flown, tuple(ca.vertsplit(numbers[len(technology) :])))
     own = {"aspect_ratio": flown.airframe.aspect_ratio}
     named = {name: v for name, v in (own | values).items() if name in DesignVariables._fields}
     chosen = DesignVariables(**named)
@@ -423,8 +444,7 @@ def _design_functions(
         [
             design.variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0),
             design.battery_energy_wh,
-            design.load_in_turbulence_w(conditions.turbulence),
-            design.propulsion_power_w,
+            *smooth_loads_w(flown, design, conditions),
             ca.vertcat(*(one.value for one in requirements)),
             ca.vertcat(*store),
         ],

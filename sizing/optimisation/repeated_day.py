@@ -42,6 +42,7 @@ from sizing.optimisation.problem import numbers_taken_out
 from sizing.optimisation.variables import SOLAR_TECHNOLOGY
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.sunlight import SolarDay
+from sizing.varying_load import smooth_loads_w
 from solar.types import FloatArray
 
 # Of each scenario, in the order of the function's results. The last two are rows of the sizing
@@ -144,8 +145,7 @@ class DesignInDays:
         powers = ca.vertcat(
             chosen.module_area_m2 * (brighter if SOLAR_TECHNOLOGY in keys else 1.0),
             design.battery_energy_wh,
-            design.load_in_turbulence_w(conditions.turbulence),
-            design.propulsion_power_w,
+            *smooth_loads_w(flown, design, conditions),
             flown.battery.mean_charge_efficiency,
             flown.battery.mean_discharge_efficiency,
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
@@ -26,6 +26,13 @@ from sizing.catalogues.choice import OfCatalogue, Taken, found_entry, taken
 from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
 from sizing.parameters import all_replaced
 from sizing.propulsion.electric import Controller, Gear, Motor
+from sizing.propulsion.part_masses import (
+    GEAR_EXPONENT,
+    continuous_torque_nm,
+    gear_mass_kg,
+    motor_mass_fit,
+    scaled_blade_mass,
+)
 from sizing.smooth import Value
 from solar.schema import (
     Flag,
@@ -46,6 +53,8 @@ __all__ = ["LINKS", "AnyPropulsion", "OperatingPointPropulsion", "PropellerChoic
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
 _CLIMB_POWER_RATIO = 5.0
 _MASS_KG_PER_W = 0.0011
+# Of a propeller at one advance ratio power goes with the cube of its speed, torque with the square.
+_GEAR_BY_POWER = GEAR_EXPONENT * 2.0 / 3.0
 # Links from the bus to the air, and those of an operating point that they stand for.
 LINKS = {
     "wiring": "wiring",
@@ -213,11 +222,13 @@ class PropellerChoice(OfCatalogue):
         if self.table is None:
             assert self.diameter_m is not None
             assert self.pitch_m is not None
-            size = (self.diameter_m, self.pitch_m)
-            return blade_elements.BladeElementPropeller(*size, self.blades, self.chords)
+            return blade_elements.BladeElementPropeller(
+                self.diameter_m, self.pitch_m, self.blades, self.chords
+            )
         with texts_as_read(self.texts_read()):
-            given = (self.paths, self.diameter_m)
-            return propeller_files.read_propeller(*given, any_speed=self.any_speed)
+            return propeller_files.read_propeller(
+                self.paths, self.diameter_m, any_speed=self.any_speed
+            )
 
 
 class OperatingPointPropulsion(Record):
@@ -262,6 +273,10 @@ class OperatingPointPropulsion(Record):
             "propeller.pitch_m": pitch_m,
             "gear.ratio": gear_ratio,
         }
+        if diameter_m is not None and self.propeller.mass_kg:
+            # The file's mass is that of the file's diameter.
+            larger = diameter_m / self.propeller.diameter_m
+            sizes["propeller.mass_kg"] = scaled_blade_mass(self.propeller.mass_kg, larger)
         chosen = {key: value for key, value in sizes.items() if value is not None}
         return all_replaced(self, chosen) if chosen else self
 
@@ -307,18 +322,9 @@ class OperatingPointPropulsion(Record):
     ) -> OperatingPoint:
         """Operating point of one propulsor in level flight.
 
-        Parameters
-        ----------
-        thrust_power_w, airspeed_m_per_s, air
-            Of the whole aircraft; numbers or arrays.
-        bus_voltage_v : tuple of float
-            Of the empty and of the full battery [V]. It must work at both; of the two, the one that
-            takes more power counts.
-
-        Returns
-        -------
-        OperatingPoint
-            Of the arguments' shape.
+        ``thrust_power_w``, ``airspeed_m_per_s``, ``air``: of the whole aircraft; numbers or arrays.
+        ``bus_voltage_v``: of the empty and of the full battery [V]. It must work at both; of the
+        two, the one that takes more power counts. Returns of the arguments' shape.
         """
         from sizing.propulsion.operating_point import OperatingPoint, operating_point
 
@@ -350,15 +356,18 @@ class OperatingPointPropulsion(Record):
             bus_current_a=point.bus_current_a / factor,
         )
 
-    def margins(
-        self,
-        thrust_power_w: Value,
-        airspeed_m_per_s: Value,
-        air: Air,
-        bus_voltage_v: tuple[float, float],
-    ) -> dict[str, Value]:
-        """Margins of the parts by formulas; an exact chain tells a reason instead."""
-        return {}
+    def bus_power_w(
+        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
+    ) -> Value:
+        """Electric power of all propulsors, whatever the limits of their parts are [W].
+
+        Voltages broadcast with the others. NaN where the propeller's data end.
+        """
+        from sizing.propulsion.operating_point import bus_power_w
+
+        thrust_n = thrust_power_w / airspeed_m_per_s / self.propulsors
+        power_w = bus_power_w(self.propulsor, thrust_n, airspeed_m_per_s, air, bus_v)
+        return self.propulsors * power_w / self.efficiency_factor
 
     def in_flight(
         self,
@@ -369,25 +378,68 @@ class OperatingPointPropulsion(Record):
     ) -> Propulsion:
         """Chain of constants at an operating point, see :meth:`point`; NaN where there is none."""
         point = self.point(thrust_power_w, airspeed_m_per_s, air, bus_voltage_v)
-        return self.with_links(
-            {name: getattr(point, f"{link}_efficiency") for name, link in LINKS.items()}
+        links = {name: getattr(point, f"{link}_efficiency") for name, link in LINKS.items()}
+        return self.with_links(links, point.propeller_torque_nm, thrust_power_w / point.efficiency)
+
+    @property
+    def estimates_masses(self) -> bool:
+        """Whether parts without a mass have one by relations: unless the file says how all grow."""
+        named = self.mass_kg_per_w is None and self.mass_model is None
+        return named and self.motor_mass_kg is not None
+
+    @cached_property
+    def motor_mass_kg(self) -> float | None:
+        """Mass of a motor [kg], by its continuous torque where it is not known, else None."""
+        motor = self.own_motor
+        torque = continuous_torque_nm(motor)
+        if motor.mass_kg is not None or not torque:
+            return motor.mass_kg
+        return motor_mass_fit().mass_kg(torque)
+
+    def with_links(
+        self, efficiencies: Mapping[str, Any], torque_nm: Value = 0.0, level_w: Value = 1.0
+    ) -> ChainOfParts:
+        """Chain of constants of these parts; efficiencies by :data:`LINKS`, of floats or arrays.
+
+        ``torque_nm``, ``level_w``: of one propeller in level flight [N m] and electric power of
+        all [W], by which a gear without a mass has one.
+        """
+        known = (self.propeller.mass_kg, self.gear.mass_kg, self.controller.mass_kg)
+        estimated = self.estimates_masses
+        motor_kg = self.motor_mass_kg if estimated else self.own_motor.mass_kg
+        gear_kg: Value = 0.0
+        if estimated and self.gear.mass_kg is None:
+            gear_kg = self.propulsors * gear_mass_kg(torque_nm, self.gear.ratio)
+        default = 0.0 if self.motor_mass_kg is not None else _MASS_KG_PER_W
+        links = {f"{name}_efficiency": _unwrapped(one) for name, one in efficiencies.items()}
+        return ChainOfParts.model_construct(
+            **links,
+            fixed_mass_kg=self.propulsors
+            * sum(one for one in (*known, motor_kg) if one is not None),
+            mass_kg_per_w=default if self.mass_kg_per_w is None else self.mass_kg_per_w,
+            climb_power_ratio=self.climb_power_ratio,
+            climb_rate_m_per_s=self.climb_rate_m_per_s,
+            mass_model=self.mass_model,
+            gear_kg=_unwrapped(gear_kg / level_w**_GEAR_BY_POWER),
         )
 
-    def with_links(self, efficiencies: Mapping[str, Any]) -> Propulsion:
-        """Chain of constants of these parts; efficiencies by :data:`LINKS`, of floats or arrays."""
-        motor = self.own_motor
-        parts = (self.propeller, self.gear, motor, self.controller)
-        default = 0.0 if motor.mass_kg is not None else _MASS_KG_PER_W
-        return Propulsion().model_copy(
-            update={f"{name}_efficiency": _unwrapped(one) for name, one in efficiencies.items()}
-            | {
-                "fixed_mass_kg": self.propulsors * sum(part.mass_kg or 0.0 for part in parts),
-                "mass_kg_per_w": default if self.mass_kg_per_w is None else self.mass_kg_per_w,
-                "climb_power_ratio": self.climb_power_ratio,
-                "climb_rate_m_per_s": self.climb_rate_m_per_s,
-                "mass_model": self.mass_model,
-            }
-        )
+
+class ChainOfParts(Propulsion):
+    """Efficiencies of parts at their operating point.
+
+    ``gear_kg``: mass of gears without a mass in the file, over the rated power to the power by
+    which their torque grows with it. No file has this key.
+    """
+
+    gear_kg: Value = Field(default=0.0, exclude=True, repr=False)
+
+    def mass_kg(self, rated_w: Value) -> Value:
+        """Mass of the propulsion group for its rated electric power [kg]."""
+        return super().mass_kg(rated_w) + self.gear_kg * rated_w**_GEAR_BY_POWER
+
+    def mapped(self, function: Callable[[Value], Value]) -> ChainOfParts:
+        """Chain with a function of what differs between designs beside the efficiencies."""
+        return self.model_copy(update={"gear_kg": function(self.gear_kg)})
 
 
 def _unwrapped(value: Value) -> Value:

@@ -125,12 +125,13 @@ class Gear(Record):
     efficiency
         Power out over power in [-].
     mass_kg
-        Its mass [kg].
+        Its mass [kg]; in an aircraft without it that of
+        :func:`sizing.propulsion.part_masses.gear_mass_kg`.
     """
 
     ratio: PositiveReal = 1.0
     efficiency: Fraction = 1.0
-    mass_kg: NonNegativeReal = 0.0
+    mass_kg: NonNegativeReal | None = None
 
 
 class Controller(Record):

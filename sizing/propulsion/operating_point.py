@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,9 +12,10 @@ from scipy.optimize import elementwise
 from missions.air import Air
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.propeller import Propeller, tip_mach
+from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 
-__all__ = ["OperatingPoint", "Propulsor", "operating_point"]
+__all__ = ["OperatingPoint", "Propulsor", "bus_power_w", "operating_point"]
 
 _FASTEST_TIP_MACH = 0.95
 _SLOWEST_SHARE = 1e-3
@@ -194,17 +196,61 @@ def operating_point(
     )
 
 
+def bus_power_w(
+    propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air, bus_v: FloatArray
+) -> FloatArray:
+    """Power from the bus of thrusts at voltages, whatever the limits of the parts are [W].
+
+    The voltages broadcast with the other arguments, whose shaft they do not move: a table over
+    thrust and voltage has one search for a rotation in each of its rows. NaN where the propeller's
+    data end.
+    """
+    given = np.broadcast_arrays(
+        *(np.asarray(one, float) for one in (thrust_n, airspeed_m_per_s, *air))
+    )
+    thrust, v, *state = (np.ravel(one) for one in given)
+    parts = [slice(first, first + _AT_ONCE) for first in range(0, max(thrust.size, 1), _AT_ONCE)]
+    states = [
+        _shaft(propulsor, thrust[some], v[some], Air(*(one[some] for one in state))).motor
+        for some in parts
+    ]
+    motor = MotorState(
+        *(np.concatenate(one).reshape(given[0].shape) for one in zip(*states, strict=True))
+    )
+    inlet_v, _ = _inlet(propulsor, motor, bus_v)
+    return np.asarray(propulsor.controller.input_power_w(motor, inlet_v) * bus_v / inlet_v)
+
+
+class _Shaft(NamedTuple):
+    """What turns at a thrust, whatever the voltage of the bus is."""
+
+    rotation_per_s: FloatArray
+    power_w: FloatArray
+    torque_nm: FloatArray
+    motor_rpm: FloatArray
+    motor_torque_nm: FloatArray
+    motor: MotorState
+    reason: NDArray[np.object_]
+
+
+def _shaft(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> _Shaft:
+    """Shafts and motor at thrusts in a row."""
+    propeller, gear = propulsor.propeller, propulsor.gear
+    n, reason = _rotation(propeller, thrust, v, air)
+    power = propeller.coefficients(v, n, air).power
+    shaft_w = power * air.density_kg_per_m3 * n**3 * propeller.diameter_m**5
+    torque = shaft_w / (2.0 * np.pi * n)
+    motor_rpm, motor_torque = 60.0 * n * gear.ratio, torque / (gear.ratio * gear.efficiency)
+    motor = propulsor.motor.state(motor_rpm, motor_torque)
+    return _Shaft(n, shaft_w, torque, motor_rpm, motor_torque, motor, reason)
+
+
 def _at(
     propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air, bus: FloatArray
 ) -> OperatingPoint:
     """Operating points in a row."""
-    propeller, gear, controller = propulsor.propeller, propulsor.gear, propulsor.controller
-    d, rho = propeller.diameter_m, air.density_kg_per_m3
-    n, reason = _rotation(propeller, thrust, v, air)
-    shaft_w = propeller.coefficients(v, n, air).power * rho * n**3 * d**5
-    torque = shaft_w / (2.0 * np.pi * n)
-    motor_rpm, motor_torque = 60.0 * n * gear.ratio, torque / (gear.ratio * gear.efficiency)
-    motor = propulsor.motor.state(motor_rpm, motor_torque)
+    gear, controller, d = propulsor.gear, propulsor.controller, propulsor.propeller.diameter_m
+    n, shaft_w, torque, motor_rpm, motor_torque, motor, reason = _shaft(propulsor, thrust, v, air)
     motor_w = motor.current_a * motor.voltage_v
     inlet_v, needed_v = _inlet(propulsor, motor, bus)
     inlet_w = controller.input_power_w(motor, inlet_v)

@@ -219,7 +219,17 @@ class SmoothPropulsion(OperatingPointPropulsion):
             "gearbox": self.gear.efficiency,
             "propeller": self.efficiency_factor / cost,
         }
-        return self.with_links({name: links[name] for name in LINKS})
+        torque = shaft_w / (2.0 * np.pi * rotation)
+        level_w = self.propulsors * bus_w / self.efficiency_factor
+        return self.with_links({name: links[name] for name in LINKS}, torque, level_w)
+
+    def bus_power_w(
+        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
+    ) -> Value:
+        """As of the exact chain, also of symbols."""
+        rotation, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
+        inlet_v, power_w = self._inlet(self._motor_state(rotation, shaft_w), bus_v)
+        return self.propulsors * power_w * bus_v / inlet_v / self.efficiency_factor
 
     def margins(
         self,
@@ -269,7 +279,7 @@ class SmoothPropulsion(OperatingPointPropulsion):
         torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
         return self.own_motor.state_of(60.0 * rotation_per_s * gear.ratio, torque)
 
-    def _inlet(self, state: MotorState, bus_v: float) -> tuple[Value, Value]:
+    def _inlet(self, state: MotorState, bus_v: Value) -> tuple[Value, Value]:
         """Voltage [V] and power [W] at the controller."""
         voltage = bus_v
         for _ in range(_WIRING_ROUNDS if self.wiring_resistance_ohm else 0):

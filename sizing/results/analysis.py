@@ -24,6 +24,7 @@ from sizing.results import quantities as q
 from sizing.results.balance import drag_record
 from sizing.results.battery import battery_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
+from sizing.results.part_masses import PartMasses, part_masses
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import (
     check_subjects,
@@ -33,6 +34,7 @@ from sizing.results.records import (
     flight_record,
 )
 from sizing.results.tables import Result, data_frame
+from sizing.results.varying_efficiency import VaryingEfficiency, varying_efficiency
 from sizing.results.whole_cells import cells_record
 from sizing.results.wind import wind_record
 from sizing.structures.assessment import StructureAssessment
@@ -228,6 +230,20 @@ class Analysis(Result):
         return power_budget(self.aircraft, self.mission, self.performance.design)
 
     @cached_property
+    def part_masses(self) -> PartMasses | None:
+        """Masses of the propulsion's parts that are estimated; None where there are none."""
+        return part_masses(self.aircraft, self.performance.design)
+
+    @cached_property
+    def varying_efficiency(self) -> VaryingEfficiency | None:
+        """What the propulsion's efficiency of the moment changes; None where it is constant.
+
+        Of the repeated day, with climbs that at the mission's altitude.
+        """
+        flown = self.performance if self.climb is None else self.climb.constant
+        return None if self.days is not None else varying_efficiency(self.aircraft, flown)
+
+    @cached_property
     def days_to_settle(self) -> FloatArray:
         """Days until the repeated day of every scenario has settled from an empty battery.
 
@@ -287,7 +303,10 @@ class Analysis(Result):
             "scenarios": records,
         }
         drag, balance = self.drag_coefficients, self.balance
+        masses, varying = self.part_masses, self.varying_efficiency
         not_of_all = {
+            "part_masses": None if masses is None else masses.to_dict(),
+            "varying_efficiency": None if varying is None else varying.to_dict(),
             "battery_condition": battery_record(self.aircraft, self.mission),
             "whole_cells": cells_record(self.aircraft) or None,
             "drag_coefficients": None if drag is None else drag_record(drag),

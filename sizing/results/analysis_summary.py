@@ -23,11 +23,14 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
+from sizing.results.part_masses import part_masses_line
 from sizing.results.power_budget import power_line
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
+from sizing.results.varying_efficiency import varying_line
 from sizing.results.whole_cells import cells_lines, cells_record
 from sizing.results.wind import wind_rows
+from sizing.validity.ranges import where_error_is_known
 from solar.sun import solar_time_h
 
 
@@ -56,6 +59,10 @@ def summary(analysis: Analysis) -> Summary:
     table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks.append(power_line(analysis.power_budget))
+    if analysis.part_masses is not None:
+        blocks.append(part_masses_line(analysis.part_masses))
+    if analysis.varying_efficiency is not None:
+        blocks.append(varying_line(analysis.varying_efficiency))
     blocks += structure_blocks(analysis.structure)
     blocks += balance_blocks(analysis.drag_coefficients, analysis.balance)
     if several:
@@ -160,6 +167,12 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
     beyond = ", on top of the mission's uncertainty margins," if given else ""
     plain = solar.correction == "none"
     error = "the model's RMS error" if plain else "the RMS error left after it"
+    if where := where_error_is_known(mission.altitude_m):
+        return (
+            f"{solar.label}; its error at {mission.altitude_m:g} m is not known. One of "
+            f"{100 * solar.rms_relative:.0f} % of the mean power,{where},{beyond[1:]} "
+            f"would {means.replace('leaves', 'leave', 1).replace('puts', 'put', 1)}."
+        )
     return (
         f"{solar.label}; {error} of "
         f"{100 * solar.rms_relative:.0f} % of the mean power{beyond} {means}."

@@ -12,35 +12,47 @@ from sizing.aircraft import Aircraft
 from solar.types import FloatArray
 
 
-def battery_record(aircraft: Aircraft, mission: Mission) -> dict[str, Any] | None:
+def battery_record(
+    aircraft: Aircraft, mission: Mission, mass_kg: float | None = None
+) -> dict[str, Any] | None:
     """Battery as it is flown on a mission, JSON-ready.
 
-    ``mission``: its air; the margin of its capacity is not counted. None for a battery without
-    temperature, resistance and ageing.
+    ``mission``: its air; the margin of its capacity is not counted. ``mass_kg``: that of a sized
+    design. None for a battery without temperature, resistance and ageing.
     """
-    return _record(aircraft, mission.air_state().temperature_c, float)
+    air_c = mission.air_state().temperature_c
+    return _record(aircraft, air_c, mission.altitude_m, float, mass_kg)
 
 
-def battery_record_of_days(aircraft: Aircraft, air_c: FloatArray) -> dict[str, Any] | None:
+def battery_record_of_days(
+    aircraft: Aircraft, air_c: FloatArray, altitude_m: float
+) -> dict[str, Any] | None:
     """Battery as it is on the days of a weather record, JSON-ready.
 
-    ``air_c``: mean temperature of the air of each day [C]. Returns as :func:`battery_record`, with
-    ``lowest``, ``mean`` and ``highest`` of what changes with the days.
+    ``air_c``: mean temperature of the air of each day [C], at an altitude. Returns as
+    :func:`battery_record`, with ``lowest``, ``mean`` and ``highest`` of what changes with the days.
     """
-    return _record(aircraft, air_c, _spread)
+    return _record(aircraft, air_c, altitude_m, _spread)
 
 
-def _record(aircraft: Aircraft, air_c: Any, shown: Callable[[Any], Any]) -> dict[str, Any] | None:
+def _record(
+    aircraft: Aircraft,
+    air_c: Any,
+    altitude_m: float,
+    shown: Callable[[Any], Any],
+    mass_kg: float | None = None,
+) -> dict[str, Any] | None:
     """Battery in air of a temperature [C]; ``shown``: what is told of its numbers."""
-    battery, held, aged = aircraft.battery, aircraft.battery.temperature, aircraft.battery.ageing
+    battery, aged = aircraft.battery, aircraft.battery.ageing
+    held, _ = battery.temperature_at(altitude_m)
     if not any((held, battery.resistance, aged)):
         return None
     return {
         "pack_temperature_c": None if held is None else shown(held.pack_c(air_c)),
-        "heater_power_w": shown(battery.heater_w(air_c)),
+        "heater_power_w": shown(battery.heater_w(air_c, altitude_m, mass_kg)),
         "cycles": None if aged is None else float(aged.total_cycles),
         "months": None if aged is None else float(aged.total_months),
-        "capacity_fraction": shown(battery.capacity_fraction(air_c)),
+        "capacity_fraction": shown(battery.capacity_fraction(air_c, altitude_m)),
         "charge_efficiency": float(battery.mean_charge_efficiency),
         "discharge_efficiency": float(battery.mean_discharge_efficiency),
     }
@@ -55,20 +67,20 @@ def _spread(values: Any) -> dict[str, float]:
     }
 
 
-def battery_line(aircraft: Aircraft, mission: Mission) -> str | None:
+def battery_line(aircraft: Aircraft, mission: Mission, mass_kg: float | None = None) -> str | None:
     """State of the battery in a line, such as ``battery at 12 C: 90 % of its capacity``.
 
     None where there is no record.
     """
-    return _battery_line(aircraft, battery_record(aircraft, mission))
+    return _battery_line(aircraft, battery_record(aircraft, mission, mass_kg))
 
 
-def battery_line_of_days(aircraft: Aircraft, air_c: FloatArray) -> str | None:
+def battery_line_of_days(aircraft: Aircraft, air_c: FloatArray, altitude_m: float) -> str | None:
     """State of the battery on the days of a weather record in a line.
 
     None where there is no record.
     """
-    return _battery_line(aircraft, battery_record_of_days(aircraft, air_c))
+    return _battery_line(aircraft, battery_record_of_days(aircraft, air_c, altitude_m))
 
 
 def _battery_line(aircraft: Aircraft, record: dict[str, Any] | None) -> str | None:

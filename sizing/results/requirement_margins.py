@@ -28,7 +28,7 @@ __all__ = ["RequirementMargin", "margin_records", "requirement_margins", "requir
 # Take-off safety speed over stall speed, CS-23.51 and 14 CFR 23.51 (amendment 62).
 RECOMMENDED_STALL_MARGIN = 1.2
 # Thrusts over that of level flight in which the largest is searched for.
-_THRUSTS = np.geomspace(1.0, 30.0, 241)
+_THRUSTS, _COARSE = np.geomspace(1.0, 30.0, 241), 16
 
 
 class RequirementMargin(NamedTuple):
@@ -131,9 +131,15 @@ def _of_climb(
     speed, air = float(aloft.airspeed_m_per_s), FlightConditions.of(there, aircraft).air
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     empty_v, _ = bus_voltage_v(aircraft)
-    points = own.point(thrust_w * _THRUSTS, speed, air, (empty_v, empty_v))
-    able = np.flatnonzero(np.asarray(points.reason) == "")
-    most = float(_THRUSTS[able[-1]]) if able.size else np.nan
+    most, some = np.nan, _THRUSTS[::_COARSE]
+    for _ in range(2):
+        points = own.point(thrust_w * some, speed, air, (empty_v, empty_v))
+        able = np.flatnonzero(np.asarray(points.reason) == "")
+        if not able.size:
+            break
+        most = float(some[able[-1]])
+        # The thrusts up to the next of the coarse ones.
+        some = _THRUSTS[(most <= _THRUSTS)][:_COARSE]
     name, text = "climb_rate_with_empty_battery_m_per_s", f"climb rate, empty battery, {at}"
     climb = (most - 1.0) * thrust_w / weight_n
     yield _absolute(name, text, climb, 0.0, "m/s")._replace(recommended=True)

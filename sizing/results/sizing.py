@@ -29,6 +29,7 @@ from sizing.margins.probability import Reliability, check_reliability, size_reli
 from sizing.margins.season_days import Survival
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
+from sizing.optimisation.module_flow import with_flow_of_optimum
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
@@ -51,6 +52,7 @@ from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.climbs import climbs_record, level_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
+from sizing.results.part_masses import PartMasses, part_masses
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import NEGLIGIBLE, check_subjects, finite, finite_values
 from sizing.results.requirement_margins import (
@@ -232,6 +234,11 @@ class SizingStudy(Result):
         return structure_assessment(self.aircraft, self.mission, design)
 
     @cached_property
+    def part_masses(self) -> PartMasses | None:
+        """Masses of the optimum's propulsion that are estimated; None where there are none."""
+        return None if self.design is None else part_masses(self.aircraft, self.design)
+
+    @cached_property
     def power_budget(self) -> PowerBudget | None:
         """Where the optimum's power of level flight goes; None without one."""
         design = self.result.design
@@ -282,6 +289,8 @@ class SizingStudy(Result):
         }
         budget, structure = self.power_budget, self.structure
         record["power_budget"] = None if budget is None else budget.to_dict()
+        if self.part_masses is not None:
+            record["part_masses"] = self.part_masses.to_dict()
         record["structure"] = None if structure is None else structure.to_dict()
         if self.balance is not None:
             record["balance"] = self.balance.to_dict()
@@ -467,6 +476,9 @@ def size(
         if study is not None:
             return study
     aircraft, start = with_smooth_chain(aircraft, mission, wanted, solar, **options)
+    aircraft, start = with_flow_of_optimum(
+        *(aircraft, mission, wanted, solar), start=start, **options
+    )
     problems = options["problems"] = SizingProblems(aircraft)
     if reliability is not None:
         if with_sensitivities or with_cross_check:
@@ -683,7 +695,9 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
         },
         **software_record(),
     }
-    condition = battery_record(aircraft, mission)
+    flown = result.simulated or result.nearest
+    mass_kg = None if flown is None else float(flown.design.variables.battery_mass_kg)
+    condition = battery_record(aircraft, mission, mass_kg)
     if condition is not None:
         record["battery_condition"] = condition
     record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)

@@ -31,6 +31,7 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
+from sizing.results.part_masses import part_masses_line
 from sizing.results.power_budget import power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours, relative_change
@@ -40,6 +41,7 @@ from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Tab
 from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table, sizing_record
 from sizing.results.wind import wind_rows
 from sizing.sunlight import SolarModel
+from sizing.validity.ranges import where_error_is_known
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all
 
@@ -67,6 +69,8 @@ def summary(study: SizingStudy) -> Summary:
     if study.power_budget is not None:
         blocks.append(power_line(study.power_budget))
     blocks += climb_lines(study)
+    if study.part_masses is not None:
+        blocks.append(part_masses_line(study.part_masses))
     blocks += _whole_cells(study)
     blocks += _limits("limited by", study, at_bounds)
     blocks += structure_blocks(study.structure)
@@ -166,11 +170,13 @@ def _design_table(study: SizingStudy) -> Table:
 
 def _confidence(study: SizingStudy) -> list[Any]:
     """How far the answer may be trusted: ranges of the models, their error, margins."""
-    condition = battery_line(study.aircraft, study.mission)
+    flown, low, high = study.result.simulated, study.low, study.high
+    some = flown or study.result.nearest
+    mass_kg = None if some is None else float(some.design.variables.battery_mass_kg)
+    condition = battery_line(study.aircraft, study.mission, mass_kg)
     blocks: list[Any] = [] if condition is None else [condition]
     blocks += extrapolation_blocks(study.extrapolations)
     blocks += catalogue_blocks(study.aircraft)
-    flown, low, high = study.result.simulated, study.low, study.high
     if flown is not None and low is not None and high is not None:
         worst = flown.worst_scenario()
         blocks.append(Line(uncertainty_line(low, high, worst, study.mission), "faint"))
@@ -184,8 +190,10 @@ def _confidence(study: SizingStudy) -> list[Any]:
             what = (
                 "ends perpetual flight" if low_h <= 0.0 else f"misses the required {required:g} h"
             )
+            measured = where_error_is_known(study.mission.altitude_m)
             text = (
-                f"on the edge: one RMS error less solar power {what}; to size with that margin: "
+                f"on the edge: one RMS error{measured} less solar power {what}; to size with "
+                f"that margin: "
                 f"--set {_MARGIN_KEY}"
             )
             blocks.append(Line(text, "warning"))

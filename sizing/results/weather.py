@@ -136,7 +136,9 @@ class WeatherAnalysis(Result):
         of_days = [
             *(
                 check
-                for check in battery_checks(aircraft.battery, done.air_of_days_c)
+                for check in battery_checks(
+                    aircraft.battery, done.air_of_days_c, mission.altitude_m
+                )
                 if check.range.quantity in _OF_DAYS
             ),
             *correction_check(days, done.solar, mission),
@@ -146,7 +148,7 @@ class WeatherAnalysis(Result):
         extrapolations = worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
         worths = {
             "weather_record": self._worth_of_record,
-            "module_temperature": self._worth_of_cold_modules,
+            "module_temperature": self._worth_of_warm_modules,
             "battery": self._worth_of_warm_battery,
         }
         return tuple(
@@ -161,13 +163,17 @@ class WeatherAnalysis(Result):
         share = 100.0 * self.share_of_clear_light()
         return f"flown through are its clouds and its air: {share:.0f} % of the clear sky's light"
 
-    def _worth_of_cold_modules(self) -> str:
-        """Energy of the record beside that of modules at 25 C."""
+    def _worth_of_warm_modules(self) -> str:
+        """Energy of modules as cold as the air beside that of the record."""
         done = self.performance
-        power_w, modules = done.recorded.solar_power_w, self.aircraft.modules
-        rated_w = power_w / modules.temperature_efficiency(done.module_temperature_c)
-        percent = 100.0 * (float(np.sum(power_w)) / max(float(np.sum(rated_w)), 1e-9) - 1.0)
-        return f"{percent:+.0f} % of solar energy beside modules at 25 °C"
+        air = done.mission.air.model_copy(
+            update={"module_temperature_c": float(done.mission.air_state().temperature_c)}
+        )
+        cold = done.mission.model_copy(update={"air": air})
+        flown = weather_performance(self.aircraft, cold, self.weather, done.solar)
+        cold_w, warm_w = (float(np.sum(one.recorded.solar_power_w)) for one in (flown, done))
+        percent = 100.0 * (cold_w / max(warm_w, 1e-9) - 1.0)
+        return f"as cold as the air they would give {percent:+.0f} % of solar energy"
 
     def _worth_of_warm_battery(self) -> str:
         """Days that close with a battery as cold as the air."""
@@ -207,7 +213,9 @@ class WeatherAnalysis(Result):
             "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
             "share_of_clear_sky_light": self.share_of_clear_light(),
             "wind_above_airspeed_share": self.wind_above_airspeed_share(),
-            "battery_condition": battery_record_of_days(self.aircraft, done.air_of_days_c),
+            "battery_condition": battery_record_of_days(
+                self.aircraft, done.air_of_days_c, done.mission.altitude_m
+            ),
             "extrapolations": extrapolation_records(self.extrapolations),
             "repairs": list(weather.repairs),
             "notes": list(self.notes),
@@ -293,7 +301,9 @@ class WeatherAnalysis(Result):
             self._months(),
             Table("windows of consecutive days that close", _WINDOW, self.windows),
         ]
-        battery = battery_line_of_days(self.aircraft, self.performance.air_of_days_c)
+        battery = battery_line_of_days(
+            self.aircraft, self.performance.air_of_days_c, self.performance.mission.altitude_m
+        )
         if battery is not None:
             blocks.append(Line(battery))
         blocks += extrapolation_blocks(self.extrapolations)

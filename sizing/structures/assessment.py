@@ -11,10 +11,10 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value
 from sizing.structures.flight_envelope import FlightEnvelope
-from sizing.structures.loads import StructureInputs, limit_load_factor
+from sizing.structures.loads import StructureInputs
 from sizing.structures.parts import Wing, largest
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.stations import Station, along_the_span
+from sizing.structures.stations import Station
 from sizing.structures.torsion import WingTorsion
 
 _LABELS = {
@@ -151,11 +151,11 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
     """What sizes a rib wing, from inputs that are floats."""
     inputs = StructureInputs(*(float(value) for value in inputs))
     wing = model.wing(inputs)
-    station, integral = along_the_span(wing.wingspan_m)
+    station, integral = model.along_the_span(wing.wingspan_m)
     forces = model.cap_forces(wing, station)
     needs = model.cap_needs_m2(wing, forces)
     up, down = (float(factor) for factor in wing.factors)
-    pull_up = float(limit_load_factor(wing.total_mass_kg))
+    pull_up = float(model.pull_up(wing.total_mass_kg))
     cases = {
         "an up-gust" if up > 1.01 * pull_up else "a pull-up": forces.up,
         "a down-gust"
@@ -164,10 +164,13 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
         "landing": forces.landing,
     }
     caps = _shares(needs, station)
-    level = GRAVITY_M_PER_S2 * (
-        wing.total_mass_kg * station.lift_moment - wing.relief_kg * station.mass_moment
-    )
-    landing = GRAVITY_M_PER_S2 * wing.relief_kg * station.mass_moment
+    wires = model.bracing
+    lift, mass, landed = station.lift_moment, station.mass_moment, station.landed_moment
+    if wires is not None:
+        lift, mass = station.braced_lift_moment, station.braced_mass_moment
+        landed = station.braced_landed_moment if wires.landing_wires else landed
+    level = GRAVITY_M_PER_S2 * (wing.total_mass_kg * lift - wing.relief_kg * mass)
+    landing = GRAVITY_M_PER_S2 * wing.relief_kg * landed
     bent_1g, turned_1g = _bent(model, wing, station, integral, load=level, needs=needs)
     bent_landing, _ = _bent(model, wing, station, integral, load=landing, needs=needs)
     return StructureAssessment(

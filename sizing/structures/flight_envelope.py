@@ -17,7 +17,6 @@ from sizing.structures.loads import (
     SEA_LEVEL_DENSITY_KG_PER_M3,
     StructureInputs,
     gust_load_increment,
-    limit_load_factor,
 )
 from sizing.structures.rib_wing import RibWingStructure
 from solar.types import FloatArray
@@ -99,7 +98,7 @@ def flight_envelope(
     area_m2, density = float(wing.wing_area_m2), float(inputs.density_kg_per_m3)
     mass_kg, cruise = float(inputs.total_mass_kg), float(wing.equivalent_airspeed_m_per_s)
     dynamic = 0.5 * SEA_LEVEL_DENSITY_KG_PER_M3 * area_m2 * maximum_lift_coefficient
-    dive, pull_up = model.dive_speed_ratio * cruise, float(limit_load_factor(mass_kg))
+    dive, pull_up = model.dive_speed_ratio * cruise, float(model.pull_up(mass_kg))
     fraction = float(inputs.gust_fraction) if model.gusts_fall_with_altitude else 1.0
     increments = [
         float(

@@ -8,13 +8,12 @@ optimiser finds no kink. Equations and sources: docs/structure.md.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi, radians
-from typing import Annotated, Literal
-
-from pydantic import Field, Strict
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value, smooth_absolute, smooth_maximum, smooth_minimum
+from sizing.structures.bracing import Wires
 from sizing.structures.loads import (
     SEA_LEVEL_DENSITY_KG_PER_M3,
     StructureInputs,
@@ -23,95 +22,33 @@ from sizing.structures.loads import (
     limit_load_factor,
 )
 from sizing.structures.parts import CapForces, LoadFactors, StructureParts, Wing, largest
+from sizing.structures.rib_wing_keys import RibWingKeys
 from sizing.structures.stations import Station, along_the_span
-from sizing.structures.torsion import NoseCell, Twisting, WingTorsion, closed_cell_nm2
-from solar.schema import Flag, Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
+from sizing.structures.torsion import NoseCell, Twisting, closed_cell_nm2
+from sizing.structures.web_core import SHEAR_PLATE
 
 # Perimeter over chord of a cambered section, both sides, and area over thickness times chord.
 _PERIMETER = 2.04
 _SECTION_AREA = 0.68
 # The section tapers to the trailing edge from its thickest place at 30 % of the chord.
 _TAPER_LENGTH = 0.7
-# Buckling of a long flat plate in shear, simply supported: 5.35 (Timoshenko & Gere, Theory of
-# Elastic Stability, section 9.7).
-_SHEAR_PLATE = 5.35
 # A thin tube in bending buckles at 0.6 E t/R in theory. Half of that is used: imperfections leave
 # 0.79 to 0.66 of it for a radius of 30 to 100 wall thicknesses (NASA SP-8007).
 _TUBE_KNOCKDOWN = 0.3
 
 
-# Where the limits of the tip's deflection and slope hold: at 1 g, or at the limit load in flight.
-DeflectionCase = Literal["level_flight", "limit_load"]
-
-
-class RibWingStructure(Record):
+class RibWingStructure(RibWingKeys):
     """Rib wing with a carbon-fibre box spar, tails on a tube, a pod.
 
     ``calibration`` multiplies everything: it is the one factor that fits a built aircraft. Strength
     and moduli are published material data; areal masses, gauges and proportions are assumptions
-    for light built-up wings. docs/structure.md names source or assumption key by key.
+    for light built-up wings.
     """
 
-    model: Literal["rib_wing"]
-    calibration: PositiveReal = 1.0
-    # Loads.
-    safety_factor: PositiveReal = 1.5
-    cruise_gust_m_per_s: NonNegativeReal = 15.25
-    dive_gust_m_per_s: NonNegativeReal = 7.6
-    gusts_fall_with_altitude: Flag = False
-    dive_speed_ratio: Annotated[float, Strict(), Field(ge=1.0, le=10.0)] = 1.5
-    negative_load_ratio: UnitInterval = 0.4
-    landing_load_factor: NonNegativeReal = 2.0
-    # Spar.
-    thickness_ratio: Annotated[float, Strict(), Field(gt=0.02, lt=0.3)] = 0.125
-    spar_depth_fraction: Fraction = 0.9
-    cap_width_fraction: Fraction = 0.06
-    minimum_cap_thickness_m: PositiveReal = 0.25e-3
-    minimum_web_thickness_m: PositiveReal = 0.2e-3
-    # Stiffness in bending; none: strength alone.
-    maximum_tip_deflection: Fraction | None = None
-    maximum_tip_slope_deg: Annotated[float, Strict(), Field(gt=0.1, le=45.0)] | None = None
-    deflection_load_case: DeflectionCase = "level_flight"
-    maximum_landing_deflection: Fraction | None = None
-    # Torsion; none: the wing is not held against it.
-    torsion: WingTorsion | None = None
-    # Battery that the spar's box holds; none: any mass fits.
-    spar_battery_density_kg_per_m3: PositiveReal | None = None
-    # Unidirectional carbon fibre of the caps.
-    tensile_strength_pa: PositiveReal = 914e6
-    compressive_strength_pa: PositiveReal = 368e6
-    modulus_pa: PositiveReal = 73e9
-    transverse_modulus_pa: PositiveReal = 8e9
-    shear_modulus_pa: PositiveReal = 4e9
-    poisson_ratio: Annotated[float, Strict(), Field(ge=0.0, lt=0.5)] = 0.3
-    cap_density_kg_per_m3: PositiveReal = 1600.0
-    # Quasi-isotropic carbon laminate of webs and boom.
-    laminate_modulus_pa: PositiveReal = 45e9
-    laminate_strength_pa: PositiveReal = 300e6
-    laminate_shear_strength_pa: PositiveReal = 150e6
-    laminate_density_kg_per_m3: PositiveReal = 1550.0
-    # Ribs, covering and edges.
-    covering_kg_per_m2: NonNegativeReal = 0.05
-    sheet_density_kg_per_m3: PositiveReal = 150.0
-    sheet_thickness_ratio: PositiveReal = 0.0015
-    minimum_sheet_thickness_m: PositiveReal = 1.5e-3
-    rib_spacing_chords: PositiveReal = 0.2
-    rib_solidity: Fraction = 0.6
-    nose_chord_fraction: Fraction = 0.25
-    trailing_edge_chord_fraction: Fraction = 0.05
-    # Tails, boom, pod, joints.
-    fuselage_chords: PositiveReal = 4.0
-    horizontal_tail_ratio: PositiveReal = 0.35
-    vertical_tail_ratio: PositiveReal = 0.045
-    tail_kg_per_m2: NonNegativeReal = 0.35
-    tail_lift_coefficient: PositiveReal = 1.0
-    booms: Annotated[int, Strict(), Field(ge=1, le=2)] = 1
-    boom_diameter_chords: PositiveReal = 0.1
-    minimum_boom_thickness_m: PositiveReal = 0.5e-3
-    pod_wetted_area_ratio: NonNegativeReal = 0.08
-    pod_kg_per_m2: NonNegativeReal = 0.4
-    pod_battery_mount_fraction: NonNegativeReal = 0.0
-    joint_fraction: NonNegativeReal = 0.15
+    @property
+    def is_for_large_wings(self) -> bool:
+        """Whether neither caps nor webs are sized by buckling, as in wings above 8 m."""
+        return self.narrow_caps and self.web_core is not None
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
         """Structural mass [kg]."""
@@ -121,7 +58,7 @@ class RibWingStructure(Record):
         """Masses of the parts."""
         wing = self.wing(inputs)
         area_m2, chord_m = wing.wing_area_m2, wing.chord_m
-        caps, web = self._spar_kg(wing)
+        (caps, web), wires = self._spar_kg(wing), self.wires(wing).mass_kg
         tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
         parts = (
             caps,
@@ -129,12 +66,12 @@ class RibWingStructure(Record):
             self._covering_kg(area_m2),
             self._ribs_kg(area_m2, wing.sheet_m),
             self._edges_kg(area_m2, chord_m, wing.nose_sheet_m),
-            tail_ratio * area_m2 * self.tail_kg_per_m2,
+            (tail_ratio if self.booms else 0.0) * area_m2 * self.tail_kg_per_m2,
             self._boom_kg(area_m2, chord_m, wing.equivalent_airspeed_m_per_s),
             self.pod_wetted_area_ratio * area_m2 * self.pod_kg_per_m2
             + self.pod_battery_mount_fraction * wing.pod_battery_kg,
         )
-        joints = self.joint_fraction * sum(parts[1:], parts[0])
+        joints = self.joint_fraction * sum(parts[1:], parts[0]) + wires
         return StructureParts(*(self.calibration * part for part in (*parts, joints)))
 
     def wing(self, inputs: StructureInputs) -> Wing:
@@ -273,11 +210,16 @@ class RibWingStructure(Record):
             aspect_ratio=aspect_ratio,
             density_kg_per_m3=density_kg_per_m3,
         )
-        pull_up = limit_load_factor(total_mass_kg)
+        pull_up = self.pull_up(total_mass_kg)
         return LoadFactors(
             up=smooth_maximum(pull_up, 1.0 + increment),
             down=smooth_maximum(1.0 + self.negative_load_ratio * pull_up, increment) - 1.0,
         )
+
+    def pull_up(self, total_mass_kg: Value) -> Value:
+        """Limit load factor of manoeuvres [-]: that of the file, or by the mass."""
+        chosen = self.manoeuvre_load_factor
+        return limit_load_factor(total_mass_kg) if chosen is None else chosen
 
     @property
     def cap_buckling_pa(self) -> Value:
@@ -293,57 +235,111 @@ class RibWingStructure(Record):
         stiffness = (along * across) ** 0.5 + self.poisson_ratio * across
         return 2.0 * pi**2 / 12.0 * (stiffness + 2.0 * self.shear_modulus_pa)
 
+    def narrow_cap_width_m(self, section_m2: Value) -> Value:
+        """Width at which a cap of a section buckles as it fails in compression [m]."""
+        slenderness = (self.compressive_strength_pa / self.cap_buckling_pa) ** 0.5
+        return (section_m2 / slenderness) ** 0.5
+
     @property
     def web_buckling_pa(self) -> float:
         """Shear stress [Pa] at which a web as thick as high would buckle; falls with (t/h)^2."""
-        return _SHEAR_PLATE * pi**2 / (12.0 * (1.0 - 0.3**2)) * self.laminate_modulus_pa
+        return SHEAR_PLATE * pi**2 / (12.0 * (1.0 - 0.3**2)) * self.laminate_modulus_pa
 
     @property
     def laminate_shear_modulus_pa(self) -> Value:
         """Shear modulus of the quasi-isotropic laminate, ``E/(2 (1 + 0.3))`` [Pa]."""
         return self.laminate_modulus_pa / 2.6
 
+    def along_the_span(self, *values: Value) -> tuple[Station, Callable[[Value], Value]]:
+        """Stations with the landing gear and the wires of this wing, and the integral."""
+        wire = None if self.bracing is None else self.bracing.attachment_span_fraction
+        return along_the_span(*values, gear=self.landing_gear_span_fraction, wire=wire)
+
     def _spar_kg(self, wing: Wing) -> tuple[Value, Value]:
         """Caps and webs, integrated over both half-spans."""
-        station, integral = along_the_span(
+        station, integral = self.along_the_span(
             wing.wingspan_m, wing.chord_m, wing.total_mass_kg, wing.relief_kg, *wing.factors
         )
         forces = self.cap_forces(wing, station)
         upper_m2, lower_m2 = (largest(needs) for needs in self.cap_needs_m2(wing, forces))
         cap_m2 = integral(upper_m2 + lower_m2)
-        web_m = integral(largest(self.web_needs_m(wing, self.shear_n(wing, station))))
-        span_m = wing.wingspan_m
+        shear_n, span_m = self.shear_n(wing, station), wing.wingspan_m
+        web_m = largest(self.web_needs_m(wing, shear_n))
+        web_kg_per_m2 = self.laminate_density_kg_per_m3 * web_m
+        if self.web_core is not None:
+            flow = shear_n / (2.0 * wing.depth_m)
+            web_kg_per_m2 = web_kg_per_m2 + self.web_core.kg_per_m2(
+                flow, web_m, wing.depth_m, self.laminate_modulus_pa
+            )
         caps_kg = self.cap_density_kg_per_m3 * span_m * cap_m2
-        web_kg = self.laminate_density_kg_per_m3 * span_m * 2.0 * wing.depth_m * web_m
-        return caps_kg, web_kg
+        return caps_kg, span_m * 2.0 * wing.depth_m * integral(web_kg_per_m2)
 
     def cap_forces(self, wing: Wing, station: Station) -> CapForces:
         """Cap forces of lift less the inertia of what the wing carries.
 
-        Where the wing carries more than it lifts, an up-load bends it downwards.
+        Where the wing carries more than it lifts, an up-load bends it downwards. Wires take off
+        what they carry, from below upwards, from above downwards and in landing.
         """
         up, down = wing.factors
         level = GRAVITY_M_PER_S2 / 2.0 * (wing.wingspan_m / 2.0) / wing.depth_m
-        lifted = wing.total_mass_kg * station.lift_moment
-        carried = wing.relief_kg * station.mass_moment
-        net = lifted - carried
-        size = smooth_absolute(net, lifted)
-        outwards, inwards = (size + net) / 2.0, (size - net) / 2.0
+        free = self._net(wing, station.lift_moment, station.mass_moment, station)
+        landed = wing.relief_kg * station.landed_moment
+        above, below, pressed = free, free, 0.0
+        if self.bracing is not None:
+            below = self._net(wing, station.braced_lift_moment, station.braced_mass_moment, station)
+            above = below if self.bracing.landing_wires else free
+            root_nm = self._root_moment_nm(wing)
+            pressed = (
+                self.bracing.compression_n(root_nm, wing.wingspan_m / 2.0) / 2.0 * station.inboard
+            )
+        if self.landing_gear_span_fraction or self.bracing is not None:
+            wired = self.bracing is not None and self.bracing.landing_wires
+            moment = station.braced_landed_moment if wired else station.landed_moment
+            landed = wing.relief_kg * smooth_absolute(moment, station.mass_moment)
         ultimate = self.safety_factor * level
+        axial = self.safety_factor * up * pressed
         return CapForces(
-            up=ultimate * (up * outwards + down * inwards),
-            down=ultimate * (down * outwards + up * inwards),
-            landing=ultimate * self.landing_load_factor * carried,
-            level=level * size,
+            up=ultimate * (up * below[0] + down * above[1]) + axial,
+            down=ultimate * (down * above[0] + up * below[1]) + axial,
+            landing=ultimate * self.landing_load_factor * landed,
+            level=level * (below[0] + below[1]),
         )
 
+    def _net(
+        self, wing: Wing, lift_moment: Value, mass_moment: Value, station: Station
+    ) -> tuple[Value, Value]:
+        """Moment at 1 g that bends the wing up, and that bends it down, per unit of ``level``."""
+        net = wing.total_mass_kg * lift_moment - wing.relief_kg * mass_moment
+        size = smooth_absolute(net, wing.total_mass_kg * station.lift_moment)
+        return (size + net) / 2.0, (size - net) / 2.0
+
+    def _root_moment_nm(self, wing: Wing) -> Value:
+        """Moment of one wing at its root in level flight, without wires [N m]."""
+        lifted = wing.total_mass_kg * 4.0 / (3.0 * pi)
+        size = smooth_absolute(lifted - wing.relief_kg / 2.0, lifted)
+        return GRAVITY_M_PER_S2 / 2.0 * wing.wingspan_m / 2.0 * size
+
+    def wires(self, wing: Wing) -> Wires:
+        """Wires of both wings; none where the file has none."""
+        if self.bracing is None:
+            return Wires(0.0, 0.0)
+        root_nm = self.safety_factor * self._root_moment_nm(wing)
+        up, down = (factor * root_nm for factor in wing.factors)
+        return self.bracing.wires(up, down, wing.wingspan_m / 2.0)
+
     def shear_n(self, wing: Wing, station: Station) -> Value:
-        """Ultimate shear at the upward limit load or in landing [N]."""
+        """Ultimate shear at the upward limit load or in landing [N].
+
+        Wires are left out, on the safe side: inboard of them the shear is smaller.
+        """
         half_n = self.safety_factor * GRAVITY_M_PER_S2 / 2.0
         lifted = wing.total_mass_kg * station.lift_shear
         carried = wing.relief_kg * station.mass_shear
+        landed = carried
+        if self.landing_gear_span_fraction:
+            landed = wing.relief_kg * smooth_absolute(station.landed_shear, station.mass_shear)
         flight = wing.factors.up * smooth_absolute(lifted - carried, lifted)
-        return half_n * smooth_maximum(flight, self.landing_load_factor * carried)
+        return half_n * smooth_maximum(flight, self.landing_load_factor * landed)
 
     def cap_needs_m2(
         self, wing: Wing, forces: CapForces
@@ -362,12 +358,14 @@ class RibWingStructure(Record):
     ) -> dict[str, Value]:
         """Section of a cap for its strength, its buckling and its gauge."""
         width_m = self.cap_width_fraction * wing.chord_m
-        return {
+        needs = {
             "compression": compression_n / self.compressive_strength_pa,
             "buckling": (compression_n * width_m**4 / self.cap_buckling_pa) ** (1.0 / 3.0),
             "tension": tension_n / self.tensile_strength_pa,
             "gauge": width_m * self.minimum_cap_thickness_m,
         }
+        # A cap of any section is as narrow as it takes not to buckle before it fails.
+        return {k: v for k, v in needs.items() if not (self.narrow_caps and k == "buckling")}
 
     def _stiffness_needs_m2(self, wing: Wing, forces: CapForces) -> dict[str, Value]:
         """Section of a cap for the limits of deflection and slope, each in its load case.
@@ -410,11 +408,13 @@ class RibWingStructure(Record):
             Thickness [m] by criterion.
         """
         depth_m = wing.depth_m
-        return {
+        needs = {
             "shear": shear_n / (2.0 * depth_m * self.laminate_shear_strength_pa),
             "buckling": (shear_n * depth_m / (2.0 * self.web_buckling_pa)) ** (1.0 / 3.0),
             "gauge": self.minimum_web_thickness_m,
         }
+        # With a core the laminate is its two facings.
+        return {k: v for k, v in needs.items() if self.web_core is None or k != "buckling"}
 
     def _covering_kg(self, area_m2: Value) -> Value:
         return _PERIMETER * area_m2 * self.covering_kg_per_m2
@@ -431,6 +431,8 @@ class RibWingStructure(Record):
 
     def _boom_kg(self, area_m2: Value, chord_m: Value, equivalent_airspeed: Value) -> Value:
         """Tubes that share the tail's largest lift at dive speed, no thinner than the gauge."""
+        if self.booms == 0:
+            return 0.0
         length_m = self.fuselage_chords * chord_m
         diameter_m = self.boom_diameter_chords * chord_m
         dive = self.dive_speed_ratio * equivalent_airspeed

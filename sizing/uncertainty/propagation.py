@@ -19,18 +19,18 @@ from sizing.design import (
     Design,
     FlightConditions,
     lightest_mass_kg,
-    load_profile,
     measured_design,
     parametric_design,
     variables_of,
 )
 from sizing.energy.battery import Store
-from sizing.energy.cycle import Cycle, simulate_cycle
+from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
 from sizing.held_station import refuse_held_station
 from sizing.parameters import parameter_value, with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
+from sizing.propulsion.part_load import PartLoad
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
@@ -42,6 +42,7 @@ from sizing.validity.checks import (
 )
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
+from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
 from solar.types import FloatArray, IntArray
 
 # Draws simulated at once: a day of each array stays small.
@@ -197,7 +198,7 @@ class Propagation:
             at = np.flatnonzero(flown.worst[short] == scenario)
             if not len(at):
                 continue
-            solar_w, load_w = self._powers_of_draws(case, scenario)
+            _, solar_w, load_w = self._flown(case, scenario)
             store = case.store.select(at)
             longest = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
             hours[short[at]] = longest.endurance_h
@@ -212,7 +213,7 @@ class Propagation:
         returns and that the battery delivers, over the day's load [-].
         """
         case = self._case(values)
-        solar_w, load_w = self._powers_of_draws(case, scenario)
+        _, solar_w, load_w = self._flown(case, scenario)
         battery = case.aircraft.battery
         load = np.mean(load_w, axis=-1) / np.asarray(battery.mean_discharge_efficiency, float)
         energy_wh = np.broadcast_to(case.design.battery_energy_wh, (case.count,))
@@ -224,20 +225,11 @@ class Propagation:
         excess, charge, peak_w = [], [], np.zeros(case.count)
         highest_m = np.full(case.count, np.nan)
         for scenario in range(len(self.day.scenarios)):
-            solar_w, load_w = self._powers_of_draws(case, scenario)
+            cycle, solar_w, _ = self._flown(case, scenario)
             peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
             if case.mission.climb is not None:
                 cycle, altitude_m = self._with_climbs(case, scenario)
                 highest_m = np.fmax(highest_m, altitude_m)
-            else:
-                cycle = simulate_cycle(
-                    self.day.time_h,
-                    solar_w,
-                    load_w,
-                    case.store,
-                    nominal_load_w=case.nominal_w,
-                    keep_trajectory=False,
-                )
             flies = np.isfinite(case.mass_kg)
             excess.append(np.where(flies, cycle.excess_time_h, -24.0))
             charge.append(np.where(flies, cycle.minimum_state_of_charge, 0.0))
@@ -314,7 +306,7 @@ class Propagation:
             store,
             mass_kg=each(design.total_mass_kg),
             propulsion_w=power_w,
-            nominal_w=each(design.nominal_load_w(mission)),
+            part_load=part_load_of(aircraft, mission, design),
             solar_factor=each(values.get(SOLAR_MODEL, 1.0)),
             count=count,
         )
@@ -327,8 +319,18 @@ class Propagation:
         assert self._table_factor is not None
         return key, nominal * factor / self._table_factor
 
-    def _powers_of_draws(self, case: _Case, scenario: int) -> tuple[FloatArray, FloatArray]:
-        """Solar power and load of every draw in a scenario [W], shape ``(sample, time)``."""
+    def _flown(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray, FloatArray]:
+        """Cycle of every draw in a scenario, solar power and load [W], ``(sample, time)``."""
+        solar_w, day = self._solar_of_draws(case, scenario), self.day.at([scenario])
+        loads = DesignLoads(
+            *(case.design, case.mission, day, case.part_load), paired=True, own_solar_w=solar_w
+        )
+        battery = self.aircraft.battery
+        cycle, load_w, _ = flown_cycle(loads, case.store, battery, keep_trajectory=False)
+        return cycle, solar_w, load_w
+
+    def _solar_of_draws(self, case: _Case, scenario: int) -> FloatArray:
+        """Solar power of every draw in a scenario [W], shape ``(sample, time)``."""
         day = self.day
         area = np.asarray(case.aircraft.modules.area_m2, float)
         factors = self._light_factors(case, self.mission, case.mission)
@@ -336,10 +338,8 @@ class Propagation:
         if factors[1] is not None:
             direct = self._direct_day().specific_power_w_per_m2[scenario]
             power = power + factors[1][:, np.newaxis] * direct
-        solar_w = np.broadcast_to(area, (case.count,))[:, np.newaxis] * np.maximum(power, 0.0)
-        rise, down = day.sunrise_h[scenario], day.sunset_h[scenario]
-        load = load_profile(day.time_h, case.design, case.mission, rise, down)
-        return solar_w, np.asarray(np.broadcast_to(load, solar_w.shape))
+        every = np.broadcast_to(area, (case.count,))[:, np.newaxis]
+        return np.asarray(every * np.maximum(power, 0.0))
 
     def _light_factors(
         self, case: _Case, nominal: Mission, drawn: Mission
@@ -393,7 +393,7 @@ class _Case:
     store: Store
     mass_kg: FloatArray
     propulsion_w: FloatArray
-    nominal_w: FloatArray
+    part_load: PartLoad | None
     solar_factor: FloatArray
     count: int
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import GAS_CONSTANT_AIR, standard_air
+from missions.air import GAS_CONSTANT_AIR, standard_air, thin_air_share
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, FlightConditions, structure_parts
+from sizing.design import Design, FlightConditions, structure_by_both, structure_parts
 from sizing.energy.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue
@@ -27,6 +27,8 @@ from solar.types import FloatArray
 _RATIO_OF_SPECIFIC_HEATS = 1.4
 # Quantities that a flight with climbs has at its highest altitude.
 _OF_HEIGHT = ("altitude_m", "air_temperature_c")
+# Rows of the catalogue for rib wings with the keys of large wings.
+_LARGE = "rib_wing_large"
 # Solar power on the report's morning: 7 % less airspeed changes FM by 0.4 %.
 _AIRSPEED_TOLERANCE = 0.05
 
@@ -41,8 +43,10 @@ def design_checks(
     load_w = design.nominal_load_w(mission)
     yield Check.of("cruise_discharge_rate_per_h", "battery", load_w / design.battery_energy_wh)
     yield from technology_checks(aircraft)
-    yield from battery_checks(aircraft.battery, mission.air_state().temperature_c)
-    yield from altitude_checks(mission, solar, mission.altitude_m)
+    air_c, altitude_m = mission.air_state().temperature_c, mission.altitude_m
+    yield from battery_checks(aircraft.battery, air_c, altitude_m)
+    yield from module_check(aircraft, mission, altitude_m)
+    yield from altitude_checks(mission, solar, altitude_m)
     yield from _path_check(mission, solar, design)
     if not mission.holds_station:
         yield from wind_check(design, mission.strongest_wind_m_per_s)
@@ -81,13 +85,16 @@ def _number_or_numbers(aircraft: Aircraft, key: str) -> FloatArray | None:
     return np.asarray(node, float) if isinstance(node, int | float | np.ndarray) else None
 
 
-def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
+def battery_checks(battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike) -> Iterator[Check]:
     """Temperature and age of a battery beside what is known of them.
 
-    Returns of a battery without a temperature that of the air; nothing for one without age.
+    Returns of a battery without a temperature the altitude from which a heater is assumed, and
+    below that the temperature of the air; nothing for one without age.
     """
     if battery.temperature is None:
-        yield Check.of("air_temperature_c", "battery", air_c)
+        assumed = thin_air_share(altitude_m) > 0.0
+        yield Check.of("air_temperature_c", "battery", np.where(assumed, np.nan, air_c))
+        yield Check.of("altitude_m", "battery", altitude_m)
     else:
         pack_c = battery.temperature.pack_c(air_c)
         yield Check.of("pack_temperature_c", "battery", pack_c)
@@ -97,7 +104,7 @@ def battery_checks(battery: Battery, air_c: ArrayLike) -> Iterator[Check]:
 
 
 def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) -> Iterator[Check]:
-    """Altitude beside the ranges of sky, solar power and module temperature.
+    """Altitude beside the ranges of sky and solar power.
 
     Nothing of a sky of the user's own, whose range is not known.
     """
@@ -105,8 +112,6 @@ def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) 
     yield Check.of("altitude_m", "model_error", altitude)
     if _uses_reported_errors(mission, solar):
         yield Check.of("altitude_m", "correction", altitude)
-    if _modules_as_cold_as_air(mission, solar):
-        yield Check.of("altitude_m", "module_temperature", altitude)
     if mission.clear_sky == "ashrae":
         thin = altitude >= THIN_AIR_FROM_M
         yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
@@ -129,16 +134,18 @@ def at_highest(
     air = standard_air(highest_m, offset_k)
     up_there = [
         *altitude_checks(mission, solar, highest_m),
-        *battery_checks(aircraft.battery, air.temperature_c),
+        *module_check(aircraft, mission, highest_m),
+        *battery_checks(aircraft.battery, air.temperature_c, highest_m),
     ]
     below = [one for one in checks if one.range.quantity not in _OF_HEIGHT]
     return below + [one for one in up_there if one.range.quantity in _OF_HEIGHT]
 
 
-def _modules_as_cold_as_air(mission: Mission, solar: SolarModel) -> bool:
-    """Whether nothing warms the modules: FM does, and ``loiter`` leads to the energy of FM."""
-    warmed = solar.model == "FM" or solar.correction == "loiter"
-    return mission.air.module_temperature_c is None and not warmed
+def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
+    """Altitude from which the modules' temperature is that of a balance nobody gave numbers for."""
+    given = "thermal" in aircraft.modules.model_fields_set
+    if mission.air.module_temperature_c is None and not given:
+        yield Check.of("altitude_m", "module_temperature", altitude_m)
 
 
 def record_check(mission: Mission, site_altitude_m: float) -> Check:
@@ -169,12 +176,16 @@ def _measured_checks(
 
 def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
     design, structure = it.design, it.airframe.structure
+    large = isinstance(structure, RibWingStructure) and structure.is_for_large_wings
     for quantity, value in (design.variables._asdict() | design._asdict()).items():
-        if (quantity, structure.model) in ranges():
-            yield Check.of(quantity, structure.model, value)
+        own = (quantity, structure.model)
+        row = (quantity, _LARGE) if large and (quantity, _LARGE) in ranges() else own
+        if row in ranges():
+            yield Check.of(*row, value)
     if isinstance(structure, RibWingStructure):
         share = _cap_depth_ratio(it.aircraft, mission, design, structure)
         yield Check.of("spar_cap_depth_ratio", structure.model, share)
+    yield from _agreement_check(it, mission)
     yield from _aerodynamic_checks(it)
     with np.errstate(invalid="ignore"):
         temperature_k = mission.air_state().temperature_k
@@ -183,6 +194,16 @@ def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
         rate = QUANTITIES["climb_discharge_rate_per_h"](it)
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)
+
+
+def _agreement_check(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
+    """Mass of the structure by the file's model over that by the other one."""
+    with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
+        both = structure_by_both(it.aircraft, mission, it.design)
+        if both is not None:
+            own, other = both
+            masses = {name: np.asarray(mass, float) for name, mass in both.items()}
+            yield Check.of("structure_mass_ratio", own, masses[own] / masses[other], beside=masses)
 
 
 def _cap_depth_ratio(
@@ -194,9 +215,12 @@ def _cap_depth_ratio(
     assert parts is not None
     chord_m = design.variables.wingspan_m / design.variables.aspect_ratio
     volume_m3 = parts.spar_caps / (structure.calibration * structure.cap_density_kg_per_m3)
+    section_m2 = volume_m3 / design.variables.wingspan_m
     width_m = structure.cap_width_fraction * chord_m
+    if structure.narrow_caps:
+        width_m = np.minimum(width_m, structure.narrow_cap_width_m(section_m2 / 2.0))
     depth_m = structure.spar_depth_fraction * structure.thickness_ratio * chord_m
-    return volume_m3 / design.variables.wingspan_m / (width_m * depth_m)
+    return section_m2 / (width_m * depth_m)
 
 
 def _aerodynamic_checks(it: DesignInFlight) -> Iterator[Check]:

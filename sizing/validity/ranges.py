@@ -136,6 +136,12 @@ def ranges() -> Mapping[tuple[str, str], Range]:
     return MappingProxyType({(row["key"], row["model"]): _from_row(row) for row in rows})
 
 
+def where_error_is_known(altitude_m: float) -> str:
+    """Where errors of the solar power models were measured, of flights far above; else empty."""
+    known = ranges()["altitude_m", "model_error"].maximum
+    return " as measured at 0.5 km" if known is not None and altitude_m > known else ""
+
+
 def _from_row(row: Mapping[str, str]) -> Range:
     low, high = (None if row[end] in ("", "own") else float(row[end]) for end in ("low", "high"))
     return Range(
@@ -164,7 +170,8 @@ class Check(NamedTuple):
     """A quantity of one or many designs beside the range of a model.
 
     Values and ends are numbers or arrays of the designs; those of scenarios have these on their
-    last axis. ``at`` has the airspeed that belongs to them, if any.
+    last axis. ``airspeed_m_per_s`` belongs to them, if any; ``beside`` has masses to be told with
+    them by the names of their models [kg].
     """
 
     range: Range
@@ -172,6 +179,7 @@ class Check(NamedTuple):
     minimum: FloatArray
     maximum: FloatArray
     airspeed_m_per_s: FloatArray | None = None
+    beside: Mapping[str, FloatArray] | None = None
 
     @classmethod
     def of(
@@ -181,6 +189,7 @@ class Check(NamedTuple):
         value: Any,
         ends: tuple[Any, Any] | None = None,
         airspeed_m_per_s: Any = None,
+        beside: Mapping[str, FloatArray] | None = None,
     ) -> Check:
         """Check against the range of the catalogue, or one that aircraft or mission give."""
         row = ranges()[quantity, model]
@@ -191,6 +200,7 @@ class Check(NamedTuple):
             np.asarray(-np.inf if low is None else low, float),
             np.asarray(np.inf if high is None else high, float),
             None if airspeed_m_per_s is None else np.asarray(airspeed_m_per_s, float),
+            beside,
         )
 
     @property
@@ -225,7 +235,12 @@ class Check(NamedTuple):
         if self.airspeed_m_per_s is not None:
             speed = float(np.broadcast_to(self.airspeed_m_per_s, shape)[place])
             at = f" at {speed:.1f} m/s"
-        return replace(extrapolation(self.range, value, low, high), at=at)
+        masses = {
+            name: float(np.broadcast_to(mass, shape)[place])
+            for name, mass in (self.beside or {}).items()
+        }
+        worth = ", ".join(f"{_number(mass)} kg by {name}" for name, mass in masses.items())
+        return replace(extrapolation(self.range, value, low, high), at=at, worth=worth)
 
 
 def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapolation:

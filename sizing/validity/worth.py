@@ -18,7 +18,8 @@ from sizing.validity.ranges import Extrapolation
 from solar.modules import STC_TEMPERATURE_C
 
 _MODULES = ("altitude_m", "module_temperature")
-_BATTERY = ("air_temperature_c", "battery")
+_BATTERY = ("altitude_m", "battery")
+_COLD_BATTERY = ("air_temperature_c", "battery")
 
 
 def with_worth(
@@ -79,32 +80,63 @@ def _worst_scenario(aircraft: Aircraft, perf: Performance) -> Performance:
     return performance(aircraft, perf.mission, perf.solar, day=day, design=perf.design)
 
 
-def _with_modules_at_25_c(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
-    """Same flight with modules at the temperature of their rated efficiency."""
-    air = perf.mission.air.model_copy(update={"module_temperature_c": STC_TEMPERATURE_C})
+def _with_cold_modules(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
+    """Same flight with modules as cold as the air."""
+    air_c = float(perf.mission.air_state().temperature_c)
+    air = perf.mission.air.model_copy(update={"module_temperature_c": air_c})
     mission = perf.mission.model_copy(update={"air": air})
     step_h = float(perf.day.time_h[1] - perf.day.time_h[0])
     day = solar_day(aircraft, mission, perf.solar, scenarios=perf.day.scenarios, step_h=step_h)
-    warm = performance(aircraft, mission, perf.solar, day=day, design=perf.design)
-    cold_wh, warm_wh = (float(one.cycle.energy_budget.solar_wh[0]) for one in (perf, warm))
-    at = f"at {STC_TEMPERATURE_C:.0f} °C"
+    cold = performance(aircraft, mission, perf.solar, day=day, design=perf.design)
+    warm_wh, cold_wh = (float(one.cycle.energy_budget.solar_wh[0]) for one in (perf, cold))
+    at = f"as cold as the air, {air_c:.3g} °C,"
     if warm_wh <= 0.0:
-        return warm, f"{at},"
+        return cold, at
     percent = 100.0 * (cold_wh / warm_wh - 1.0)
-    more = f"{abs(percent):.0f} % {'more' if percent >= 0.0 else 'less'} solar energy"
-    return warm, f"at {perf.mission.module_temperature_c():.3g} °C {more} than {at}, where"
+    warmest = _warmest_c(aircraft, perf, cold)
+    balanced = f"by a balance of heat at most {warmest:.0f} °C; " if warmest is not None else ""
+    return cold, f"{balanced}{at} they would give {percent:.0f} % more solar energy, and"
+
+
+def _warmest_c(aircraft: Aircraft, perf: Performance, cold: Performance) -> float | None:
+    """Temperature of the modules in the most light [C], from what they give when cold."""
+    loss_per_k = aircraft.modules.temperature_coefficient_per_k
+    if loss_per_k == 0.0 or perf.solar.model == "FM" or perf.solar.correction == "loiter":
+        return None
+    place = int(np.argmax(cold.solar_power_w[0]))
+    ratio = float(perf.solar_power_w[0, place] / cold.solar_power_w[0, place])
+    air_c = float(perf.mission.air_state().temperature_c)
+    at_air = float(aircraft.modules.temperature_efficiency(air_c))
+    return STC_TEMPERATURE_C + (1.0 - ratio * at_air) / loss_per_k
 
 
 def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
     """Same flight with a battery as cold as the air, of the shipped table's capacity."""
-    air_c = float(perf.mission.air_state().temperature_c)
+    mission, design, battery = perf.mission, perf.design, aircraft.battery
+    air_c = float(mission.air_state().temperature_c)
     left = float(BatteryTemperature().capacity_fraction(air_c))
-    design = perf.design._replace(battery_energy_wh=perf.design.battery_energy_wh * left)
-    cold = performance(aircraft, perf.mission, perf.solar, day=perf.day, design=design)
-    return cold, f"unheated at {air_c:.3g} °C, with {100.0 * left:.0f} % of its capacity,"
+    unheated = battery.model_copy(update={"temperature": BatteryTemperature()})
+    share = unheated.capacity_fraction(air_c) / battery.capacity_fraction(air_c, mission.altitude_m)
+    mass_kg = design.variables.battery_mass_kg
+    heater_w = float(battery.heater_w(air_c, mission.altitude_m, mass_kg))
+    other = design._replace(
+        battery_energy_wh=design.battery_energy_wh * share,
+        constant_power_w=design.constant_power_w - heater_w,
+    )
+    cold = performance(aircraft, mission, perf.solar, day=perf.day, design=other)
+    held, _ = battery.temperature_at(mission.altitude_m)
+    kept = ""
+    if held is not None and heater_w > 0.0:
+        kept = f"assumed heated to {float(held.pack_c(air_c)):.0f} °C with {heater_w:.3g} W; "
+    words = f"unheated at {air_c:.3g} °C, with {100.0 * left:.0f} % of its capacity,"
+    return cold, f"{kept}{words}"
 
 
-_WITHOUT = {_MODULES: _with_modules_at_25_c, _BATTERY: _with_an_unheated_battery}
+_WITHOUT = {
+    _MODULES: _with_cold_modules,
+    _BATTERY: _with_an_unheated_battery,
+    _COLD_BATTERY: _with_an_unheated_battery,
+}
 
 
 def _worth_note(

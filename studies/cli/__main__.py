@@ -59,7 +59,8 @@ _COMMANDS = {
     "report": _Lazy("report", "report", "A page on a design, to be read or printed.", "Analyse"),
     "compare": _Lazy("compare", "compare", "All solar power models side by side.", "Verify"),
     "verify": _Lazy("verify", "verify", "The solar power models against a flight log.", "Verify"),
-    "fit": _Lazy("fit", "fit", "Parameters of an aircraft, fitted to a flight log.", "Verify"),
+    "fit": _Lazy("fit", "fit", "Parameters of an aircraft, fitted to flight logs.", "Verify"),
+    "bench": _Lazy("bench", "bench", "Values of an aircraft from bench tests.", "Verify"),
     "calibrate": _Lazy("fit", "calibrate", "A measured aircraft made parametric.", "Design"),
     "efficiencies": _Lazy(
         *("validation", "efficiencies", "What drives the power of the Full Model."), task="Verify"

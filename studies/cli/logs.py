@@ -19,7 +19,8 @@ def read_log(options: LogOptions) -> FlightLog:
     """Read the flight log that the options of a command name."""
     file = options.columns_file
     layout = ColumnMap() if file is None else read_column_map(file)
-    layout = layout.with_options(dict(options.columns), options.timezone)
+    said = (options.timezone, options.start, options.ignore, options.exclude)
+    layout = layout.with_options(dict(options.columns), *said)
     return read_flight_log(options.log_file, layout)
 
 

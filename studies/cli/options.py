@@ -503,6 +503,9 @@ class LogOptions:
     columns_file: str | None
     columns: tuple[tuple[str, str], ...]
     timezone: str | None
+    start: str | None
+    exclude: tuple[str, ...]
+    ignore: tuple[str, ...]
 
 
 def log_options() -> Any:
@@ -529,5 +532,25 @@ def log_options() -> Any:
             type=Parsed("zone", "missions.logs.clock:zone_name"),
             metavar="ZONE",
             help="Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
+        ),
+        start=option(
+            "--start",
+            type=Parsed("instant", "missions.logs.clock:instant_text"),
+            metavar="TIME",
+            help="Time of the first row with its zone, where times count from there.",
+        ),
+        exclude=option(
+            "--exclude",
+            type=Parsed("times", "missions.logs.clock:span_text"),
+            multiple=True,
+            metavar="TIMES",
+            help="Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "
+            "day; by the clock of --timezone, else UTC. May be repeated.",
+        ),
+        ignore=option(
+            "--ignore",
+            multiple=True,
+            metavar="NAME",
+            help="Column or quantity of the log that is not used. May be repeated.",
         ),
     )

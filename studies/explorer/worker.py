@@ -138,10 +138,10 @@ def report_page(task: ReportTask) -> dict[str, Any]:
 
     Returns ``text``: the page, HTML that needs no other file.
     """
-    from studies.report.document import render
-    from studies.report.subject import Subject
+    from studies.report import document, subject
 
-    return {"text": render(Subject(task.aircraft, task.mission, task.inputs.solar, task.inputs))}
+    shown = subject.Subject(task.aircraft, task.mission, task.inputs.solar, task.inputs)
+    return {"text": document.render(shown)}
 
 
 def sizing_record(task: SizingTask) -> dict[str, Any]:

@@ -15,8 +15,9 @@ from missions.files.writing import to_yaml
 from missions.files.yaml import Document
 from sizing.aircraft import Aircraft
 from solar._version import __version__
-from studies.fitting.estimation import CONFIDENCE, Fitted
+from studies.fitting.estimation import Fitted
 from studies.fitting.flight import FlightFit
+from studies.fitting.least_squares import CONFIDENCE
 from studies.fitting.parameters import MPPT, rounded, scaled_mppt
 
 _MOST_OF_A_NAME = 110
@@ -30,12 +31,29 @@ def fitted_document(
 
     Returns its ``uncertainty`` has the standard errors, so that what is computed from it scatters.
     """
-    values: dict[str, Any] = {
-        one.parameter.key: _digits(one.value, one.standard_error) for one in fit.fitted
-    }
+    more: dict[str, Any] = {}
     if any(one.parameter.name == MPPT for one in fit.fitted):
         aircraft = fit.fitted_aircraft()
-        values["modules.mppt"] = scaled_mppt(aircraft, 1.0).model_dump(mode="json")
+        more["modules.mppt"] = scaled_mppt(aircraft, 1.0).model_dump(mode="json")
+    held = [
+        {"key": one.parameter.key, "value": one.value, "reason": one.reason} for one in fit.held
+    ]
+    block = {**provenance(document, "fit", sources), "light_sigma": fit.light_sigma}
+    return changed_document(document, fit.fitted, {**block, "held": held}, "fitted", more)
+
+
+def changed_document(
+    document: Document,
+    fitted: Sequence[Fitted],
+    block: Mapping[str, Any],
+    what: str,
+    more: Mapping[str, Any] | None = None,
+) -> Document:
+    """Aircraft's document with other values, their scatter, and a block of provenance.
+
+    ``what`` was done with it, which its name ends with. ``more``: further keys.
+    """
+    values = {one.parameter.key: _digits(one.value, one.standard_error) for one in fitted}
     records = [
         {
             "key": one.parameter.key,
@@ -45,24 +63,21 @@ def fitted_document(
             "low": _digits(one.low, one.standard_error),
             "high": _digits(one.high, one.standard_error),
         }
-        for one in fit.fitted
+        for one in fitted
     ]
-    held = [
-        {"key": one.parameter.key, "value": one.value, "reason": one.reason} for one in fit.held
-    ]
-    values["provenance"] = {
-        **provenance(document, "fit", sources),
-        "confidence": CONFIDENCE,
-        "light_sigma": fit.light_sigma,
-        "fitted": records,
-        "held": held,
-    }
     scatter = copy.deepcopy(document.data.get("uncertainty") or {})
     inputs = scatter.setdefault("inputs", {})
-    inputs.update({one.parameter.key: scatter_of(one) for one in fit.fitted})
-    values["uncertainty"] = scatter
-    values["name"] = renamed(fit.aircraft.name, "fitted")
-    changed = with_overrides(document, values)
+    inputs.update({one.parameter.key: scatter_of(one) for one in fitted})
+    changed = with_overrides(
+        document,
+        {
+            **values,
+            **(more or {}),
+            "provenance": {**block, "confidence": CONFIDENCE, "fitted": records},
+            "uncertainty": scatter,
+            "name": renamed(document.data["name"], what),
+        },
+    )
     validate(changed, Aircraft)
     return changed
 
@@ -116,11 +131,18 @@ def file_text(document: Document, notes: Sequence[str]) -> str:
 
 def fitted_lines(fit: FlightFit) -> list[str]:
     """What was fitted, a line each, for the comments above a file."""
-    start = f"fitted to {fit.log.source}: intervals of {CONFIDENCE:.0%}, see provenance below"
-    lines = [start]
-    for one in fit.fitted:
+    logs = ", ".join(one.source for one in fit.logs)
+    start = f"fitted to {logs}: intervals of {CONFIDENCE:.0%}, see provenance below"
+    lines = [start, *value_lines(fit.fitted)]
+    lines += [f"  {one.parameter.key}: held at {one.value:g}; {one.reason}" for one in fit.held]
+    return lines
+
+
+def value_lines(fitted: Sequence[Fitted]) -> list[str]:
+    """Values with their intervals, a line each."""
+    lines = []
+    for one in fitted:
         unit = f" {one.parameter.unit}" if one.parameter.unit else ""
         interval = f"{one.low:.5g} to {one.high:.5g}{unit}"
         lines.append(f"  {one.parameter.key}: {one.value:.5g} ({interval}; before {one.before:g})")
-    lines += [f"  {one.parameter.key}: held at {one.value:g}; {one.reason}" for one in fit.held]
     return lines

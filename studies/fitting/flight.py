@@ -1,12 +1,14 @@
-"""Fit of an aircraft's parameters to a flight log."""
+"""Fit of an aircraft's parameters to flight logs."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
@@ -14,12 +16,17 @@ from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
+from solar.types import FloatArray
 from studies.fitting.channels.bins import BIN_S
-from studies.fitting.channels.channel import Flown
+from studies.fitting.channels.channel import Flown, joined
 from studies.fitting.channels.found import channels
-from studies.fitting.estimation import CONFIDENCE, Estimate, Fitted, Held, estimate
+from studies.fitting.estimation import Estimate, Fitted, FoundError, Held, estimate
+from studies.fitting.flight_tables import differences, error_table, flight_records, flight_table
+from studies.fitting.least_squares import CONFIDENCE
 from studies.fitting.parameters import chosen, with_values
 from studies.flight_logs.verification import DEFAULT_MISSION, utc_label, verify
+
+Log: TypeAlias = FlightLog | str | os.PathLike[str]
 
 # The report's irradiance model and PV_LIB agree within 3 %; docs/validation.md compares more.
 LIGHT_SIGMA = 0.03
@@ -27,30 +34,35 @@ LIGHT_SIGMA = 0.03
 
 @dataclass(frozen=True, repr=False)
 class FlightFit(Result):
-    """Parameters of an aircraft, fitted to a flight log.
+    """Parameters of an aircraft, fitted to flight logs.
 
     Attributes
     ----------
     aircraft : Aircraft
         As its file describes it.
     mission : Mission
-        In the place and air of the log.
-    log : FlightLog
+        In the place and air of the first log.
+    logs : tuple of FlightLog
     estimates : tuple of Estimate
-        One for each channel that the log has.
+        One for each channel that the logs have.
     light_sigma : float
-        Standard uncertainty of the light that the intervals count, relative [-].
+        Standard uncertainty of the level of the light, relative [-].
     notes : tuple of str
         What the reader should know.
     """
 
     aircraft: Aircraft
     mission: Mission
-    log: FlightLog
+    logs: tuple[FlightLog, ...]
     estimates: tuple[Estimate, ...]
     missing: tuple[Held, ...]
     light_sigma: float
     notes: tuple[str, ...]
+
+    @property
+    def log(self) -> FlightLog:
+        """First log."""
+        return self.logs[0]
 
     @property
     def fitted(self) -> tuple[Fitted, ...]:
@@ -67,24 +79,41 @@ class FlightFit(Result):
         values = tuple(one.value for one in self.fitted)
         return with_values(self.aircraft, tuple(one.parameter for one in self.fitted), values)
 
-    def covariance(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+    def covariance(self) -> FloatArray:
         """Covariance of the fitted parameters, in the order of :attr:`fitted`.
 
         Those of different channels are taken as independent.
         """
         size = len(self.fitted)
-        whole, at = np.zeros((size, size)), 0
-        for part in self.estimates:
-            own = slice(at, at + len(part.fitted))
-            whole[own, own], at = part.covariance, own.stop
-        return whole
+        return self.covariance_with_model()[:size, :size]
+
+    def covariance_with_model(self) -> FloatArray:
+        """Covariance of the fitted parameters, then of :attr:`model_errors`."""
+        blocks = [
+            (
+                [*range(len(part.fitted)), *(len(part.fitted) + i for i in _of_the_model(part))],
+                part,
+            )
+            for part in self.estimates
+        ]
+        whole = block_diag(*(part.covariance[np.ix_(own, own)] for own, part in blocks))
+        # Parameters first.
+        last = np.concatenate([np.array(own) >= len(part.fitted) for own, part in blocks])
+        order = np.argsort(last, kind="stable")
+        return np.asarray(whole[np.ix_(order, order)])
+
+    @property
+    def model_errors(self) -> tuple[FoundError, ...]:
+        """What is wrong with the model of the aircraft on all flights, as the fit has it."""
+        return tuple(part.errors[i] for part in self.estimates for i in _of_the_model(part))
 
     def headline(self) -> str:
         """Aircraft, log, and how many parameters were fitted."""
         start, end = utc_label(self.log.time_s[0]), utc_label(self.log.time_s[-1])
-        count = len(self.fitted)
+        count, more = len(self.fitted), len(self.logs) - 1
         text = f"{count} parameter{'' if count == 1 else 's'} fitted, {len(self.held)} held"
-        return f"{self.aircraft.name} fitted to {self.log.source}: {start} to {end}, {text}"
+        others = f" and {more} more flight{'' if more == 1 else 's'}" if more else ""
+        return f"{self.aircraft.name} fitted to {self.log.source}{others}: {start} to {end}, {text}"
 
     def summary(self) -> Summary:
         """Headline, parameters, how well each channel is met, and notes."""
@@ -94,10 +123,11 @@ class FlightFit(Result):
             Line(f"held: {one.parameter.name} at {one.value:g}: {one.reason}", "warning")
             for one in self.held
         ]
+        blocks += differences(self.estimates)
         return Summary((*blocks, *(f"- {note}" for note in self.notes)))
 
     def tables(self) -> list[Table]:
-        """Fitted parameters, and the channels."""
+        """Fitted parameters, what each flight adds, errors of the flights, and the channels."""
         columns = (
             Column("parameter"),
             Column("unit"),
@@ -111,7 +141,9 @@ class FlightFit(Result):
             for one in self.fitted
         )
         title = f"fitted parameters, {CONFIDENCE:.0%} intervals"
-        return [Table(title, columns, rows), self._channel_table()]
+        names = [one.source for one in self.logs]
+        flights = [flight_table(self.estimates, names), error_table(self.estimates, names)]
+        return [Table(title, columns, rows), *flights, self._channel_table()]
 
     def _channel_table(self) -> Table:
         columns = (
@@ -134,15 +166,10 @@ class FlightFit(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the residuals, JSON-ready."""
-        log = self.log
         return {
             "aircraft": self.aircraft.name,
-            "log": {
-                "source": log.source,
-                "start": utc_label(log.time_s[0]),
-                "end": utc_label(log.time_s[-1]),
-                "samples": len(log),
-            },
+            "log": _log_record(self.log),
+            "more_logs": [_log_record(log) for log in self.logs[1:]],
             "confidence": CONFIDENCE,
             "light_sigma": self.light_sigma,
             "fitted": [_fitted_record(one) for one in self.fitted],
@@ -158,6 +185,10 @@ class FlightFit(Result):
         }
 
 
+def _of_the_model(part: Estimate) -> list[int]:
+    return [i for i, one in enumerate(part.errors) if one.known.flight is None]
+
+
 def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
@@ -165,6 +196,11 @@ def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
 def _independent(part: Estimate) -> float | None:
     """Residuals that are independent in effect; nobody asks where nothing was fitted to them."""
     return part.independent if part.fitted else None
+
+
+def _log_record(log: FlightLog) -> dict[str, Any]:
+    ends = {"start": utc_label(log.time_s[0]), "end": utc_label(log.time_s[-1])}
+    return {"source": log.source, **ends, "samples": len(log)}
 
 
 def _fitted_record(one: Fitted) -> dict[str, Any]:
@@ -193,19 +229,20 @@ def _channel_record(part: Estimate) -> dict[str, Any]:
         "collinearity": part.collinearity,
         "parameters": [one.parameter.name for one in part.fitted],
         "correlation": part.correlation().tolist(),
+        **flight_records(part),
     }
 
 
 def fit_flight(
     aircraft: Aircraft,
-    log: FlightLog | str | os.PathLike[str],
+    log: Log | Sequence[Log],
     mission: Mission | None = None,
     *,
     names: tuple[str, ...] = (),
     light_sigma: float = LIGHT_SIGMA,
     correct: bool | None = True,
 ) -> FlightFit:
-    """Fit parameters of an aircraft to a flight log, with confidence intervals.
+    """Fit parameters of an aircraft to flight logs, with confidence intervals.
 
     Solar power, load and charge are fitted one by one, each by least squares over means of five
     minutes: modules to the solar power, level flight to the load, the battery to the charge that
@@ -215,8 +252,8 @@ def fit_flight(
     ----------
     aircraft : Aircraft
         Values to start from, and those of what is not fitted.
-    log : FlightLog or path
-        The flight, or its file.
+    log : FlightLog or path, or a sequence of them
+        The flight or flights, or their files.
     mission : Mission, optional
         Clearness, payload, turbulence, and air that the log does not have; the shipped
         ``rafz-28h`` by default.
@@ -224,9 +261,9 @@ def fit_flight(
         Parameters of :data:`studies.fitting.parameters.PARAMETERS`; by default module efficiency,
         temperature rise, level power and specific energy of the battery.
     light_sigma : float
-        Standard uncertainty of the clear sky, relative [-]; the intervals count it.
+        Standard uncertainty of the level of the light of each flight, relative [-].
     correct : bool or None
-        Whether errors of the log's clock, heading and unit are corrected, as by
+        Whether errors of the logs' clock, heading and unit are corrected, as by
         :func:`studies.flight_logs.verification.verify`; None: they are not looked for.
 
     Returns
@@ -238,37 +275,41 @@ def fit_flight(
     ValueError
         For a parameter that there is not.
     InputError
-        If the log cannot be read or the sun never rises in it.
+        If a log cannot be read or the sun never rises in it.
     """
     parameters = chosen(names, aircraft)
-    log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
+    given = (log,) if isinstance(log, FlightLog | str | os.PathLike) else tuple(log)
+    logs = [one if isinstance(one, FlightLog) else read_flight_log(os.fspath(one)) for one in given]
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
-    verification = verify(aircraft, log, mission, correct=correct)
-    flown = Flown.of(verification, mission)
-    known, missing = channels(flown, aircraft)
+    verified = [verify(aircraft, one, mission, correct=correct) for one in logs]
+    flights = [Flown.of(one, mission) for one in verified]
+    found = [channels(one, aircraft, light_sigma) for one in flights]
     estimates, lacking = [], []
     for name in dict.fromkeys(one.channel for one in parameters):
         own = tuple(one for one in parameters if one.channel == name)
-        if name in known:
-            sigma = light_sigma if name == "solar" else 0.0
-            estimates.append(estimate(known[name], aircraft, own, sigma))
+        parts = {number: known[name] for number, (known, _) in enumerate(found) if name in known}
+        if parts:
+            estimates.append(estimate(joined(parts), aircraft, own))
             continue
-        reason = next(m for m in missing if m.startswith(name)).partition(": ")[2]
+        reason = next(m for m in found[0][1] if m.startswith(name)).partition(": ")[2]
         lacking += [Held(one, one.value(aircraft), reason) for one in own]
-    warnings = [sentence for sentence, wrong in verification.log_verdicts() if wrong]
-    warnings += () if verification.diagnosis is None else verification.diagnosis.notes
-    warnings += [note for part in estimates for note in part.channel.notes]
+    notes = [note for one in verified for note in one.log.notes]
+    for one in verified:
+        notes += [sentence for sentence, wrong in one.log_verdicts() if wrong]
+        notes += () if one.diagnosis is None else one.diagnosis.notes
+    notes += [note for part in estimates for note in part.channel.notes]
     if any(part.channel.name == "solar" and part.fitted for part in estimates):
-        warnings.append(
-            f"the intervals of the modules count {100 * light_sigma:g} % of uncertainty of the "
-            "clear sky: module and MPPT efficiency, area and clearness are one factor to a log"
+        notes.append(
+            "the intervals of the modules count errors of the clear sky (level "
+            f"{100 * light_sigma:g} %, haze, diffuse light), of attitude and model: module and "
+            "MPPT efficiency, area and clearness are one factor to a log"
         )
     return FlightFit(
         aircraft=aircraft,
-        mission=flown.mission,
-        log=verification.log,
+        mission=flights[0].mission,
+        logs=tuple(one.log for one in verified),
         estimates=tuple(estimates),
         missing=tuple(lacking),
         light_sigma=light_sigma,
-        notes=(*verification.log.notes, *warnings),
+        notes=tuple(dict.fromkeys(notes)),
     )

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_BETWEEN_S = 7200.0  # on the figure, from one flight to the next
 _PANEL_IN = (1.9, 1.1)  # a channel's and its residuals'
 
 
@@ -52,7 +53,7 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
     drawn, panels = new_figure(
         2 * count,
         canvas=figure,
-        title=f"{fit.aircraft.name} fitted to {fit.log.source}",
+        title=f"{fit.aircraft.name} fitted to {', '.join(one.source for one in fit.logs)}",
         notes=(f"means over {BIN_S / 60.0:g} min", *fitted),
         size_in=(8.0, count * sum(_PANEL_IN) + 1.2),
         sharex=True,
@@ -60,13 +61,24 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
     )
     midnight_s = float(fit.log.time_s[0] // SECONDS_PER_DAY * SECONDS_PER_DAY)
     for part, upper, lower in zip(fit.estimates, panels[::2], panels[1::2], strict=True):
-        hours = (part.channel.time_s - midnight_s) / 3600.0
-        _draw(upper, lower, part, hours)
+        _draw(upper, lower, part, _hours(fit, part, midnight_s))
     date = str(np.datetime64(int(midnight_s), "s").astype("datetime64[D]"))
-    panels[-1].set_xlabel(f"time since {date} 00:00 [h UTC]")
+    apart = ", later flights close behind" if len(fit.logs) > 1 else ""
+    panels[-1].set_xlabel(f"time since {date} 00:00 [h UTC]{apart}")
     handles, labels = panels[0].get_legend_handles_labels()
     drawn.legend(handles, labels, loc="outside lower center", ncols=3)
     return drawn
+
+
+def _hours(fit: FlightFit, part: Estimate, midnight_s: float) -> FloatArray:
+    """Hours of the first flight, and of the others as if each began when one ended."""
+    lasts = [0.0, *(float(log.time_s[-1] - log.time_s[0]) + _BETWEEN_S for log in fit.logs)]
+    starts = np.cumsum(lasts) + float(fit.log.time_s[0])
+    hours = [
+        part.channel.time_s[rows] - fit.logs[number].time_s[0] + starts[number] - midnight_s
+        for number, rows in zip(part.channel.numbers, part.channel.flights, strict=True)
+    ]
+    return np.concatenate(hours) / 3600.0
 
 
 def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:

@@ -7,6 +7,7 @@ power and load are modelled, the battery is marched by :mod:`sizing.energy.march
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,11 +24,13 @@ from sizing.energy.battery import Store
 from sizing.energy.march import empty_after_h, march
 from sizing.energy.power_balance import PowerBalance
 from sizing.results.tables import Column, Table
-from solar.types import FloatArray
+from solar.types import FloatArray, IntArray
 from studies.fitting.channels.bins import BIN_S
-from studies.fitting.channels.channel import Flown
-from studies.fitting.channels.solar import solar_model
+from studies.fitting.channels.channel import Flown, Predict
+from studies.fitting.channels.flight_errors import FlightError, flight_errors
+from studies.fitting.channels.solar import forward_model, solar_model
 from studies.fitting.flight import FlightFit
+from studies.fitting.parameters import with_values
 from studies.flight_logs.verification import DEFAULT_MISSION, verify
 
 _STEP_S = 60.0
@@ -41,7 +44,7 @@ class Course:
     """Charge of a flight, and when it was empty.
 
     ``hours``, ``charge``: after the start of the log [h], and state of charge [-].
-    ``minimum_charge``: least charge after the peak of the first 24 hours [-]. ``empty_h``: hours
+    ``minimum_charge``: least charge from the start of the first night on [-]. ``empty_h``: hours
     from the start to the empty battery; None where the sun is up before. ``falls_h``, ``lit_h``:
     hours from the last full battery, or the start, to the least charge, and those of them with the
     sun up: what gusts and haze add up over.
@@ -59,7 +62,7 @@ class Course:
 class Prediction:
     """A flight as it was and as it is predicted, by the file's values and by the fitted ones.
 
-    The standard errors are those of the fit, and of the other day's light.
+    The standard errors are those of the fit, and of sky, attitude and model of the other flight.
     """
 
     source: str
@@ -136,33 +139,51 @@ def predict_flight(
     if log.state_of_charge is None:
         raise file_error(log.source, "has no state_of_charge: there is no charge to predict")
     flown = Flown.of(verify(fit.aircraft, log, mission, correct=correct), mission)
-    forecast = _Forecast.of(flown)
+    forecast = _Forecast.of(flown, fit)
     aircraft = fit.fitted_aircraft()
-    after = forecast.course(aircraft)
-    slopes = [forecast.course(aircraft, 1.0 + fit.light_sigma)]
-    spread = np.sqrt(np.diag(fit.covariance()))
-    for one, error in zip(fit.fitted, spread.tolist(), strict=True):
-        moved = one.parameter.applied(aircraft, min(one.value + error, one.parameter.highest))
-        slopes.append(forecast.course(moved))
-    shares = np.eye(len(slopes))
-    if len(spread):
-        shares[1:, 1:] = fit.covariance() / np.outer(spread, spread)
-    minimum = np.array([one.minimum_charge - after.minimum_charge for one in slopes])
+    model = forecast.factor(fit, np.array([one.value for one in fit.model_errors]))
+    after = forecast.course(aircraft, model)
+    moved = [*_by_fit(fit, forecast), *forecast.by_errors(aircraft, model)]
+    minimum = _spread(
+        [[one.minimum_charge for one in both] for both in moved], after.minimum_charge
+    )
     gusts_wh, full_wh, load_w = _noise_wh(fit, after), *forecast.size(aircraft)
-    empty = None
-    if after.empty_h is not None and all(one.empty_h is not None for one in slopes):
-        apart = np.array([(one.empty_h or 0.0) - after.empty_h for one in slopes])
-        empty = float(np.hypot(np.sqrt(apart @ shares @ apart), gusts_wh / load_w))
+    empty, hours = None, [[one.empty_h for one in both] for both in moved]
+    if after.empty_h is not None and all(None not in both for both in hours):
+        empty = float(np.hypot(_spread(hours, after.empty_h), gusts_wh / load_w))
     return Prediction(
         source=log.source,
-        measured=_measured(flown.log),
+        measured=_measured(flown.log, forecast.night_h),
         before=forecast.course(fit.aircraft),
         after=after,
         minimum_charge_error=float(
-            np.sqrt(minimum @ shares @ minimum + (gusts_wh / full_wh) ** 2 + _gauge(fit) ** 2)
+            np.sqrt(minimum**2 + (gusts_wh / full_wh) ** 2 + _gauge(fit) ** 2)
         ),
         empty_error_h=empty,
     )
+
+
+def _spread(pairs: list[list[Any]], middle: float) -> float:
+    """Standard deviation of what independent standard deviations to either side lead to."""
+    return float(np.sqrt(np.sum((np.array(pairs, float) - middle) ** 2) / 2.0))
+
+
+def _by_fit(fit: FlightFit, forecast: _Forecast) -> Iterator[tuple[Course, Course]]:
+    """Courses a standard deviation to either side of the fit, in independent directions."""
+    parameters = tuple(one.parameter for one in fit.fitted)
+    ends = [(one.lowest, one.highest) for one in parameters]
+    ends += [(-np.inf, np.inf)] * len(fit.model_errors)
+    middle = np.array([*(one.value for one in fit.fitted), *(e.value for e in fit.model_errors)])
+
+    def course(moved: FloatArray) -> Course:
+        within = np.clip(moved, *np.array(ends).T)
+        values, errors = np.split(within, [len(parameters)])
+        aircraft = with_values(fit.aircraft, parameters, tuple(values.tolist()))
+        return forecast.course(aircraft, forecast.factor(fit, errors))
+
+    variances, directions = np.linalg.eigh(fit.covariance_with_model())
+    for step in (directions * np.sqrt(np.maximum(variances, 0.0))).T:
+        yield course(middle + step), course(middle - step)
 
 
 def _noise_wh(fit: FlightFit, course: Course) -> float:
@@ -178,7 +199,7 @@ def _gauge(fit: FlightFit) -> float:
     return spread[0] if spread else 0.0
 
 
-def _measured(log: FlightLog) -> Course:
+def _measured(log: FlightLog, night_h: float | None) -> Course:
     """Charge as the log has it, in means over some minutes."""
     assert log.state_of_charge is not None  # checked by predict_flight
     known = ~np.isnan(log.state_of_charge)
@@ -190,13 +211,24 @@ def _measured(log: FlightLog) -> Course:
     hours, charge = (
         np.bincount(slot, v)[np.unique(slot)] / counts[np.unique(slot)] for v in (hours, charge)
     )
-    return Course(hours, charge, _night_minimum(hours, charge), empty)
+    return Course(hours, charge, _least(hours, charge, night_h), empty)
 
 
-def _night_minimum(hours: FloatArray, charge: FloatArray) -> float:
-    """Least charge after the peak of the first 24 hours."""
-    first_day = charge[hours <= 24.0]
-    return float(charge[int(np.argmax(first_day)) :].min())
+def _least(hours: FloatArray, charge: FloatArray, night_h: float | None) -> float:
+    """Least charge from the start of the first night on; of a flight by day, after its peak."""
+    later = hours >= night_h if night_h is not None else np.arange(len(charge)) >= charge.argmax()
+    return float(charge[later].min(initial=charge[-1]))
+
+
+def _first_night_h(log: FlightLog, lit: IntArray) -> float | None:
+    """Hours from the start to the first night that is longer than twilight; None without one."""
+    dark = np.ones(len(log), bool)
+    dark[lit] = False
+    ends = np.flatnonzero(np.diff(dark.astype(int), prepend=0, append=0))
+    for first, last in zip(ends[::2], ends[1::2] - 1, strict=True):
+        if log.time_s[last] - log.time_s[first] > _NIGHT_H * 3600.0:
+            return float(log.time_s[first] - log.time_s[0]) / 3600.0
+    return None
 
 
 @dataclass(frozen=True)
@@ -207,14 +239,16 @@ class _Forecast:
     hours: FloatArray
     start_charge: float
     sunlit: FloatArray
-    power: Any
+    power: Predict
     ends_dark: bool
+    night_h: float | None
+    errors: tuple[FlightError, ...]
 
     @classmethod
-    def of(cls, flown: Flown) -> _Forecast:
-        log = flown.log
+    def of(cls, flown: Flown, fit: FlightFit) -> _Forecast:
+        log, lit = flown.log, flown.found.samples.index
         stride = max(1, round(_STEP_S / log.step_s))
-        index = flown.found.samples.index[::stride]
+        index = lit[::stride]
         assert log.state_of_charge is not None  # checked by predict_flight
         known = log.state_of_charge[~np.isnan(log.state_of_charge)]
         count = max(2, int(np.ceil((log.time_s[-1] - log.time_s[0]) / _STEP_S)) + 1)
@@ -224,8 +258,25 @@ class _Forecast:
             start_charge=float(np.median(known[:10])),
             sunlit=(log.time_s[index] - log.time_s[0]) / 3600.0,
             power=solar_model(flown, index),
-            ends_dark=bool(flown.found.samples.index[-1] < len(log) - 1),
+            ends_dark=bool(lit[-1] < len(log) - 1),
+            night_h=_first_night_h(log, lit),
+            errors=flight_errors(forward_model(flown, index), fit.light_sigma),
         )
+
+    def factor(self, fit: FlightFit, errors: FloatArray) -> FloatArray:
+        """Solar power with errors of the aircraft's model over that without."""
+        names = [one.known.name for one in fit.model_errors]
+        known = dict(zip(names, errors.tolist(), strict=True))
+        parts = [known.get(one.name, 0.0) * one.slope for one in self.errors]
+        return np.asarray(np.exp(np.sum(parts, axis=0)))
+
+    def by_errors(self, aircraft: Aircraft, model: FloatArray) -> Iterator[tuple[Course, Course]]:
+        """Courses with each error of this flight a standard deviation to either side."""
+        for one in self.errors:
+            if one.flight is not None:
+                ends = (model * np.exp(sign * one.sigma * one.slope) for sign in (1.0, -1.0))
+                above, below = (self.course(aircraft, end) for end in ends)
+                yield above, below
 
     def size(self, aircraft: Aircraft) -> tuple[float, float]:
         """Energy that the battery delivers [Wh], and load of an aircraft [W]."""
@@ -234,12 +285,12 @@ class _Forecast:
         delivered = float(design.battery_energy_wh) * float(battery.mean_discharge_efficiency)
         return delivered, float(design.nominal_load_w(mission))
 
-    def course(self, aircraft: Aircraft, light: float = 1.0) -> Course:
-        """Flight of an aircraft under so many times the light."""
+    def course(self, aircraft: Aircraft, factor: FloatArray | float = 1.0) -> Course:
+        """Flight of an aircraft with so many times the solar power at each sample."""
         mission = self.flown.mission
         design = design_of(aircraft, mission)
         load_w = float(design.nominal_load_w(mission))
-        shone = self.power(aircraft, light)
+        shone = self.power(aircraft) * factor
         solar_w = np.interp(self.hours, self.sunlit, shone, left=0.0, right=0.0)
         # From the last light of an evening to the first of a morning nothing shines.
         behind = np.clip(np.searchsorted(self.sunlit, self.hours) - 1, 0, len(self.sunlit) - 1)
@@ -261,7 +312,7 @@ class _Forecast:
             empty = float(self.hours[-1]) + left_wh / load_w
         charge = np.array(stored) / float(store.battery_energy_wh)
         hours = self.hours[: len(charge)]
-        lowest = _night_minimum(hours, charge)
+        lowest = _least(hours, charge, self.night_h)
         last = int(np.flatnonzero(charge == lowest)[-1])
         full = np.flatnonzero(charge[:last] >= _FULL)
         falls = slice(int(full[-1]) if len(full) else 0, last + 1)

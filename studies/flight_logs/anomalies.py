@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from missions.logs.table import FlightLog, Gap
+from missions.logs.table import GAP_STEPS, FlightLog, Gap
 from sizing.aircraft import Aircraft
 from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray
@@ -62,12 +62,10 @@ class Anomalies:
         return sorted(found, key=lambda one: (one.start_s, one.kind))
 
     def excluded(self) -> BoolArray:
-        """Samples that say nothing of the models: limited charging, a frozen channel."""
+        """Samples with limited charging, which say nothing of the models."""
         mask = np.zeros(len(self.samples.time_s), bool)
         for part in self._full_periods():
             mask |= part
-        for _, stuck in self.diagnosis.stuck:
-            mask |= stuck[self.samples.index]
         for finding in self.diagnosis.findings:
             if finding.normal:
                 mask |= self._inside(finding)
@@ -174,16 +172,30 @@ class Anomalies:
         return f"MPPT voltage {then:.1f} V, {usual:.1f} V else"
 
     def _stuck(self) -> Iterator[Anomaly]:
-        for name, mask in self.diagnosis.stuck:
-            inside = mask[self.samples.index]
-            if inside.any():
-                text = f"{name} repeats one value in {inside.sum()} samples; they are left out"
-                yield self._anomaly("frozen_channel", inside, text)
+        """Channels that repeated one value, which has been left out."""
+        whole_s = len(self.log) * self.log.step_s
+        for one in self.log.left_out:
+            if one.kind in ("frozen", "saturated"):
+                lasted_s = sum(end - start for start, end in one.periods)
+                severity = severity_of(lasted_s / (whole_s + lasted_s), 0.01)
+                start_s, end_s = one.periods[0][0], one.periods[-1][1]
+                yield Anomaly("frozen_channel", start_s, end_s, severity, one.told(), lasted_s, 0.0)
 
 
 def _missing(log: FlightLog, known_s: float) -> list[Anomaly]:
-    """Stretches without samples while the sun is up; those close together are one finding."""
-    lit = [(gap, sunlit) for gap in log.gaps if (sunlit := _sunlit_s(log, gap)) > 0.0]
+    """Stretches without samples while the sun is up; those close together are one finding.
+
+    What was left out since it cannot be is not missing.
+    """
+    spans = [span for one in log.left_out for span in one.periods]
+    starts, ends = (np.array([span[i] for span in spans]) for i in (0, 1))
+    step_s = GAP_STEPS * log.step_s
+    lit = [
+        (gap, sunlit)
+        for gap in log.gaps
+        if not np.any((starts <= gap.start_s + step_s) & (ends >= gap.end_s - step_s))
+        and (sunlit := _sunlit_s(log, gap)) > 0.0
+    ]
     groups: list[list[tuple[Gap, float]]] = []
     for gap, sunlit in lit:
         if groups and gap.start_s - groups[-1][-1][0].end_s <= MERGE_S:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from missions.files.errors import InputError, file_error
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
+from missions.logs.plausible import LeftOut
 from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -197,6 +198,7 @@ class Verification(Result):
                 "rows_dropped": log.rows_dropped,
                 "step_s": log.step_s,
                 "gaps": [_span_record(gap.start_s, gap.end_s) for gap in log.gaps],
+                "left_out": [_left_out_record(one) for one in log.left_out],
             },
             "alignment": None if self.diagnosis is None else self._alignment_record(self.diagnosis),
             "causes": [] if self.diagnosis is None else self._causes(self.diagnosis),
@@ -286,6 +288,11 @@ def utc_label(time_s: float) -> str:
 
 def _span_record(start_s: float, end_s: float) -> dict[str, str]:
     return {"start": utc_label(start_s), "end": utc_label(end_s)}
+
+
+def _left_out_record(one: LeftOut) -> dict[str, Any]:
+    known = _span_record(one.periods[0][0], one.periods[-1][1]) if one.periods else {}
+    return {"column": one.column, "kind": one.kind, "values": one.values, **known}
 
 
 def _told(anomaly: Anomaly) -> str:

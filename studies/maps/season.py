@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.module_power import modelled_power
 from sizing.performance import performance
-from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight, modelled_power
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight
 from solar.names import ModelName
 from solar.types import FloatArray
 

@@ -10,6 +10,7 @@ import numpy as np
 from missions.loiter_power import Daylight, FlownModules, module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.module_power import own_surroundings
 from sizing.results.records import clock_label
 from sizing.results.tables import Column, Table
 from sizing.sunlight import day_axis_h
@@ -85,8 +86,10 @@ def component_efficiencies(
             mission.altitude_m,
             mission.pessimistic_clearness,
             mission.sky,
+            albedo=mission.air.albedo or 0.0,
         ),
         ambient_temperature_c=float(mission.air_state().temperature_c),
+        surroundings=own_surroundings(aircraft, mission),
     )
     factor = mission.pessimistic_power_factor("FM")
     specific_power = power.specific_power_w_per_m2 * factor

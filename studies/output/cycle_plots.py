@@ -13,7 +13,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.parameters import label, unit_text
 from sizing.results.records import clock_label
 from sizing.sunlight import SolarModel
-from sizing.validity.ranges import Extrapolation
+from sizing.validity.ranges import Extrapolation, where_error_is_known
 from studies.output.figures.drawing import (
     CHARGE,
     CHARGE_LINE,
@@ -110,6 +110,7 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
     error = "RMS error of the model"
     if perf.solar.correction != "none":
         error = "RMS error after correction"
+    error += where_error_is_known(perf.mission.altitude_m)
     axes.plot(time_h, solar, SUN_LINE, color=SUN, label="solar power")
     axes.fill_between(
         time_h,
@@ -243,7 +244,8 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
         one.flight(index, launch, hours) for one in (analysis.low, analysis.high)
     )
     power.plot(clock_h, solar, SUN_LINE, color=SUN, label="solar power")
-    error = f"RMS error of the model, {100 * perf.solar.rms_relative:.0f} %"
+    where = where_error_is_known(perf.mission.altitude_m)
+    error = f"RMS error of the model{where}, {100 * perf.solar.rms_relative:.0f} %"
     band: dict[str, Any] = {"alpha": 0.2, "linewidth": 0}
     power.fill_between(clock_h, least_w, most_w, color=SUN, label=error, **band)
     power.plot(clock_h, load, LOAD_LINE, color=LOAD, label="load")

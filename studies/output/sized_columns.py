@@ -68,25 +68,8 @@ def size_cells(
 ) -> dict[str, Any]:
     """Best design of an aircraft in every cell of latitude [deg] and day of year, as columns.
 
-    A cell is the mission with the cell's latitude and day instead of its own.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What is sized.
-    mission : Mission
-        In which air and with which load.
-    cells : sequence of (float, float)
-        Latitude [deg] and day of year.
-    objective : Objective
-        What is as large or as small as possible.
-    solar : SolarModel
-        Model and correction.
-
-    Returns
-    -------
-    dict
-        Values of all cells by the names of :data:`DESCRIBED`, in its units.
+    A cell is the mission with the cell's latitude and day instead of its own. The columns are those
+    of :data:`studies.output.columns.DESCRIBED`, in its units.
     """
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])

@@ -39,8 +39,14 @@ def aircraft_section(subject: Subject) -> Section:
     """Three views to scale, and the quantities of the design."""
     aircraft = subject.aircraft
     drawing = aircraft_drawing(aircraft)
+    balance = subject.analysis.balance
+    points = {}
+    if balance is not None:
+        points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.found.x_m)}
     views = "".join(
-        three_view(drawing, name=aircraft.name, key=f"views-{kind}", width=width, kind=kind)
+        three_view(
+            drawing, name=aircraft.name, key=f"views-{kind}", width=width, kind=kind, **points
+        )
         for kind, width in (("wide", _WIDE), ("narrow", _NARROW))
     )
     caption = "Three views to scale. " + " ".join(drawing.notes)

@@ -21,6 +21,7 @@ from sizing.performance import cycle_of_variants
 from sizing.results.records import relative_change
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarDay
+from sizing.varying_load import DesignLoads
 from solar.types import BoolArray
 from studies.report.subject import Subject
 
@@ -140,9 +141,10 @@ def _enough(
             design = design_of(aircraft, mission)
             if mission.climb is not None:
                 design_of(aircraft, mission.at_altitude(mission.climb.ceiling_m))
+            loads = DesignLoads.of(aircraft, mission, design, day.scaled(factor))
         except ImpossibleDesignError:
             continue
-        flown.append((number, (aircraft, mission, design, day.scaled(factor))))
+        flown.append((number, (aircraft, loads)))
     if flown:
         cycle = cycle_of_variants([variant for _, variant in flown])
         every = np.all(_hold(cycle, required), axis=-1).tolist()

@@ -17,6 +17,7 @@ _ROOM_RIGHT = 74.0  # for the dimension of the chord
 # (Abbott & von Doenhoff, Theory of Wing Sections, section 6.4).
 _SECTION = (1.4845, -0.63, -1.758, 1.4215, -0.5075)
 _STATIONS = 24
+_MARK = 6.0  # radius of a point of balance [px]
 _ROOM_FOR_LEGEND = 150.0  # beside the view from the left, else it stands below [px]
 _ROOM_FOR_HALF = 80.0  # of the scale bar, for a number at its middle [px]
 
@@ -39,10 +40,20 @@ class _View:
         return [self.at(*corner) for corner in corners]
 
 
-def three_view(drawing: Drawing, *, name: str, key: str, width: float, kind: str) -> str:
+def three_view(
+    drawing: Drawing,
+    *,
+    name: str,
+    key: str,
+    width: float,
+    kind: str,
+    gravity_m: float | None = None,
+    neutral_m: float | None = None,
+) -> str:
     """Three views with dimensions and a scale bar, as SVG.
 
-    ``width``: width of the drawing [px]; texts keep their size.
+    ``width``: width of the drawing [px]; texts keep their size. ``gravity_m``, ``neutral_m``:
+    centre of gravity and neutral point behind the leading edge of the wing root, where known [m].
     """
     canvas = Canvas(width)
     ahead = max(drawing.nose_m, 0.0)
@@ -51,6 +62,10 @@ def three_view(drawing: Drawing, *, name: str, key: str, width: float, kind: str
     middle = _MARGIN + 0.5 * room
     above = _View(middle, _TOP + _LABEL + scale * ahead, scale)
     _draw_above(canvas, drawing, above)
+    points = {"neutral point": neutral_m, "centre of gravity": gravity_m}
+    known = {name: place for name, place in points.items() if place is not None}
+    for point, place in known.items():
+        _mark(canvas, above.at(0.0, place), filled=point == "centre of gravity")
     bottom = above.y + scale * drawing.tail_end_m
     tip_m = drawing.height_m(drawing.wingspan_m / 2.0)
     highest = max(tip_m, *_tail_heights(drawing))
@@ -74,14 +89,36 @@ def three_view(drawing: Drawing, *, name: str, key: str, width: float, kind: str
     legend = (side.x + scale * drawing.tail_end_m + 96.0, bottom + _GAP + _LABEL)
     if width - legend[0] < _ROOM_FOR_LEGEND:
         legend = (_MARGIN, end + 8.0)
-    end = max(end, _draw_legend(canvas, drawing, legend, scale))
+    x, lowest_y = legend[0], _draw_legend(canvas, drawing, legend, scale)
+    for number, point in enumerate(known, 1):
+        y = lowest_y + 19.0 * number
+        _mark(canvas, (x + 11.0, y - 5.0), filled=point == "centre of gravity")
+        canvas.text((x + 30.0, y - 0.5), point, "label", anchor="start")
+    end = max(end, lowest_y + 19.0 * len(known))
     canvas.height = math.ceil(end + 6.0)
     return canvas.markup(
         title=f"Three views of {name}",
-        description=_described(drawing),
+        description=_described(drawing)
+        + "".join(
+            f" The {point} lies {place:.3f} m behind the leading edge of the wing root."
+            for point, place in known.items()
+        ),
         key=key,
         classes=("drawing", kind),
     )
+
+
+def _mark(canvas: Canvas, place: Point, *, filled: bool) -> None:
+    """Point of balance: a circle, with two dark quarters for the centre of gravity."""
+    x, y = place
+
+    def arc(first: float, last: float) -> list[Point]:
+        angles = [first + (last - first) * i / 16.0 for i in range(17)]
+        return [(x + _MARK * math.cos(a), y + _MARK * math.sin(a)) for a in angles]
+
+    canvas.shape(arc(0.0, 2.0 * math.pi), "point")
+    for quarter in (0.0, math.pi) if filled else ():
+        canvas.shape([(x, y), *arc(quarter, quarter + math.pi / 2.0)], "point dark")
 
 
 def _described(drawing: Drawing) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from sizing.results import quantities as q
 from sizing.results.records import hours
+from sizing.validity.ranges import where_error_is_known
 from studies.report.blocks import Fact
 from studies.report.subject import Subject
 
@@ -49,7 +50,9 @@ def verdict(subject: Subject) -> Verdict:
     where = analysis.performance.day.scenarios.label(analysis.worst)
     weakest = f"in its weakest scenario, {where}," if several else f"at {where},"
     who = f"{subject.aircraft.name} on {mission.name}"
-    error = f"one RMS error of the solar model ({100.0 * subject.solar.rms_relative:.0f} %)"
+    measured = where_error_is_known(mission.altitude_m)
+    percent = f"{100.0 * subject.solar.rms_relative:.0f} %{measured}"
+    error = f"one RMS error of the solar model ({percent})"
     fails = f"{who} does not fly perpetually: {weakest}"
     if not analysis.is_perpetual:
         hold_h = float(analysis.scenario()[q.ENDURANCE])

@@ -15,10 +15,23 @@ def test_intervals_hold_the_truth_and_other_flights_are_predicted() -> None:
     hits, count = found.all_covered()
     assert count >= 12
     assert hits >= 0.9 * count
-    for _, _, before, after, _, stated in found.prediction_table().rows:
+    for _, _, before, after, _, stated, _ in found.prediction_table().rows:
         # Four flights: the spread of an RMS error is 35 %.
         assert after < 0.5 * before
         assert after < 2.0 * stated
+
+
+def test_intervals_hold_under_another_sky_and_with_other_cells() -> None:
+    found = recover(6, seed=500, independent=1)
+    hits, count = found.all_covered()
+    assert count >= 16
+    # 95 % of 18: 17 with a standard deviation of 0.9.
+    assert hits >= count - 2
+    ((_, cases, _, after, bias, _, ratio),) = found.prediction_table().rows
+    assert cases == 6
+    # Six flights: the spread of an RMS of standard errors is 30 %.
+    assert ratio < 1.8
+    assert abs(bias) < 2.0 * after
 
 
 def test_figures_of_one_flight_are_met_and_tell_the_other_no_better() -> None:

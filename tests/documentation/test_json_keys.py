@@ -39,7 +39,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [AS2, *CELLS],
         ],
         # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size".
-        {"balance", "drag_coefficients"},
+        {"balance", "drag_coefficients", "part_masses", "varying_efficiency"},
     ),
     "size": (
         "cli.md",
@@ -55,7 +55,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [DESIGN, "--mission", "rafz-july", "--set", "mission.climb={ceiling_m: 1500}"],
             [DESIGN, "--mission", "rafz-july", "--whole-cells", *CELLS],
         ],
-        {"range", "weather"},
+        {"range", "weather", "part_masses"},
     ),
     "size --weather": (
         "season.md",

@@ -15,7 +15,9 @@ from missions.air import (
     MINIMUM_ALTITUDE_M,
     air_at,
     geopotential_altitude_m,
+    plate_convection_w_per_m2k,
     standard_air,
+    thin_air_share,
 )
 
 ALTITUDES_M = np.linspace(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M, 326)
@@ -139,3 +141,38 @@ def test_broadcasting_equals_scalar_calls() -> None:
 def test_altitudes_outside_the_model_are_refused(altitude: float | list[float]) -> None:
     with pytest.raises(ValueError, match="altitude_m must be from -500 to 32000"):
         standard_air(altitude)
+
+
+def test_convection_of_a_plate_is_that_of_a_textbook() -> None:
+    """Incropera et al., 6th edition, example 7.1: air at 6 kN/m2 and 10 m/s over a plate of 0.5 m.
+
+    At the film's temperature of 437 K the Reynolds number is 9597 and the Nusselt number 57.4, so
+    that h = 4.18 W/(m2 K).
+    """
+    air = air_at(437.0, 6000.0)
+    reynolds = air.density_kg_per_m3 * 10.0 * 0.5 / air.dynamic_viscosity_pa_s
+    # Its table of air and the standard atmosphere differ by 2 % in viscosity.
+    assert reynolds == pytest.approx(9597.0, rel=0.03)
+    assert plate_convection_w_per_m2k(air, 10.0, 0.5) == pytest.approx(4.18, rel=0.02)
+
+
+def test_convection_turns_turbulent_without_a_leap() -> None:
+    air = standard_air(0.0)
+    speed = 5e5 * air.dynamic_viscosity_pa_s / air.density_kg_per_m3
+    below, above = (plate_convection_w_per_m2k(air, f * speed, 1.0) for f in (1 - 1e-9, 1 + 1e-9))
+    assert above == pytest.approx(below, rel=1e-6)
+    # Incropera, equation 7.38 with its A of 871: mixed flow.
+    ten = float(plate_convection_w_per_m2k(air, 10.0 * speed, 1.0))
+    prandtl, conductivity = 0.71, 0.0253
+    expected = (0.037 * 5e6**0.8 - 871.0) * prandtl ** (1.0 / 3.0) * conductivity
+    assert ten == pytest.approx(expected, rel=0.02)
+
+
+def test_balances_of_thin_air_count_from_3_to_4_km() -> None:
+    assert thin_air_share([0.0, 3000.0]).tolist() == [0.0, 0.0]
+    assert thin_air_share([4000.0, 20000.0]).tolist() == [1.0, 1.0]
+    heights = np.linspace(2900.0, 4100.0, 121)
+    share = thin_air_share(heights)
+    assert np.all(np.diff(share) >= 0.0)
+    # Without a kink: no step of the slope beyond that of the cubic, 6 per 100 steps squared.
+    assert np.max(np.abs(np.diff(share, 2))) <= 6.01e-4

@@ -99,6 +99,7 @@ def test_keys_are_those_of_files_or_of_quantities(one: Parameter) -> None:
         "airframe.propulsion.fixed_mass_kg",
         *OF_PARTS,
         "airframe.aerodynamics.calibration",
+        "airframe.structure.manoeuvre_load_factor",
     ):
         assert any(value is not None for value in values)
 

@@ -12,6 +12,7 @@ from missions.mission import Mission, UncertaintyMargins
 from sizing import sunlight
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
+from sizing.module_power import power_in_surroundings
 from sizing.performance import performance
 from sizing.sunlight import (
     DEFAULT_STEP_H,
@@ -19,7 +20,6 @@ from sizing.sunlight import (
     SolarModel,
     Sunlight,
     day_axis_h,
-    modelled_power,
     power_on_calendar,
     solar_day,
 )
@@ -62,9 +62,9 @@ def test_every_model_is_evaluated_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def counted(aircraft: Aircraft, mission: Mission, model: ModelName, *others: Any) -> FloatArray:
         evaluated.append(model)
-        return modelled_power(aircraft, mission, model, *others)
+        return power_in_surroundings(aircraft, mission, model, *others)
 
-    monkeypatch.setattr(sunlight, "modelled_power", counted)
+    monkeypatch.setattr(sunlight, "power_in_surroundings", counted)
     sun = Sunlight(AS2, LOITER, SUMMER)
     for model in MODEL_NAMES:
         for correction in CORRECTION_NAMES:

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from sizing.library import load_aircraft
 from solar.attitude import direction_cosines
-from solar.attitude_models import full_model, verification_model
+from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.horizontal_models import conceptual_analysis_model
@@ -154,3 +154,36 @@ def test_shading_by_the_tail_takes_direct_light_alone() -> None:
     assert none.specific_power_w_per_m2 == plain.specific_power_w_per_m2
     assert lost.specific_power_w_per_m2 < plain.specific_power_w_per_m2
     assert np.all(lost.irradiance_by_surface_w_per_m2 >= 100.0)  # the diffuse light stays
+
+
+def test_light_from_below_reaches_what_faces_down() -> None:
+    """Above clouds of albedo 0.6 a level lower face gets 0.6 of the light on a level plain."""
+    light, sun = Irradiance(np.array(1200.0), np.array(5.0)), np.array([0.0, 0.0, -1.0])
+    cell, level = SolarCell(), np.eye(3)
+
+    def of(facing: str, albedo: float) -> ModulePower:
+        surface = ModuleSurface(name="one", area_m2=1.0, side="centre", facing=facing)  # type: ignore[arg-type]
+        return full_model(
+            *(light, sun, level, ModuleGeometry(surfaces=(surface,)), cell, -50.0), albedo=albedo
+        )
+
+    assert of("down", 0.0).irradiance_w_per_m2 == 0.0
+    assert of("down", 0.6).irradiance_w_per_m2 == pytest.approx(0.6 * 1205.0)
+    # What lies level and faces up sees no earth.
+    assert of("up", 0.6).irradiance_w_per_m2 == of("up", 0.0).irradiance_w_per_m2 == 1205.0
+
+
+def test_a_tilted_wing_sees_the_earth_as_far_as_it_is_tilted() -> None:
+    light, sun = Irradiance(np.array(0.0), np.array(100.0)), np.array([0.0, 0.0, -1.0])
+    surface = ModuleSurface(name="one", area_m2=1.0, side="centre", pitch_deg=60.0)
+    geometry, cell = ModuleGeometry(surfaces=(surface,)), SolarCell()
+    plain, lit = (
+        full_model(light, sun, np.eye(3), geometry, cell, 20.0, albedo=a).irradiance_w_per_m2
+        for a in (0.0, 0.5)
+    )
+    # Half of 100 W/m2, by (1 - cos 60 deg) / 2.
+    assert lit - plain == pytest.approx(0.5 * 100.0 * 0.25)
+    flat = [
+        verification_model(light, sun, np.eye(3), geometry, cell, 25.0, albedo=a) for a in (0, 0.5)
+    ]
+    assert flat[1] / flat[0] == pytest.approx(1.0 + 0.5 * 0.25)

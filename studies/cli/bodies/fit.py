@@ -8,6 +8,8 @@ from pathlib import Path
 
 import click
 
+from missions.files.errors import printable
+from missions.files.overrides import with_overrides
 from missions.files.writing import write_text_atomically
 from missions.files.yaml import Document
 from sizing.results.tables import Summary
@@ -29,33 +31,35 @@ from studies.output.terminal import show, tell_line
 
 def fit(options: Fit) -> None:
     """Fit an aircraft to a flight, write it, and tell what was found."""
-    log_file, other_log = options.log.log_file, options.other_log
-    read = (options.case.aircraft, options.case.mission, log_file, other_log)
+    log_files, other_log = (options.log.log_file, *options.more_logs), options.other_log
+    read = (options.case.aircraft, options.case.mission, *log_files, other_log)
     refuse_to_overwrite("--write", options.write_file, read)
-    refuse_swapped_log(options.case.aircraft, log_file, "fit")
+    refuse_swapped_log(options.case.aircraft, options.log.log_file, "fit")
     case = load(options.case)
     try:
         chosen(options.names, case.aircraft)
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--fit") from None
-    log = read_log(options.log)
+    logs = [read_log(replace(options.log, log_file=one)) for one in log_files]
     fitted = fit_flight(
-        case.aircraft, log, case.mission, names=options.names, light_sigma=options.light_sigma
+        case.aircraft, logs, case.mission, names=options.names, light_sigma=options.light_sigma
     )
     record, shown = case.named(fitted.to_dict()), fitted.summary()
     if other_log is not None:
-        other = read_log(replace(options.log, log_file=other_log))
+        other = read_log(replace(options.log, log_file=other_log, start=None, exclude=()))
         prediction = predict_flight(fitted, other, case.mission)
         record["prediction"] = prediction.to_dict()
         shown = shown + Summary((prediction.table(),))
     write_file, folder = (options.write_file, options.out_dir) if fitted.fitted else (None, None)
     with told(case, record, shown, out_dir=folder, files=(write_file,)):
         if write_file is not None or folder is not None:
-            document = _fitted(case, fitted, Path(log_file))
+            document = _fitted(case, fitted, log_files)
             if write_file is not None:
                 write_text_atomically(write_file, file_text(document, fitted_lines(fitted)))
             if folder is not None:
-                inputs = case.inputs(log=Path(log_file)).of_aircraft(document.data)
+                more = enumerate(log_files[1:], 2)
+                files = {"log": Path(log_files[0]), **{f"log_{n}": Path(one) for n, one in more}}
+                inputs = case.inputs(None, **files).of_aircraft(document.data)
                 figure = options.figure
                 drawn = {
                     "fit.png": lambda: figure_bytes(plot_fit(fitted, figure=figure), "fit.png")
@@ -68,16 +72,21 @@ def fit(options: Fit) -> None:
         sys.exit(EXIT_FAILED)
 
 
-def _fitted(case: Case, fitted: FlightFit, log_file: Path) -> Document:
+def _fitted(case: Case, fitted: FlightFit, log_files: tuple[str, ...]) -> Document:
     """File of the fitted aircraft, with where its numbers come from."""
-    log = InputFile.of(log_file)
+    sums = [InputFile.of(Path(one)).sha256 for one in log_files]
     sources = {
         "aircraft_sha256": case.craft.sha256,
-        "log": log.source,
-        "log_sha256": log.sha256,
+        "log": fitted.log.source,
+        "log_sha256": sums[0],
         "mission": case.where.document.source,
     }
-    return fitted_document(case.craft.document, fitted, sources)
+    document = fitted_document(case.craft.document, fitted, sources)
+    if len(sums) > 1:
+        names = [printable(one.source) for one in fitted.logs[1:]]
+        more = [{"log": n, "sha256": s} for n, s in zip(names, sums[1:], strict=True)]
+        document = with_overrides(document, {"provenance.more_logs": more})
+    return document
 
 
 def calibrate(options: Calibrate) -> None:

@@ -22,10 +22,11 @@ from studies.output.figures.options import FigureOptions
 
 @dataclass(frozen=True)
 class Fit:
-    """Fit parameters of AIRCRAFT to the flight LOG, with confidence intervals."""
+    """Fit parameters of AIRCRAFT to one or several flights, with confidence intervals."""
 
     case: CaseOptions = case_options(mission="rafz-28h", with_models=False)
     log: LogOptions = log_options()
+    more_logs: tuple[str, ...] = argument(metavar="[LOG]...", nargs=-1)
     names: tuple[str, ...] = option(
         "--fit",
         metavar="NAME",
@@ -38,7 +39,7 @@ class Fit:
         type=RealRange(0.0, 0.5, unit="a share"),
         default=0.03,
         show_default=True,
-        help="Standard uncertainty of the clear sky, relative.",
+        help="Standard uncertainty of the level of the clear sky's light, relative.",
     )
     other_log: str | None = option(
         "--predict", metavar="LOG", help="Another flight, whose charge is predicted from the fit."

@@ -52,7 +52,7 @@ def load_channel(flown: Flown) -> Channel | str:
     thinner = bins.mean(np.sqrt(mean_density / density))
     mission = flown.mission
 
-    def predict(aircraft: Aircraft, light: float) -> FloatArray:
+    def predict(aircraft: Aircraft) -> FloatArray:
         design = design_of(aircraft, mission)
         level_w = float(design.propulsion_power_w) * (1.0 + mission.turbulence.all_day)
         return np.asarray(level_w * thinner + float(design.constant_power_w))
@@ -106,7 +106,7 @@ def charge_channel(flown: Flown) -> Channel | str:
     deficit = bins.mean(trapezoid(np.maximum(-net_w, 0.0))[inside])
     air_c = float(flown.mission.air_state().temperature_c)
 
-    def predict(aircraft: Aircraft, light: float) -> FloatArray:
+    def predict(aircraft: Aircraft) -> FloatArray:
         battery = aircraft.battery
         stored = surplus * battery.mean_charge_efficiency
         drawn = deficit / battery.mean_discharge_efficiency

@@ -6,8 +6,9 @@ A loiter turns the modules through the light about once a minute: means over
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -15,10 +16,11 @@ from missions.logs.table import FlightLog
 from missions.mission import AirConditions, Mission
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray, IntArray
+from studies.fitting.channels.flight_errors import FlightError, combined
 from studies.fitting.parameters import ChannelName
 from studies.flight_logs.verification import Verification
 
-Predict = Callable[[Aircraft, float], FloatArray]
+Predict = Callable[[Aircraft], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -26,9 +28,10 @@ class Channel:
     """A measured quantity in bins, and a model of it.
 
     ``time_s``: mean time of each bin's samples [s since 1970, UTC]. ``run``: number of the
-    uninterrupted stretch. ``predict``: modelled value of each bin, from an aircraft and a factor on
-    the light. ``floating``: whether only differences count: every stretch has a level of its own.
-    ``notes``: what was left out.
+    uninterrupted stretch. ``predict``: modelled value of each bin, from an aircraft. ``floating``:
+    whether only differences count: every stretch has a level of its own. ``notes``: what was left
+    out. ``errors``: of the flights, known within their standard deviations. ``sizes``,
+    ``numbers``: bins of each flight, and which flight it is.
     """
 
     name: ChannelName
@@ -40,10 +43,33 @@ class Channel:
     predict: Predict
     floating: bool = False
     notes: tuple[str, ...] = ()
+    errors: tuple[FlightError, ...] = ()
+    sizes: tuple[int, ...] = ()
+    numbers: tuple[int, ...] = (0,)
 
-    def residual(self, aircraft: Aircraft, light: float = 1.0) -> FloatArray:
+    @cached_property
+    def flights(self) -> tuple[slice, ...]:
+        """Bins of each flight."""
+        ends = np.cumsum(self.sizes or (len(self.measured),)).tolist()
+        return tuple(slice(a, b) for a, b in zip((0, *ends), ends, strict=False))
+
+    @cached_property
+    def slopes(self) -> FloatArray:
+        """Relative change of each bin per unit of each error, shape (bin, error)."""
+        return combined(self.errors, len(self.measured))
+
+    def without(self, names: tuple[str, ...]) -> Channel:
+        """The same where errors of these names are none."""
+        return replace(self, errors=tuple(one for one in self.errors if one.name not in names))
+
+    def modelled(self, aircraft: Aircraft, errors: FloatArray | None = None) -> FloatArray:
+        """Modelled values with errors of the flights."""
+        plain = self.predict(aircraft)
+        return plain if errors is None else plain * np.exp(self.slopes @ errors)
+
+    def residual(self, aircraft: Aircraft, errors: FloatArray | None = None) -> FloatArray:
         """Measured less modelled; of a floating channel without the mean of each stretch."""
-        apart = self.measured - self.predict(aircraft, light)
+        apart = self.measured - self.modelled(aircraft, errors)
         return self.centred(apart) if self.floating else apart
 
     def centred(self, values: FloatArray) -> FloatArray:
@@ -56,6 +82,36 @@ class Channel:
     def levels(self) -> int:
         """Unknown levels: one for each stretch of a floating channel."""
         return int(self.run[-1]) + 1 if self.floating else 0
+
+
+def joined(flights: Mapping[int, Channel]) -> Channel:
+    """Channel of several flights, by their numbers: errors and stretches of their own."""
+    parts, runs, notes = tuple(flights.values()), list[IntArray](), list[str]()
+    sizes = tuple(len(one.measured) for one in parts)
+    errors: dict[tuple[str, int | None], FlightError] = {}
+    for place, (number, one) in enumerate(flights.items()):
+        before, after = sum(sizes[:place]), sum(sizes[place + 1 :])
+        for error in one.errors:
+            slope = np.concatenate((np.zeros(before), error.slope, np.zeros(after)))
+            of = None if error.flight is None else number
+            known = errors.setdefault(
+                (error.name, of), replace(error, slope=0.0 * slope, flight=of)
+            )
+            errors[error.name, of] = replace(known, slope=known.slope + slope)
+        runs.append(one.run + (int(runs[-1][-1]) + 1 if runs else 0))
+        named = f"flight {number + 1}: " if number or len(parts) > 1 else ""
+        notes += [f"{named}{note}" for note in one.notes]
+    return replace(
+        parts[0],
+        time_s=np.concatenate([one.time_s for one in parts]),
+        measured=np.concatenate([one.measured for one in parts]),
+        run=np.concatenate(runs),
+        predict=lambda aircraft: np.concatenate([one.predict(aircraft) for one in parts]),
+        notes=tuple(notes),
+        errors=tuple(errors.values()),
+        sizes=sizes,
+        numbers=tuple(flights),
+    )
 
 
 @dataclass(frozen=True)

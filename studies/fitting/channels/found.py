@@ -18,15 +18,18 @@ from studies.fitting.parameters import ChannelName
 _FEWEST_BINS = 12  # an hour
 
 
-def channels(flown: Flown, aircraft: Aircraft) -> tuple[dict[ChannelName, Channel], list[str]]:
+def channels(
+    flown: Flown, aircraft: Aircraft, light_sigma: float
+) -> tuple[dict[ChannelName, Channel], list[str]]:
     """Channels that a log has, and why it has no others.
 
-    ``aircraft``: its charge limit says where power may be held back.
+    ``aircraft``: its charge limit says where power may be held back. ``light_sigma``: standard
+    uncertainty of the level of the light [-].
     """
     made_channels: dict[ChannelName, Channel] = {}
     missing = []
     makers: dict[ChannelName, Callable[[], Channel | str]] = {
-        "solar": lambda: solar_channel(flown, aircraft),
+        "solar": lambda: solar_channel(flown, aircraft, light_sigma),
         "load": lambda: load_channel(flown),
         "charge": lambda: charge_channel(flown),
     }

@@ -8,12 +8,11 @@ import numpy as np
 
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
-from sizing.sunlight import UNCORRECTED_CAM
-from solar.clearsky import Irradiance
 from solar.horizontal_models import conceptual_analysis_model
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.fitting.channels.bins import Bins
 from studies.fitting.channels.channel import Channel, Flown, Predict, ambient_c
+from studies.fitting.channels.flight_errors import CAM_SIGMA, flight_errors
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.verification import Verification
 
@@ -26,11 +25,12 @@ NEARLY_FULL = 0.98
 _MAY_BE_LIMITED = 0.9
 
 
-def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
+def solar_channel(flown: Flown, aircraft: Aircraft, light_sigma: float) -> Channel:
     """Solar power where the sun is up and nothing holds it back.
 
-    ``aircraft``: its charge limit and modules say where power may be held back. Returns of the Full
-    Model where attitude and module surfaces are known, else of CAM.
+    ``aircraft``: its charge limit and modules say where power may be held back. ``light_sigma``:
+    standard uncertainty of the level of the light [-]. Returns of the Full Model where attitude and
+    module surfaces are known, else of CAM.
     """
     samples = flown.found.samples
     high = samples.elevation_deg >= LOWEST_SUN_DEG
@@ -40,13 +40,13 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
     bins = Bins.of(samples.time_s, samples.run, use)
     notes = [f"{_hours_of(high & limited, flown)} h with charging that may be limited are left out"]
     notes += [f"{_hours_of(high & faulty, flown)} h with power missing are left out"]
-    model = solar_model(flown, np.asarray(samples.index[use], int))
+    index = np.asarray(samples.index[use], int)
+    model = solar_model(flown, index)
     name = "FM" if samples.detail is not None else "CAM"
     if name == "CAM":
-        error = 100.0 * UNCORRECTED_CAM.rms_relative
         notes.append(
             "without attitude or module surfaces the modules are fitted to CAM, whose own error "
-            f"(RMS {error:.0f} % of the mean power) is in no interval"
+            f"(RMS {100.0 * CAM_SIGMA:.0f} % of the mean power) the intervals count as one factor"
         )
     return Channel(
         name="solar",
@@ -55,8 +55,9 @@ def solar_channel(flown: Flown, aircraft: Aircraft) -> Channel:
         time_s=bins.mean(samples.time_s[use]),
         measured=bins.mean(samples.measured_w[use]),
         run=bins.run,
-        predict=lambda craft, light: bins.mean(model(craft, light)),
+        predict=lambda craft: bins.mean(model(craft)),
         notes=tuple(note for note in notes if not note.startswith("0.0 h")),
+        errors=flight_errors(forward_model(flown, index), light_sigma, bins.mean),
     )
 
 
@@ -97,26 +98,27 @@ def _may_be_limited(flown: Flown, aircraft: Aircraft) -> BoolArray:
     return np.asarray(marked | (model_w > _MAY_BE_LIMITED * taken_w))
 
 
-def solar_model(flown: Flown, index: IntArray) -> Predict:
-    """Model of the power at samples of a log.
+def forward_model(flown: Flown, index: IntArray) -> Forward:
+    """Model of the power at samples of a log: the Full Model if it can be computed, else CAM."""
+    craft, known = flown.found.craft, flown.found.samples.detail is not None
+    geometry = craft.modules.geometry if known else None
+    return Forward(flown.log, craft, flown.mission, geometry, None, index)
 
-    Returns power of the modules at the samples [W], from an aircraft and a factor on the light.
-    """
-    log, mission, samples = flown.log, flown.mission, flown.found.samples
-    geometry = None if samples.detail is None else flown.found.craft.modules.geometry
-    forward = Forward(log, flown.found.craft, mission, geometry, None, index)
+
+def solar_model(flown: Flown, index: IntArray) -> Predict:
+    """Power of an aircraft's modules at samples of a log [W]."""
+    mission, forward = flown.mission, forward_model(flown, index)
     given, ambient = forward.sunlight(LogError()), ambient_c(flown, index)
 
-    def power_w(aircraft: Aircraft, factor: float) -> FloatArray:
-        shone = given._replace(light=Irradiance(*(factor * part for part in given.light)))
+    def power_w(aircraft: Aircraft) -> FloatArray:
         modules = aircraft.modules
         if given.to_ned is None or modules.geometry is None:
             module_c = mission.air.module_temperature_c
             constant_c = float(ambient.mean()) if module_c is None else module_c
-            specific = conceptual_analysis_model(shone.light, given.sine, modules, constant_c)
+            specific = conceptual_analysis_model(given.light, given.sine, modules, constant_c)
         else:
             own = replace(forward, aircraft=aircraft, geometry=modules.geometry)
-            specific = own.full(shone, ambient).specific_power_w_per_m2
+            specific = own.full(given, ambient).specific_power_w_per_m2
         return np.asarray(modules.area_m2 * specific)
 
     return power_w

@@ -4,5 +4,5 @@
 * ``fit``: the most likely errors of log, model and sky under one hypothesis, and its score
 * ``losses``: periods and modules with missing power, searched for
 * ``hypotheses``: the table of all causes; ``diagnosis``: which wins, and what fits as well
-* ``left_out``: samples with limited charging, or of a channel that is frozen
+* ``left_out``: samples with limited charging
 """

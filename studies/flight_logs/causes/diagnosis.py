@@ -20,7 +20,7 @@ from studies.flight_logs.causes.fit import (
 from studies.flight_logs.causes.fit import modelled as modelled_power
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.causes.hypotheses import LOSSES, ROWS, Candidate, candidates
-from studies.flight_logs.causes.left_out import NEAR_FULL, frozen, may_be_limited
+from studies.flight_logs.causes.left_out import NEAR_FULL, may_be_limited
 
 # Differences of the criterion: Kass, R. E., Raftery, A. E. (1995), Journal of the American
 # Statistical Association 90(430), 773-795. Strong evidence for a cause, very strong evidence
@@ -66,13 +66,11 @@ class Diagnosis:
     ``factor``: logged power over that in watts. ``findings``: causes in the order of what they
     explain. ``clock``, ``heading``: how far they are off, with standard deviations [s, rad]; None
     if the power does not tell. ``fit``: all that is known. ``expected_w``: power of all samples if
-    nothing were lost; ``limited``, ``stuck``: those in which charging may be limited, and those of
-    channels that are frozen.
+    nothing were lost; ``limited``: those in which charging may be limited.
     """
 
     factor: float
     limited: BoolArray
-    stuck: tuple[tuple[str, BoolArray], ...]
     expected_w: FloatArray
     findings: tuple[Finding, ...] = ()
     clock: tuple[float, float] | None = None
@@ -132,11 +130,10 @@ def diagnose(forward: Forward, *, search: bool = True) -> Diagnosis:
     factor = _factor(log.solar_power_w, modelled) if search else 1.0
     measured = log.solar_power_w / factor
     limited = may_be_limited(replace(log, solar_power_w=measured), forward.aircraft)
-    stuck = tuple(frozen(log))
-    known = Diagnosis(factor, limited, stuck, modelled)
+    known = Diagnosis(factor, limited, modelled)
     peak = float(np.quantile(measured, 0.98))
     sunlit = (measured > _DARK * peak) | (modelled > _DARK * modelled.max(initial=0.0))
-    usable = np.flatnonzero(sunlit & ~np.any([limited, *(mask for _, mask in stuck)], axis=0))
+    usable = np.flatnonzero(sunlit & ~limited)
     if len(usable) < _LEAST_SAMPLES or not peak > 0.0:
         note = "clock, angles and modules are not checked: too little power"
         return replace(known, notes=(note,) if search else ())

@@ -60,6 +60,7 @@ class Loss:
 
     A share of all light, of direct light (a cloud), or of light that is low, of some surfaces; or
     of ``shadow_w``, what the tail's shadow takes of the samples in proportion to its area [W].
+    ``whole``: all of it is lost, as by a dead string, so that no size is fitted.
     """
 
     form: Form
@@ -67,6 +68,7 @@ class Loss:
     end_s: float
     surfaces: tuple[bool, ...]
     shadow_w: FloatArray | None = None
+    whole: bool = False
 
     def acts(self, time_s: FloatArray, light: FloatArray) -> BoolArray:
         """Samples that it acts on."""
@@ -118,7 +120,8 @@ class Fit:
 
     def score(self, noise: Noise) -> float:
         """Bayesian information criterion (Schwarz 1978)."""
-        count = sum(map(len, (self.hypothesis.free, self.hypothesis.losses)))
+        sizes = [loss for loss in self.hypothesis.losses if not loss.whole]
+        count = len(self.hypothesis.free) + len(sizes)
         independent = noise.worth * len(self.residual)
         parameters = count + self.hypothesis.parameters
         searched = self.hypothesis.choices
@@ -208,7 +211,7 @@ def modelled(
             shadow = values[f"loss{number}"] * loss.shadow_w
             continue
         acts = loss.acts(time_s, parts.light)[:, None] & np.array(loss.surfaces)
-        left = np.where(acts, 1.0 - values[f"loss{number}"], 1.0)
+        left = np.where(acts, 0.0 if loss.whole else 1.0 - values[f"loss{number}"], 1.0)
         direct = direct * left
         diffuse = diffuse if loss.form == "direct" else diffuse * left
     power = (direct + diffuse).sum(axis=1) - shadow
@@ -313,6 +316,9 @@ class _Problem:
             values |= {n: v for n, v in known.values.items() if n in values}
             drift = known.theta[len(known.values) :]
         values |= {f"loss{place}": size for place, size in enumerate(self.hypothesis.sizes)}
+        # What a fit is free to move is an error of the log from the start, not a small one beside.
+        error = error.plus({name: values[name] for name in self.moving})
+        values |= dict.fromkeys(self.moving, 0.0)
         return self._state(error, np.concatenate([list(values.values()), drift]))
 
     def _state(self, error: LogError, theta: FloatArray) -> _State:

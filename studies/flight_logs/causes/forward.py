@@ -79,6 +79,7 @@ class LogError:
                 gap._replace(start_s=gap.start_s - ahead, end_s=gap.end_s - ahead)
                 for gap in log.gaps
             )
+            changes["left_out"] = tuple(one.earlier(ahead) for one in log.left_out)
         return replace(log, **changes)
 
 

@@ -19,7 +19,7 @@ Family = Literal["time", "attitude", "level", "modules", "period"]
 MOST_CLOCK_S = 14 * 3600.0
 _SHIFT_S, _TURNS, _COARSE, _CANDIDATES = 1800.0, 12, 250, 3
 _ALIKE = 1.1  # misfits of starts that are worth a fit
-_ALL_LOST = 0.97
+_ALL_LOST, _MOSTLY_LOST = 0.97, 0.8
 _LEAST_SHADOW = 0.0025  # of the peak: smaller shadows drown in the noise
 
 
@@ -69,12 +69,19 @@ class Candidate:
     fit: Fit
 
     @property
+    def _whole(self) -> bool:
+        """Whether nothing is left of what is lost, which then has no size that is fitted."""
+        return self.row.form == "modules" and self.fit.hypothesis.losses[-1].whole
+
+    @property
     def size(self) -> float:
         """How large it is: of the first free error, or the share that is lost."""
         if self.row.form == "cap":
             cap = self.fit.hypothesis.cap_w
             assert cap is not None
             return float(np.mean(self.fit.fitted >= cap))
+        if self._whole:
+            return 1.0
         if self.row.form:
             return self.fit.values[f"loss{len(self.fit.hypothesis.losses) - 1}"]
         if not self.row.free:
@@ -85,7 +92,7 @@ class Candidate:
     @property
     def sigma(self) -> float:
         """Standard deviation of the size."""
-        if self.row.form == "cap" or not (self.row.free or self.row.form):
+        if self._whole or self.row.form == "cap" or not (self.row.free or self.row.form):
             return 0.0
         name = self.row.free[0] if self.row.free else f"loss{len(self.fit.hypothesis.losses) - 1}"
         return self.fit.sigmas[name]
@@ -123,7 +130,7 @@ def candidates(data: Data, known: Hypothesis, base: Fit, noise: Noise) -> Iterat
         fits = [fitted(data, h, noise, base) for h in _hypotheses(row, data, known, base, noise)]
         fits = [f for f in fits if abs(f.error.clock_s) <= MOST_CLOCK_S]
         if fits:
-            yield Candidate(row, min(fits, key=lambda fit: fit.cost(noise_or(base, noise))))
+            yield Candidate(row, min(fits, key=lambda fit: fit.score(noise_or(base, noise))))
 
 
 def noise_or(base: Fit, noise: Noise) -> Noise:
@@ -183,13 +190,17 @@ def _with_losses(
     for one in found[:_CANDIDATES]:
         if one.ends == 0 and row.form != "modules":
             continue  # missing all the time: that is a gain, or the sky
-        yield known._replace(
-            start=base.error,
-            losses=(*known.losses, one.loss),
-            sizes=(*_sizes(base), one.size),
-            parameters=known.parameters + one.ends,
-            choices=known.choices + choices,
-        )
+        every = [(one.loss, one.size)]
+        if row.form == "modules" and one.size > _MOSTLY_LOST:
+            every.append((replace(one.loss, whole=True), 1.0))
+        for loss, size in every:
+            yield known._replace(
+                start=base.error,
+                losses=(*known.losses, loss),
+                sizes=(*_sizes(base), size),
+                parameters=known.parameters + one.ends,
+                choices=known.choices + choices,
+            )
 
 
 def _sizes(fit: Fit) -> tuple[float, ...]:

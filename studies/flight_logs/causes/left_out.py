@@ -1,8 +1,6 @@
-"""Samples that say nothing of the modules: limited charging, and channels that are frozen."""
+"""Samples that say nothing of the modules: those in which the battery limits the power."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -18,8 +16,6 @@ from studies.flight_logs.log_view import SMOOTH_S
 NEAR_FULL, OF_LIMIT = 0.85, 0.8
 # Load and power that are alike, as a share of rated power, where no charge is logged.
 _ALIKE = 0.05
-FROZEN_S, _LEAST_FROZEN = 60.0, 10
-_MOST_FROZEN = 0.5  # of the log: beyond, the channel is a constant
 
 
 def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
@@ -46,24 +42,3 @@ def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
     taken = taken / float(battery.mean_charge_efficiency)
     taken = np.where(taken < load, 0.0, taken)  # as good as full
     return np.asarray((charge >= NEAR_FULL) & (power > OF_LIMIT * (taken + load)))
-
-
-def frozen(log: FlightLog) -> Iterator[tuple[str, BoolArray]]:
-    """Channels that repeat one value for a minute and more, and where."""
-    channels = {"solar_power_w": log.solar_power_w}
-    if log.attitude is not None:
-        names = ("roll_deg", "pitch_deg", "yaw_deg")
-        channels |= dict(zip(names, log.attitude, strict=True))
-    highest = float(log.solar_power_w.max())
-    run = log.segment()
-    for name, values in channels.items():
-        changes = (np.diff(values) != 0.0) | (np.diff(run) > 0)
-        number = np.concatenate([[0], np.cumsum(changes)])
-        first = np.flatnonzero(np.concatenate([[True], changes]))
-        last = np.concatenate([first[1:] - 1, [len(values) - 1]])
-        long = (log.time_s[last] - log.time_s[first] >= FROZEN_S) & (last - first >= _LEAST_FROZEN)
-        if name == "solar_power_w":  # none at night or by a fault, and the most of a sensor
-            long &= (values[first] != 0.0) & (values[first] < highest)
-        stuck = long[number]
-        if stuck.any() and stuck.mean() < _MOST_FROZEN:
-            yield name, stuck

@@ -138,7 +138,7 @@ def test_the_march_takes_the_efficiencies_of_the_aged_resistance() -> None:
 @pytest.mark.parametrize(
     ("record", "values", "message"),
     [
-        (BatteryTemperature, {"held_c": 5.0}, "needs both"),
+        (BatteryTemperature, {"held_c": 5.0}, "needs held_c and either"),
         (BatteryTemperature, {"heater_power_w": 5.0}, "needs held_c"),
         (BatteryTemperature, {"table_c": (0.0, 10.0)}, "same length"),
         (

@@ -208,7 +208,10 @@ class HardWing(NamedTuple):
 
 
 def hard_wing(b: float, ar: float, m: float, share: float, **limits: Any) -> HardWing:
-    """Structure by hard maxima at 2000 stations, the loads integrated numerically."""
+    """Structure by hard maxima at 2000 stations, the loads integrated numerically.
+
+    ``narrow_caps`` and ``web_core`` are those of the model; other ``limits`` hold the strain.
+    """
     c, area, rho = b / ar, b * b / ar, 1.1
     v = airspeed(m, b, ar) * (rho / 1.225) ** 0.5
     slope = 2.0 * np.pi * ar / (ar + 2.0)
@@ -259,7 +262,9 @@ def hard_wing(b: float, ar: float, m: float, share: float, **limits: Any) -> Har
     for squeezed, stretched in ((up, down), (down, up)):
         needs = [
             squeezed / 368e6,
-            (squeezed * width**4 / plate) ** (1.0 / 3.0),
+            (squeezed * width**4 / plate) ** (1.0 / 3.0)
+            if not limits.get("narrow_caps")
+            else np.zeros_like(y),
             stretched / 914e6,
             np.full_like(y, 0.25e-3 * width),
         ]
@@ -275,12 +280,22 @@ def hard_wing(b: float, ar: float, m: float, share: float, **limits: Any) -> Har
     web = np.max(
         [
             q / (2.0 * height * 150e6),
-            (q * height / (2.0 * web_plate)) ** (1.0 / 3.0),
+            (q * height / (2.0 * web_plate)) ** (1.0 / 3.0)
+            if "web_core" not in limits
+            else np.zeros_like(y),
             np.full_like(y, 0.2e-3),
         ],
         axis=0,
     )
-    webs = 1550.0 * 2.0 * height * 2.0 * np.trapezoid(web, y)
+    web_kg_per_m2 = 1550.0 * web
+    if "web_core" in limits:
+        flow = q / (2.0 * height)
+        # 1/N = 1/(k d^2) + 1/(G d) as a quadratic equation of d.
+        stiff = 5.35 * np.pi**2 * 45e9 * web / (4.0 * 0.91) / height**2
+        shear = flow / 19e6
+        core = (shear + np.sqrt(shear**2 + 4.0 * flow / stiff)) / 2.0
+        web_kg_per_m2 = web_kg_per_m2 + 52.0 * np.maximum(core, 2e-3) + 0.2
+    webs = 2.0 * height * 2.0 * np.trapezoid(web_kg_per_m2, y)
 
     tails = (0.35 + 0.045) * c * area / (4.0 * c) * 0.35
     tail_n = 0.5 * 1.225 * (1.5 * v) ** 2 * 0.35 * c * area / (4.0 * c)
@@ -309,6 +324,7 @@ STIFFNESS: list[dict[str, Any]] = [
     {"maximum_tip_deflection": 0.15, "deflection_load_case": "limit_load"},
     {"maximum_tip_slope_deg": 10.0, "deflection_load_case": "limit_load"},
     {"maximum_landing_deflection": 0.05},
+    {"narrow_caps": True, "web_core": {}},
 ]
 
 

@@ -150,12 +150,12 @@ def test_attitude_models_take_efficiencies_and_refuse_what_is_not_linear():
     alone_h = sizing.analyse(craft, where, model="VM").excess_time_h
     assert study.flights(values).excess_time_h[0] == pytest.approx(alone_h, abs=1e-6)
     with pytest.raises(ValueError, match="varies with CDM and CAM alone"):
-        check_inputs(scattering("modules.camber_efficiency"), SolarModel("VM"))
+        check_inputs(scattering("modules.camber_efficiency"), mission, SolarModel("VM"))
     with pytest.raises(ValueError, match="moves the sun"):
-        check_inputs(scattering("mission.latitude_deg"), SolarModel("VM"))
+        check_inputs(scattering("mission.latitude_deg"), mission, SolarModel("VM"))
     # Neither is refused what only both together would be.
-    check_inputs(scattering("modules.camber_efficiency"), SolarModel("CAM"))
-    check_inputs(scattering("battery.specific_energy_wh_per_kg"), SolarModel("VM"))
+    check_inputs(scattering("modules.camber_efficiency"), mission, SolarModel("CAM"))
+    check_inputs(scattering("battery.specific_energy_wh_per_kg"), mission, SolarModel("VM"))
 
 
 def test_what_draws_take_from_outside_is_what_each_alone_takes():

@@ -20,6 +20,7 @@ from sizing.design import (
     DesignVariables,
     FlightConditions,
     closed_design,
+    structure_by_both,
     structure_parts,
     variables_of,
 )
@@ -101,6 +102,8 @@ def expected(craft: Aircraft, where: Mission, values: dict[str, float]) -> dict[
         "climb_discharge_rate_per_h of battery": outside(rated / energy, -1.0, 3.0),
         "airspeed_m_per_s of wind": outside(speed, where.wind_m_per_s, math.inf),
     }
+    if structure in ("rib_wing", "spar"):
+        told[f"structure_mass_ratio of {structure}"] = outside(values["by_models"], 0.87, 1.15)
     if structure == "rib_wing":
         caps_m3 = values["caps"] / airframe.structure.calibration / 1600.0
         share = caps_m3 / (span * 0.06 * chord * 0.9 * 0.125 * chord)
@@ -174,6 +177,7 @@ def test_all_over_the_design_space_exactly_what_is_outside_is_told(
             "constant": float(np.broadcast_to(design.constant_power_w, 60)[number]),
             "peak": peak * float(variables.module_area_m2[number]),
             "caps": caps_kg(aircraft, where, design, number),
+            "by_models": by_models(aircraft, where, design, number),
         }
         if aircraft is SKY_SAILOR:  # rated at the power of level flight
             values["caps"] = 0.0
@@ -196,15 +200,37 @@ def caps_kg(aircraft: Aircraft, where: Mission, design: Design, number: int) -> 
     return 0.0 if parts is None else float(parts.spar_caps[number])
 
 
+def by_models(aircraft: Aircraft, where: Mission, design: Design, number: int) -> float:
+    with np.errstate(invalid="ignore"):
+        both = structure_by_both(aircraft, where, design)
+    if both is None:
+        return 1.0
+    own, other = (float(mass[number]) for mass in both.values())
+    return own / other
+
+
 # ---- Single results
 
 
 @pytest.mark.parametrize(
     ("aircraft", "where"),
-    list(itertools.product([AS2, DESIGN, SKY_SAILOR], shipped_names("mission"))),
+    list(
+        itertools.product(
+            [AS2, DESIGN, SKY_SAILOR],
+            sorted(set(shipped_names("mission")) - {"stratosphere-mission"}),
+        )
+    ),
 )
 def test_shipped_aircraft_on_shipped_missions_are_inside(aircraft: Aircraft, where: str) -> None:
     assert extrapolations(aircraft, performance(aircraft, shipped_mission(where))) == ()
+
+
+def test_the_stratospheric_aircraft_is_inside_but_for_the_error_of_the_sun() -> None:
+    aircraft, where = shipped_aircraft("stratosphere-design"), "stratosphere-mission"
+    found = extrapolations(aircraft, performance(aircraft, shipped_mission(where)))
+    # The two models of the structure differ by 16 %; docs/structure.md says which was checked.
+    known = {"altitude_m of model_error", "structure_mass_ratio of rib_wing"}
+    assert quantities(found) == known
 
 
 def test_the_text_names_value_and_range_once() -> None:
@@ -221,6 +247,40 @@ def test_a_value_next_to_the_end_is_told_with_digits_that_tell_it_apart() -> Non
     barely = with_airframe(DESIGN, wingspan_m=8.0004)
     (one,) = extrapolations(barely, performance(barely, mission()))
     assert one.text == "wingspan 8.0004 m: outside the range of rib wing, 3 to 8 m"
+
+
+def test_models_of_the_structure_that_differ_are_told_with_both_masses() -> None:
+    """The ratio again from the masses that the two models give the same inputs."""
+    wide = with_airframe(DESIGN, wingspan_m=12.0)
+    for craft, names in (
+        (wide, ("rib_wing", "spar")),
+        (with_airframe(wide, structure={"model": "spar"}), ("spar", "rib_wing")),
+    ):
+        perf = performance(craft, mission())
+        both = structure_by_both(craft, perf.mission, perf.design)
+        assert both is not None
+        assert tuple(both) == names
+        own, other = (float(mass) for mass in both.values())
+        (one,) = (e for e in extrapolations(craft, perf) if e.quantity == "structure_mass_ratio")
+        assert one.value == pytest.approx(own / other)
+        assert one.worth == f"{own:.3g} kg by {names[0]}, {other:.3g} kg by {names[1]}"
+    power_law = with_airframe(wide, structure={"model": "power_law"})
+    told_of = extrapolations(power_law, performance(power_law, mission()))
+    assert "structure_mass_ratio" not in {e.quantity for e in told_of}
+
+
+def test_wings_with_narrow_caps_and_webs_with_a_core_are_inside_up_to_75_m() -> None:
+    keys = {"model": "rib_wing", "calibration": 1.188, "narrow_caps": True, "web_core": {}}
+
+    def spans_told(span_m: float, **changes: object) -> set[str]:
+        wide = with_airframe(DESIGN, wingspan_m=span_m, structure=keys | changes)
+        found = extrapolations(wide, performance(wide, mission()))
+        return {one.model for one in found if one.quantity == "wingspan_m"}
+
+    assert spans_told(70.0) == set()
+    assert spans_told(76.0) == {"rib_wing_large"}
+    assert spans_told(25.0, narrow_caps=False) == {"rib_wing"}
+    assert spans_told(25.0, web_core=None) == {"rib_wing"}
 
 
 def test_the_stall_outside_of_the_polar_is_the_fenced_one() -> None:
@@ -271,7 +331,7 @@ def test_an_airspeed_below_the_wind_is_told_with_the_wind() -> None:
 def test_a_measured_aircraft_far_from_its_measurement_is_told() -> None:
     high = extrapolations(AS2, performance(AS2, mission(altitude_m=11500.0)))
     of_any = {f"altitude_m of {model}" for model in ("model_error", "module_temperature")}
-    of_any |= {"air_temperature_c of battery"}
+    of_any |= {"altitude_m of battery"}
     assert quantities(high) == {"reynolds_ratio of measured", "altitude_m of ashrae"} | of_any
     laden = extrapolations(AS2, performance(AS2, mission(payload={"mass_kg": 10.0})))
     assert "reynolds_ratio of measured" in quantities(laden)
@@ -312,7 +372,7 @@ def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count()
         extrapolations(one, performance(one, mission()))
         for one in (with_airframe(DESIGN, wingspan_m=span) for span in (5.65, 9.0, 10.0))
     ]
-    (one,) = together(each, "designs")
+    one, _ = together(each, "designs")
     assert (one.quantity, one.value, one.count, one.of) == ("wingspan_m", 10.0, 2, 3)
     assert "(worst; 2 of 3 designs)" in one.text
     assert together([(), ()], "designs") == ()
@@ -321,10 +381,11 @@ def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count()
 def test_text_and_record_keep_what_is_told() -> None:
     wide = with_airframe(DESIGN, wingspan_m=10.0)
     found = extrapolations(wide, performance(wide, mission(wind_m_per_s=20.0)))
-    assert len(found) == 2
+    assert len(found) == 3
     for again, one in zip(from_text(as_text(found)), found, strict=True):
         assert again.value == pytest.approx(one.value, rel=1e-5)
-        assert again == dataclasses.replace(one, value=again.value)
+        # The line has no room for the masses by both models.
+        assert again == dataclasses.replace(one, value=again.value, worth="")
     assert tuple(Extrapolation.from_dict(one.to_dict()) for one in found) == found
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from builders import AS2
 
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray
-from studies.fitting.channels.channel import Channel
+from studies.fitting.channels.channel import Channel, joined
+from studies.fitting.channels.flight_errors import FlightError
 from studies.fitting.estimation import estimate
 from studies.fitting.parameters import PARAMETERS
 from studies.flight_logs.autocorrelation import correlation_time
@@ -29,11 +32,11 @@ def wandering(rho: float, rng: np.random.Generator) -> FloatArray:
 def load(noise: FloatArray) -> Channel:
     """Load of an aircraft that has exactly the power of the file."""
 
-    def predict(craft: Aircraft, light: float) -> FloatArray:
+    def predict(craft: Aircraft) -> FloatArray:
         return np.full(COUNT, PARAMETERS["level_power"].value(craft))
 
-    measured = PARAMETERS["level_power"].value(AS2) + noise
-    time_s = 300.0 * np.arange(COUNT)
+    measured = np.asarray(PARAMETERS["level_power"].value(AS2) + noise, float)
+    time_s = np.asarray(300.0 * np.arange(COUNT), float)
     return Channel("load", "load", "W", time_s, measured, NIGHT, predict)
 
 
@@ -64,6 +67,48 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
         held.append(one.low <= one.before <= one.high)
     # 95 % of 120: 114 with a standard deviation of 2.4.
     assert sum(held) >= 108
+
+
+def test_a_known_error_widens_the_interval_by_what_is_known_of_it() -> None:
+    noise = np.random.default_rng(5).standard_normal(COUNT)
+    gauge = FlightError("scale", 0.04, np.ones(COUNT))
+    (plain,) = estimate(load(noise), AS2, (PARAMETERS["level_power"],)).fitted
+    wrong = estimate(replace(load(noise), errors=(gauge,)), AS2, (PARAMETERS["level_power"],))
+    (one,) = wrong.fitted
+    # A factor on everything: the flight says nothing of it, and it is independent of the noise.
+    expected = np.hypot(plain.standard_error, 0.04 * one.value)
+    assert one.standard_error == pytest.approx(expected, rel=0.02)
+    assert one.value == pytest.approx(plain.value, rel=1e-6)
+    assert wrong.errors[0].standard_error == pytest.approx(0.04, rel=0.02)
+
+
+def test_several_flights_share_the_parameter_and_say_whether_they_agree() -> None:
+    rng = np.random.default_rng(6)
+    gauge = FlightError("scale", 0.04, np.ones(COUNT))
+    parts = {n: replace(load(rng.standard_normal(COUNT)), errors=(gauge,)) for n in range(4)}
+    whole = estimate(joined(parts), AS2, (PARAMETERS["level_power"],))
+    (one,) = whole.fitted
+    # Each flight has an error of its own: four of them halve it.
+    assert one.standard_error == pytest.approx(0.5 * 0.04 * one.value, rel=0.05)
+    shares = [float(flight.shares[0]) for flight in whole.flights]
+    assert sum(shares) == pytest.approx(1.0)
+    assert shares == pytest.approx([0.25] * 4, abs=0.05)
+    assert whole.freedom == 3
+    assert 0.0 <= whole.chi_square < 11.3  # one in a hundred
+    shifted = replace(parts[3], measured=parts[3].measured + 20.0)
+    apart = estimate(joined({**parts, 3: shifted}), AS2, (PARAMETERS["level_power"],))
+    assert apart.chi_square > 30.0
+    widened = np.sqrt(apart.chi_square / apart.freedom)
+    assert apart.fitted[0].standard_error > 0.9 * widened * one.standard_error
+
+
+def test_an_error_of_the_aircraft_is_one_for_all_flights() -> None:
+    rng = np.random.default_rng(7)
+    own = FlightError("model", 0.04, np.ones(COUNT), flight=None)
+    parts = {n: replace(load(rng.standard_normal(COUNT)), errors=(own,)) for n in range(4)}
+    whole = estimate(joined(parts), AS2, (PARAMETERS["level_power"],))
+    assert len(whole.errors) == 1
+    assert whole.fitted[0].standard_error == pytest.approx(0.04 * whole.fitted[0].value, rel=0.05)
 
 
 def test_ends_of_stretches_are_no_neighbours() -> None:

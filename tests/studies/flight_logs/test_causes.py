@@ -23,7 +23,7 @@ from sizing.library import load_aircraft
 from solar.geometry import ModuleGeometry
 from studies.flight_logs.causes.diagnosis import Diagnosis, diagnose, snapped
 from studies.flight_logs.causes.forward import Forward, LogError
-from studies.flight_logs.causes.left_out import frozen, may_be_limited
+from studies.flight_logs.causes.left_out import may_be_limited
 from studies.flight_logs.causes.losses import subsets
 from studies.flight_logs.samples import lit_samples
 from studies.flight_logs.synthetic import Faults, Settings, synthetic_log
@@ -108,17 +108,6 @@ def test_modules_fail_alone_by_side_by_row_or_both_outer_ones() -> None:
     assert len(groups) == len(set(groups)) == 14
     assert all(any(group) and not all(group) for group in groups)
     assert subsets(None) == []
-
-
-def test_frozen_channels_are_found_and_zero_power_and_saturation_are_not() -> None:
-    log = flown()
-    power = log.solar_power_w.copy()
-    power[2000:2100], power[3000:3100] = 77.0, 0.0
-    power = np.minimum(power, np.quantile(power, 0.95))
-    ((name, stuck),) = frozen(replace(log, solar_power_w=power))
-    assert name == "solar_power_w"
-    assert np.flatnonzero(stuck).tolist() == list(range(2000, 2100))
-    assert list(frozen(log)) == []
 
 
 def test_a_battery_limits_where_charge_and_power_say_so() -> None:

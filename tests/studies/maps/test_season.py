@@ -11,8 +11,9 @@ from missions.library import load_mission
 from missions.mission import Mission, Scenarios, UncertaintyMargins
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
+from sizing.module_power import modelled_power
 from sizing.performance import perpetual_days
-from sizing.sunlight import SolarModel, modelled_power, solar_day
+from sizing.sunlight import SolarModel, solar_day
 from solar.names import ModelName
 from studies.maps.results import season_text
 from studies.maps.season import Season, perpetual_flags, season_of

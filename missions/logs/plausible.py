@@ -1,0 +1,228 @@
+"""Values of a log that cannot be: found before anything is computed, told, and left out.
+
+What a quantity can be, and whether it may rest, is declared once in ``quantities``.
+"""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from missions.logs.clock import Span
+from missions.logs.quantities import QUANTITIES
+from missions.logs.units import UNITS, Dimension
+from solar.types import BoolArray, FloatArray
+
+Kind = Literal[
+    "no_number", "outside", "code", "spike", "frozen", "saturated", "repeated", "excluded"
+]
+_WORDS: Mapping[Kind, str] = {
+    "no_number": "cannot be read",
+    "outside": "cannot be",
+    "code": "stands for no value",
+    "spike": "single values above three times the highest power",
+    "frozen": "frozen at one value",
+    "saturated": "held at the highest value",
+    "repeated": "copies of earlier rows",
+    "excluded": "excluded",
+}
+# What loggers write for no value: nines, and the ends of integers; MAVLink has -1 % of charge.
+_CODES = (999.0, 9999.0, 99999.0, 999999.0, 32767.0, 65535.0, 2147483647.0, 4294967295.0)
+_SIGNED_CODES = (*_CODES, *(-c for c in _CODES), -32768.0, -2147483648.0)
+# A code is beyond the other values by more than this share of what they span.
+_APART = 0.5
+# Sunlight on modules is never three times that of a clear sky: Gueymard (2017), Solar Energy 153,
+# 755-765, measured 1.9 kW/m2 below broken clouds. Of five neighbours most are no spikes.
+_SPIKE, _NEIGHBOURS = 3.0, 5
+# A channel is frozen that repeats one value for so long [s] and in so many samples, that repeats
+# none elsewhere for a fifth of that, and whose usual step is three of its finest differences: a
+# coarse channel is not. Beyond half of the log it is a constant.
+_FROZEN_S, _LEAST_FROZEN, _RATIO, _STEPS, _MOST_HELD = 60.0, 10, 5, 3.0, 0.5
+_USUAL = 0.2  # quantile of the steps
+_DARK = 0.02  # share of the highest power below which there is none to speak of
+_GAP_STEPS = 5.0
+_LEAST_REPEATED, _LEAST_DISTINCT = 10, 5  # rows, and values of the power in them
+
+
+class LeftOut(NamedTuple):
+    """Values of a column, or rows if that has no name, that are left out, and why.
+
+    ``periods``: first and last time of each stretch [s since 1970], none where that is not known.
+    """
+
+    column: str
+    kind: Kind
+    values: int
+    example: str
+    periods: tuple[tuple[float, float], ...]
+
+    def earlier(self, by_s: float) -> LeftOut:
+        """The same by a clock that was so much ahead [s]."""
+        periods = tuple((start - by_s, end - by_s) for start, end in self.periods)
+        return self._replace(periods=periods)
+
+    def told(self) -> str:
+        """What is left out, how much of it, and when."""
+        kind = "value" if self.column else "row"
+        count = f"{self.values} {kind}{'' if self.values == 1 else 's'} left out"
+        text = f"{self.column}: {count}, {_WORDS[self.kind]}".removeprefix(": ")
+        text += f" ({self.example})" if self.example else ""
+        if not self.periods:
+            return text
+        first, last = _utc(self.periods[0][0]), _utc(self.periods[-1][1])
+        if first == last:
+            return f"{text}, {first} (UTC)"
+        if first[:10] == last[:10]:
+            last = last[11:]
+        return f"{text}, {first} to {last} (UTC)"
+
+
+def _utc(time_s: float) -> str:
+    return datetime.datetime.fromtimestamp(round(time_s), datetime.UTC).strftime(
+        "%Y-%m-%d %H:%M:%S"
+    )
+
+
+def left_out(
+    column: str, kind: Kind, mask: BoolArray, time_s: FloatArray, example: str = ""
+) -> LeftOut:
+    """Record of the values that a mask marks."""
+    known = np.flatnonzero(mask & np.isfinite(time_s))
+    order = known[np.argsort(time_s[known], kind="stable")]
+    times = time_s[order]
+    cuts = np.flatnonzero(np.diff(order) != 1)
+    firsts, lasts = np.append(0, cuts + 1), np.append(cuts, len(order) - 1)
+    spans = zip(times[firsts].tolist(), times[lasts].tolist(), strict=True) if len(order) else ()
+    return LeftOut(column, kind, int(mask.sum()), example, tuple(spans))
+
+
+def codes(dimension: Dimension, values: FloatArray) -> BoolArray:
+    """Values that stand for none, in any unit of the dimension, and are far from all others."""
+    written = (*_SIGNED_CODES, *((-1.0,) if dimension == "share" else ()))
+    every = {u.factor * c + u.offset for u in UNITS[dimension].values() for c in written}
+    marked = np.isin(values.round(9), np.round(list(every), 9))
+    others = values[~marked & np.isfinite(values)]
+    if not marked.any() or not len(others):
+        return np.zeros(len(values), bool)
+    low, high = np.quantile(others, (0.01, 0.99))
+    apart = np.maximum(low - values, values - high)
+    return np.asarray(marked & (apart > _APART * (high - low)) & (apart > 0.0))
+
+
+def no_place(latitude_deg: FloatArray, longitude_deg: FloatArray) -> BoolArray:
+    """Positions of 0, 0, which receivers without a fix give, where the flight was elsewhere."""
+    zero = (latitude_deg == 0.0) & (longitude_deg == 0.0)
+    others = (np.abs(latitude_deg) + np.abs(longitude_deg))[~zero]
+    others = others[np.isfinite(others)]
+    return np.asarray(zero & bool(len(others) and np.median(others) > 1.0))
+
+
+def stretches(
+    quantity: str, values: FloatArray, time_s: FloatArray
+) -> Iterator[tuple[Kind, BoolArray]]:
+    """Values that their neighbours do not allow: spikes, and where a channel is held.
+
+    ``time_s`` rises; values may be missing.
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    solar = quantity == "solar_power_w"
+
+    def among_all(places: BoolArray) -> BoolArray:
+        mask = np.zeros(len(values), bool)
+        mask[known[places]] = True
+        return mask
+
+    if solar:
+        spikes = _spikes(values[known])
+        if spikes.any():
+            yield "spike", among_all(spikes)
+            known = known[~spikes]
+    if QUANTITIES[quantity].rests or len(known) < _LEAST_FROZEN:
+        return
+    for kind, mask in _held(values[known], time_s[known], dark=_DARK if solar else 0.0):
+        if mask.any() and (solar or kind == "frozen"):
+            yield kind, among_all(mask)
+
+
+def _spikes(power: FloatArray) -> BoolArray:
+    """Single values far above the highest power of any others."""
+    size = pd.Series(np.abs(power))
+    usual = size.rolling(_NEIGHBOURS, center=True, min_periods=3).median().max()
+    return np.asarray(size > _SPIKE * usual, bool) & bool(usual > 0.0)
+
+
+def _held(values: FloatArray, time_s: FloatArray, dark: float) -> Iterator[tuple[Kind, BoolArray]]:
+    """Where a channel repeats one value although it never does elsewhere, or its highest.
+
+    ``dark``: share of the largest value below which any may be repeated; zero and the lowest may.
+    """
+    steps, passed = np.abs(np.diff(values)), np.diff(time_s)
+    breaks = (steps > 0.0) | (passed > _GAP_STEPS * np.median(passed))
+    number = np.concatenate([[0], np.cumsum(breaks)])
+    first = np.flatnonzero(np.concatenate([[True], breaks]))
+    last = np.concatenate([first[1:] - 1, [len(values) - 1]])
+    length, one = last - first + 1, values[first]
+    long = (time_s[last] - time_s[first] >= _FROZEN_S) & (length > _LEAST_FROZEN)
+    apart = np.diff(np.unique(values))
+    finest = apart[apart > 1e-9 * np.abs(values).max()].min(initial=np.inf)  # beyond rounding
+    moved = steps[steps > 0.0]
+    if not long.any() or not len(moved) or np.quantile(moved, _USUAL) < _STEPS * finest:
+        return
+    highest = one == values.max()
+    inner = (np.abs(one) > dark * np.abs(values).max()) & (one > values.min()) & ~highest
+    usual = int(length[inner & ~long].max(initial=1))
+    frozen = inner & long
+    if frozen.any() and length[frozen].min() < _RATIO * usual:
+        return
+    kinds: dict[Kind, BoolArray] = {"frozen": frozen, "saturated": highest & long}
+    for kind, runs in kinds.items():
+        if runs[number].mean() < _MOST_HELD:
+            yield kind, runs[number]
+
+
+def repeated(values: Mapping[str, FloatArray]) -> BoolArray:
+    """Rows of stretches that have all been written before, with power that changes in them."""
+    content = pd.util.hash_pandas_object(pd.DataFrame(dict(values)), index=False)
+    lag = np.arange(len(content)) - content.groupby(content).transform("idxmin").to_numpy(int)
+    number = np.concatenate([[0], np.cumsum(np.diff(lag) != 0)])
+    power = pd.Series(values["solar_power_w"])
+    distinct = power.groupby(number).transform("nunique").to_numpy(int)
+    rows = np.bincount(number)[number]
+    return np.asarray((lag > 0) & (rows >= _LEAST_REPEATED) & (distinct >= _LEAST_DISTINCT))
+
+
+def without_spans(
+    time_s: FloatArray,
+    values: dict[str, FloatArray],
+    exclude: Sequence[Span],
+    zone: datetime.tzinfo | None,
+    left: list[LeftOut],
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Rows outside the times of day that are left out by hand."""
+    keep = np.ones(len(time_s), bool)
+    for span in exclude:
+        inside = span.holds(time_s, zone or datetime.UTC)
+        keep &= ~inside
+        clock = f"{span.text}, {'UTC' if zone is None else zone}"
+        left.append(left_out("", "excluded", inside, time_s, clock))
+    return time_s[keep], {name: v[keep] for name, v in values.items()}
+
+
+def leave_out_held(
+    time_s: FloatArray, values: dict[str, FloatArray], labels: Mapping[str, str]
+) -> list[LeftOut]:
+    """Leave out what neighbours do not allow: spikes, frozen channels, rows written twice."""
+    left = []
+    if "solar_power_w" in values and (copies := repeated(values)).any():
+        left.append(left_out("", "repeated", copies, time_s))
+        values |= {name: np.where(copies, np.nan, v) for name, v in values.items()}
+    for name, column in values.items():
+        for kind, mask in stretches(name, column, time_s):
+            example = f"{column[np.argmax(mask)]:g}"
+            left.append(left_out(labels.get(name, name), kind, mask, time_s, example))
+            values[name] = np.where(mask, np.nan, values[name])
+    return left

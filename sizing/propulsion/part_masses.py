@@ -1,0 +1,81 @@
+"""Masses of parts that no file gives: motors by regression over the catalogue, gears by torque."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import exp, log, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from sizing.catalogues.entries import MotorEntry
+from sizing.catalogues.files import entries
+from sizing.propulsion.electric import Motor
+from sizing.smooth import Value
+
+__all__ = ["GEAR_EXPONENT", "MotorMassFit", "gear_mass_kg", "motor_mass_fit", "scaled_blade_mass"]
+
+# NASA/TM-2009-215680: masses of gearboxes of more than fifty rotorcraft, tiltrotors and turboprops
+# over beta = (hp / rpm_out)^0.75 ratio^0.15. The line through their logarithms is that of
+# AeroSandbox (MIT licence), made to extrapolate: 10^2.00836 lb beta^1.04452. Those gearboxes have
+# beta above 1, model gearboxes about 0.001.
+_LB_KG, _HP_W, _RPM = 0.45359237, 745.7, 30.0 / pi
+_SLOPE, _INTERCEPT = 1.0445171124733774, 2.0083615496306910
+GEAR_EXPONENT = 0.75 * _SLOPE  # of the torque
+_GEAR_KG = _LB_KG * 10.0**_INTERCEPT * (1.0 / (_RPM * _HP_W)) ** GEAR_EXPONENT
+
+
+class MotorMassFit(NamedTuple):
+    """Mass of motors over their continuous torque, ``coefficient_kg torque^exponent``.
+
+    ``scatter``: one standard deviation of the catalogue's masses about it, as a factor.
+    ``motors``: how many.
+    """
+
+    coefficient_kg: float
+    exponent: float
+    scatter: float
+    motors: int
+
+    def mass_kg(self, torque_nm: float) -> float:
+        """Mass of a motor of a continuous torque [kg]."""
+        return float(self.coefficient_kg * torque_nm**self.exponent)
+
+
+def continuous_torque_nm(motor: Motor | MotorEntry) -> float | None:
+    """Torque at the largest continuous current [N m]; None without one."""
+    if motor.maximum_current_a is None:
+        return None
+    useful_a = motor.maximum_current_a - motor.no_load_current_a
+    return max(useful_a, 0.0) * _RPM / motor.speed_constant_rpm_per_v
+
+
+@cache
+def motor_mass_fit() -> MotorMassFit:
+    """Least squares in logarithms over the motors of the catalogue.
+
+    The torque scatters less about its line than the motor constant ``K_t / sqrt(R)`` does.
+    """
+    known = [
+        (continuous_torque_nm(one), one.mass_kg)
+        for one in entries("motors").values()
+        if isinstance(one, MotorEntry) and one.mass_kg is not None
+    ]
+    logs = [(log(torque), log(mass)) for torque, mass in known if torque]
+    x, y = np.array(logs).T
+    exponent, intercept = np.polyfit(x, y, 1)
+    rest = y - intercept - exponent * x
+    scatter = sqrt(float(rest @ rest) / (len(x) - 2))
+    return MotorMassFit(exp(intercept), float(exponent), exp(scatter), len(x))
+
+
+def gear_mass_kg(torque_nm: Value, ratio: Value) -> Value:
+    """Mass of a gearbox by the torque at its slow shaft [N m] and its ratio; 0 without one [kg]."""
+    if isinstance(ratio, float | int) and ratio == 1.0:
+        return 0.0
+    return _GEAR_KG * torque_nm**GEAR_EXPONENT * ratio ** (0.15 * _SLOPE)
+
+
+def scaled_blade_mass(mass_kg: Value, diameter_ratio: Value) -> Value:
+    """Mass of a propeller of the same shape and material, larger by a ratio [kg]."""
+    return mass_kg * diameter_ratio**3

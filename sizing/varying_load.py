@@ -1,0 +1,343 @@
+"""Load of an aircraft whose propulsion has the efficiency of the moment.
+
+With parts at their operating point the electric power follows the thrust power of turbulence and
+thermals, and the voltage of the battery. The voltage follows the charge, which follows the load: a
+day is marched with the voltages of the march before, until they stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.air import Air
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import (
+    Design,
+    FlightConditions,
+    ImpossibleDesignError,
+    bus_voltage_v,
+    load_profile,
+    thermal_shape,
+)
+from sizing.energy.battery import Battery, Store
+from sizing.energy.cycle import Cycle, simulate_cycle
+from sizing.held_station import power_against_wind_w
+from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.part_load import PartLoad, load_range
+from sizing.smooth import Value
+from sizing.sunlight import SolarDay
+from solar.types import FloatArray
+
+__all__ = [
+    "DesignLoads",
+    "flight_of",
+    "flown_cycle",
+    "interpolation_error",
+    "load_shape",
+    "part_load_of",
+    "smooth_loads_w",
+]
+
+# A day is marched again until load and nominal load stay within this, relative, which is 1e-5 h of
+# excess time. Each march leaves less than a hundredth of the error of the one before.
+_SETTLED, _ROUNDS = 1e-6, 6
+# State of charge whose voltage the first march has.
+_FIRST_CHARGE = 0.5
+# Extra thrust power by thermals for which a program's straight line is exact: the power bends from
+# it by a few thousandths between none and half of level flight's.
+_THERMAL = 0.25
+# Shares of the charge over whose voltages a nominal load is averaged, in the middle of equal steps.
+_SHARES = (np.arange(32) + 0.5) / 32.0
+
+
+def part_load_of(
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+) -> PartLoad | None:
+    """Power of the propulsion over load and voltage; None where its efficiencies are constants.
+
+    The load is that of the mission's turbulence and thermals. Raises
+    :class:`ImpossibleDesignError` for a single design whose propeller's data end before.
+    """
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return None
+    turbulence = mission.turbulence
+    ends = load_range(turbulence.all_day, turbulence.thermal)
+    level_w = np.asarray(design.propulsion_power_w, float)
+    own, flight = flight_of(aircraft, mission, design)
+    volts, flies = bus_voltage_v(aircraft), np.isfinite(level_w)
+    if not (own.is_exact and level_w.ndim == 0 and flies):
+        return _table(own, flight, np.where(flies, level_w, np.inf), ends, volts)
+    numbers = Flight(
+        float(flight.thrust_w),
+        float(flight.airspeed_m_per_s),
+        Air(*(float(one) for one in flight.air)),  # type: ignore[arg-type]  # as a cache's key
+    )
+    load = float(ends[0]), float(ends[1])
+    found = _table_of_one(own, numbers, float(level_w), load, volts)
+    if found.beyond:
+        reason = own.point(flight.thrust_w * load[1], *flight[1:], volts).reason
+        raise ImpossibleDesignError(
+            f"the propulsion of {aircraft.name} cannot do {load[1]:.3g} times the power of level "
+            f"flight, in turbulence and thermals of {mission.name}: {reason}"
+        )
+    return found
+
+
+def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
+    """Largest relative error of a single design's table, half-way between its nodes."""
+    part = part_load_of(aircraft, mission, design)
+    assert part is not None
+    own, flight = flight_of(aircraft, mission, design)
+    load, bus_v = part.between()
+    load = load[:, np.newaxis]
+    exact_w = own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
+    return float(np.max(np.abs(part.at(load, bus_v) * design.propulsion_power_w / exact_w - 1.0)))
+
+
+class Flight(NamedTuple):
+    """Thrust power of level flight [W], airspeed [m/s] and air."""
+
+    thrust_w: Any
+    airspeed_m_per_s: Any
+    air: Air
+
+
+def flight_of(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[OperatingPointPropulsion, Flight]:
+    """Propulsion of a design's size, and its level flight; 1 for a design that cannot fly."""
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    assert isinstance(propulsion, OperatingPointPropulsion)
+    assert design.chain is not None
+    with np.errstate(invalid="ignore"):
+        thrust_w = np.asarray(design.propulsion_power_w * np.asarray(design.chain.efficiency))
+    flies = np.isfinite(thrust_w)
+    variables = design.variables.mapped(lambda one: float(one) if np.ndim(one) == 0 else one)
+    return propulsion.sized(*variables.of_propulsion), Flight(
+        np.where(flies, thrust_w, 1.0),
+        np.where(flies, design.airspeed_m_per_s, 1.0),
+        FlightConditions.of(mission, aircraft).air,
+    )
+
+
+def load_shape(mission: Mission, day: SolarDay) -> FloatArray:
+    """Thrust power over that of level flight at the nodes [-], ``(scenario, time)``."""
+    thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
+    return np.asarray(1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal)
+
+
+def _table(
+    own: OperatingPointPropulsion,
+    flight: Flight,
+    level_w: FloatArray,
+    loads: tuple[FloatArray, FloatArray],
+    volts: tuple[float, float],
+) -> PartLoad:
+    def power_w(load: FloatArray, bus_v: FloatArray) -> Any:
+        return own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
+
+    return PartLoad.of(power_w, level_w, loads, volts)
+
+
+@lru_cache(maxsize=16)
+def _table_of_one(
+    own: OperatingPointPropulsion,
+    flight: Flight,
+    level_w: float,
+    loads: tuple[float, float],
+    volts: tuple[float, float],
+) -> PartLoad:
+    """Table of one design, which several flights share: its rotations are searched for once."""
+    ends = np.asarray(loads[0]), np.asarray(loads[1])
+    return _table(own, flight, np.asarray(level_w), ends, volts)
+
+
+def smooth_loads_w(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions
+) -> tuple[Value, Value]:
+    """Nominal load, and more of it per extra thrust power over that of level flight [W].
+
+    Of numbers, arrays or symbols. The efficiency of parts is that of the turbulence of all hours at
+    the voltage of a half charged battery; in thermals the load is a straight line from there.
+    """
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return design.load_in_turbulence_w(conditions.turbulence), design.propulsion_power_w
+    assert design.chain is not None
+    thrust_w = design.propulsion_power_w * design.chain.efficiency
+    own = propulsion.sized(*design.variables.of_propulsion)
+    bus_v = float(aircraft.battery.bus_voltage_v(np.array(_FIRST_CHARGE)))
+    steady = 1.0 + conditions.turbulence
+    calm_w, rough_w = (
+        own.bus_power_w(thrust_w * load, design.airspeed_m_per_s, conditions.air, bus_v)
+        for load in (steady, steady + _THERMAL)
+    )
+    return calm_w + design.constant_power_w, (rough_w - calm_w) / _THERMAL
+
+
+@dataclass(frozen=True)
+class DesignLoads:
+    """Solar power and load of every design in every scenario of a day.
+
+    ``part_load``: None for an efficiency that is constant. ``paired``: each design flies in its own
+    scenario. ``own_solar_w``: power of the modules, where it is not that of the day.
+    ``own_propulsion_w``: of level flight in every scenario, where it is not that of the design.
+    """
+
+    design: Design
+    mission: Mission
+    day: SolarDay
+    part_load: PartLoad | None = None
+    paired: bool = False
+    own_solar_w: FloatArray | None = None
+    own_propulsion_w: FloatArray | None = None
+
+    @classmethod
+    def of(
+        cls,
+        aircraft: Aircraft,
+        mission: Mission,
+        design: Design,
+        day: SolarDay,
+        *,
+        paired: bool = False,
+    ) -> DesignLoads:
+        """Loads with the efficiency of the moment where the aircraft's parts say what it is.
+
+        Flight as fast as the wind of a scenario has the efficiency of that airspeed.
+        """
+        if not mission.holds_station:
+            return cls(design, mission, day, part_load_of(aircraft, mission, design), paired)
+        loads = cls(design, mission, day, paired=paired)
+        winds = mission.scenario_winds_m_per_s(day.scenarios)
+        spread = design.mapped(loads._over_scenarios)
+        power_w = power_against_wind_w(aircraft, mission, spread, winds)
+        return replace(loads, own_propulsion_w=power_w)
+
+    @cached_property
+    def solar_w(self) -> FloatArray:
+        """Power of the modules [W], ``(..., scenario, time)``."""
+        if self.own_solar_w is not None:
+            return self.own_solar_w
+        area = self._over_scenarios(self.design.variables.module_area_m2)[..., np.newaxis]
+        power = self.day.power_of(self.design, self.mission, paired=self.paired)
+        return np.asarray(area * power)
+
+    @property
+    def follows_voltage(self) -> bool:
+        """Whether the charge makes a difference to the load."""
+        return self.part_load is not None and self.part_load.follows_voltage
+
+    def load_w(self, bus_v: FloatArray | None = None) -> FloatArray:
+        """Load at voltages at the nodes [W], by default those of the end that takes more."""
+        day, part = self.day, self._part
+        load: FloatArray = load_profile(
+            day.time_h, self._flown, self.mission, day.sunrise_h, day.sunset_h, part, bus_v
+        )
+        return np.broadcast_to(load, np.broadcast_shapes(load.shape, self.solar_w.shape))
+
+    def nominal_w(self, bus_v: FloatArray | None = None) -> FloatArray:
+        """Nominal load [W], ``(..., scenario)``; at voltages ``(..., scenario, step)``."""
+        flown, part = self._flown, self._part
+        if part is None:
+            return np.asarray(flown.nominal_load_w(self.mission))
+        load, _ = load_range(self.mission.turbulence.all_day, 0.0)
+        ratio = part.at(load[..., np.newaxis], bus_v)
+        level_w, constant_w = (
+            np.asarray(one)[..., np.newaxis]
+            for one in (flown.propulsion_power_w, flown.constant_power_w)
+        )
+        nominal: FloatArray = level_w * ratio + constant_w
+        return nominal[..., 0] if bus_v is None else nominal
+
+    @cached_property
+    def _flown(self) -> Design:
+        """Design with an axis for the scenarios."""
+        # An impossible design draws infinite power; a huge finite one keeps NaN out of the rest.
+        power_w = self.own_propulsion_w
+        if power_w is None:
+            power_w = self._over_scenarios(self.design.propulsion_power_w)
+        return self.design._replace(
+            propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12),
+            constant_power_w=self._over_scenarios(self.design.constant_power_w),
+        )
+
+    @cached_property
+    def _part(self) -> PartLoad | None:
+        """Part load with axes for scenarios and time."""
+        return None if self.part_load is None else self.part_load.spread(2 - self.paired)
+
+    def _over_scenarios(self, value: ArrayLike) -> FloatArray:
+        return np.asarray(value) if self.paired else np.asarray(value)[..., np.newaxis]
+
+
+def flown_cycle(
+    loads: DesignLoads | Sequence[DesignLoads],
+    store: Store,
+    battery: Battery,
+    *,
+    keep_trajectory: bool = True,
+) -> tuple[Cycle, FloatArray, FloatArray]:
+    """Cycle, load and nominal load [W]; of a sequence stacked on a first axis.
+
+    A load that follows the voltage has that of its own charge. Its nominal load, by which a battery
+    lasts for the excess time, is the mean over the voltages from the charge at the morning's equal
+    power down to the empty battery.
+    """
+    variants = [loads] if isinstance(loads, DesignLoads) else list(loads)
+
+    def joined(parts: Sequence[FloatArray]) -> FloatArray:
+        return parts[0] if isinstance(loads, DesignLoads) else np.stack(parts)
+
+    def each(voltages: FloatArray) -> Iterator[tuple[DesignLoads, FloatArray]]:
+        parts = [voltages] if isinstance(loads, DesignLoads) else list(voltages)
+        return zip(variants, parts, strict=True)
+
+    time_h, solar_w = variants[0].day.time_h, joined([one.solar_w for one in variants])
+
+    def flown(load_w: FloatArray, nominal_w: FloatArray, *, keep: bool) -> Cycle:
+        return simulate_cycle(
+            time_h, solar_w, load_w, store, nominal_load_w=nominal_w, keep_trajectory=keep
+        )
+
+    if not any(one.follows_voltage for one in variants):
+        load_w = joined([one.load_w() for one in variants])
+        nominal_w = joined([one.nominal_w() for one in variants])
+        return flown(load_w, nominal_w, keep=keep_trajectory), load_w, nominal_w
+    first_v = battery.bus_voltage_v(np.array([_FIRST_CHARGE]))
+    load_w = joined([one.load_w(first_v) for one in variants])
+    nominal_w = joined([one.nominal_w(first_v)[..., 0] for one in variants])
+    for _ in range(_ROUNDS):
+        cycle = flown(load_w, nominal_w, keep=True)
+        charge = cycle.energy_wh / np.asarray(store.battery_energy_wh)[..., np.newaxis]
+        by_night = _charge_at_dawn(cycle, nominal_w, store)[..., np.newaxis] * _SHARES
+        here, later = (battery.bus_voltage_v(one) for one in (charge, by_night))
+        next_w = joined([one.load_w(bus_v) for one, bus_v in each(here)])
+        over_night = joined([one.nominal_w(bus_v) for one, bus_v in each(later)])
+        next_nominal_w = 1.0 / np.mean(1.0 / over_night, axis=-1)
+        # Element by element: what becomes of one does not depend on the others.
+        moved = np.any(np.abs(next_w - load_w) > _SETTLED * load_w, axis=-1)
+        moved |= np.abs(next_nominal_w - nominal_w) > _SETTLED * nominal_w
+        if not np.any(moved):
+            return cycle, load_w, nominal_w
+        load_w = np.where(moved[..., np.newaxis], next_w, load_w)
+        nominal_w = np.where(moved, next_nominal_w, nominal_w)
+    # On the edge of perpetual flight a day may leap to and fro with its voltages.
+    return flown(load_w, nominal_w, keep=keep_trajectory), load_w, nominal_w
+
+
+def _charge_at_dawn(cycle: Cycle, nominal_w: FloatArray, store: Store) -> FloatArray:
+    """State of charge at the morning's equal power, which the excess time was taken from."""
+    hours = np.where(np.isfinite(cycle.excess_time_h), np.maximum(cycle.excess_time_h, 0.0), 0.0)
+    usable_wh = np.asarray(store.battery_energy_wh) * store.discharge_efficiency
+    return np.clip(hours * nominal_w / usable_wh, 0.0, 1.0)

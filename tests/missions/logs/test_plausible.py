@@ -1,0 +1,221 @@
+"""Values that cannot be are found where they are, and nothing is found in logs of clean sensors."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from zoneinfo import ZoneInfo
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmarks.independent_logs import TRUTHS, TUNING, made
+from missions.files.errors import InputError
+from missions.library import load_mission
+from missions.logs.clock import parse_span
+from missions.logs.columns import ColumnMap
+from missions.logs.csv import read_csv
+from missions.logs.plausible import codes
+from missions.logs.table import FlightLog, log_from_table
+from sizing.library import load_aircraft
+from studies.fitting.synthetic import Flight, fly
+from studies.flight_logs.synthetic import Settings, synthetic_log
+
+Change = Callable[[pd.DataFrame], pd.DataFrame]
+
+
+@cache
+def flown() -> pd.DataFrame:
+    """A day of an independent simulation, every 4 s."""
+    return made(load_aircraft("atlantiksolar-as2"), TRUTHS[3], TUNING + 3).rows
+
+
+def found(table: pd.DataFrame) -> list[tuple[str, str, int]]:
+    left = log_from_table(table, "x").left_out
+    return [(one.column, one.kind, one.values) for one in left]
+
+
+def with_values(column: str, rows: slice | range, value: float) -> pd.DataFrame:
+    table = flown().copy()
+    table.loc[rows, column] = value
+    return table
+
+
+# ---- what is found
+
+
+@pytest.mark.parametrize(
+    ("column", "rows", "value", "kind"),
+    [
+        ("solar_power_w", range(100, 900, 7), 9999.0, "code"),
+        ("solar_power_w", range(100, 900), -999.0, "code"),
+        ("solar_power_w", range(100, 900), 65.535, "code"),  # an integer of mW, far from others
+        ("altitude_m", range(50), 9999.0, "code"),
+        ("state_of_charge", range(50), -0.01, "code"),  # MAVLink: not estimated
+        ("solar_power_w", range(100, 900, 70), 2345.6, "spike"),
+        ("ambient_temperature_c", range(100, 200), 60.0, "outside"),
+        ("latitude_deg", range(9), 91.0, "outside"),
+        ("solar_power_w", range(1000, 1100), 77.7, "frozen"),
+        ("yaw_deg", range(1000, 1100), 77.7, "frozen"),
+        ("load_w", range(1000, 1100), 41.7, "frozen"),
+    ],
+)
+def test_values_that_cannot_be_are_left_out(
+    column: str, rows: range, value: float, kind: str
+) -> None:
+    table = with_values(column, rows, value)
+    if value == 65.535:  # far from others only by day
+        table = table[table["solar_power_w"] > 150.0].reset_index(drop=True)
+        table.loc[rows, column] = value
+    assert found(table) == [(column, kind, len(rows))]
+    (one,) = log_from_table(table, "x").left_out
+    assert one.periods[0][0] == pytest.approx(table["time_utc_s"][rows[0]], abs=1e-3)
+    assert one.periods[-1][1] == pytest.approx(table["time_utc_s"][rows[-1]], abs=1e-3)
+
+
+def test_a_code_among_other_values_is_a_value() -> None:
+    power = np.linspace(0.0, 1200.0, 400)
+    power[200:210] = 999.0
+    assert not codes("power", power).any()
+    assert not codes("power", np.full(20, 999.0)).any()
+    assert codes("power", np.append(np.linspace(0.0, 300.0, 400), 999.0)).sum() == 1
+
+
+def test_a_position_of_a_receiver_without_a_fix() -> None:
+    table = flown().copy()
+    table.loc[:49, ["latitude_deg", "longitude_deg"]] = 0.0
+    assert found(table) == [("latitude_deg", "code", 50), ("longitude_deg", "code", 50)]
+
+
+def test_a_sensor_at_its_highest_value_for_minutes() -> None:
+    table = tables()["own"].copy()
+    highest = float(table["solar_power_w"].quantile(0.8))
+    table["solar_power_w"] = table["solar_power_w"].clip(upper=highest)
+    ((column, kind, count),) = found(table)
+    assert (column, kind) == ("solar_power_w", "saturated")
+    assert count <= (table["solar_power_w"] == highest).sum()
+
+
+def test_rows_that_are_written_twice() -> None:
+    table = flown().copy()
+    content = table.columns[1:]
+    table.loc[1000:1199, content] = table.loc[500:699, content].to_numpy()
+    assert found(table) == [("", "repeated", 200)]
+    note = next(n for n in log_from_table(table, "x").notes if "copies" in n)
+    assert note.startswith("200 rows left out, copies of earlier rows, 2024-")
+
+
+def test_times_before_the_clock_was_set() -> None:
+    table = flown().copy()
+    table.loc[:29, "time_utc_s"] = 315964800.0 + np.arange(30)  # 1980-01-06, where GPS begins
+    assert found(table) == [("time_utc_s", "outside", 30)]
+
+
+# ---- what is not
+
+
+def constant(table: pd.DataFrame) -> pd.DataFrame:
+    """A battery full for hours, altitude held to the metre, constant load and temperature."""
+    charge = np.minimum(1.3 * table["state_of_charge"], 1.0)
+    power = table["solar_power_w"].clip(lower=0.0)
+    return table.assign(
+        solar_power_w=power,
+        state_of_charge=charge,
+        altitude_m=600.0,
+        load_w=43.0,
+        ambient_temperature_c=22.0,
+    )
+
+
+def rounded(decimals: int) -> Change:
+    def change(table: pd.DataFrame) -> pd.DataFrame:
+        places = {"latitude_deg": 3 + decimals, "longitude_deg": 3 + decimals}
+        places |= {"state_of_charge": 2, "time_utc_s": 3}
+        names = table.select_dtypes("number").columns
+        return table.assign(**{n: table[n].round(places.get(n, decimals)) for n in names})
+
+    return change
+
+
+CHANGES: dict[str, Change] = {
+    "as it is": lambda table: table,
+    "constant": constant,
+    "whole numbers": rounded(0),
+    "tenths": rounded(1),
+}
+
+
+@cache
+def tables() -> dict[str, pd.DataFrame]:
+    aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-28h")
+    calm = Settings(rate_hz=0.25, jitter_deg=0.0, attitude_error_deg=0.0, power_noise_w=0.0)
+    independent = {f"independent {n}": made(aircraft, TRUTHS[n], TUNING + n).rows for n in (0, 15)}
+    return independent | {
+        "own": synthetic_log(aircraft, mission, Settings(rate_hz=0.25)).table,
+        "own, calm": synthetic_log(aircraft, mission, calm).table,
+        "own, with a night": fly(aircraft, mission, Flight()).table,
+    }
+
+
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize(
+    "name", ["independent 0", "independent 15", "own", "own, calm", "own, with a night"]
+)
+def test_nothing_is_found_in_logs_of_clean_sensors(name: str, change: str) -> None:
+    assert found(CHANGES[change](tables()[name])) == []
+
+
+def test_a_loss_of_power_is_no_frozen_sensor() -> None:
+    assert found(with_values("solar_power_w", range(1000, 1400), 0.0)) == []
+
+
+# ---- what is left out by hand
+
+
+def test_spans_are_by_the_clock_of_their_zone() -> None:
+    zone = ZoneInfo("Europe/Zurich")
+    noon = datetime.datetime(2015, 7, 1, 12, tzinfo=zone).timestamp()
+    hours = noon + 3600.0 * np.arange(-24.0, 25.0, 6.0)  # noon, 18, 0, 6 ... to noon
+    assert parse_span("11:20-12:45").holds(hours, zone).tolist() == [
+        *([True, False, False, False] * 2),
+        True,
+    ]
+    assert parse_span("2015-07-01@9:20-11:45:30").holds(hours, datetime.UTC).sum() == 1
+    over_midnight = parse_span("2015-06-30@23:00-06:30").holds(hours, zone)
+    assert np.flatnonzero(over_midnight).tolist() == [2, 3]
+
+
+@pytest.mark.parametrize("text", ["11:20", "11:20-25:00", "noon", "2015-13-01@11:20-11:45", ""])
+def test_wrong_spans_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="must be times like 11:20-11:45"):
+        parse_span(text)
+
+
+def read(folder: Path, table: pd.DataFrame, **layout: object) -> FlightLog:
+    table.to_csv(folder / "log.csv", index=False)
+    return read_csv(folder / "log.csv", ColumnMap.model_validate(layout))
+
+
+def test_times_and_columns_are_left_out_by_hand(tmp_path: Path) -> None:
+    start = pd.to_datetime(flown()["time_utc_s"][0], unit="s").ceil("h")
+    span = f"{start:%H:%M}-{start + pd.Timedelta(minutes=30):%H:%M}"
+    log = read(tmp_path, flown(), exclude=[span, "2001-01-01@10:00-11:00"])
+    assert [(one.kind, one.values) for one in log.left_out] == [("excluded", 450), ("excluded", 0)]
+    assert (len(log), log.rows_dropped) == (len(flown()) - 450, 0)
+    log = read(tmp_path, flown().assign(x="?", load_w="?"), ignore=["x", "load_w", "yaw_deg"])
+    assert (log.load_w, log.attitude, log.left_out) == (None, None, ())
+    with pytest.raises(InputError, match="solar_power_w: required column is missing"):
+        read(tmp_path, flown(), ignore=["solar_power_w"])
+
+
+def test_columns_that_nobody_needs_make_no_log_unreadable(tmp_path: Path) -> None:
+    text = flown().head(50).assign(a="#REF!", b="").to_csv(index=False)
+    text = text.replace(",a,b\n", ",a b,a b\n", 1)
+    (tmp_path / "log.csv").write_text(text)
+    log = read_csv(tmp_path / "log.csv")
+    assert log.notes == ("columns not used: a b, a b",)
+    log = read(tmp_path, flown().rename(columns={"load_w": "laod_w"}))
+    assert "columns not used: laod_w (did you mean 'load_w'?)" in log.notes

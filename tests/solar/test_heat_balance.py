@@ -1,0 +1,106 @@
+"""Temperature of modules in thin air: energy is kept, limits are met, and a flight's number."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from missions.air import plate_convection_w_per_m2k, standard_air
+from solar.clearsky import Irradiance
+from solar.heat_balance import (
+    STEFAN_BOLTZMANN,
+    ZERO_CELSIUS_K,
+    Surroundings,
+    balanced_temperature_c,
+    long_wave_w_per_m2,
+)
+from solar.modules import ModuleHeat, SolarCell
+
+CELL = SolarCell()
+DARK = Irradiance(np.array(0.0), np.array(0.0))
+
+
+@given(
+    light=st.floats(0.0, 1400.0),
+    efficiency=st.floats(0.05, 0.35),
+    ambient_c=st.floats(-80.0, 40.0),
+    convection=st.floats(0.1, 200.0),
+    pressure=st.floats(0.01, 1.0),
+    underside=st.floats(0.0, 1.0),
+)
+def test_what_comes_in_goes_out(
+    light: float,
+    efficiency: float,
+    ambient_c: float,
+    convection: float,
+    pressure: float,
+    underside: float,
+) -> None:
+    cell = CELL.model_copy(update={"thermal": ModuleHeat(underside_share=underside)})
+    around = Surroundings(ambient_c, convection, pressure)
+    level = Irradiance(np.array(0.9 * light), np.array(0.1 * light))
+    found = float(balanced_temperature_c(light, efficiency * light, level, 1.0, cell, around))
+    heat, kelvin = cell.thermal, found + ZERO_CELSIUS_K
+    electric = efficiency * light * (1.0 - 0.003 * (found - 25.0))
+    down, up = long_wave_w_per_m2(pressure)
+    reflected = underside * heat.underside_absorptance * around.albedo * light
+    brought = heat.absorptance * light - electric + reflected
+    radiated = heat.emissivity * (
+        (1.0 + underside) * STEFAN_BOLTZMANN * kelvin**4 - down - underside * up
+    )
+    lost = radiated + (1.0 + underside) * convection * (found - ambient_c)
+    # Newton's steps end below 1e-9 K.
+    assert lost == pytest.approx(brought, abs=1e-5)
+
+
+def test_in_a_strong_wind_modules_are_as_cold_as_the_air() -> None:
+    around = Surroundings(-56.5, 1e6, 0.05)
+    level = Irradiance(np.array(1200.0), np.array(0.0))
+    found = balanced_temperature_c(1200.0, 280.0, level, 1.0, CELL, around)
+    assert found == pytest.approx(-56.5, abs=1e-3)
+
+
+def test_without_air_and_light_the_plate_is_that_of_the_long_waves() -> None:
+    found = balanced_temperature_c(0.0, 0.0, DARK, 0.0, CELL, Surroundings(-56.5, 1e-9, 0.0))
+    # Both faces radiate what comes up from the earth: 239 W/m2.
+    expected = (239.0 / (2.0 * STEFAN_BOLTZMANN)) ** 0.25 - ZERO_CELSIUS_K
+    assert found == pytest.approx(expected, abs=1e-6)
+
+
+def test_what_was_measured_near_the_ground_lies_between_a_bare_and_an_insulated_wing() -> None:
+    """12 K at 265 W of 1.35 m2 (the report on solar power models), at some 9.5 m/s and 0.305 m."""
+    air = standard_air(536.0, 15.0)
+    convection = float(plate_convection_w_per_m2k(air, 9.5, 0.305))
+    light = 265.0 / 1.35 / (0.237 * 0.95)
+    level = Irradiance(np.array(0.88 * light), np.array(0.12 * light))
+    around = Surroundings(float(air.temperature_c), convection, 0.94)
+    bare, insulated = (
+        float(
+            balanced_temperature_c(
+                *(light, 0.237 * light, level, 0.9),
+                CELL.model_copy(update={"thermal": ModuleHeat(underside_share=share)}),
+                around,
+            )
+        )
+        - float(air.temperature_c)
+        for share in (1.0, 0.0)
+    )
+    assert bare < 12.0 < insulated
+    assert insulated < 24.0
+
+
+def test_more_flow_and_less_absorption_cool() -> None:
+    level = Irradiance(np.array(1150.0), np.array(50.0))
+
+    def kelvins(convection: float, **heat: float) -> float:
+        cell = CELL.model_copy(update={"thermal": ModuleHeat(**heat)})  # type: ignore[arg-type]
+        around = Surroundings(-56.5, convection, 0.05)
+        return float(balanced_temperature_c(1200.0, 280.0, level, 1.0, cell, around))
+
+    assert kelvins(10.0) < kelvins(5.0) < kelvins(2.0)
+    assert kelvins(5.0, absorptance=0.8) < kelvins(5.0)
+    assert kelvins(5.0, emissivity=0.95) < kelvins(5.0) < kelvins(5.0, emissivity=0.5)
+    # A wing of foam keeps the heat of the upper face.
+    assert kelvins(5.0, underside_share=0.0) > kelvins(5.0) + 20.0

@@ -1,0 +1,137 @@
+"""The rib wing beside the published masses of aircraft of 3 to 75 m."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from missions.library import load_mission
+from sizing.design import closed_design, variables_of
+from sizing.library import load_aircraft
+from studies.validation.structures.comparison import (
+    Interval,
+    PublishedStructure,
+    published_structures,
+    spar_models,
+    structures_table,
+)
+
+AIRCRAFT = published_structures()
+
+
+@pytest.mark.parametrize("key", AIRCRAFT)
+def test_computed_structure_meets_the_published_one(key: str) -> None:
+    """One calibration, that of AtlantikSolar, for all.
+
+    Intervals of what is not published are wide, so that they have to meet. The known miss is told
+    in docs/structure.md: a wing hung on wires with a spar thinner than the section.
+    """
+    one = AIRCRAFT[key]
+    gap = one.computed_structure_kg(one.models).gap(one.structure_kg)
+    if one.known_miss:
+        assert 0.0 < gap < 0.35  # 27 % above, by the gauges of a box as deep as the section
+    else:
+        assert gap == 0.0
+
+
+def test_published_masses_lie_within_or_next_to_the_computed_totals() -> None:
+    missed = {
+        key: one.computed_total_kg(one.models).gap(one.total_kg) for key, one in AIRCRAFT.items()
+    }
+    # The Albatross is 8 % too heavy in total for its structure's 27 %.
+    assert {key for key, gap in missed.items() if gap != 0.0} == {"gossamer-albatross"}
+    assert missed["gossamer-albatross"] < 0.1
+
+
+def test_intervals_of_large_aircraft_tell_something() -> None:
+    """A published structure between two numbers is worth comparing if they are close enough."""
+    for key, one in AIRCRAFT.items():
+        computed = one.computed_structure_kg(one.models)
+        assert computed.low > 0.0, key
+        assert computed.high < 1.6 * computed.low, key
+
+
+def test_heliplat_is_near_the_law_of_its_own_sizing() -> None:
+    """Airframe of ``8.75 n^0.311 AR^0.4665 S^0.7775`` newton, a law of solar HALE aircraft.
+
+    Romeo et al., HELIPLAT, J. Aircraft 41 (2004) 1505, with its limit load factor of 3.1. A law of
+    three exponents for all such aircraft: within 30 %.
+    """
+    ratio = 73.0**2 / 176.5
+    law_kg = 8.75 * 3.1**0.311 * ratio**0.4665 * 176.5**0.7775 / 9.80665
+    one = AIRCRAFT["heliplat"]
+    assert one.computed_structure_kg(one.models).middle == pytest.approx(law_kg, rel=0.3)
+
+
+def test_each_number_has_a_source_and_an_order() -> None:
+    text = (resources.files("studies.validation.structures") / "structures.yaml").read_text(
+        encoding="utf-8"
+    )
+
+    def leaves(node: dict[str, object]) -> list[dict[str, object]]:
+        if "source" in node:
+            return [node]
+        return [leaf for one in node.values() if isinstance(one, dict) for leaf in leaves(one)]
+
+    for key, record in yaml.safe_load(text)["aircraft"].items():
+        found = leaves(record["numbers"]) + leaves(record.get("structure", {}))
+        assert len(found) >= 9, key
+        for number in found:
+            assert number["source"], (key, number)
+            assert ("value" in number) != ("low" in number), (key, number)
+            if "low" in number:
+                assert number["low"] < number["high"], (key, number)
+
+
+def test_published_structure_is_what_is_left_of_the_total_mass() -> None:
+    zephyr = AIRCRAFT["zephyr-8"]
+    # 75 kg less 24 kg of battery, 4 to 9 of modules, 3 to 6 of propulsion, 7 to 11 of systems.
+    assert zephyr.structure_kg == Interval(25.0, 37.0)
+
+
+def test_intervals_that_meet_have_no_gap() -> None:
+    assert Interval(1.0, 2.0).gap(Interval(1.5, 3.0)) == 0.0
+    assert Interval(3.0, 4.0).gap(Interval(1.0, 2.0)) == pytest.approx(1.0 / 1.5)
+    assert Interval(1.0, 2.0).gap(Interval(3.0, 4.0)) == pytest.approx(-1.0 / 3.5)
+    assert Interval(0.5, 0.5).text() == "0.5"
+    assert Interval(1234.5, np.inf).text() == "1230 to infinite"
+
+
+def test_a_budget_that_closes_gives_its_mass_and_one_that_does_not_is_infinite() -> None:
+    one = AIRCRAFT["zephyr-8"]
+    total = one.computed_total_kg(spar_models())
+    carried = Interval(24.0 + 4.0 + 3.0 + 7.0, 24.0 + 9.0 + 6.0 + 11.0)
+    assert total.low > carried.low
+    assert total.high > carried.high
+    heavy = tuple(model.model_copy(update={"calibration": 50.0}) for model in one.models)
+    assert one.computed_total_kg(heavy).low == np.inf
+
+
+def test_table_has_a_row_for_each_aircraft() -> None:
+    table = structures_table()
+    assert [row[0] for row in table.rows] == [one.name for one in AIRCRAFT.values()]
+    assert isinstance(AIRCRAFT["helios"], PublishedStructure)
+
+
+def test_what_init_writes_closes_at_zephyrs_mass_with_zephyrs_masses(tmp_path: Path) -> None:
+    """75 kg at 25 m with 24 kg of battery; version 1.0 gave 92 kg, with a deflection limit 570."""
+    text = (resources.files("studies") / "templates" / "aircraft.yaml").read_text(encoding="utf-8")
+    file = tmp_path / "zephyr.yaml"
+    file.write_text(text.replace("NAME", "zephyr"), encoding="utf-8")
+    changes = {
+        "airframe.wingspan_m": 25.0,
+        "airframe.aspect_ratio": 22.0,
+        "airframe.avionics_mass_kg": 4.0,
+        "battery.mass_kg": 24.0,
+        "modules.area_m2": 20.0,
+        "modules.mass_kg_per_m2": 0.3,
+    }
+    aircraft = load_aircraft(str(file), changes)
+    mission = load_mission("rafz-july", {"altitude_m": 18300.0, "payload.mass_kg": 5.0})
+    found = closed_design(aircraft, mission, variables_of(aircraft))
+    # The propulsion is that of the example of 4 m, 3 kg lighter than the assumed one of Zephyr.
+    assert float(found.total_mass_kg) == pytest.approx(75.0, abs=6.0)
