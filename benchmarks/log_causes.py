@@ -61,6 +61,7 @@ class Case:
         return bool(self.more) or (bool(self.said) and self.said[0] not in NO_BLAME)
 
 
+_HELD = {"saturated": "saturation"}  # names of what is left out before causes are fitted
 NO_BLAME = ("sky", "battery full")
 NAMES = {
     "roll_sign": "sign of roll",
@@ -94,12 +95,14 @@ def _said(result: Verification) -> Iterator[tuple[str, ...]]:
         yield ("unit",)
     if diagnosis.factor < 0.0:
         yield ("sign of power",)
-    yield from dict.fromkeys((one.kind,) for one in result.log.left_out)
+    held = {_HELD.get(one.kind, one.kind) for one in result.log.left_out}
+    yield from ((name,) for name in sorted(held))
     if diagnosis.sky is not None and not diagnosis.findings:
         yield ("sky",)
     for finding in diagnosis.findings:
         names = tuple(one.name for one in (finding.best, *finding.others))
-        yield ("battery full", *names) if finding.normal else names
+        if finding.best.name not in held:  # said already
+            yield ("battery full", *names) if finding.normal else names
 
 
 def _error(result: Verification, truth: Truth) -> float | None:

@@ -73,10 +73,10 @@ def head_of(path: Path, source: str) -> list[str]:
             raise file_error(source, f"is packed with {kind}: unpack it; allowed: gzip, or none")
     if b"\0" in start:
         raise file_error(source, "is no text file")
-    return _decoded(start).splitlines()
+    return _utf8_or_latin1(start).splitlines()
 
 
-def _decoded(content: bytes) -> str:
+def _utf8_or_latin1(content: bytes) -> str:
     """Text in UTF-8, or in Latin-1, which many EPW files are written in."""
     content = content.removeprefix(codecs.BOM_UTF8)
     try:
@@ -101,7 +101,7 @@ def text_of(path: Path) -> str:
             if len(line) > _LONGEST_LINE:
                 place = f"line {number} has more than {_LONGEST_LINE} characters"
                 raise file_error(printable(os.fspath(path)), f"{place}: no row of a weather file")
-    return _decoded(content)
+    return _utf8_or_latin1(content)
 
 
 @contextmanager

@@ -75,7 +75,7 @@ def packed(data: Any) -> tuple[Any, set[str]]:
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, BatteryPack) else raw
     if not isinstance(raw, Mapping):
         return data, set()
-    pack = {**_of_entry(data), **_series(data, raw), **raw}
+    pack = {**_of_entry(data), **_cells_in_series(data, raw), **raw}
     given, share = data.get("mass_kg"), data.get("cell_mass_fraction", 1.0)
     unit = _unit_kg(pack, share)
     if unit is not None and is_positive(given):
@@ -148,7 +148,7 @@ def _of_entry(data: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in keys.items() if value is not None}
 
 
-def _series(data: Mapping[str, Any], raw: Mapping[str, Any]) -> dict[str, Any]:
+def _cells_in_series(data: Mapping[str, Any], raw: Mapping[str, Any]) -> dict[str, Any]:
     """Cells in series of the battery's table of voltages."""
     voltage = data.get("voltage")
     voltage = voltage.model_dump() if isinstance(voltage, Record) else voltage

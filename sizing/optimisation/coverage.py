@@ -247,13 +247,13 @@ class _Growth:
     def _excess_h(self, variables: DesignVariables) -> FloatArray:
         """Worst excess time of a design at every member."""
         if self.flown is None or self.flown[0] != variables:
-            cycle = self._simulated(variables, self.day).cycle
+            cycle = self._flown_by(variables, self.day).cycle
             each = np.asarray(cycle.excess_time_h.reshape(len(self.members), -1).min(axis=-1))
             self.within.update(int(i) for i in np.flatnonzero(self._enough_h(each)))
             self.flown = variables, each
         return self.flown[1]
 
-    def _simulated(self, variables: DesignVariables, day: SolarDay) -> Performance:
+    def _flown_by(self, variables: DesignVariables, day: SolarDay) -> Performance:
         given = (self.aircraft, self.mission, variables, self.solar)
         return performance_of_designs(*given, day=day)
 
@@ -416,7 +416,7 @@ class _Growth:
         self.start = variables = best.design.variables
         best = max(self._sized(held, enough_h=_MOST_H), best, key=_reached_h)
         if best.optimum is None:
-            best = replace(best, simulated=self._simulated(variables, self._day_of(held)))
+            best = replace(best, simulated=self._flown_by(variables, self._day_of(held)))
         first, last = self._ends(held)
         members = self.members[np.arange(first, last + 1) % len(self.members)]
         ends = (float(members[0]), float(members[-1]))

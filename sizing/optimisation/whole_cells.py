@@ -105,7 +105,7 @@ class _WholeCellSearch:
         best = self._of_rounded()
         stride = max(self.middle.per_half // _STRIDES, 1)
         while best is not None and stride:
-            better = self._best(self._ring(best.numbers, 1, stride))
+            better = self._best_of(self._ring(best.numbers, 1, stride))
             if better is not None and better.beats(best):
                 best = better
             else:
@@ -113,7 +113,7 @@ class _WholeCellSearch:
         # Numbers between those that can be laid and strung have none but a reason.
         middle = self.middle if best is None else best.numbers
         for more in (-1, 0, 1):
-            self._best([Numbers(max(middle.per_half + more, 1), middle.parallel)])
+            self._best_of([Numbers(max(middle.per_half + more, 1), middle.parallel)])
         # The best first, then in the order in which they were tried.
         ranked = sorted(self.known.values(), key=lambda one: one.rank)
         tried = tuple(one.neighbour for one in ranked)
@@ -137,11 +137,11 @@ class _WholeCellSearch:
         counts = [max(math.floor(parallel), 1), max(math.ceil(parallel), 1)]
         at = bisect_left(self.halves, half)
         around = self.halves[max(at - 1, 0) : at + 1]
-        best = self._best(Numbers(*one) for one in product(around, counts))
+        best = self._best_of(Numbers(*one) for one in product(around, counts))
         for radius in range(1, _RINGS + 1):
             if best is not None:
                 return best
-            best = self._best(self._ring(self.middle, radius))
+            best = self._best_of(self._ring(self.middle, radius))
         return best
 
     def _ring(self, middle: Numbers, radius: int, stride: int = 1) -> Iterator[Numbers]:
@@ -153,7 +153,7 @@ class _WholeCellSearch:
             if max(abs(a), abs(b)) == radius and 0 <= place < len(self.halves) and parallel > 0:
                 yield Numbers(self.halves[place], parallel)
 
-    def _best(self, numbers: Iterable[Numbers]) -> Found | None:
+    def _best_of(self, numbers: Iterable[Numbers]) -> Found | None:
         """Best of some designs, each of which is sized once."""
         best: Found | None = None
         for one in dict.fromkeys(numbers):

@@ -64,7 +64,7 @@ class PropellerSurface(Record):
     ) -> tuple[Value, Value]:
         """``n D / V`` and power over thrust power [-]."""
         places = [
-            _place(one, centre, half)
+            _on_interval(one, centre, half)
             for one, centre, half in zip(
                 (loading, reynolds, pitch_ratio), self.centre, self.half_width, strict=True
             )
@@ -73,7 +73,7 @@ class PropellerSurface(Record):
         return e**turns, e**power
 
 
-def _place(value: Value, centre: float, half_width: float) -> Value:
+def _on_interval(value: Value, centre: float, half_width: float) -> Value:
     """Place between -1 and 1 of a value, held at the ends of the polynomials' interval.
 
     The logarithm of the value over that of the centre, in half-widths, in arithmetic alone:
@@ -116,14 +116,16 @@ def fitted_surface(
     slices = np.array(
         [
             [
-                _polynomial(_place(found, *ends[0]), np.log(rows).T, degrees[0])
+                _polynomial(_on_interval(found, *ends[0]), np.log(rows).T, degrees[0])
                 for found, *rows in _samples(float(one), blades, chords, loading, reynolds)
             ]
             for one in ratios
         ]
     )
-    over_reynolds = _along(slices, 1, _place(reynolds, *ends[1]), degrees[1])
-    fitted = np.moveaxis(_along(over_reynolds, 0, _place(ratios, *ends[2]), degrees[2]), -1, 0)
+    over_reynolds = _along(slices, 1, _on_interval(reynolds, *ends[1]), degrees[1])
+    fitted = np.moveaxis(
+        _along(over_reynolds, 0, _on_interval(ratios, *ends[2]), degrees[2]), -1, 0
+    )
     fitted = np.swapaxes(fitted, 1, 3)
     turns, cost = (tuple(tuple(map(tuple, plane)) for plane in one.tolist()) for one in fitted)
     return PropellerSurface(centre=centre, half_width=half_width, rotation=turns, power=cost)

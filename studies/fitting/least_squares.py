@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -30,6 +31,7 @@ UNLIKELY = 0.05
 _LEAST_SCATTER = 2e-3
 # Weights follow from the residuals and these from the weights: until they change by less.
 _ROUNDS, _SETTLED = 8, 0.02
+_KEPT = 20  # models of a long log
 
 
 @dataclass(frozen=True)
@@ -40,12 +42,23 @@ class Problem:
     aircraft: Aircraft
     parameters: tuple[FitParameter, ...]
 
+    @cached_property
+    def _known(self) -> dict[bytes, FloatArray]:
+        return {}
+
+    def predicted(self, values: FloatArray) -> FloatArray:
+        """Model without errors of the flights, kept for those who ask again."""
+        key = values.tobytes()
+        if key not in self._known:
+            if len(self._known) >= _KEPT:
+                self._known.clear()
+            changed = with_values(self.aircraft, self.parameters, tuple(values.tolist()))
+            self._known[key] = self.channel.predict(changed)
+        return self._known[key]
+
     def residual(self, values: FloatArray, errors: FloatArray | None = None) -> FloatArray:
         """Measured less modelled."""
-        return self.channel.residual(self._changed(values), errors)
-
-    def _changed(self, values: FloatArray) -> Aircraft:
-        return with_values(self.aircraft, self.parameters, tuple(values.tolist()))
+        return self.channel.apart(self.predicted(values), errors)
 
     def start(self) -> FloatArray:
         """Values of the aircraft's file."""
@@ -69,7 +82,7 @@ class Problem:
         """Derivatives of the model by the errors of the flights, shape (bin, error)."""
         if not self.channel.errors:
             return np.zeros((len(self.channel.measured), 0))
-        modelled = self.channel.modelled(self._changed(values), errors)
+        modelled = self.channel.with_errors(self.predicted(values), errors)
         columns = modelled[:, np.newaxis] * self.channel.slopes
         if self.channel.floating:
             columns = np.apply_along_axis(self.channel.centred, 0, columns)

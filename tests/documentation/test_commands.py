@@ -186,7 +186,7 @@ FOREIGN = {
         "--rows",
     },
     "performance.md": {"--markdown", "--json", "--only"},
-    "fit.md": {"--count"},
+    "fit.md": {"--count", "--independent"},
     "maps.md": {"--long"},
     "reliability.md": {"--markdown", "--count", "--seed", "--only", "--keep", "--rows", "--again"},
     "scale.md": {"--scheduler"},

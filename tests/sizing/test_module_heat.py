@@ -72,7 +72,7 @@ def test_a_design_of_another_flow_has_its_own_temperature(model: str, span_m: fl
     own = performance(STRATOSPHERE.model_copy(update={"airframe": airframe}), where, solar)
     found, exact = (float(one.cycle.energy_budget.solar_wh[0]) for one in (batch, own))
     # VM and FM take the effect of the flow from CAM: 6 % of the energy, to 0.5 % of that.
-    assert found == pytest.approx(exact, rel=3e-4 if model in ("VM", "FM") else 3e-5)
+    assert found == pytest.approx(exact, rel=3e-4 if model in ("VM", "FM") else 5e-5)
 
 
 def test_a_sized_design_is_analysed_as_it_was_sized() -> None:

@@ -62,15 +62,18 @@ class Channel:
         """The same where errors of these names are none."""
         return replace(self, errors=tuple(one for one in self.errors if one.name not in names))
 
-    def modelled(self, aircraft: Aircraft, errors: FloatArray | None = None) -> FloatArray:
+    def with_errors(self, modelled: FloatArray, errors: FloatArray | None) -> FloatArray:
         """Modelled values with errors of the flights."""
-        plain = self.predict(aircraft)
-        return plain if errors is None else plain * np.exp(self.slopes @ errors)
+        return modelled if errors is None else modelled * np.exp(self.slopes @ errors)
 
-    def residual(self, aircraft: Aircraft, errors: FloatArray | None = None) -> FloatArray:
+    def apart(self, modelled: FloatArray, errors: FloatArray | None = None) -> FloatArray:
         """Measured less modelled; of a floating channel without the mean of each stretch."""
-        apart = self.measured - self.modelled(aircraft, errors)
-        return self.centred(apart) if self.floating else apart
+        left = self.measured - self.with_errors(modelled, errors)
+        return self.centred(left) if self.floating else left
+
+    def residual(self, aircraft: Aircraft) -> FloatArray:
+        """Measured less modelled by an aircraft."""
+        return self.apart(self.predict(aircraft))
 
     def centred(self, values: FloatArray) -> FloatArray:
         """Values without the mean of each stretch."""

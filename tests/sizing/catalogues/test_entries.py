@@ -20,7 +20,7 @@ from sizing.catalogues.entries import (
 from sizing.catalogues.files import KINDS, Kind, entries
 from sizing.parameters import parameter
 from sizing.propulsion.blade_elements import BladeElementPropeller
-from sizing.propulsion.chain import PropellerChoice
+from sizing.propulsion.propeller_choice import PropellerChoice
 
 ALL: list[tuple[Kind, str, Entry]] = [
     (kind, name, one) for kind in get_args(Kind) for name, one in entries(kind).items()

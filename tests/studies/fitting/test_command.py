@@ -110,7 +110,6 @@ def test_where_nothing_can_be_fitted_no_residual_is_independent_and_nothing_is_w
         (("atlantiksolar-as2", "LOG", "--light-sigma", "0.9"), "--light-sigma"),
         (("atlantiksolar-as2", "LOG", "--exclude", "11:20"), "must be times like 11:20-11:45"),
         (("atlantiksolar-as2", "LOG", "--start", "11:20"), "must be a time with its zone like"),
-        (("atlantiksolar-as2", "LOG", "--ignore", "solar_power_w"), "required column is missing"),
         (("atlantiksolar-as2", "LOG", "--dpi", "90"), "--dpi is of the figure"),
     ],
 )
