@@ -203,6 +203,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "module-heat": ("altitude.md", lambda: _markdown(altitude_tables.module_heat())),
     "zephyr": ("stratosphere.md", lambda: _markdown(zephyr_table())),
     "climbs": ("altitude.md", lambda: _markdown(altitude_tables.climbs())),
+    "climb_sizes": ("altitude.md", lambda: _markdown(altitude_tables.climb_sizes())),
     "compare-as2": ("compare.md", partial(_comparison, "atlantiksolar-as2", "rafz-july", 0.0)),
     "compare-design": (
         "compare.md",

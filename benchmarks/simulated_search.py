@@ -29,6 +29,7 @@ from solar.types import BoolArray, FloatArray
 FINE_STEP_H = 10.0 / 3600.0
 FINE_ALLOWANCE_H = 0.02  # of excess time, between the usual steps and the fine ones
 _COARSE_STEP_H, _FINE_RANGE_STEP_H = 0.25, 1.0 / 60.0
+_FINE_CLIMB_STEP_H = 1.0 / 60.0
 _HEAVIEST_PAYLOAD_KG, _MOST_PAYLOAD_W = 500.0, 2e4
 # What an infeasible design misses without being able to carry itself: worse than any other.
 _CANNOT_FLY = 100.0
@@ -71,6 +72,7 @@ class Effort:
 
 
 _RANGE_EFFORT = Effort(drawn=60, population=20, generations=25, polishing=6)
+_CLIMB_EFFORT = Effort(drawn=300, population=32, generations=40, polishing=40)
 
 
 class Found(NamedTuple):
@@ -162,8 +164,8 @@ class Judge:
 
     @property
     def fine_step_h(self) -> float:
-        """Time step that confirms a design [h]."""
-        return FINE_STEP_H
+        """Time step that confirms a design [h]; days with climbs are marched, which takes long."""
+        return FINE_STEP_H if self.problem.mission.climb is None else _FINE_CLIMB_STEP_H
 
     def objective(self, perf: Performance) -> FloatArray:
         """Objective of designs whether or not they are feasible."""
@@ -298,7 +300,7 @@ def search(
     Found
         Judged with the usual time step.
     """
-    how = effort or (_RANGE_EFFORT if isinstance(judge, RangeJudge) else Effort())
+    how = effort or _usual_effort(judge)
     rng = np.random.default_rng(seed)
     drawn = _latin_hypercube(rng, how.drawn, len(judge.axes))
     population = _Population(judge, rng, drawn, _COARSE_STEP_H).best(how.population)
@@ -313,6 +315,13 @@ def search(
     variables = judge.variables(winner.shares).mapped(lambda v: float(np.asarray(v)[0]))
     by_chance = float(elite.cost[0])
     return Found(float(winner.missed[0]), float(winner.cost[0]), variables, by_chance)
+
+
+def _usual_effort(judge: Judge) -> Effort:
+    """Length of a search: days with climbs take ten times as long to simulate."""
+    if isinstance(judge, RangeJudge):
+        return _RANGE_EFFORT
+    return Effort() if judge.problem.mission.climb is None else _CLIMB_EFFORT
 
 
 class _Population:

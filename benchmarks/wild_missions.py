@@ -35,7 +35,7 @@ _RELAXED_EVERY = 2  # of the infeasible problems, one in so many has its relaxat
 
 
 def row_of(
-    number: int, seed: int = 0, earlier: dict[str, Any] | None = None
+    number: int, seed: int = 0, earlier: dict[str, Any] | None = None, *, climb: bool = False
 ) -> tuple[dict[str, Any], WildProblem]:
     """Row of one problem, and the problem as it was sized.
 
@@ -45,6 +45,8 @@ def row_of(
         Of the problem, and of the series.
     earlier : dict, optional
         Row of an earlier run: its required excess time and its design, without a new search.
+    climb : bool
+        Whether the aircraft climb by day.
 
     Returns
     -------
@@ -52,7 +54,7 @@ def row_of(
         See :func:`benchmarks.wild_verdicts.judged`; ``relaxations`` where they were tried.
     WildProblem
     """
-    drawn = wild_problem(seed, number)
+    drawn = wild_problem(seed, number, climb=climb)
     problem = at_the_edge(drawn) if earlier is None else drawn.requiring(earlier["required_h"])
     claim = claim_of(problem)
     row = judged(problem, claim, seed=number, earlier=earlier)
@@ -185,6 +187,7 @@ def _kept(rows_file: Path | None) -> dict[int, dict[str, Any]]:
 @click.option("--first", default=0, show_default=True, help="Number of the first one.")
 @click.option("--seed", default=0, show_default=True, help="Of the series.")
 @click.option("--only", multiple=True, type=int, help="Number of a problem; may be repeated.")
+@click.option("--climb", is_flag=True, help="Let the aircraft climb by day.")
 @click.option(
     "--rows", "rows_file", type=click.Path(path_type=Path), help="Keep rows here; go on from them."
 )
@@ -201,6 +204,7 @@ def main(
     first: int,
     seed: int,
     only: tuple[int, ...],
+    climb: bool,
     rows_file: Path | None,
     against: Path | None,
     cases: Path | None,
@@ -212,7 +216,7 @@ def main(
     for number in numbers:
         if number in known:
             continue
-        row, problem = row_of(number, seed, earlier.get(number))
+        row, problem = row_of(number, seed, earlier.get(number), climb=climb)
         known[number] = row
         if rows_file is not None:
             with rows_file.open("a", encoding="utf-8") as file:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
@@ -45,13 +46,16 @@ class WildProblem:
         return replace(self, required_h=required_h)
 
 
-def wild_problem(seed: int, number: int) -> WildProblem:
+def wild_problem(seed: int, number: int, *, climb: bool = False) -> WildProblem:
     """Draw one problem.
 
     Parameters
     ----------
     seed, number : int
         Of the whole series, and of the problem in it.
+    climb : bool
+        Let the aircraft climb by day; without the objectives that are ranges, whose search by
+        simulation takes hours then.
 
     Returns
     -------
@@ -78,6 +82,11 @@ def wild_problem(seed: int, number: int) -> WildProblem:
         required_h = round(draw.between(24.0, 60.0), 1)
     solar = _solar(draw, aircraft, mission)
     tags.append(f"{solar.model} {solar.correction}")
+    if climb:
+        mission, own = _climbing(draw, mission)
+        tags += own
+        if objective.of_range:
+            objective = draw.one_of(_SINGLE)
     return WildProblem(number, aircraft, mission, objective, required_h, solar, tuple(tags))
 
 
@@ -299,6 +308,14 @@ def _mission(draw: _Draw, scale: str) -> tuple[Mission, list[str]]:
     if data["wind_m_per_s"] > 0.0:
         tags.append("wind")
     return Mission.model_validate(data), tags
+
+
+def _climbing(draw: _Draw, mission: Mission) -> tuple[Mission, list[str]]:
+    """Mission on which the aircraft climbs, anything from next to nothing to 12 km."""
+    strategy = draw.one_of(["battery_full", "surplus"])
+    highest = min(mission.altitude_m + draw.log_between(100.0, 12000.0), 30000.0)
+    climb = {"ceiling_m": highest, "strategy": strategy}
+    return with_values(mission, {"climb": climb}), ["climb", strategy]
 
 
 def _place_and_season(draw: _Draw, where: str) -> tuple[Any, dict[str, Any], list[str]]:

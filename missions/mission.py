@@ -52,6 +52,14 @@ Temperature = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_na
 
 MAXIMUM_SCENARIOS = 5000
 SOLSTICES = (172, 355)  # 21 June and 21 December
+# Of a flight with climbs: between levels everything is linear.
+LEVEL_SPACING_M = 500.0
+MAXIMUM_LEVELS = 21
+
+
+def _number(value: Any) -> float:
+    """Plain number; draws of uncertain inputs are arrays, and stay so."""
+    return float(value) if np.ndim(value) == 0 else cast("float", value)
 
 
 def _date(value: Any) -> str:
@@ -231,11 +239,23 @@ class Climb(Record):
     """Surplus power stored as height by day, to sink to the mission's altitude in the evening.
 
     ``battery_full`` climbs once the battery is full, ``surplus`` with whatever the charger leaves
-    over at any time.
+    over at any time. ``minimum_altitude_m``: the night's floor, which the aircraft does not sink
+    below; another name for the mission's altitude, which need not be given beside it.
     """
 
     ceiling_m: Altitude
+    minimum_altitude_m: Altitude | None = None
     strategy: Literal["battery_full", "surplus"] = "battery_full"
+
+    @property
+    def when(self) -> str:
+        """When it climbs, in words."""
+        return "once the battery is full" if self.strategy == "battery_full" else "on any surplus"
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Ceiling and strategy, JSON-ready; the floor is the mission's altitude."""
+        return {"ceiling_m": self.ceiling_m, "strategy": self.strategy}
 
 
 class Mission(FileRecord):
@@ -283,10 +303,52 @@ class Mission(FileRecord):
         named_clear_sky(value)
         return value
 
+    @model_validator(mode="before")
+    @classmethod
+    def _altitude_of_floor(cls, data: Any) -> Any:
+        """The night's floor is the mission's altitude, where the file gives that instead."""
+        if not isinstance(data, Mapping) or "altitude_m" in data:
+            return data
+        climb = data.get("climb")
+        if isinstance(climb, Climb):
+            floor_m: Any = climb.minimum_altitude_m
+        else:
+            floor_m = climb.get("minimum_altitude_m") if isinstance(climb, Mapping) else None
+        # What is no altitude is told once, at its own key.
+        if not isinstance(floor_m, int | float) or isinstance(floor_m, bool):
+            return data
+        allowed = MINIMUM_ALTITUDE_M <= floor_m <= MAXIMUM_ALTITUDE_M
+        return {**data, "altitude_m": floor_m} if allowed else data
+
     @model_validator(mode="after")
     def _check_climb(self) -> Mission:
         if self.climb is None:
             return self
+        floor_m = self.climb.minimum_altitude_m
+        if floor_m is not None and floor_m > self.climb.ceiling_m:
+            raise PydanticCustomError(
+                "high_floor",
+                "must be at most climb.ceiling_m of {ceiling} (got {floor})",
+                {
+                    "key": "climb.minimum_altitude_m",
+                    "ceiling": f"{self.climb.ceiling_m:g}",
+                    "floor": f"{floor_m:g}",
+                },
+            )
+        if floor_m is not None and floor_m != self.altitude_m:
+            raise PydanticCustomError(
+                "two_floors",
+                "is the mission's altitude_m by another name: leave one of them out "
+                "(got {floor}, altitude_m is {altitude})",
+                {
+                    "key": "climb.minimum_altitude_m",
+                    "altitude": f"{self.altitude_m:g}",
+                    "floor": f"{floor_m:g}",
+                },
+            )
+        if floor_m is not None:
+            # Not a value of its own, or a study that varies the one would contradict the other.
+            self.model_fields_set.discard("altitude_m")
         if self.climb.ceiling_m < self.altitude_m:
             raise PydanticCustomError(
                 "low_ceiling",
@@ -296,6 +358,13 @@ class Mission(FileRecord):
                     "altitude": f"{self.altitude_m:g}",
                     "ceiling": f"{self.climb.ceiling_m:g}",
                 },
+            )
+        if self.holds_station:
+            raise PydanticCustomError(
+                "climb_and_station",
+                "an aircraft that holds its place keeps its altitude: give wind.hold_station or "
+                "climb, not both",
+                {"key": "climb"},
             )
         if self.launch is not None:
             raise PydanticCustomError(
@@ -422,9 +491,7 @@ class Mission(FileRecord):
         """Wind that an aircraft must be faster than in all scenarios [m/s]."""
         if self.wind_statistics is None:
             return self.wind_m_per_s
-        strongest = self.scenario_winds_m_per_s().max(axis=0)
-        # Draws of an uncertain altitude are arrays.
-        return float(strongest) if strongest.ndim == 0 else cast("float", strongest)
+        return _number(self.scenario_winds_m_per_s().max(axis=0))
 
     def scenario_winds_m_per_s(self, scenarios: Scenarios | None = None) -> FloatArray:
         """Wind of each scenario, by default of the mission's own [m/s]."""
@@ -459,6 +526,27 @@ class Mission(FileRecord):
             return standard
         return air_at(self.air.ambient_temperature_c + ZERO_CELSIUS_K, standard.pressure_pa)
 
+    @property
+    def climb_levels_m(self) -> list[float]:
+        """Altitudes between which a flight with climbs is linear, from its floor to its ceiling.
+
+        At most 500 m apart, where the curvature of the pressure is 0.05 %; of more than 10 km of
+        climb there are 21. A single one without climbs.
+        """
+        if self.climb is None:
+            return [self.altitude_m]
+        floor_m, ceiling_m = self.altitude_m, self.climb.ceiling_m
+        count = int(np.ceil((ceiling_m - floor_m) / LEVEL_SPACING_M - 1e-9)) + 1
+        levels = np.linspace(floor_m, ceiling_m, min(max(count, 2), MAXIMUM_LEVELS))
+        return [float(level) for level in levels]
+
+    @property
+    def climb_label(self) -> str:
+        """Climbs in words, for captions; empty without any."""
+        if self.climb is None:
+            return ""
+        return f"climbs from {self.altitude_m:g} to {self.climb.ceiling_m:g} m {self.climb.when}"
+
     def at_altitude(self, altitude_m: float) -> Mission:
         """Same mission at one constant other altitude, through the same weather.
 
@@ -467,25 +555,31 @@ class Mission(FileRecord):
         """
         here = self.air_state()
         standard = standard_air(self.altitude_m)
-        offset_k = float(here.temperature_k - standard.temperature_k)
+        offset_k = _number(here.temperature_k - standard.temperature_k)
         update: dict[str, float | None] = {
             "temperature_offset_k": offset_k,
             "ambient_temperature_c": None,
         }
         if self.air.module_temperature_c is not None:
-            warmer_k = self.air.module_temperature_c - float(here.temperature_c)
+            warmer_k = self.air.module_temperature_c - _number(here.temperature_c)
             there = standard_air(altitude_m, offset_k)
-            update["module_temperature_c"] = float(there.temperature_c) + warmer_k
+            update["module_temperature_c"] = _number(there.temperature_c) + warmer_k
         air = self.air.model_copy(update=update)
         return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
+
+    def climbing_from(self, floor_m: float) -> Mission:
+        """Same mission with another night's floor, through the same weather; its ceiling stays."""
+        level = self.at_altitude(floor_m)
+        if self.climb is None:
+            return level
+        climb = self.climb.model_copy(update={"minimum_altitude_m": level.altitude_m})
+        return level.model_copy(update={"climb": climb})
 
     def module_temperature_c(self) -> float:
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
         if self.air.module_temperature_c is not None:
             return self.air.module_temperature_c
-        temperature_c = self.air_state().temperature_c
-        # Draws of uncertain inputs are arrays.
-        return float(temperature_c) if temperature_c.ndim == 0 else cast("float", temperature_c)
+        return _number(self.air_state().temperature_c)
 
     def scenarios(self) -> Scenarios:
         """Every latitude on every day that stands for the dates, latitude by latitude."""

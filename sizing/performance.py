@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.altitude.climb_day import cycles_with_climb
+from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import Design, DesignVariables, closed_design, design_of
-from sizing.energy.battery import Battery, Store
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
@@ -56,6 +58,9 @@ class Performance:
     """Converged cycles of a design in its scenarios, and what went in.
 
     Arrays have the scenarios on their last batch axis; with a batch of designs those come first.
+    Of a mission with climbs the cycles are those of the flight with climbs, and
+    ``maximum_altitude_m`` their highest altitudes; solar power, load and the longest flights are
+    those of level flight at the night's floor.
     """
 
     design: Design
@@ -67,6 +72,7 @@ class Performance:
     nominal_load_w: FloatArray
     store: Store
     cycle: Cycle
+    maximum_altitude_m: FloatArray | None = None
 
     def __repr__(self) -> str:
         excess_h = np.asarray(self.cycle.excess_time_h)
@@ -305,15 +311,24 @@ def performance_in_pairs(
     return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)
 
 
-def cycle_of_variants(battery: Battery, variants: Sequence[DesignLoads]) -> Cycle:
+def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle:
     """Cycles of designs that differ in anything but how their battery charges, in one march.
 
-    ``battery``: that of all of them but for its size. ``variants``: their days have the same
-    scenarios. Returns arrays of shape ``(variant, scenario)``.
+    ``variants``: aircraft with their loads; the days have the same scenarios, and all missions
+    climb to the same levels or none does. Returns arrays of shape ``(variant, scenario)``.
     """
-    energy_wh = np.array([float(one.design.battery_energy_wh) for one in variants])
+    battery, first = variants[0][0].battery, variants[0][1]
+    energy_wh = np.array([float(one.design.battery_energy_wh) for _, one in variants])
     store = Store.of(battery, energy_wh[:, np.newaxis])
-    return flown_cycle(variants, store, battery, keep_trajectory=False)[0]
+    climb, day = first.mission.climb, first.day
+    if climb is None:
+        return flown_cycle([one for _, one in variants], store, battery, keep_trajectory=False)[0]
+    batch = len(variants), len(day.scenarios)
+    levels = FlightLevels.joined(
+        [flight_levels(aircraft, one.mission, one.design, one.day) for aircraft, one in variants]
+    )
+    cycle, _ = cycles_with_climb(day.time_h, levels, store.flat(batch), climb.strategy)
+    return cycle.reshaped(batch)
 
 
 def _simulate(
@@ -330,6 +345,16 @@ def _simulate(
     loads = DesignLoads.of(aircraft, mission, design, day, paired=paired)
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
+    if mission.climb is not None:
+        levels = flight_levels(aircraft, mission, design, day, paired=paired)
+        batch = loads.solar_w.shape[:-1]
+        own = store.flat(batch)
+        cycle, highest_m = cycles_with_climb(day.time_h, levels, own, mission.climb.strategy)
+        level_w, nominal = loads.load_w(), loads.nominal_w()
+        return Performance(
+            *(design, mission, solar, day, loads.solar_w, level_w, nominal, store),
+            *(cycle.reshaped(batch), highest_m.reshape(batch)),
+        )
     cycle, load_w, nominal = flown_cycle(
         loads, store, aircraft.battery, keep_trajectory=keep_trajectory
     )

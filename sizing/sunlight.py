@@ -87,6 +87,9 @@ class SolarDay:
     ``specific_power_w_per_m2`` has the shape ``(scenario, time)``; ``sunrise_h`` and ``sunset_h``
     are those of the geometric sun [solar h]. The power is that of the aircraft's own flow;
     ``cooling``: how it changes with that of another design, where the modules balance their heat.
+    ``aloft_w_per_m2`` is the specific power at the levels of a mission with climbs
+    (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one included, of shape ``(level,
+    scenario, time)``, in the aircraft's own flow; None for flight at one altitude.
     """
 
     scenarios: Scenarios
@@ -95,10 +98,12 @@ class SolarDay:
     sunrise_h: FloatArray
     sunset_h: FloatArray
     cooling: Cooling | None = None
+    aloft_w_per_m2: FloatArray | None = None
 
     @classmethod
     def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
         """Scenarios of several days with the same time axis, one day after the other."""
+        aloft = [d.aloft_w_per_m2 for d in days if d.aloft_w_per_m2 is not None]
         return cls(
             Scenarios(
                 np.concatenate([d.scenarios.latitude_deg for d in days]),
@@ -109,18 +114,35 @@ class SolarDay:
             np.concatenate([d.sunrise_h for d in days]),
             np.concatenate([d.sunset_h for d in days]),
             _cooled([d.cooling for d in days], np.concatenate),
+            np.concatenate(aloft, axis=1) if aloft else None,
         )
 
-    def scaled(self, factor: float) -> SolarDay:
-        """Same day with all power multiplied by a factor."""
-        return replace(self, specific_power_w_per_m2=self.specific_power_w_per_m2 * factor)
+    def scaled(self, factor: float | FloatArray) -> SolarDay:
+        """Same day with all power multiplied by a factor, or one of shape ``(scenario, 1)``."""
+        return self._with(lambda power: power * factor)
+
+    def less(self, other: SolarDay) -> SolarDay:
+        """Same day with the power of another one taken off."""
+        aloft, others = self.aloft_w_per_m2, other.aloft_w_per_m2
+        return replace(
+            self,
+            specific_power_w_per_m2=self.specific_power_w_per_m2 - other.specific_power_w_per_m2,
+            aloft_w_per_m2=None if aloft is None or others is None else aloft - others,
+        )
 
     def coarsened(self, steps: int) -> SolarDay:
         """Same day with some steps in one."""
-        power = self.specific_power_w_per_m2[..., ::steps]
         cooling = _cooled([self.cooling], lambda parts: parts[0][..., ::steps])
+        coarse = self._with(lambda power: power[..., ::steps])
+        return replace(coarse, time_h=self.time_h[::steps], cooling=cooling)
+
+    def _with(self, changed: Callable[[FloatArray], FloatArray]) -> SolarDay:
+        """Same day with another power, at all its levels."""
+        aloft = self.aloft_w_per_m2
         return replace(
-            self, time_h=self.time_h[::steps], specific_power_w_per_m2=power, cooling=cooling
+            self,
+            specific_power_w_per_m2=changed(self.specific_power_w_per_m2),
+            aloft_w_per_m2=None if aloft is None else changed(aloft),
         )
 
     def at(self, indices: ArrayLike) -> SolarDay:
@@ -134,6 +156,7 @@ class SolarDay:
             np.asarray(self.sunrise_h)[some],
             np.asarray(self.sunset_h)[some],
             _cooled([self.cooling], lambda parts: parts[0][some]),
+            None if self.aloft_w_per_m2 is None else self.aloft_w_per_m2[:, some],
         )
 
     def power_of(self, design: Design, mission: Mission, *, paired: bool = False) -> FloatArray:
@@ -240,10 +263,27 @@ class Sunlight:
         corrected = power if factor == 1.0 else power * factor
         latitude_deg, day = self.scenarios.latitude_deg, self.scenarios.noon_day
         times = sun_times(latitude_deg, declination(day))
+        aloft = self._aloft(solar)
         return SolarDay(
             *(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h),
             self._cooling_of(solar.model),
+            None if aloft is None else np.stack([corrected, *aloft]),
         )
+
+    def _aloft(self, solar: SolarModel) -> list[FloatArray] | None:
+        """Specific power at the higher levels of a mission with climbs; None without any."""
+        if self.mission.climb is None:
+            return None
+        return [level.day(solar).specific_power_w_per_m2 for level in self._levels]
+
+    @cached_property
+    def _levels(self) -> list[Sunlight]:
+        return [self._at(self.mission.at_altitude(h)) for h in self.mission.climb_levels_m[1:]]
+
+    def _at(self, there: Mission) -> Sunlight:
+        """Sunlight of the same scenarios at another altitude."""
+        step_h = float(self.time_h[1])
+        return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h)
 
 
 def solar_day(

@@ -17,7 +17,7 @@ from sizing.altitude.ceiling import (
     highest_perpetual_altitude,
 )
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
-from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME
+from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME, MAXIMUM_ALTITUDE
 from sizing.results.records import finite, finite_values, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
 from sizing.sunlight import SolarModel
@@ -51,6 +51,9 @@ _COLUMNS = (
 )
 
 
+_FLOOR = Column("altitude_m", "night's floor", "m", ".0f")
+
+
 @dataclass(frozen=True, repr=False)
 class Ceiling(Result):
     """Highest altitude of perpetual flight, and the flights at all altitudes of the search."""
@@ -73,18 +76,28 @@ class Ceiling(Result):
     def headline(self) -> str:
         """Ceiling and best altitude in one line."""
         ceiling, required = self.found, self.found.required_excess_time_h
-        more = f" with more than {required:g} h of excess time" if required > 0.0 else ""
+        climb = self.mission.climb
+        more = [] if climb is None else [f"climbs to {climb.ceiling_m:g} m"]
+        more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
+        how = f" with {' and '.join(more)}" if more else ""
         best = f"largest excess time {hours(ceiling.best.excess_time_h)}"
         best += f" at {ceiling.best.altitude_m:.0f} m"
-        said = f"no perpetual flight{more} at any altitude"
+        where = "at any altitude" if climb is None else "from any night floor"
+        said = f"no perpetual flight{how} {where}"
         if ceiling.highest is not None:
             beyond = " and beyond the search" if ceiling.at_search_limit else ""
-            said = f"perpetual flight{more} up to {ceiling.highest.altitude_m:.0f} m{beyond}"
+            if climb is not None and ceiling.highest.altitude_m >= climb.ceiling_m:
+                beyond = ", the ceiling itself"
+            up_to = f"{ceiling.highest.altitude_m:.0f} m{beyond}"
+            night = "" if climb is None else " from night floors"
+            said = f"perpetual flight{how}{night} up to {up_to}"
         return f"{self.aircraft.name} on {self.mission.name}: {said}; {best}"
 
     def summary(self) -> Summary:
         """Headline, and a table of altitudes around and below the ceiling."""
         note = f"{self.solar.label}; energy of the day, electric"
+        if self.mission.climb is not None:
+            note += f"; power and airspeed at the night's floor; climbs {self.mission.climb.when}"
         outside = extrapolation_blocks(self.extrapolations)
         return Summary(
             (Line(self.headline(), "strong"), self.table(), *outside, Line(note, "faint"))
@@ -94,6 +107,7 @@ class Ceiling(Result):
         """Both ends, some altitudes between them, and the ceiling."""
         scenarios = self.mission.scenarios()
         several, shown = len(scenarios) > 1, _shown(self.found)
+        climbs = self.mission.climb is not None
         reasons = any(flight.reason for flight in shown)
         rows = [
             (
@@ -103,6 +117,7 @@ class Ceiling(Result):
                 flight.propulsion_power_w,
                 flight.solar_energy_wh,
                 flight.airspeed_m_per_s,
+                *([flight.maximum_altitude_m] if climbs else []),
                 *([scenarios.label(flight.worst_scenario)] if several else []),
                 *([flight.reason] if reasons else []),
             )
@@ -110,16 +125,18 @@ class Ceiling(Result):
         ]
         worst = (Column("worst_scenario"),) if several else ()
         why = (Column("reason"),) if reasons else ()
-        return Table("", (*_COLUMNS, *worst, *why), tuple(rows))
+        columns = (_FLOOR, *_COLUMNS[1:], MAXIMUM_ALTITUDE) if climbs else _COLUMNS
+        return Table("", (*columns, *worst, *why), tuple(rows))
 
     def to_dict(self) -> dict[str, Any]:
         """Ceiling and all altitudes, JSON-ready."""
-        ceiling = self.found
+        ceiling, climb = self.found, self.mission.climb
         return {
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
             "model": self.solar.model,
             "correction": self.solar.correction,
+            **({} if climb is None else {"climb": climb.record}),
             "required_excess_time_h": ceiling.required_excess_time_h,
             "highest_perpetual_altitude_m": ceiling.highest and ceiling.highest.altitude_m,
             "at_search_limit": ceiling.at_search_limit,
@@ -149,7 +166,8 @@ def perpetual_ceiling(
     Parameters
     ----------
     aircraft, mission
-        What flies, and where; the search starts at the mission's altitude.
+        What flies, and where; the search starts at the mission's altitude. With ``climb`` it is
+        that of the highest night's floor, the ceiling of the climbs stays.
     model, correction : str
         Solar power model and its correction.
     highest_m, step_m : float
@@ -176,7 +194,10 @@ def perpetual_ceiling(
 
 
 def _numbers(flight: AltitudeFlight) -> dict[str, Any]:
-    return {name: value for name, value in vars(flight).items() if name != "extrapolations"}
+    numbers = {name: value for name, value in vars(flight).items() if name != "extrapolations"}
+    if flight.maximum_altitude_m is None:
+        del numbers["maximum_altitude_m"]
+    return numbers
 
 
 def _shown(ceiling: PerpetualCeiling) -> list[AltitudeFlight]:
@@ -186,8 +207,9 @@ def _shown(ceiling: PerpetualCeiling) -> list[AltitudeFlight]:
     stride = max(math.ceil(len(between) / _PRINTED_ROWS), 1)
     # Multiples of a round step rather than every so many from the first.
     shown = [f for f in between if round(f.altitude_m / step) % stride == 0]
-    shown += [f for f in (*ends, ceiling.highest) if f is not None and f not in shown]
-    return sorted(shown, key=lambda flight: flight.altitude_m)
+    more = [] if ceiling.highest is None else [ceiling.highest]
+    each = {flight.altitude_m: flight for flight in (*shown, *ends, *more)}
+    return [each[altitude_m] for altitude_m in sorted(each)]
 
 
 @styled
@@ -204,13 +226,17 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     -------
     Figure
     """
-    ceiling, mark = result.found, DARK_GREY
+    ceiling, climb, mark = result.found, result.mission.climb, DARK_GREY
     drawn, panels = new_figure(
         1,
         3,
         canvas=figure,
         title=f"{result.aircraft.name} on {result.mission.name}, worst scenario",
-        notes=(result.solar.label, outside_ranges(result.extrapolations)),
+        notes=(
+            result.solar.label,
+            "" if climb is None else f"climbs to {climb.ceiling_m:g} m {climb.when}",
+            outside_ranges(result.extrapolations),
+        ),
         size_in=(9.0, 5.2),
         sharey=True,
     )
@@ -218,7 +244,10 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
     altitude_km = ceiling.column("altitude_m") / 1000.0
     excess.plot(ceiling.column(EXCESS_TIME.name), altitude_km, color=CHARGE)
     excess.axvline(ceiling.required_excess_time_h, color=mark, linewidth=0.8)
-    excess.set(xlabel=EXCESS_TIME.heading, ylabel="altitude [km]")
+    excess.set(
+        xlabel=EXCESS_TIME.heading,
+        ylabel="altitude [km]" if climb is None else "night's floor [km]",
+    )
     power.plot(ceiling.column("propulsion_power_w"), altitude_km, color=LOAD)
     power.set(xlabel="level-flight power [W]", xlim=(0.0, None))
     energy.plot(ceiling.column("solar_energy_wh"), altitude_km, color=SUN, label="solar energy")
@@ -232,7 +261,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         for axes in panels:
             axes.axhline(highest_km, color=mark, linestyle=":", linewidth=1.2)
     excess.annotate(
-        f"ceiling {ceiling.highest.altitude_m:.0f} m",
+        f"{'ceiling' if climb is None else 'highest floor'} {ceiling.highest.altitude_m:.0f} m",
         (0.96, highest_km),
         (0, 4),
         xycoords=excess.get_yaxis_transform(),

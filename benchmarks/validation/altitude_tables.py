@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from missions.dates import day_of_year
+from missions.files.overrides import with_values
 from missions.library import load_mission
+from missions.mission import Scenarios
 from sizing.altitude.ceiling import highest_perpetual_altitude
 from sizing.altitude.climb_cycle import climb_performance
 from sizing.library import load_aircraft
 from sizing.module_heat import convection_in_flight
+from sizing.optimisation.cells import size_cells
+from sizing.optimisation.objectives import Objective
 from sizing.performance import performance
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
@@ -15,6 +22,9 @@ from solar.modules import STC_TEMPERATURE_C
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 MODELS = (SolarModel("CAM"), SolarModel("CAM", "report"), SolarModel("CDM"))
 # (date, strategy, ceiling [m]) of AtlantikSolar AS-2 at 47.6 N.
+STRATEGIES = ("battery_full", "surplus")
+SIZED_LATITUDES = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0)
+SIZED_DATES = ("03-21", "06-21", "09-21", "12-21")
 CLIMBS = (
     ("06-21", "battery_full", 1536),
     ("06-21", "battery_full", 3536),
@@ -34,6 +44,45 @@ def ceilings() -> Table:
         rows.append((f"`{name}`", *(f.highest and f.highest.altitude_m for f in found)))
     models = [Column(m.label, form="{:.0f} m", missing="none") for m in MODELS]
     return Table("ceilings of perpetual flight", (Column("aircraft"), *models), tuple(rows))
+
+
+def climb_sizes() -> Table:
+    """Lightest design of AtlantikSolar over latitude and season, without climbs and with 3000 m."""
+    aircraft = load_aircraft("atlantiksolar-design")
+    places = [(latitude, date) for latitude in SIZED_LATITUDES for date in SIZED_DATES]
+    scenarios = Scenarios(
+        np.array([place[0] for place in places]),
+        np.array([day_of_year(place[1]) for place in places]),
+    )
+    level = load_mission("rafz-july")
+    missions = [
+        level,
+        *(
+            with_values(level, {"climb": {"ceiling_m": 3536.0, "strategy": strategy}})
+            for strategy in STRATEGIES
+        ),
+    ]
+    found = [size_cells(aircraft, one, scenarios, Objective.min_mass) for one in missions]
+    rows = []
+    for i, (latitude, date) in enumerate(places):
+        masses = [float(one.total_mass_kg[i]) for one in found]
+        rows.append(
+            (
+                *(latitude, date),
+                *(float(one.variables.wingspan_m[i]) for one in found),
+                *masses,
+                *(100.0 * (mass / masses[0] - 1.0) for mass in masses[1:]),
+            )
+        )
+    names = ("level", *(f"`{strategy}`" for strategy in STRATEGIES))
+    columns = (
+        Column("latitude", "latitude", "°", ".0f"),
+        Column("date"),
+        *(Column(f"span {name}", f"span, {name}", "m", ".2f") for name in names),
+        *(Column(f"mass {name}", f"mass, {name}", "kg", ".2f") for name in names),
+        *(Column(f"less {name}", f"mass saved, {name}", "%", "+.1f") for name in names[1:]),
+    )
+    return Table("lightest designs with and without climbs", columns, tuple(rows))
 
 
 def climbs() -> Table:

@@ -1,5 +1,6 @@
 """Flight at altitude: how high it is perpetual, and potential energy as storage.
 
 * ``ceiling``: highest altitude of perpetual flight
-* ``climb_cycle``: day with climbs and glides; ``climb_levels`` and ``climb_march`` behind it
+* ``climb_cycle``: one aircraft with climbs beside its level flight; ``climb_day``: days of many,
+  with ``climb_levels``, ``climb_march`` and ``climb_repetition`` behind it
 """

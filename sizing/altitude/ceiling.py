@@ -5,6 +5,9 @@ Each altitude is a flight at that altitude by day and night, through the same we
 and colder modules; none of these dominates everywhere, so that feasibility need not be monotone.
 The altitudes are scanned, and the highest change from feasible to infeasible is refined. A feasible
 band narrower than the scan's step may be missed.
+
+Of a mission with climbs the altitude is the night's floor; the ceiling of its climbs stays, and is
+the highest floor there can be.
 """
 
 from __future__ import annotations
@@ -42,6 +45,8 @@ class AltitudeFlight:
     Power is electric; ``airspeed_m_per_s`` is NaN where unknown, and for an aircraft that cannot
     carry itself all but altitude, air density and excess time (-24 h) is NaN. ``extrapolations``
     tell what lies outside the range of a model. ``reason``: why it cannot fly there at all.
+    ``maximum_altitude_m``: highest altitude of the day; None without climbs, of which all else but
+    the cycle is at the night's floor.
     """
 
     altitude_m: float
@@ -56,6 +61,7 @@ class AltitudeFlight:
     worst_scenario: int
     extrapolations: tuple[Extrapolation, ...] = ()
     reason: str = ""
+    maximum_altitude_m: float | None = None
 
 
 @dataclass(frozen=True)
@@ -92,9 +98,9 @@ def highest_perpetual_altitude(
     ----------
     aircraft, mission, solar
         As for :func:`sizing.performance.performance`. The search starts at the mission's altitude;
-        a parametric aircraft's masses are those of a flight at each altitude.
+        a parametric aircraft's masses are those of a flight at each altitude, or night's floor.
     highest_m : float
-        End of the search [m].
+        End of the search [m]; with climbs it ends at their ceiling at the latest.
     step_m : float
         Spacing of the scan [m]; the ceiling itself is found to 0.1 m.
     progress : callable, optional
@@ -113,6 +119,8 @@ def highest_perpetual_altitude(
     ImpossibleDesignError
         If the aircraft cannot carry its own mass at any altitude.
     """
+    if mission.climb is not None:
+        highest_m = min(highest_m, mission.climb.ceiling_m)
     if not highest_m > mission.altitude_m:
         raise ValueError(
             f"highest_m must be above the mission's altitude of {mission.altitude_m:g} "
@@ -154,11 +162,11 @@ def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> lis
 def flight_at_altitude(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, altitude_m: float
 ) -> AltitudeFlight:
-    """Worst scenario of a mission flown at another altitude.
+    """Worst scenario of a mission flown at another altitude, or from another night's floor.
 
     Returns with an excess time of -24 h for an aircraft that cannot carry its own mass there.
     """
-    there = mission.at_altitude(altitude_m)
+    there = mission.climbing_from(altitude_m)
     density_kg_per_m3 = float(there.air_state().density_kg_per_m3)
     nan = float("nan")
     try:
@@ -169,9 +177,10 @@ def flight_at_altitude(
             *(altitude_m, _INFEASIBLE_H, *5 * (nan,), density_kg_per_m3, nan),
             worst_scenario=0,
             reason=reason,
+            maximum_altitude_m=None if there.climb is None else nan,
         )
     worst, cycle, design = result.worst_scenario(), result.cycle, result.design
-    airspeed = design.airspeed_m_per_s
+    airspeed, highest_m = design.airspeed_m_per_s, result.maximum_altitude_m
     return AltitudeFlight(
         altitude_m=altitude_m,
         excess_time_h=float(cycle.excess_time_h[worst]),
@@ -184,6 +193,7 @@ def flight_at_altitude(
         module_temperature_c=there.module_temperature_c(),
         worst_scenario=worst,
         extrapolations=extrapolations(aircraft, result),
+        maximum_altitude_m=None if highest_m is None else float(highest_m[worst]),
     )
 
 

@@ -28,77 +28,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_levels import ClimbLimits, FlightLevels, flight_levels
-from sizing.altitude.climb_march import Flows, March, Strategy, periodic_state
-from sizing.energy.battery import Store
-from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
+from sizing.altitude.climb_day import ClimbCycle, simulate_climb
+from sizing.altitude.climb_levels import ClimbLimits, checked_climb_limits, flight_levels
+from sizing.design import design_of
 from sizing.performance import Performance, performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
-
-
-@dataclass(frozen=True)
-class ClimbEnergyBudget:
-    """Where the energy of one cycle goes [Wh]; arrays of the scenarios.
-
-    ``solar + unserved = constant_load + level_flight + propulsion_loss + stored + stored_potential
-    + charge_loss + discharge_loss + curtailed``. ``level_flight`` is drag times airspeed, whether
-    the motor or a descent provides it; ``climb_electric`` and ``glide_potential`` are parts of the
-    flows: electric energy spent on climbing, potential energy given back.
-    """
-
-    solar_wh: FloatArray
-    unserved_wh: FloatArray
-    constant_load_wh: FloatArray
-    level_flight_wh: FloatArray
-    propulsion_loss_wh: FloatArray
-    stored_wh: FloatArray
-    stored_potential_wh: FloatArray
-    charge_loss_wh: FloatArray
-    discharge_loss_wh: FloatArray
-    curtailed_wh: FloatArray
-    climb_electric_wh: FloatArray
-    glide_potential_wh: FloatArray
-
-
-@dataclass(frozen=True)
-class ClimbCycle:
-    """Converged cycles with potential-energy storage.
-
-    ``cycle`` has the metrics of :mod:`sizing.energy.cycle`, on the nodes of the day, with two
-    extensions: excess time counts the glide from whatever altitude is left at the morning's equal
-    power before the battery takes over, and the load is what motor and avionics draw in fact.
-    Arrays of the trajectory have the shape ``(scenario, step)`` with the nodes ``time_h``; power is
-    the mean of the step that begins there. ``gliding_h`` is the time of sinking after the last
-    climb of the day.
-    """
-
-    cycle: Cycle
-    energy_budget: ClimbEnergyBudget
-    time_h: FloatArray
-    altitude_m: FloatArray
-    energy_wh: FloatArray
-    potential_energy_wh: FloatArray
-    solar_power_w: FloatArray
-    load_w: FloatArray
-    gliding_h: FloatArray
-
-    @property
-    def maximum_altitude_m(self) -> FloatArray:
-        """Highest altitude of the day [m]."""
-        return np.asarray(self.altitude_m.max(axis=-1))
-
-    @property
-    def maximum_potential_energy_wh(self) -> FloatArray:
-        """Largest potential energy of the day [Wh]."""
-        return np.asarray(self.potential_energy_wh.max(axis=-1))
-
-    @property
-    def nodes(self) -> slice:
-        """Steps of the trajectory that begin at a node of the day's axis."""
-        return slice(None, None, (len(self.time_h) - 1) // (len(self.cycle.time_h) - 1))
 
 
 @dataclass(frozen=True)
@@ -127,169 +64,30 @@ def climb_performance(
     solar: SolarModel = UNCORRECTED_CAM,
     *,
     solar_factor: float = 1.0,
+    scenarios: Scenarios | None = None,
 ) -> ClimbPerformance:
     """Simulate an aircraft on a mission with ``climb`` in every scenario.
 
-    ``solar_factor``: factor on all solar power, for what an error of the model does. Returns flight
+    ``solar_factor``: factor on all solar power, for what an error of the model does.
+    ``scenarios``: others than the mission's own. Returns flight
     with climbs, and the flight at the mission's altitude to compare it with.
     """
     if mission.climb is None:
         raise ValueError(f"mission {mission.name} has no climb")
+    design = design_of(aircraft, mission)
+    limits = checked_climb_limits(aircraft, design)
+    day = solar_day(aircraft, mission, solar, scenarios=scenarios).scaled(solar_factor)
     lowest = mission.at_altitude(mission.altitude_m)
-    day = solar_day(aircraft, lowest, solar).scaled(solar_factor)
-    constant = performance(aircraft, lowest, solar, day=day)
-    levels = flight_levels(aircraft, mission, solar, constant, solar_factor)
-    flown = simulate_climb(day.time_h, levels, constant.store, mission.climb.strategy)
+    constant = performance(aircraft, lowest, solar, day=day, design=design)
+    levels = flight_levels(aircraft, mission, design, day)
+    store = constant.store.flat((len(day.scenarios),))
+    flown = simulate_climb(day.time_h, levels, store, mission.climb.strategy)
     ours = replace(
         constant,
         mission=mission,
         solar_power_w=flown.solar_power_w[:, flown.nodes],
         load_w=flown.load_w[:, flown.nodes],
         cycle=flown.cycle,
+        maximum_altitude_m=flown.maximum_altitude_m,
     )
-    return ClimbPerformance(ours, constant, flown, levels.limits)
-
-
-def simulate_climb(
-    time_h: FloatArray, levels: FlightLevels, store: Store, strategy: Strategy
-) -> ClimbCycle:
-    """Converge the cycle with potential-energy storage and measure it.
-
-    ``time_h``: nodes over one day, 0 to 24 [h], both ends included. ``levels``: solar power,
-    propulsion power and potential energy over altitude. Returns arrays of the scenarios.
-    """
-    march = March(time_h, levels, store.flat((levels.solar_power_w.shape[1],)), strategy)
-    return _Day(march).result()
-
-
-class _Day:
-    """Trajectory, flows and metrics of the day that repeats itself; time is the first axis."""
-
-    def __init__(self, march: March) -> None:
-        self.march = march
-        self.time_h = march.time_h
-        shape = (len(self.time_h), len(march.places))
-        self.energy, self.potential = np.empty(shape), np.empty(shape)
-        self.solar_w, self.load_w = np.empty(shape), np.empty(shape)
-        self.sums = Flows(*(np.zeros(shape[1]) for _ in Flows._fields))
-        end = periodic_state(march)
-        for k, step in enumerate(march.steps(end)):
-            self.energy[k], self.potential[k] = step.start
-            hours = self.time_h[k + 1] - self.time_h[k]
-            self.solar_w[k] = step.power.solar_left_w
-            self.load_w[k] = step.flows.motor_wh / hours + march.levels.constant_power_w
-            self.sums = Flows(*(a + b for a, b in zip(self.sums, step.flows, strict=True)))
-            end = step.end
-        self.energy[-1], self.potential[-1] = end
-        # The power of the end is that of the beginning.
-        self.solar_w[-1], self.load_w[-1] = self.solar_w[0], self.load_w[0]
-
-    def result(self) -> ClimbCycle:
-        """Metrics of the whole day."""
-        budget = self._energy_budget()
-        return ClimbCycle(
-            cycle=self._cycle(budget),
-            energy_budget=budget,
-            time_h=self.time_h,
-            altitude_m=self.march.levels.altitude_at(self.potential.T),
-            energy_wh=self.energy.T.copy(),
-            potential_energy_wh=self.potential.T.copy(),
-            solar_power_w=self.solar_w.T.copy(),
-            load_w=self.load_w.T.copy(),
-            gliding_h=_gliding_h(self.time_h, self.potential),
-        )
-
-    def _energy_budget(self) -> ClimbEnergyBudget:
-        sums, march = self.sums, self.march
-        eta = march.levels.limits.efficiency
-        return ClimbEnergyBudget(
-            solar_wh=sums.solar_wh,
-            unserved_wh=sums.unserved_wh,
-            constant_load_wh=np.full_like(sums.solar_wh, 24.0 * march.levels.constant_power_w),
-            level_flight_wh=eta * sums.level_electric_wh,
-            propulsion_loss_wh=(1.0 - eta) * sums.motor_wh,
-            stored_wh=self.energy[-1] - self.energy[0],
-            stored_potential_wh=self.potential[-1] - self.potential[0],
-            charge_loss_wh=sums.charged_wh * (1.0 / march.store.charge_efficiency - 1.0),
-            discharge_loss_wh=sums.drawn_wh * (1.0 - march.store.discharge_efficiency),
-            curtailed_wh=sums.curtailed_wh,
-            climb_electric_wh=sums.climb_wh,
-            glide_potential_wh=eta * sums.glide_wh,
-        )
-
-    def _cycle(self, budget: ClimbEnergyBudget) -> Cycle:
-        """Metrics of :mod:`sizing.energy.cycle`, with the altitude that is left at dawn."""
-        march, levels, sums = self.march, self.march.levels, self.sums
-        battery_energy_wh = march.store.battery_energy_wh
-        floor_w = levels.solar_power_w[0].T
-        equal = equal_power(march.node_h, floor_w - levels.nominal_load_w)
-        excess, status = excess_and_status(
-            equal,
-            runs_empty=sums.unserved_wh > 1e-9 * battery_energy_wh,
-            sunlit=np.any(floor_w > 0.0, axis=0),
-            missing_h=sums.missing_h,
-            reserve_h=self._reserve_h(equal.morning_h),
-        )
-        lowest = self.energy.min(axis=0) / battery_energy_wh
-        first_full, last_full = self._full_h()
-        return Cycle(
-            status=status,
-            excess_time_h=excess,
-            minimum_state_of_charge=np.where(excess > 0.0, lowest, 0.0),
-            charge_margin_h=np.where(np.isnan(first_full), 0.0, last_full - first_full),
-            equal_power_morning_h=equal.morning_h,
-            equal_power_evening_h=equal.evening_h,
-            full_charge_h=first_full,
-            missing_h=sums.missing_h,
-            energy_budget=EnergyBudget(
-                solar_wh=budget.solar_wh,
-                load_wh=budget.constant_load_wh + sums.motor_wh,
-                unserved_wh=budget.unserved_wh,
-                stored_wh=budget.stored_wh,
-                charge_loss_wh=budget.charge_loss_wh,
-                discharge_loss_wh=budget.discharge_loss_wh,
-                curtailed_wh=budget.curtailed_wh,
-            ),
-            time_h=march.node_h,
-            energy_wh=self.energy[:: march.steps_per_node].T.copy(),
-        )
-
-    def _reserve_h(self, dawn_h: FloatArray) -> FloatArray:
-        """Hours that altitude and battery left at dawn would last without any sun.
-
-        The aircraft glides first, while the battery feeds the avionics alone.
-        """
-        levels, eta = self.march.levels, self.march.store.discharge_efficiency
-        at = np.where(np.isnan(dawn_h), 0.0, dawn_h)
-        energy = _at_times(self.time_h, self.energy, at) * eta
-        glide_h = levels.glide_h(_at_times(self.time_h, self.potential, at))
-        for_avionics = levels.constant_power_w * glide_h
-        with np.errstate(divide="ignore", invalid="ignore"):
-            level_h = np.maximum(energy - for_avionics, 0.0) / levels.nominal_load_w
-            shortened = np.where(energy < for_avionics, energy / levels.constant_power_w, glide_h)
-        return shortened + level_h
-
-    def _full_h(self) -> tuple[FloatArray, FloatArray]:
-        """First and last instant of full charge [h], NaN without one."""
-        full = self.energy >= self.march.counts_as_full_wh
-        ever = full.any(axis=0)
-        first = self.time_h[np.argmax(full, axis=0)]
-        last = self.time_h[len(full) - 1 - np.argmax(full[::-1], axis=0)]
-        return np.where(ever, first, np.nan), np.where(ever, last, np.nan)
-
-
-def _at_times(time_h: FloatArray, values: FloatArray, at_h: FloatArray) -> FloatArray:
-    """Columns of a trajectory, each at its own time."""
-    pairs = zip(values.T, at_h, strict=True)
-    return np.array([np.interp(hour, time_h, column) for column, hour in pairs])
-
-
-def _gliding_h(time_h: FloatArray, potential_wh: FloatArray) -> FloatArray:
-    """Hours of sinking between the last climb of the day and the next one."""
-    change = np.diff(potential_wh, axis=0)
-    climbs = change > 0.0
-    begun = np.logical_or.accumulate(climbs, axis=0)
-    to_come = np.logical_or.accumulate(climbs[::-1], axis=0)[::-1]
-    # The glide may last beyond midnight, to the first climb of the next day.
-    gliding = (change < 0.0) & ~(begun & to_come) & climbs.any(axis=0)
-    return np.asarray(np.diff(time_h) @ gliding)
+    return ClimbPerformance(ours, constant, flown, limits)

@@ -1,8 +1,9 @@
-"""One aircraft between its lowest altitude and its ceiling: power, sunlight, potential energy."""
+"""Aircraft between their lowest altitude and their ceiling: power, sunlight, potential energy."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,15 +17,18 @@ from sizing.design import (
     measured_design,
     operating_trouble,
     parametric_design,
+    thermal_shape,
 )
-from sizing.performance import Performance
-from sizing.sunlight import SolarDay, SolarModel, solar_day
-from solar.types import FloatArray
+from sizing.sunlight import SolarDay
+from solar.types import BoolArray, FloatArray, IntArray
 
-# Between levels everything is linear: the pressure's curvature over 500 m is 0.05 %.
-_LEVEL_SPACING_M = 500.0
-_MAXIMUM_LEVELS = 21
 _GLIDE_POINTS = 2001
+# Fields of the levels that every element has one of.
+_OF_EACH = (
+    *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
+    *("efficiency", "maximum_power_w", "flies"),
+)
+_NO_FLIGHT_W = 1e12  # power of a level flight that there is none of
 
 
 class ClimbLimitError(ValueError):
@@ -44,137 +48,186 @@ class ClimbLimits(NamedTuple):
 
 @dataclass(frozen=True)
 class FlightLevels:
-    """One aircraft, of one mass, between the lowest altitude and the ceiling.
+    """Flights of aircraft of some mass between the lowest altitude and the ceiling.
 
-    ``altitude_m``, ``potential_energy_wh``, ``propulsion_power_w``: altitude [m], energy of
+    One element is one aircraft in one scenario. ``altitude_m``, of shape ``(level,)``;
+    ``potential_energy_wh``, ``propulsion_power_w``, of shape ``(level, element)``: energy of
     altitude and speed above that of the lowest level [Wh], and electric propulsion power of level
-    flight in calm air [W]. ``solar_power_w``: power of the solar modules [W].
-    ``turbulence_factor``: factor on the propulsion power [-]; ``nominal_factor`` is that without
-    thermals. ``constant_power_w``: power of avionics and payload [W]. ``limits``: what the
-    propulsion can do.
+    flight in calm air [W]. ``specific_power_w_per_m2``: of the solar modules, of shape ``(level,
+    scenario, time)``; ``module_area_m2`` and ``scenario`` of every element say how much of which.
+    ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-]. Of
+    every element: ``nominal_factor`` is that without thermals, ``constant_power_w`` of avionics
+    and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, and whether it
+    ``flies`` at all levels.
     """
 
     altitude_m: FloatArray
     potential_energy_wh: FloatArray
     propulsion_power_w: FloatArray
-    solar_power_w: FloatArray
+    specific_power_w_per_m2: FloatArray
+    module_area_m2: FloatArray
+    scenario: IntArray
     turbulence_factor: FloatArray
-    nominal_factor: float
-    constant_power_w: float
-    limits: ClimbLimits
-
-    def altitude_at(self, potential_energy_wh: FloatArray) -> FloatArray:
-        """Altitude [m] of a potential energy [Wh]."""
-        return np.asarray(np.interp(potential_energy_wh, self.potential_energy_wh, self.altitude_m))
+    nominal_factor: FloatArray
+    constant_power_w: FloatArray
+    efficiency: FloatArray
+    maximum_power_w: FloatArray
+    flies: BoolArray
 
     @property
-    def nominal_load_w(self) -> float:
+    def nominal_load_w(self) -> FloatArray:
         """Load at the lowest altitude without thermals [W]."""
-        return float(self.propulsion_power_w[0]) * self.nominal_factor + self.constant_power_w
+        return np.asarray(self.propulsion_power_w[0] * self.nominal_factor + self.constant_power_w)
+
+    def select(self, some: slice | IntArray | BoolArray) -> FlightLevels:
+        """Flights of a part of the elements."""
+        by_level = ("potential_energy_wh", "propulsion_power_w")
+        rows = {name: getattr(self, name)[:, some] for name in by_level}
+        return replace(self, **rows, **{name: getattr(self, name)[some] for name in _OF_EACH})
+
+    @classmethod
+    def joined(cls, several: Sequence[FlightLevels]) -> FlightLevels:
+        """Flights at the same levels, each in its own scenarios."""
+        first = [0, *np.cumsum([one.specific_power_w_per_m2.shape[1] for one in several])]
+        along = {
+            1: ("potential_energy_wh", "propulsion_power_w", "specific_power_w_per_m2"),
+            0: ("turbulence_factor", *_OF_EACH),
+        }
+        arrays = {
+            name: np.concatenate([getattr(one, name) for one in several], axis=axis)
+            for axis, names in along.items()
+            for name in names
+        }
+        places = [one.scenario + n for one, n in zip(several, first, strict=False)]
+        return cls(several[0].altitude_m, **arrays | {"scenario": np.concatenate(places)})
+
+    def altitude_at(self, potential_energy_wh: FloatArray) -> FloatArray:
+        """Altitude of potential energies, elements first [m]."""
+        rows = zip(potential_energy_wh, self.potential_energy_wh.T, strict=True)
+        return np.array([np.interp(row, energies, self.altitude_m) for row, energies in rows])
 
     def glide_h(self, potential_energy_wh: FloatArray) -> FloatArray:
-        """Hours of gliding from a potential energy [Wh] with the motor off [h]."""
-        energies = np.linspace(0.0, self.potential_energy_wh[-1], _GLIDE_POINTS)
-        level_w = np.interp(energies, self.potential_energy_wh, self.propulsion_power_w)
-        slowness = 1.0 / (self.limits.efficiency * (level_w * self.nominal_factor))
-        hours = np.concatenate(
-            ([0.0], np.cumsum(np.diff(energies) * (slowness[1:] + slowness[:-1]) / 2.0))
-        )
-        return np.asarray(np.interp(potential_energy_wh, energies, hours))
+        """Hours of gliding from the potential energy of every element with the motor off [h]."""
+        hours = np.zeros(np.shape(potential_energy_wh))
+        for place in np.flatnonzero(potential_energy_wh):
+            known = self.potential_energy_wh[:, place]
+            energies = np.linspace(0.0, known[-1], _GLIDE_POINTS)
+            level_w = np.interp(energies, known, self.propulsion_power_w[:, place])
+            slowness = 1.0 / (self.efficiency[place] * (level_w * self.nominal_factor[place]))
+            each = np.diff(energies) * (slowness[1:] + slowness[:-1]) / 2.0
+            summed = np.concatenate(([0.0], np.cumsum(each)))
+            hours[place] = np.interp(potential_energy_wh[place], energies, summed)
+        return hours
 
 
 def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
-    """Efficiency and largest power of the propulsion.
+    """Efficiency and largest power of the propulsion of designs.
 
     Parametric: the rated power of the propulsion, sized at the mission's altitude. Measured: as
     the file says.
 
     ``design``: its mass and the power of its level flight at the mission's altitude. Returns
-    efficiency [-] and largest electric power [W], which is above that of level flight.
+    efficiency [-] and largest electric power [W].
     """
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
         flight = airframe.level_flight
-        place = ("airframe", "level_flight")
         for name in ("maximum_electric_power_w", "propulsion_efficiency"):
             if getattr(flight, name) is None:
                 message = "required key is missing: the mission has climb"
-                raise ClimbLimitError((*place, name), message)
+                raise ClimbLimitError(("airframe", "level_flight", name), message)
         assert flight.propulsion_efficiency is not None
         assert flight.maximum_electric_power_w is not None
-        limits = ClimbLimits(flight.propulsion_efficiency, flight.maximum_electric_power_w)
-        key = (*place, "maximum_electric_power_w")
-    else:
-        weight_n = float(design.total_mass_kg) * GRAVITY_M_PER_S2
-        level_w = float(design.propulsion_power_w)
-        assert design.chain is not None
-        rated = float(design.chain.rated_power_w(level_w, weight_n=weight_n))
-        limits = ClimbLimits(float(design.chain.efficiency), rated)
-        key = ("airframe", "propulsion", "climb_power_ratio")
-    if limits.maximum_power_w <= float(design.propulsion_power_w):
+        return ClimbLimits(flight.propulsion_efficiency, flight.maximum_electric_power_w)
+    assert design.chain is not None
+    weight_n = design.total_mass_kg * GRAVITY_M_PER_S2
+    rated = design.chain.rated_power_w(design.propulsion_power_w, weight_n=weight_n)
+    return ClimbLimits(design.chain.efficiency, rated)
+
+
+def checked_climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
+    """Limits of one design whose largest power must be above that of level flight."""
+    limits = climb_limits(aircraft, design)
+    level_w = float(design.propulsion_power_w)
+    if float(limits.maximum_power_w) <= level_w:
+        measured = isinstance(aircraft.airframe, MeasuredAirframe)
         raise ClimbLimitError(
-            key,
-            f"{limits.maximum_power_w:.3g} W in all leaves nothing to climb with: level flight "
-            f"takes {float(design.propulsion_power_w):.3g} W; it must be more",
+            ("airframe", "level_flight", "maximum_electric_power_w")
+            if measured
+            else ("airframe", "propulsion", "climb_power_ratio"),
+            f"{float(limits.maximum_power_w):.3g} W in all leaves nothing to climb with: level "
+            f"flight takes {level_w:.3g} W; it must be more",
         )
-    return limits
+    return ClimbLimits(float(limits.efficiency), float(limits.maximum_power_w))
 
 
 def flight_levels(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    constant: Performance,
-    solar_factor: float = 1.0,
+    aircraft: Aircraft, mission: Mission, design: Design, day: SolarDay, *, paired: bool = False
 ) -> FlightLevels:
-    """Power and sunlight between a mission's altitude and its ceiling, for the mass built.
+    """Power and sunlight between a mission's altitude and its ceiling, for the masses built.
 
-    Returns at least two, evenly spaced from the mission's altitude to the ceiling.
+    ``design``: one, or a batch; ``day``: with the light aloft. ``paired``: every design flies in
+    its own scenario, else in every one. Returns elements in the order of designs, then scenarios.
     """
+    light = day.aloft_w_per_m2
     assert mission.climb is not None
-    design, day = constant.design, constant.day
-    floor_m, ceiling_m = mission.altitude_m, mission.climb.ceiling_m
-    count = int(np.ceil((ceiling_m - floor_m) / _LEVEL_SPACING_M - 1e-9)) + 1
-    altitudes = np.linspace(floor_m, ceiling_m, min(max(count, 2), _MAXIMUM_LEVELS))
+    assert light is not None  # the day is that of the mission
+    altitudes = np.array(mission.climb_levels_m)
+    scenarios = np.arange(light.shape[1])
+    batch = np.shape(design.total_mass_kg)
+    shape = batch if paired else (*batch, len(scenarios))
+
+    def each(value: object) -> FloatArray:
+        """Value of every element."""
+        array = np.broadcast_to(np.asarray(value, float), batch)
+        return np.broadcast_to(array if paired else array[..., np.newaxis], shape).ravel()
+
     flown = [_same_aircraft_at(aircraft, mission, design, float(h)) for h in altitudes]
-    speed = np.array([0.0 if d.airspeed_m_per_s is None else d.airspeed_m_per_s for d in flown])
-    energy_height_m = altitudes + speed**2 / (2.0 * GRAVITY_M_PER_S2)
-    weight_n = float(design.total_mass_kg) * GRAVITY_M_PER_S2
-    area_m2 = float(design.variables.module_area_m2)
+    height_m = [
+        h + np.square(0.0 if d.airspeed_m_per_s is None else d.airspeed_m_per_s) / _TWICE_GRAVITY
+        for h, d in zip(altitudes, flown, strict=True)
+    ]
+    weight_n = np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2
+    with np.errstate(invalid="ignore"):  # of designs that cannot carry themselves
+        potential_wh = np.stack([each(weight_n * (h - height_m[0]) / 3600.0) for h in height_m])
+    power_w = np.stack([each(d.propulsion_power_w) for d in flown])
+    flies = np.isfinite(power_w).all(axis=0) & np.isfinite(potential_wh).all(axis=0)
+    limits = climb_limits(aircraft, design)
+    thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
+    # Draws of uncertain inputs are arrays of the elements.
+    all_day, most = (
+        np.asarray(value, float)[..., np.newaxis]
+        for value in (mission.turbulence.all_day, mission.turbulence.thermal)
+    )
+    steady = 1.0 + all_day
     return FlightLevels(
         altitude_m=altitudes,
-        potential_energy_wh=weight_n * (energy_height_m - energy_height_m[0]) / 3600.0,
-        propulsion_power_w=np.array([float(d.propulsion_power_w) for d in flown]),
-        solar_power_w=area_m2
-        * np.stack(
-            [
-                _specific_power(aircraft, mission.at_altitude(float(h)), solar, day, solar_factor)
-                for h in altitudes
-            ]
-        ),
-        turbulence_factor=(constant.load_w - float(design.constant_power_w))
-        / float(design.propulsion_power_w),
-        nominal_factor=1.0 + mission.turbulence.all_day,
-        constant_power_w=float(design.constant_power_w),
-        limits=climb_limits(aircraft, design),
+        potential_energy_wh=np.where(flies, potential_wh, 0.0),
+        propulsion_power_w=np.where(flies, power_w, _NO_FLIGHT_W),
+        specific_power_w_per_m2=light,
+        module_area_m2=each(design.variables.module_area_m2),
+        scenario=np.broadcast_to(scenarios, shape).ravel(),
+        turbulence_factor=np.broadcast_to(steady + most * thermal, light.shape[1:]),
+        nominal_factor=each(steady[..., 0]),
+        constant_power_w=each(design.constant_power_w),
+        efficiency=each(limits.efficiency),
+        maximum_power_w=np.where(flies, each(limits.maximum_power_w), 0.0),
+        flies=np.asarray(flies),
     )
+
+
+_TWICE_GRAVITY = 2.0 * GRAVITY_M_PER_S2
 
 
 def _same_aircraft_at(
     aircraft: Aircraft, mission: Mission, design: Design, altitude_m: float
 ) -> Design:
-    """Level flight of an aircraft of given mass at another altitude."""
+    """Level flight of given mass at another altitude, of a batch infinite power without any."""
     there = mission.at_altitude(altitude_m)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, there)
-    flown = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
-    if not np.isfinite(flown.propulsion_power_w):
+    with np.errstate(over="ignore", invalid="ignore"):
+        flown = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
+    if np.ndim(design.total_mass_kg) == 0 and not np.isfinite(flown.propulsion_power_w):
         raise ImpossibleDesignError(operating_trouble(aircraft, there))
     return flown
-
-
-def _specific_power(
-    aircraft: Aircraft, there: Mission, solar: SolarModel, day: SolarDay, factor: float
-) -> FloatArray:
-    found = solar_day(aircraft, there, solar, scenarios=day.scenarios)
-    return found.scaled(factor).specific_power_w_per_m2

@@ -5,7 +5,6 @@ What a step does, and why, stands at the head of :mod:`sizing.altitude.climb_cyc
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -20,79 +19,124 @@ from solar.types import BoolArray, FloatArray, IntArray
 Strategy = Literal["battery_full", "surplus"]
 
 STEPS_PER_NODE = 5  # of the day's axis: 1 min
-_TOLERANCE = 1e-10  # of the battery's energy: gain of a cycle that repeats itself
-_MAXIMUM_ROUNDS = 160
-_PLAIN_ROUNDS = 4  # before an extrapolation
-_LAST_ROUNDS = 40  # without any, for what extrapolating does not settle
-
-
-class Flows(NamedTuple):
-    """Energy that moved within one step [Wh]; per scenario."""
-
-    solar_wh: FloatArray
-    level_electric_wh: FloatArray
-    charged_wh: FloatArray
-    drawn_wh: FloatArray
-    curtailed_wh: FloatArray
-    climb_wh: FloatArray
-    glide_wh: FloatArray
-    unserved_wh: FloatArray
-    missing_h: FloatArray
-
-    @property
-    def motor_wh(self) -> FloatArray:
-        """Electric energy of the propulsion [Wh]."""
-        return self.level_electric_wh + self.climb_wh - self.glide_wh
-
-
-class StepPower(NamedTuple):
-    """Power at both ends of a step, at the altitude of its middle [W]; per scenario."""
-
-    solar_left_w: FloatArray
-    solar_right_w: FloatArray
-    motor_left_w: FloatArray
-    motor_right_w: FloatArray
 
 
 class Stored(NamedTuple):
-    """Energy in the battery, and potential energy above the lowest level [Wh]; per scenario."""
+    """Energy in the battery, and potential energy above the lowest level [Wh]; per element."""
 
     battery_wh: FloatArray
     potential_wh: FloatArray
 
 
-class ClimbStep(NamedTuple):
-    """What is stored at both ends of a step, its power and its flows."""
+class Power(NamedTuple):
+    """Power of steps, and what is left over or lacking in them whatever is stored.
 
-    start: Stored
-    power: StepPower
-    flows: Flows
-    end: Stored
+    Of sun and motor in level flight at both ends, at the altitude of the middle [W]; surplus and
+    deficit, that of the avionics alone, and what the propulsion could take besides level flight
+    while there is a surplus [Wh]; ``sunlit_h`` is how long there is one. A deficit comes before the
+    surplus of its step where ``early`` is 1, after it where that is 0.
+    """
+
+    solar_left_w: FloatArray
+    solar_right_w: FloatArray
+    motor_left_w: FloatArray
+    motor_right_w: FloatArray
+    surplus_wh: FloatArray
+    deficit_wh: FloatArray
+    of_avionics_wh: FloatArray
+    room_wh: FloatArray
+    sunlit_h: FloatArray
+    early: FloatArray
+
+
+class DayRun:
+    """What a day has done, step by step; time is the first axis, elements the second.
+
+    ``energy_wh`` and ``potential_wh`` are stored at the nodes of the steps. Energy that moves in a
+    step [Wh]: ``charged``, ``drawn``, ``left_over`` of the surplus, of that ``climb``, ``glide``,
+    which is electric energy that sinking has saved, and ``unserved``.
+    """
+
+    def __init__(self, march: March) -> None:
+        # Most steps are at the lowest altitude.
+        self.march, self.power = march, Power(*(values.copy() for values in march.at_floor))
+        steps, elements = self.power.solar_left_w.shape
+        self.energy_wh, self.potential_wh = np.zeros((2, steps + 1, elements))
+        self.charged, self.drawn, self.left_over = np.zeros((3, steps, elements))
+        self.climb, self.glide, self.unserved = np.zeros((3, steps, elements))
+
+    def keep(self, number: int, moves: _Moves, power: Power | None) -> None:
+        """Keep what a step does; ``power`` where it is above the lowest altitude."""
+        self.charged[number], self.left_over[number] = moves.charged_wh, moves.left_over_wh
+        self.climb[number] = moves.climb_wh
+        for drawn in (moves.first, moves.second):
+            if drawn is not None:
+                self.drawn[number] += drawn.drawn_wh
+                self.glide[number] += drawn.glide_wh
+                self.unserved[number] += drawn.unserved_wh
+        self.energy_wh[number + 1], self.potential_wh[number + 1] = moves.end
+        if power is not None:
+            for row, values in zip(self.power, power, strict=True):
+                row[number] = values
+
+    @property
+    def solar_wh(self) -> FloatArray:
+        """Energy of the modules in every step [Wh]."""
+        return (self.power.solar_left_w + self.power.solar_right_w) / 2.0 * self.march.hours
+
+    @property
+    def level_electric_wh(self) -> FloatArray:
+        """Electric energy that level flight takes in every step [Wh]."""
+        return (self.power.motor_left_w + self.power.motor_right_w) / 2.0 * self.march.hours
+
+    @property
+    def motor_wh(self) -> FloatArray:
+        """Electric energy of the propulsion in every step [Wh]."""
+        return self.level_electric_wh + self.climb - self.glide
+
+    @property
+    def missing_h(self) -> FloatArray:
+        """Hours without energy."""
+        lacking = (self.march.hours - self.power.sunlit_h) * self.unserved
+        return np.asarray((lacking / np.maximum(self.power.deficit_wh, 1e-300)).sum(axis=0))
 
 
 class March:
-    """Steps through the day of some scenarios with both storages.
+    """Steps through the day of aircraft in scenarios with both storages.
 
-    ``levels``: the aircraft between the lowest altitude and the ceiling.
+    ``levels``: the aircraft between the lowest altitude and the ceiling. ``steps_per_node``: steps
+    in one of the day's axis.
     """
 
     def __init__(
-        self, time_h: FloatArray, levels: FlightLevels, store: Store, strategy: Strategy
+        self,
+        time_h: FloatArray,
+        levels: FlightLevels,
+        store: Store,
+        strategy: Strategy,
+        steps_per_node: int,
     ) -> None:
         self.node_h, self.levels, self.store = np.asarray(time_h, float), levels, store
-        self.steps_per_node = STEPS_PER_NODE
-        self.always_climb = strategy == "surplus"
-        self.potential_max_wh = float(levels.potential_energy_wh[-1])
-        self.solar = np.ascontiguousarray(np.moveaxis(levels.solar_power_w, -1, 0))
-        self.factor = np.ascontiguousarray(levels.turbulence_factor.T)
-        self.places = np.arange(levels.solar_power_w.shape[1])
-        rises = np.diff(levels.potential_energy_wh)
-        self.per_wh = 1.0 / np.where(rises > 0.0, rises, np.inf)
+        self.steps_per_node, self.strategy = steps_per_node, strategy
+        self.potential_max_wh = levels.potential_energy_wh[-1]
+        self.per_wh = _inverse(np.diff(levels.potential_energy_wh, axis=0)).ravel()
+        self.thresholds_wh = levels.potential_energy_wh[1:-1]
+        self.potential_at = levels.potential_energy_wh.ravel()
+        self.motor_at = levels.propulsion_power_w.ravel()
+        self.count = len(levels.scenario)
+        self.places, self._nothing = np.arange(self.count), np.zeros(self.count)
+        # Of every node: solar power at all levels, one after the other, and turbulence.
+        light = np.moveaxis(levels.specific_power_w_per_m2, -1, 0)[:, :, levels.scenario]
+        self.solar_at = (light * levels.module_area_m2).reshape(len(light), -1)
+        self.factor = levels.turbulence_factor.T[:, levels.scenario]
         self.counts_as_full_wh = FULL * store.battery_energy_wh
-        lengths = np.diff(self.node_h) / self.steps_per_node
-        self.hours = [float(length) for length in lengths for _ in range(self.steps_per_node)]
-        zero = np.zeros(len(self.places))
-        self.nothing = _Drawn(Stored(zero, zero), zero, zero, zero)
+        self.hours = np.repeat(np.diff(self.node_h) / steps_per_node, steps_per_node)[:, np.newaxis]
+        self._hours = [float(hours) for hours in self.hours[:, 0]]
+
+    def select(self, some: IntArray | BoolArray) -> March:
+        """Steps of some of the elements."""
+        levels, store = self.levels.select(some), self.store.select(some)
+        return March(self.node_h, levels, store, self.strategy, self.steps_per_node)
 
     @property
     def time_h(self) -> FloatArray:
@@ -101,104 +145,142 @@ class March:
         fine = self.node_h[:-1, np.newaxis] + np.diff(self.node_h)[:, np.newaxis] * parts
         return np.append(fine.ravel(), self.node_h[-1])
 
-    def steps(self, stored: Stored) -> Iterator[ClimbStep]:
-        """March through the day from what is stored at its start."""
-        before = stored.potential_wh
-        for number, hours in enumerate(self.hours):
-            supply = self._supply(number, stored.potential_wh, before)
-            moves = self._moves(stored, supply, hours)
-            yield ClimbStep(stored, supply.power, _flows(supply, moves, hours), moves.end)
-            before, stored = stored.potential_wh, moves.end
-
-    def end_of_day(self, stored: Stored) -> Stored:
-        """What is stored at the end of the day, from what is at its start."""
-        before = stored.potential_wh
-        for number, hours in enumerate(self.hours):
-            supply = self._supply(number, stored.potential_wh, before)
-            before, stored = stored.potential_wh, self._moves(stored, supply, hours).end
+    def end_of_day(self, stored: Stored, run: DayRun | None = None) -> Stored:
+        """What is stored at the end of the day, from what is at its start; kept in a run."""
+        if run is not None:
+            run.energy_wh[0], run.potential_wh[0] = stored
+        before, number = stored.potential_wh, 0
+        while number < len(self._hours):
+            at_floor = not (stored.potential_wh.any() or before.any())
+            until = self._dark_until[number]
+            if at_floor and until > number:
+                stored = self._discharged(stored, slice(number, until), run)
+                before, number = stored.potential_wh, until
+                continue
+            if at_floor:
+                power, phases = self._floor_steps[number]
+            else:
+                middle = 1.5 * stored.potential_wh - 0.5 * before
+                power = self._power_at(number, middle)
+                phases = _phases(power)
+            moves = self._moves(stored, power, phases, self._hours[number])
+            if run is not None:
+                run.keep(number, moves, None if at_floor else power)
+            before, stored, number = stored.potential_wh, moves.end, number + 1
         return stored
 
-    def _supply(self, number: int, potential_wh: FloatArray, before_wh: FloatArray) -> _Supply:
-        """What a step has to go on, at the altitude extrapolated to its middle."""
-        if not (potential_wh.any() or before_wh.any()):
-            return self._at_floor[number]
-        middle = np.clip(1.5 * potential_wh - 0.5 * before_wh, 0.0, self.potential_max_wh)
-        power = self._power(*divmod(number, self.steps_per_node), middle)
-        return _Supply.of(power, self._balance(power, self.hours[number]))
+    @cached_property
+    def at_floor(self) -> Power:
+        """All steps of the day at the lowest altitude."""
+        node, part = np.divmod(np.arange(len(self._hours)), self.steps_per_node)
+        floor = slice(None, self.count)
+        ends = [
+            first + (last - first) * share[:, np.newaxis]
+            for first, last in (
+                (self.solar_at[node, floor], self.solar_at[node + 1, floor]),
+                (self.factor[node], self.factor[node + 1]),
+            )
+            for share in (part / self.steps_per_node, (part + 1) / self.steps_per_node)
+        ]
+        motor_w = self.motor_at[floor]
+        return self._balance(ends[0], ends[1], motor_w * ends[2], motor_w * ends[3], self.hours)
 
     @cached_property
-    def _at_floor(self) -> list[_Supply]:
-        """All steps of the day at the lowest altitude: most of them, known beforehand."""
-        node, part = np.divmod(np.arange(len(self.hours))[:, np.newaxis], self.steps_per_node)
-        power = self._power(node, part, np.zeros(len(self.places)))
-        balance = self._balance(power, np.array(self.hours)[:, np.newaxis])
-        rows = zip(zip(*power, strict=True), zip(*balance, strict=True), strict=True)
-        return [_Supply.of(StepPower(*p), _Balance(*b)) for p, b in rows]
+    def _floor_steps(self) -> list[tuple[Power, _Phases]]:
+        """The same step by step: most of them, known beforehand."""
+        rows = (Power(*row) for row in zip(*self.at_floor, strict=True))
+        return [(row, _phases(row)) for row in rows]
 
-    def _power(
-        self, node: int | IntArray, part: int | IntArray, potential_wh: FloatArray
-    ) -> StepPower:
-        """Power of one step, or of a column of steps, at an altitude."""
-        levels, places = self.levels, self.places
-        below = np.searchsorted(levels.potential_energy_wh, potential_wh, side="right") - 1
-        below = np.clip(below, 0, len(self.per_wh) - 1)
-        upper = (potential_wh - levels.potential_energy_wh[below]) * self.per_wh[below]
+    @cached_property
+    def _dark_until(self) -> list[int]:
+        """First step from each on in which any element has a surplus."""
+        lit = np.any(self.at_floor.surplus_wh > 0.0, axis=1)
+        steps = np.where(lit, np.arange(len(lit)), len(lit))
+        return [int(step) for step in np.minimum.accumulate(steps[::-1])[::-1]]
+
+    @cached_property
+    def _floor_deficit_wh(self) -> FloatArray:
+        """Deficits at the lowest altitude from the first to every node [Wh]."""
+        zero = np.zeros((1, self.count))
+        return np.concatenate([zero, np.cumsum(self.at_floor.deficit_wh, axis=0)])
+
+    def _discharged(self, stored: Stored, steps: slice, run: DayRun | None) -> Stored:
+        """Fly on the battery at the lowest altitude, without any surplus."""
+        eta, sums = self.store.discharge_efficiency, self._floor_deficit_wh
+        if run is None:
+            used_wh = (sums[steps.stop] - sums[steps.start]) / eta
+            return stored._replace(battery_wh=np.maximum(stored.battery_wh - used_wh, 0.0))
+        used_wh = (sums[steps.start + 1 : steps.stop + 1] - sums[steps.start]) / eta
+        energy_wh = np.maximum(stored.battery_wh - used_wh, 0.0)
+        run.energy_wh[steps.start + 1 : steps.stop + 1] = energy_wh
+        drawn_wh = -np.diff(np.concatenate([stored.battery_wh[np.newaxis], energy_wh]), axis=0)
+        run.drawn[steps] = drawn_wh
+        lacking_wh = self.at_floor.deficit_wh[steps] - eta * drawn_wh
+        # What rounding leaves of a deficit that is met is none.
+        unmet = energy_wh <= 0.0
+        run.unserved[steps] = np.where(unmet, np.maximum(lacking_wh, 0.0), 0.0)
+        return stored._replace(battery_wh=energy_wh[-1])
+
+    def _power_at(self, number: int, potential_wh: FloatArray) -> Power:
+        """Power of one step at a potential energy."""
+        node, part = divmod(number, self.steps_per_node)
+        potential_wh = np.minimum(np.maximum(potential_wh, 0.0), self.potential_max_wh)
+        below = (potential_wh >= self.thresholds_wh).sum(axis=0) * self.count + self.places
+        above = below + self.count
+        upper = (potential_wh - self.potential_at[below]) * self.per_wh[below]
         lower = 1.0 - upper
-        solar = self.solar
-        start = lower * solar[node, below, places] + upper * solar[node, below + 1, places]
-        end = lower * solar[node + 1, below, places] + upper * solar[node + 1, below + 1, places]
-        level_w = levels.propulsion_power_w
-        motor = lower * level_w[below] + upper * level_w[below + 1]
-        a, b = part / self.steps_per_node, (part + 1) / self.steps_per_node
-        first, last = self.factor[node, places], self.factor[node + 1, places]
-        return StepPower(
-            start + (end - start) * a,
-            start + (end - start) * b,
-            motor * (first + (last - first) * a),
-            motor * (first + (last - first) * b),
-        )
+        here, there = self.solar_at[node], self.solar_at[node + 1]
+        left = lower * here[below] + upper * here[above]
+        right = lower * there[below] + upper * there[above]
+        motor_w = lower * self.motor_at[below] + upper * self.motor_at[above]
+        first, last = self.factor[node], self.factor[node + 1]
+        if self.steps_per_node > 1:
+            a, b = part / self.steps_per_node, (part + 1) / self.steps_per_node
+            left, right = left + (right - left) * a, left + (right - left) * b
+            first, last = first + (last - first) * a, first + (last - first) * b
+        return self._balance(left, right, motor_w * first, motor_w * last, self._hours[number])
 
-    def _balance(self, power: StepPower, hours: float | FloatArray) -> _Balance:
+    def _balance(
+        self,
+        solar_left: FloatArray,
+        solar_right: FloatArray,
+        motor_left: FloatArray,
+        motor_right: FloatArray,
+        hours: float | FloatArray,
+    ) -> Power:
         """Surplus and deficit of one step, or of a column of steps."""
         constant = self.levels.constant_power_w
-        solar_left, solar_right, motor_left, motor_right = power
         left = solar_left - motor_left - constant
         right = solar_right - motor_right - constant
-        deficit = positive_part_wh(-left, -right, hours)
-        of_avionics = positive_part_wh(constant - solar_left, constant - solar_right, hours)
-        early = np.where(left < 0.0, 1.0, 0.0)
-        late = 1.0 - early
-        lit_h = hours * _surplus_share(left, right)
-        room_w = self.levels.limits.maximum_power_w - (motor_left + motor_right) / 2.0
-        return _Balance(
+        sunlit_h = hours * _surplus_share(left, right)
+        room_w = self.levels.maximum_power_w - (motor_left + motor_right) / 2.0
+        return Power(
+            *(solar_left, solar_right, motor_left, motor_right),
             surplus_wh=positive_part_wh(left, right, hours),
-            deficit_wh=deficit,
-            early_wh=early * deficit,
-            early_avionics_wh=early * of_avionics,
-            late_wh=late * deficit,
-            late_avionics_wh=late * of_avionics,
-            lit_h=lit_h,
-            room_wh=room_w * lit_h,
+            deficit_wh=positive_part_wh(-left, -right, hours),
+            of_avionics_wh=positive_part_wh(constant - solar_left, constant - solar_right, hours),
+            room_wh=np.maximum(room_w, 0.0) * sunlit_h,
+            sunlit_h=sunlit_h,
+            early=np.where(left < 0.0, 1.0, 0.0),
         )
 
-    def _moves(self, stored: Stored, supply: _Supply, hours: float) -> _Moves:
+    def _moves(self, stored: Stored, power: Power, phases: _Phases, hours: float) -> _Moves:
         """Early deficit, surplus (charge, then climb), late deficit; none where there is none."""
-        balance = supply.balance
-        first = second = self.nothing
-        climb = charged_wh = left_over = self.nothing.drawn_wh
-        if supply.begins_short:
-            first = self._drawn(stored, balance.early_wh, balance.early_avionics_wh)
+        first = second = None
+        climb = charged_wh = left_over = self._nothing
+        if phases.begins_short:
+            first = self._drawn(stored, power, power.early)
             stored = first.end
-        if supply.has_surplus:
+        if phases.has_surplus:
             energy, potential = stored
-            charged = self.store.charged(energy, balance.surplus_wh, hours)
+            charged = self.store.charged(energy, power.surplus_wh, hours)
             charged_wh = charged - energy
-            left_over = balance.surplus_wh - charged_wh / self.store.charge_efficiency
-            usable = self._usable_wh(energy, charged, balance.surplus_wh, left_over, hours)
-            climb = self._climb_wh(potential, usable, balance.room_wh)
-            stored = Stored(charged, potential + self.levels.limits.efficiency * climb)
-        if supply.ends_short:
-            second = self._drawn(stored, balance.late_wh, balance.late_avionics_wh)
+            left_over = power.surplus_wh - charged_wh / self.store.charge_efficiency
+            usable = self._usable_wh(energy, charged, power.surplus_wh, left_over, hours)
+            climb = self._climb_wh(potential, usable, power.room_wh)
+            stored = Stored(charged, potential + self.levels.efficiency * climb)
+        if phases.ends_short:
+            second = self._drawn(stored, power, 1.0 - power.early)
             stored = second.end
         return _Moves(first, charged_wh, left_over, climb, second, stored)
 
@@ -211,7 +293,7 @@ class March:
         hours: float,
     ) -> FloatArray:
         """Part of the left-over surplus that the strategy lets climb [Wh]."""
-        if self.always_climb:
+        if self.strategy == "surplus":
             return left_over
         full = charged >= self.counts_as_full_wh
         clock = self.store.clock
@@ -221,70 +303,48 @@ class March:
         # counted as a whole would make the day's gain jump with the state of charge.
         soc = np.minimum(energy / self.store.battery_energy_wh, 1.0)
         after = np.clip(1.0 - clock.hours_to_full(soc) / hours, 0.0, 1.0)
-        return np.where(full, np.minimum(left_over, after * surplus), 0.0)
+        usable = np.where(energy < self.counts_as_full_wh, after * surplus, left_over)
+        return np.where(full, np.minimum(left_over, usable), 0.0)
 
     def _climb_wh(
         self, potential: FloatArray, usable_wh: FloatArray, room_wh: FloatArray
     ) -> FloatArray:
         """Electric energy spent on climbing [Wh]."""
-        to_ceiling = (self.potential_max_wh - potential) / self.levels.limits.efficiency
-        energy = np.minimum(np.minimum(usable_wh, np.maximum(room_wh, 0.0)), to_ceiling)
-        return np.maximum(energy, 0.0)
+        to_ceiling = (self.potential_max_wh - potential) / self.levels.efficiency
+        energy = np.minimum(np.minimum(usable_wh, room_wh), to_ceiling)
+        return np.asarray(np.maximum(energy, 0.0))
 
-    def _drawn(self, stored: Stored, deficit: FloatArray, of_avionics: FloatArray) -> _Drawn:
+    def _drawn(self, stored: Stored, power: Power, share: FloatArray) -> _Drawn:
         """Meet a deficit: what the motor lacks by sinking first, all else from the battery."""
         energy, potential = stored
-        of_motor = deficit - of_avionics
-        glide = np.minimum(np.maximum(of_motor, 0.0), potential / self.levels.limits.efficiency)
+        deficit = share * power.deficit_wh
+        of_motor = deficit - share * power.of_avionics_wh
+        glide = np.minimum(np.maximum(of_motor, 0.0), potential / self.levels.efficiency)
         wanted = deficit - glide
         eta = self.store.discharge_efficiency
         drawn = np.minimum(wanted / eta, energy)
         # Rounding must leave no potential energy that is none.
-        lower = np.maximum(potential - self.levels.limits.efficiency * glide, 0.0)
+        lower = np.maximum(potential - self.levels.efficiency * glide, 0.0)
         unserved = np.maximum(wanted - eta * drawn, 0.0)
         return _Drawn(Stored(energy - drawn, lower), drawn, glide, unserved)
 
 
-class _Balance(NamedTuple):
-    """Energy that is left over or lacking in a step, whatever is stored [Wh]; per scenario.
+class _Phases(NamedTuple):
+    """Which phases of a step any element has."""
 
-    ``room_wh`` is what the propulsion could take besides level flight while there is a surplus.
-    """
-
-    surplus_wh: FloatArray
-    deficit_wh: FloatArray
-    early_wh: FloatArray
-    early_avionics_wh: FloatArray
-    late_wh: FloatArray
-    late_avionics_wh: FloatArray
-    lit_h: FloatArray
-    room_wh: FloatArray
-
-
-class _Supply(NamedTuple):
-    """Power and balance of a step, and which of its phases any scenario has."""
-
-    power: StepPower
-    balance: _Balance
     begins_short: bool
     has_surplus: bool
     ends_short: bool
 
-    @classmethod
-    def of(cls, power: StepPower, balance: _Balance) -> _Supply:
-        phases = (balance.early_wh, balance.surplus_wh, balance.late_wh)
-        return cls(power, balance, *(bool(phase.any()) for phase in phases))
 
-
-class _Moves(NamedTuple):
-    """What a step does with what is stored; per scenario."""
-
-    first: _Drawn
-    charged_wh: FloatArray
-    left_over_wh: FloatArray
-    climb_wh: FloatArray
-    second: _Drawn
-    end: Stored
+def _phases(power: Power) -> _Phases:
+    short = power.deficit_wh > 0.0
+    if not short.any():
+        return _Phases(begins_short=False, has_surplus=True, ends_short=False)
+    early = power.early > 0.0
+    return _Phases(
+        bool((short & early).any()), bool(power.surplus_wh.any()), bool((short & ~early).any())
+    )
 
 
 class _Drawn(NamedTuple):
@@ -296,85 +356,27 @@ class _Drawn(NamedTuple):
     unserved_wh: FloatArray
 
 
-def _flows(supply: _Supply, moves: _Moves, hours: float) -> Flows:
-    """Energy that moved within a step."""
-    power, balance = supply.power, supply.balance
-    first, second = moves.first, moves.second
-    unserved = first.unserved_wh + second.unserved_wh
-    return Flows(
-        solar_wh=(power.solar_left_w + power.solar_right_w) / 2.0 * hours,
-        level_electric_wh=(power.motor_left_w + power.motor_right_w) / 2.0 * hours,
-        charged_wh=moves.charged_wh,
-        drawn_wh=first.drawn_wh + second.drawn_wh,
-        curtailed_wh=moves.left_over_wh - moves.climb_wh,
-        climb_wh=moves.climb_wh,
-        glide_wh=first.glide_wh + second.glide_wh,
-        unserved_wh=unserved,
-        missing_h=(hours - balance.lit_h) * unserved / np.maximum(balance.deficit_wh, 1e-300),
-    )
+class _Moves(NamedTuple):
+    """What a step does with what is stored; per element."""
+
+    first: _Drawn | None
+    charged_wh: FloatArray
+    left_over_wh: FloatArray
+    climb_wh: FloatArray
+    second: _Drawn | None
+    end: Stored
+
+
+def _inverse(rises_wh: FloatArray) -> FloatArray:
+    return 1.0 / np.where(rises_wh > 0.0, rises_wh, np.inf)
 
 
 def _surplus_share(left: FloatArray, right: FloatArray) -> FloatArray:
     """Share of a step in which a power that is linear over it is not negative."""
+    low, high = np.minimum(left, right), np.maximum(left, right)
+    if low.min() >= 0.0 or high.max() < 0.0:  # most steps: nothing changes its sign
+        return np.where(high < 0.0, 0.0, 1.0)
     crossing = crossing_fraction(left, right)
     begin = np.where(left < 0.0, np.where(right < 0.0, 1.0, crossing), 0.0)
     end = np.where((right < 0.0) & (left >= 0.0), crossing, 1.0)
     return end - begin
-
-
-def periodic_state(march: March) -> Stored:
-    """What is stored at midnight of a day that repeats itself.
-
-    The cycle is repeated from a full battery, which settles at once where the battery is filled or
-    emptied every day. A small gain from day to day takes many days: every few of them the energy
-    is extrapolated to where a geometric series of the gains would end (Aitken), or halved between
-    the energies that are known to rise and to fall if the series leaves them. Where altitude is
-    left at midnight the battery was full in the evening, and plain repetition settles fast.
-    """
-    full = march.store.battery_energy_wh
-    energy, potential = full.copy(), np.zeros_like(full)
-    scale = np.maximum(full, march.potential_max_wh)
-    bracket = _EnergyBracket(full)
-    previous = np.zeros_like(full)
-    low = np.ones(full.shape, bool)
-    for number in range(1, _MAXIMUM_ROUNDS + 1):
-        end = march.end_of_day(Stored(energy, potential))
-        gain, shift = end.battery_wh - energy, np.abs(end.potential_wh - potential)
-        low = low & (potential == 0.0) & (end.potential_wh == 0.0)
-        bracket.learn(energy, gain, low)
-        energy, potential = end
-        if np.all(np.maximum(np.abs(gain), shift) <= _TOLERANCE * scale):
-            break
-        if number % _PLAIN_ROUNDS == 0 and number <= _MAXIMUM_ROUNDS - _LAST_ROUNDS:
-            energy = np.where(low, bracket.extrapolated(energy, gain, previous), energy)
-            low = np.ones_like(low)
-        previous = gain
-    return Stored(energy, potential)
-
-
-class _EnergyBracket:
-    """Energies below and above that of the repeating day, per scenario."""
-
-    def __init__(self, battery_energy_wh: FloatArray) -> None:
-        self.full = battery_energy_wh
-        self.lower, self.upper = np.zeros_like(self.full), self.full.copy()
-
-    def learn(self, energy: FloatArray, gain: FloatArray, low: BoolArray) -> None:
-        """Narrow by the gain of a day, or start anew where altitude was left at midnight."""
-        self.lower = np.where(gain > 0.0, np.maximum(self.lower, energy), self.lower)
-        self.upper = np.where(gain < 0.0, np.minimum(self.upper, energy), self.upper)
-        void = ~low | (self.lower > self.upper)
-        self.lower = np.where(void, 0.0, self.lower)
-        self.upper = np.where(void, self.full, self.upper)
-
-    def extrapolated(
-        self, energy: FloatArray, gain: FloatArray, previous: FloatArray
-    ) -> FloatArray:
-        """Next energy to try, from the gains of two days one after the other."""
-        ratio = gain / np.where(previous == 0.0, np.inf, previous)
-        shrinks = (ratio > 0.0) & (ratio < 1.0 - 1e-9)
-        ahead = energy + gain * ratio / np.where(shrinks, 1.0 - ratio, 1.0)
-        halved = (self.lower + self.upper) / 2.0
-        inside = shrinks & (ahead > self.lower) & (ahead < self.upper)
-        trial = np.where(inside, ahead, halved)
-        return np.where(np.abs(gain) > _TOLERANCE * self.full, trial, energy)

@@ -313,7 +313,9 @@ class _Cells:
         """Whether no random neighbour of a design is better by more than the tolerance."""
         bounds = {
             v.name: (v.minimum, v.maximum)
-            for v in self.solver.problems.of(self.each).of_role(Role.design)
+            for v in self.solver.problems.of(self.each, climb=self.solver.climb).of_role(
+                Role.design
+            )
         }
         free = {*bounds, self.objective.variable}
         rng = np.random.default_rng(self.seed)
@@ -348,7 +350,8 @@ class _Cells:
         for cell, slacks in missed.items():
             status[cell] = SizingStatus.infeasible
             requirement[cell] = name = max(slacks, key=lambda key: slacks[key])
-            scales = {c.name: c.scale for c in self.solver.problems.of(self.each).constraints}
+            problem = self.solver.problems.of(self.each, climb=self.solver.climb)
+            scales = {c.name: c.scale for c in problem.constraints}
             shortfall[cell] = short = scales[name] * slacks[name]
             message[cell] = self._message(cell, name, short)
         names = self.own.chosen() | self.payload

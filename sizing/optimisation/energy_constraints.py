@@ -62,8 +62,8 @@ def sun_parameters(day: SolarDay, mission: Mission, sunlit: Collection[int] = ()
     active = (day.specific_power_w_per_m2 > 0.0) | (thermal > 0.0)
     suns = np.stack(
         [
-            _one_scenario(day.time_h, *rows)
-            for rows in zip(day.specific_power_w_per_m2, thermal, active, strict=True)
+            _one_scenario(day, *rows)
+            for rows in zip(range(len(thermal)), thermal, active, strict=True)
         ]
     )
     some = list(sunlit)
@@ -95,21 +95,26 @@ def growing_lit_sets(lowest_w_per_m2: FloatArray) -> list[list[int]]:
     return [order[:n] for n in ends]
 
 
-def _one_scenario(
-    time_h: FloatArray, power: FloatArray, thermal: FloatArray, active: Any
-) -> FloatArray:
+def _one_scenario(day: SolarDay, number: int, thermal: FloatArray, active: Any) -> FloatArray:
+    """Parameters of one scenario: light, thermals, light aloft if any, step, darkness."""
+    time_h = day.time_h
     sunlit = np.flatnonzero(active)
     first = max(int(sunlit[0]) - 1, 0) if len(sunlit) else 0
     last = min(int(sunlit[-1]) + 1, len(time_h) - 1) if len(sunlit) else len(time_h) - 1
     nodes = np.linspace(time_h[first], time_h[last], NODES)
     lit_h = float(time_h[last] - time_h[first])
+    rows = [day.specific_power_w_per_m2[number], thermal]
+    if day.aloft_w_per_m2 is not None:
+        rows += _middle_and_top(day.aloft_w_per_m2[:, number])
     return np.concatenate(
-        (
-            np.interp(nodes, time_h, power),
-            np.interp(nodes, time_h, thermal),
-            [lit_h / (NODES - 1), 24.0 - lit_h, 0.0],
-        )
+        [np.interp(nodes, time_h, row) for row in rows] + [[lit_h / (NODES - 1), 24.0 - lit_h, 0.0]]
     )
+
+
+def _middle_and_top(light: FloatArray) -> list[FloatArray]:
+    """Light in the middle and at the ceiling of evenly spaced levels, linear between them."""
+    last = len(light) - 1
+    return [(light[last // 2] + light[last - last // 2]) / 2.0, light[-1]]
 
 
 @lru_cache(maxsize=32)
@@ -164,10 +169,22 @@ def charge_path(limit: ChargeLimit, dawn_soc: Any, rate: Any, step_h: Any) -> li
     path = [dawn_soc]
     if isinstance(limit, NoChargeLimit):
         return path + ca.vertsplit(dawn_soc + ca.cumsum(gains))
-    step = _charge_step(_by_rule(limit) if isinstance(limit, RuleChargeLimit) else _by_table(limit))
+    step = charge_step_function(limit)
     for k in range(NODES - 1):
         path.append(step(path[-1], gains[k], rate[k], rate[k + 1], step_h))
     return path
+
+
+def charge_step_function(limit: ChargeLimit) -> ca.Function:
+    """State of charge after an interval, beyond 1 where the sun allows it.
+
+    Arguments: state of charge at its start, gain that the sun offers, rates of that at both ends
+    [1/h], and hours.
+    """
+    if isinstance(limit, NoChargeLimit):
+        soc, gain, rest = ca.SX.sym("soc"), ca.SX.sym("gain"), ca.SX.sym("rest", 3)
+        return ca.Function("charge", [soc, gain, *ca.vertsplit(rest)], [soc + gain])
+    return _charge_step(_by_rule(limit) if isinstance(limit, RuleChargeLimit) else _by_table(limit))
 
 
 def _charge_step(charger: Charger) -> ca.Function:

@@ -36,9 +36,18 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.held_station import POWER_AGAINST_WIND, faster_flight_w
 from sizing.limits import DesignInFlight, Requirement, design_requirements
+from sizing.optimisation.climb_constraints import (
+    ALOFT_PARAMETERS,
+    CLIMB_SUN_PARAMETERS,
+    ClimbValues,
+    Strategy,
+    climb_values,
+    climbing_cycle_function,
+)
 from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
 from sizing.optimisation.solver_options import OPTIONS, TOLERANCE, Effort
 from sizing.optimisation.variables import (
+    HEIGHT,
     OWN,
     SOLAR_TECHNOLOGY,
     TOTAL_MASS,
@@ -81,7 +90,8 @@ class Program:
     ``names``: of the variables, in the order of the decision vector ``x``. ``constraints``: in the
     order of the constraint vector ``g``. ``technology``: keys of the parameters ``p``. ``symbols``:
     of these and of the cost ``f``. ``holds``: whether every scenario is flown at its own airspeed,
-    to hold the place. ``lock``: held from a solver's call until its statistics are read: threads
+    to hold the place; ``climbs``: whether missions have climbs. ``lock``: held from a solver's call
+    until its statistics are read: threads
     share a program.
     """
 
@@ -90,6 +100,7 @@ class Program:
     technology: tuple[str, ...]
     symbols: dict[str, Any]
     holds: bool = False
+    climbs: bool = False
     lock: RLock = field(default_factory=RLock)
     _solvers: dict[Effort, ca.Function] = field(default_factory=dict)
 
@@ -105,7 +116,11 @@ class Program:
         """
         if effort not in self._solvers:
             kind = "sqpmethod" if effort in ("next", "direct") else "ipopt"
-            self._solvers[effort] = ca.nlpsol("sizing", kind, self.symbols, OPTIONS[effort])
+            options = OPTIONS[effort]
+            if self.climbs and kind == "ipopt":
+                # Second derivatives of two stores over a day take seconds to build.
+                options = options | {"ipopt.hessian_approximation": "limited-memory"}
+            self._solvers[effort] = ca.nlpsol("sizing", kind, self.symbols, options)
         return self._solvers[effort]
 
     @cached_property
@@ -161,13 +176,20 @@ class SizingProblem:
         suns: FloatArray,
         *,
         margin: float,
+        aloft: FloatArray | None = None,
         winds_m_per_s: FloatArray | None = None,
     ) -> FloatArray:
-        """Parameter vector; ``winds_m_per_s`` are of every block, where the place is held."""
+        """Parameter vector of the program.
+
+        ``margin``: by how much more charge the day must return than the night takes, relative.
+        ``aloft``: conditions above the floor, on missions with climbs. ``winds_m_per_s``: of every
+        block, where the place is held.
+        """
         parts = {
             "weights": weights,
             "margin": [margin],
             "conditions": conditions,
+            "aloft": () if aloft is None else aloft,
             "technology": self._technology,
             "suns": suns.ravel(),
             "winds": winds_m_per_s if self.program.holds else np.empty(0),
@@ -193,16 +215,22 @@ class SizingProblem:
 
 
 # Parts of the parameter vector, in their order.
-_PARAMETERS = ("weights", "margin", "conditions", "technology", "suns", "winds")
+_PARAMETERS = ("weights", "margin", "conditions", "aloft", "technology", "suns", "winds")
 
 
 def build_problem(
-    aircraft: Aircraft, blocks: int, *, eased: bool = False, holds: bool = False
+    aircraft: Aircraft,
+    blocks: int,
+    *,
+    eased: bool = False,
+    holds: bool = False,
+    climb: Strategy | None = None,
 ) -> SizingProblem:
     """Build the program of an aircraft, unless one of its kind has been built before.
 
     ``eased``: whether technology, limits and wind are variables, which may be freed. ``holds``:
-    whether every scenario is flown as fast as its wind.
+    whether every scenario is flown as fast as its wind. ``climb``: when the aircraft climbs, on
+    missions on which it does; those do not hold their place.
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
@@ -213,8 +241,9 @@ def build_problem(
         )
     chosen = chosen_variables(aircraft, eased=eased)
     # A mapping's order plays no part in the equality of aircraft, but in that of the rows.
-    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased, holds)
-    return SizingProblem(aircraft, all_variables(chosen, blocks, program.constraints), program)
+    program = _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased, holds, climb)
+    variables = all_variables(chosen, blocks, program.constraints, climbs=climb is not None)
+    return SizingProblem(aircraft, variables, program)
 
 
 def kind_of(aircraft: Aircraft) -> Aircraft:
@@ -262,12 +291,19 @@ def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
 
 @lru_cache(maxsize=_PROGRAMS_KEPT)
 def _program(
-    kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool, holds: bool
+    kind: Aircraft,
+    limits: tuple[str, ...],
+    blocks: int,
+    eased: bool,
+    holds: bool,
+    climb: Strategy | None,
 ) -> Program:
     """Program of a kind of aircraft; ``limits`` is the order of its limits."""
     chosen = chosen_variables(kind, eased=eased)
     technology = numbers_taken_out(kind)
-    design, against_wind, requirements = _design_functions(kind, chosen, technology)
+    design, against_wind, requirements = _design_functions(
+        kind, chosen, technology, climbs=climb is not None
+    )
     free = ca.MX.sym("design", len(chosen))
     dawn_soc = ca.MX.sym("dawn_state_of_charge", blocks)
     worst_h = ca.MX.sym(WORST_EXCESS)
@@ -275,24 +311,39 @@ def _program(
     conditions = ca.MX.sym("conditions", len(FlightConditions._fields))
     numbers = ca.MX.sym("technology", len(technology) + len(_correction_of(kind)))
     efficiencies = ca.MX.sym("battery_efficiencies", 2)
-    sun = ca.MX.sym("sun", SUN_PARAMETERS, blocks)
+    sun = ca.MX.sym("sun", SUN_PARAMETERS if climb is None else CLIMB_SUN_PARAMETERS, blocks)
+    aloft = ca.MX.sym("aloft", 0 if climb is None else ALOFT_PARAMETERS)
+    heights = ca.MX.sym("heights", 0 if climb is None else blocks)
     winds = ca.MX.sym("winds", blocks if holds else 0)
 
-    lit_area, capacity_wh, nominal_w, propulsion_w, values = design(free, conditions, numbers)
+    lit_area, capacity_wh, nominal_w, propulsion_w, values, store = design(
+        free, conditions, numbers, aloft
+    )
     rows = [
         (Constraint(one.name, equation=one.name in ("mass_budget", OWN)), values[k])
         for k, one in enumerate(requirements)
     ]
-    cycle = cycle_function(kind.battery.charge_limit)
     for i in range(blocks):
         if holds:
             nominal_w, propulsion_w, spare = against_wind(free, conditions, numbers, winds[i])
             rows.append((Constraint(POWER_AGAINST_WIND, i), spare))
         usable_h = capacity_wh * efficiencies[1] / nominal_w
-        deficit, charged = cycle(
-            *(lit_area, capacity_wh, nominal_w, propulsion_w),
-            *(dawn_soc[i], efficiencies, sun[:, i]),
-        )
+        if climb is None:
+            deficit, charged = cycle_function(kind.battery.charge_limit)(
+                *(lit_area, capacity_wh, nominal_w, propulsion_w),
+                *(dawn_soc[i], efficiencies, sun[:, i]),
+            )
+            reserve_h = dawn_soc[i] * usable_h
+        else:
+            climbing = climbing_cycle_function(kind.battery.charge_limit, climb)
+            deficit, charged, reached, glide_h = climbing(
+                *(lit_area, capacity_wh, dawn_soc[i], heights[i], store),
+                *(efficiencies, margin, sun[:, i]),
+            )
+            charged = charged + margin * deficit  # the day began with so much less
+            rows.append((Constraint(HEIGHT, i, firm=True), reached - heights[i]))
+            of_avionics = ClimbValues(*ca.vertsplit(store)).constant_w / nominal_w
+            reserve_h = dawn_soc[i] * usable_h + glide_h * (1.0 - of_avionics)
         # The margin is slightly more charge than the night takes. At equality the cycle
         # stands on an edge: a day that returns any less lets the battery run empty over many days.
         recharged = charged - dawn_soc[i] - (1.0 + margin) * deficit
@@ -301,7 +352,7 @@ def _program(
         # battery holds at dawn.
         lowest = sun[-1, i]
         sunlit = lowest > 0.0
-        reserve = (dawn_soc[i] * usable_h - worst_h) / excess.scale
+        reserve = (reserve_h - worst_h) / excess.scale
         spare_sun = lit_area * lowest / nominal_w - (1.0 + ALWAYS_LIT_MARGIN)
         rows += [
             (Constraint("battery_capacity", i), 1.0 - dawn_soc[i] - deficit),
@@ -309,28 +360,31 @@ def _program(
             (excess, (1.0 - sunlit) * reserve + sunlit * spare_sun),
         ]
     constraints = tuple(c for c, _ in rows)
-    slacks = list(dict.fromkeys(c.slack for c in constraints))
+    slacks = list(dict.fromkeys(c.slack for c in constraints if not c.firm))
     slack = ca.MX.sym("slack", len(slacks))
-    x = ca.vertcat(free, dawn_soc, worst_h, slack)
-    names = tuple(v.name for v in all_variables(chosen, blocks, constraints))
+    missed = [0.0 if c.firm else slack[slacks.index(c.slack)] for c in constraints]
+    x = ca.vertcat(free, dawn_soc, heights, worst_h, slack)
+    every = all_variables(chosen, blocks, constraints, climbs=climb is not None)
+    names = tuple(v.name for v in every)
     weights = ca.MX.sym("weights", len(names))
     parameters = {
         "weights": weights,
         "margin": margin,
         "conditions": conditions,
+        "aloft": aloft,
         "technology": ca.vertcat(numbers, efficiencies),
         "suns": ca.vec(sun),
         "winds": winds,
     }
     # The dawn states of scenarios that do not bind are otherwise undetermined.
-    tie_break = -1e-7 * ca.sum1(dawn_soc)
+    tie_break = -1e-7 * (ca.sum1(dawn_soc) + ca.sum1(heights))
     symbols = {
         "x": x,
         "p": ca.vertcat(*(parameters[name] for name in _PARAMETERS)),
         "f": ca.dot(weights, x) + tie_break,
-        "g": ca.vertcat(*(value + slack[slacks.index(c.slack)] for c, value in rows)),
+        "g": ca.vertcat(*(value + by for (_, value), by in zip(rows, missed, strict=True))),
     }
-    return Program(names, constraints, technology, symbols, holds)
+    return Program(names, constraints, technology, symbols, holds, climb is not None)
 
 
 def forget_programs() -> None:
@@ -345,17 +399,19 @@ def programs_built() -> int:
 
 
 def _design_functions(
-    kind: Aircraft, variables: Sequence[Variable], technology: Sequence[str]
+    kind: Aircraft, variables: Sequence[Variable], technology: Sequence[str], *, climbs: bool
 ) -> tuple[ca.Function, ca.Function, list[Requirement]]:
     """Functions of the variables: a design's properties, and its loads as fast as a wind.
 
-    The first has lit area, capacity, loads and requirements, the second loads and what the rated
-    power has to spare. Conditions and technology are data. The lit area is the module area times
-    the relative efficiency of the cells: power per area is a parameter, and proportional to it.
+    The first has lit area, capacity, loads and requirements, and what its potential store is where
+    it ``climbs``; the second loads and what the rated power has to spare. Conditions and technology
+    are data. The lit area is the module area times the relative efficiency of the cells: power per
+    area is a parameter, and proportional to it.
     """
     x = ca.SX.sym("x", len(variables))
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
     numbers = ca.SX.sym("technology", len(technology) + len(_correction_of(kind)))
+    aloft = ca.SX.sym("aloft", ALOFT_PARAMETERS if climbs else 0)
     values = {v.name: v.from_program(x[i]) for i, v in enumerate(variables)}
     relative = {v.name: values[v.name] for v in variables if v.role is Role.technology}
     flown = all_replaced(
@@ -381,16 +437,18 @@ def _design_functions(
         it = DesignInFlight(flown, design, conditions)
         space: Any = kind.design_space
         requirements.append(space.own_objective.row(it, values[OWN]))
+    store = climb_values(flown, design, conditions, aloft) if climbs else ()
     function = ca.Function(
         "design",
-        [x, symbols, numbers],
+        [x, symbols, numbers, aloft],
         [
             design.variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0),
             design.battery_energy_wh,
             *smooth_loads_w(flown, design, conditions),
             ca.vertcat(*(one.value for one in requirements)),
+            ca.vertcat(*store),
         ],
-        {"is_diff_in": [True, False, False], "jac_penalty": 0},
+        {"is_diff_in": [True, False, False, False], "jac_penalty": 0},
     )
     wind = ca.SX.sym("wind")
     ratio = ca.fmax(wind / design.airspeed_m_per_s, 1.0)
@@ -413,11 +471,20 @@ class SizingProblems:
 
     def __init__(self, aircraft: Aircraft) -> None:
         self.aircraft = aircraft
-        self._known: dict[tuple[int, bool, bool], SizingProblem] = {}
+        self._known: dict[tuple[int, bool, bool, Strategy | None], SizingProblem] = {}
 
-    def of(self, blocks: int, *, eased: bool = False, holds: bool = False) -> SizingProblem:
-        """Program with this number of blocks."""
-        key = (blocks, eased, holds)
+    def of(
+        self,
+        blocks: int,
+        *,
+        eased: bool = False,
+        holds: bool = False,
+        climb: Strategy | None = None,
+    ) -> SizingProblem:
+        """Program with this number of blocks; the rest as for :func:`build_problem`."""
+        key = (blocks, eased, holds, climb)
         if key not in self._known:
-            self._known[key] = build_problem(self.aircraft, blocks, eased=eased, holds=holds)
+            self._known[key] = build_problem(
+                self.aircraft, blocks, eased=eased, holds=holds, climb=climb
+            )
         return self._known[key]

@@ -115,7 +115,7 @@ class _Relaxations:
         self.day = result.nearest.day
         self.solver = ProgramSolver(problems, mission, solar, self.day)
         self.start = result.nearest.design.variables.mapped(float)
-        self.program = problems.of(_BLOCKS, eased=True)
+        self.program = problems.of(_BLOCKS, eased=True, climb=self.solver.climb)
         self.technology = [v.name for v in self.program.of_role(Role.technology)]
         self.limits = limit_rows(aircraft)
         self.last: Solution | None = None

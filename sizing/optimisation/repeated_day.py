@@ -112,6 +112,8 @@ class DesignInDays:
         if not isinstance(aircraft.airframe, ParametricAirframe):
             raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget")
         refuse_held_station(mission, "a design with derivatives")
+        if mission.climb is not None:
+            raise ValueError(f"a day of level flight: remove climb from the mission {mission.name}")
         allowed = [
             key
             for key in numbers_taken_out(aircraft)

@@ -168,6 +168,19 @@ class Solution:
         )
         return float(cost / (whole or 1.0))
 
+    def ceiling_multipliers(self) -> dict[int, float]:
+        """Multipliers of the ceiling of climbs by scenario; empty without climbs."""
+        found: dict[int, float] = {}
+        heights = [
+            float(multiplier)
+            for v, multiplier in zip(self.variables, self.bound_multipliers, strict=True)
+            if v.role is Role.height
+        ]
+        # Blocks without heights of their own are those of flight at one altitude.
+        for scenario, multiplier in zip(self.scenarios, heights, strict=False):
+            found[scenario] = found.get(scenario, 0.0) + max(multiplier, 0.0)
+        return found
+
     def free_bound_multipliers(self) -> dict[str, float]:
         """Multipliers of the bounds of all design variables that are not held at a value."""
         return {
@@ -342,6 +355,9 @@ def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
                 label = "always_lit"
             label += f" ({day.scenarios.label(scenario)})"
         active[label] = active.get(label, 0.0) + abs(multiplier) * row.step
+    for scenario, multiplier in solution.ceiling_multipliers().items():
+        if multiplier > least:
+            active[f"climb_ceiling ({day.scenarios.label(scenario)})"] = multiplier * RELATIVE_STEP
     for name, multiplier in solution.free_bound_multipliers().items():
         if abs(multiplier) > least:
             label = f"{name} at its {'maximum' if multiplier > 0 else 'minimum'}"

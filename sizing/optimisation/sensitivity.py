@@ -19,11 +19,12 @@ import numpy as np
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions, variable_keys
+from sizing.optimisation.climb_constraints import aloft_parameters
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult, Solution
-from sizing.optimisation.variables import RELATIVE_STEP, Role
+from sizing.optimisation.variables import HEIGHT, RELATIVE_STEP, Role
 from sizing.parameters import catalogue, parameter_value, with_parameter
 from sizing.performance import Performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
@@ -131,7 +132,9 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
             add(row.name, float(multiplier), row.step, "1 % of the limit")
             continue
         name = f"{row.name} ({label(optimum.scenarios[row.block])})"
-        if row.unit == "1":
+        if row.name == HEIGHT:
+            add(name, float(multiplier), row.step, "1 % of the height of the ceiling")
+        elif row.unit == "1":
             add(name, float(multiplier), row.step, "1 % of the battery's capacity")
         elif result.objective is not Objective.max_excess_time:
             add(name, float(multiplier), row.step, f"1 {row.unit}")
@@ -179,7 +182,12 @@ class _Lagrangian:
 
     def _optimum_at(self, aircraft: Aircraft, mission: Mission) -> float:
         day = solar_day(aircraft, mission, self.solar, scenarios=self.scenarios)
-        problem = build_problem(aircraft, len(self.scenarios), holds=mission.holds_station)
+        climb = mission.climb
+        problem = build_problem(
+            *(aircraft, len(self.scenarios)),
+            holds=mission.holds_station,
+            climb=None if climb is None else climb.strategy,
+        )
         always = self.optimum.instance.sunlit
         sunlit = [i for i, scenario in enumerate(self.optimum.scenarios) if scenario in always]
         parameters = problem.parameters(
@@ -187,6 +195,7 @@ class _Lagrangian:
             FlightConditions.of(mission, aircraft),
             sun_parameters(day, mission, sunlit),
             margin=self.optimum.instance.margin,
+            aloft=None if climb is None else aloft_parameters(mission, aircraft),
             winds_m_per_s=mission.scenario_winds_m_per_s(self.scenarios),
         )
         cost, rows = problem.program.rows(self._point(problem, mission), parameters)

@@ -11,6 +11,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.design import DesignVariables, FlightConditions, closed_design, variable_keys
+from sizing.optimisation.climb_constraints import Strategy, aloft_parameters
 from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.problem import SizingProblem, SizingProblems
 from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
@@ -40,6 +41,9 @@ _OTHER_SLACK_WEIGHT = 100.0
 # Where the least that is missed stands still: over so many steps, to this part of it, rows as well;
 # and what is then missed beyond doubt, relative or in hours.
 _STILL, _STILL_KEPT, _CLEARLY_MISSED = 30, 1e-3, 0.01
+# Heights of climbs whose solutions a program starts from as well: optima of several heights, none
+# among them, are common where the battery must be full before the aircraft climbs.
+_HELD_HEIGHTS = (0.0, 1.0)
 _SETTLED = 1e-6  # what rows and derivatives may lack at an optimum without a kink
 
 
@@ -80,6 +84,9 @@ class ProgramSolver:
         self.by_model = by_model
         self._fine_days: dict[int, SolarDay] = {}
         self.conditions = FlightConditions.of(mission, problems.aircraft)
+        climb = mission.climb
+        self.climb: Strategy | None = None if climb is None else climb.strategy
+        self._aloft = None if climb is None else aloft_parameters(mission, self.aircraft)
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self._winds = mission.scenario_winds_m_per_s(day.scenarios)
         self.work = SolverReport()
@@ -101,6 +108,42 @@ class ProgramSolver:
         first.
         """
         posed = self._posed(instance, scenarios)
+        found = [self._from(posed, starts, efforts, previous)]
+        # An eased program only points the way: sizings confirm what it finds.
+        if self.climb is not None and not posed.problem.of_role(Role.wind):
+            found += [self._risen(posed, h, starts, previous) for h in _HELD_HEIGHTS]
+        # Of several the best: a little height may be worth less than none, and more than either.
+        solved = [one for one in found if one is not None]
+        return min(solved, key=lambda one: float(one.weights @ one.x), default=None)
+
+    def _risen(
+        self,
+        posed: _Posed,
+        height: float,
+        starts: Sequence[DesignVariables],
+        previous: Solution | None,
+    ) -> Solution | None:
+        """Solution next to the one whose heights are all held at one value."""
+        problem = posed.problem
+        places = [problem.index[v.name] for v in problem.of_role(Role.height)]
+        lower, upper = (np.array(posed.limits[key]) for key in ("lbx", "ubx"))
+        lower[places] = upper[places] = height
+        ends = posed.limits | {"lbx": lower, "ubx": upper}
+        held = self._from(posed._replace(limits=ends), starts, ("quick",), previous)
+        if held is None:
+            return None
+        freed = self._solved(posed, "next", _warm(posed, held))
+        return held if freed is None else freed
+
+    def _from(
+        self,
+        posed: _Posed,
+        starts: Sequence[DesignVariables],
+        efforts: Sequence[Effort],
+        previous: Solution | None,
+    ) -> Solution | None:
+        """First solution that is found."""
+        problem, instance = posed.problem, posed.instance
         if previous is not None:
             solution = self._solved(posed, "next", _warm(posed, previous))
             if solution is not None:
@@ -110,7 +153,7 @@ class ProgramSolver:
             if solution is not None:
                 return solution
         for variables in starts:
-            cold = {"x0": posed.within(self._start(posed.problem, instance, variables))}
+            cold = {"x0": posed.within(self._start(problem, instance, variables))}
             for effort in efforts:
                 soft = effort == "quick" and instance.penalty not in (None, math.inf)
                 solution = self._solved(posed, "still" if soft else effort, cold)
@@ -165,10 +208,10 @@ class ProgramSolver:
     def _posed(self, instance: ProblemInstance, scenarios: Sequence[int]) -> _Posed:
         """Arguments of the program with these scenarios in its blocks."""
         begun = time.perf_counter()
-        holds = self.mission.holds_station
-        problem = self.problems.of(len(scenarios), holds=holds)
+        kind: Any = {"climb": self.climb, "holds": self.mission.holds_station}
+        problem = self.problems.of(len(scenarios), **kind)
         if any(name not in problem.index for name in instance.freed):
-            problem = self.problems.of(len(scenarios), eased=True, holds=holds)
+            problem = self.problems.of(len(scenarios), eased=True, **kind)
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
         suns = self._suns[list(scenarios)]
@@ -185,6 +228,7 @@ class ProgramSolver:
             "p": problem.parameters(
                 *(weights, conditions, suns),
                 margin=instance.margin,
+                aloft=self._aloft,
                 winds_m_per_s=self._winds[list(scenarios)],
             ),
             "lbx": lower,
@@ -310,7 +354,7 @@ def _cost(problem: SizingProblem, instance: ProblemInstance) -> dict[str, float]
     """Cost of an instance, with what a missed requirement costs."""
     if instance.penalty is None:
         return dict(instance.cost)
-    own, rows = _SLACK_WEIGHTS, problem.constraints
+    own, rows = _SLACK_WEIGHTS, [row for row in problem.constraints if not row.firm]
     weights = {row.slack: own.get(row.name, _OTHER_SLACK_WEIGHT) for row in rows}
     if math.isinf(instance.penalty):
         return weights

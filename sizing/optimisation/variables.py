@@ -34,6 +34,7 @@ WIND = "mission.wind_m_per_s"
 OWN = "own_objective"  # what the user's own objective is, where there is one
 # What is relative is eased by this to tell what that gains.
 RELATIVE_STEP = 0.01
+HEIGHT = "height"  # of climbs, as potential energy over that of the ceiling
 
 
 class Role(Enum):
@@ -46,6 +47,7 @@ class Role(Enum):
     objective = auto()  # equal to the user's own, where there is one
     wind = auto()  # held at the mission's value unless it is freed
     dawn_state = auto()
+    height = auto()  # reached by day, over that of the ceiling
     worst_excess = auto()
     slack = auto()
 
@@ -78,6 +80,7 @@ class Constraint(NamedTuple):
 
     ``block`` is the scenario block it belongs to, None for the design itself; the row is the
     quantity over ``scale`` in ``unit``: over its limit, over the battery's capacity, or in hours.
+    ``firm``: whether it must not be missed for the sake of others, since it can always be met.
     """
 
     name: str
@@ -85,6 +88,7 @@ class Constraint(NamedTuple):
     unit: str = "1"
     scale: float = 1.0
     equation: bool = False
+    firm: bool = False
 
     @property
     def step(self) -> float:
@@ -98,17 +102,29 @@ class Constraint(NamedTuple):
 
 
 def all_variables(
-    chosen: Sequence[Variable], blocks: int, constraints: Sequence[Constraint]
+    chosen: Sequence[Variable],
+    blocks: int,
+    constraints: Sequence[Constraint],
+    *,
+    climbs: bool = False,
 ) -> tuple[Variable, ...]:
-    """Variables in the order of the decision vector: design, dawns, excess time, slacks."""
+    """Variables in the order of the decision vector: design, dawns, excess time, slacks.
+
+    ``climbs``: whether there are heights as well, as potential energy over that of the ceiling.
+    """
     dawns = (
         Variable(f"dawn_state_of_charge[{i}]", "1", 0.0, 1.0, 1.0, Role.dawn_state, 0.2)
         for i in range(blocks)
     )
-    slacks = dict.fromkeys(c.slack for c in constraints)
+    heights = (
+        Variable(f"{HEIGHT}[{i}]", "1", 0.0, 1.0, 1.0, Role.height, 0.2)
+        for i in range(blocks if climbs else 0)
+    )
+    slacks = dict.fromkeys(c.slack for c in constraints if not c.firm)
     return (
         *chosen,
         *dawns,
+        *heights,
         Variable(WORST_EXCESS, "h", 0.0, math.inf, 1.0, Role.worst_excess),
         *(Variable(name, "1", 0.0, np.inf, 1.0, Role.slack) for name in slacks),
     )

@@ -14,7 +14,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
-from sizing.design import ImpossibleDesignError, design_of, structure_assessment
+from sizing.design import design_of, structure_assessment
 from sizing.energy.endurance import Endurance, LimitedFlight
 from sizing.performance import Performance, performance, performance_after_days
 from sizing.relaxation import Relaxation
@@ -41,7 +41,7 @@ from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, worst_of
-from sizing.validity.worth import with_worth
+from sizing.validity.worth import level_flight_at, of_level_flight, with_worth
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from solar.versions import software_record
@@ -177,9 +177,7 @@ class Analysis(Result):
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """What lies outside the range of a model, each quantity once."""
-        climbs = self.climb
-        highest_m = None if climbs is None else climbs.climb.maximum_altitude_m
-        outside = extrapolations(self.aircraft, self.performance, highest_altitude_m=highest_m)
+        outside = extrapolations(self.aircraft, self.performance)
         outside = worst_of([*outside, *(() if self.flight is None else self.flight.extrapolations)])
         return with_worth(outside, self.aircraft, self._level_flight, of_what=self._of_level_flight)
 
@@ -187,21 +185,21 @@ class Analysis(Result):
         """Day repeated at one altitude, of climbs the highest; None where none can be flown."""
         if self.climb is None and self.days is None:
             return self.performance
-        mission = self.mission
-        if self.climb is not None:
-            mission = mission.at_altitude(float(np.max(self.climb.climb.maximum_altitude_m)))
-        try:
-            return performance(self.aircraft, mission, self.performance.solar)
-        except ImpossibleDesignError:
-            return None
+        altitude_m = self.mission.altitude_m if self._highest_m is None else self._highest_m
+        return level_flight_at(self.aircraft, self.mission, self.performance.solar, altitude_m)
 
     @property
     def _of_level_flight(self) -> str:
         """Which excess time that day has, where it is not the analysis' own."""
-        if self.climb is not None:
-            highest_m = float(np.max(self.climb.climb.maximum_altitude_m))
-            return f"in level flight at {highest_m:.0f} m"
+        if self._highest_m is not None:
+            return of_level_flight(self._highest_m)
         return "" if self.days is None else "of the repeated day"
+
+    @property
+    def _highest_m(self) -> float | None:
+        """Highest altitude of a flight with climbs [m]; None without."""
+        highest_m = self.performance.maximum_altitude_m
+        return None if highest_m is None else float(np.max(highest_m))
 
     @cached_property
     def structure(self) -> StructureAssessment | None:

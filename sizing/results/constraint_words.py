@@ -30,6 +30,8 @@ _REQUIREMENTS = {
     "whole_cells": ("wing that holds the cells", "modules.layout"),
     "moved_mass_foremost": ("moved mass at its foremost", "airframe.balance.foremost_chords"),
     "moved_mass_rearmost": ("moved mass at its rearmost", "airframe.balance.rearmost_chords"),
+    "height": ("surplus that the climbs need", ""),
+    "climb_ceiling": ("ceiling of the climbs", "mission.climb.ceiling_m"),
     "always_lit": ("solar power above the load at all times", ""),
 }
 _ENDS = ("maximum", "minimum")

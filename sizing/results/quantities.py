@@ -206,6 +206,13 @@ SOLAR_ENERGY = _of_budget(
 LOAD_ENERGY = _of_budget("load_energy_wh", "load", "", "energy drawn over the day")
 CURTAILED_ENERGY = _of_budget("curtailed_energy_wh", "not collected, the battery being full")
 
+# Of flights with climbs alone.
+MAXIMUM_ALTITUDE = Quantity(
+    *("maximum_altitude_m", "highest altitude", "m", ".0f"),
+    of=attrgetter("maximum_altitude_m"),
+    meaning="highest altitude of the day",
+)
+
 # Of tables that have no room for more.
 CHARGE_PERCENT = Column("minimum_state_of_charge_percent", "min. SoC", "%", ".1f")
 

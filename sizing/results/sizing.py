@@ -14,6 +14,7 @@ from missions.files.overrides import with_values
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.design import (
     Design,
@@ -49,6 +50,7 @@ from sizing.relaxation import Relaxation
 from sizing.results import quantities as q
 from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
+from sizing.results.climbs import climbs_record, level_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.part_masses import PartMasses, part_masses
 from sizing.results.power_budget import PowerBudget, power_budget
@@ -106,6 +108,8 @@ class SizingStudy(Result):
     whole_cells : WholeCells or None
         Designs of whole cells, the relaxed optimum and the loss, where they were asked for; the
         aircraft is then that with the cells of the best design.
+    without_climbs : SizingResult or None
+        Sizing for level flight at the night's floor, on a mission with climbs.
     """
 
     aircraft: Aircraft
@@ -124,6 +128,7 @@ class SizingStudy(Result):
     reliability: Reliability | None = None
     survival: Survival | None = None
     whole_cells: WholeCells | None = None
+    without_climbs: SizingResult | None = None
 
     renderer = "sizing.results.sizing_summary"
 
@@ -240,6 +245,17 @@ class SizingStudy(Result):
         return None if design is None else power_budget(self.aircraft, self.mission, design)
 
     @cached_property
+    def climbs(self) -> ClimbPerformance | None:
+        """Optimum on a mission with climbs, in steps of 1 min; None without one, or them."""
+        flown = self.result.simulated
+        if flown is None or flown.mission.climb is None:
+            return None
+        # A range has other scenarios than the mission: that of the least excess time stands for it.
+        worst = flown.day.at([flown.worst_scenario()]).scenarios
+        sized = self.sized_aircraft(), self.sized_mission(), self.solar
+        return climb_performance(*sized, scenarios=worst)
+
+    @cached_property
     def balance(self) -> BalanceAssessment | None:
         """Balance of the optimum; None without one, or without ``airframe.balance``."""
         design = self.result.design
@@ -307,6 +323,10 @@ class SizingStudy(Result):
             record["weather"] = self.survival.to_dict()
         if self.whole_cells is not None:
             record["whole_cells"] = sizing_record(self.whole_cells, self.aircraft)
+        if self.climbs is not None:
+            record["climb"] = climbs_record(self.climbs, self.mission)
+        if self.without_climbs is not None:
+            record["without_climbs"] = level_record(self.without_climbs)
         return record
 
     @cached_property
@@ -480,8 +500,17 @@ def size(
     if with_margin and result.feasible and coverage is None:
         guarded = _with_margin(aircraft, mission, result, solar, problems)
     low, high = under_model_error(*asked)
+    level = None
+    if mission.climb is not None and coverage is None:
+        level = size_aircraft(
+            *(aircraft, mission.at_altitude(mission.altitude_m), wanted, solar),
+            start=start,
+            explain=False,
+            **options,
+        )
     return SizingStudy(
         *(original, mission, solar, result, low, high, coverage, relaxed),
+        without_climbs=level,
         sensitivities=sensitivities(*asked) if worth else None,
         multipliers=constraint_multipliers(result) if worth else None,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,

@@ -22,6 +22,7 @@ from sizing.performance import Performance
 from sizing.results.analysis_summary import uncertainty_line
 from sizing.results.balance import balance_lines
 from sizing.results.battery import battery_line
+from sizing.results.climbs import climb_lines
 from sizing.results.constraint_words import constraint_words, parameter_words
 from sizing.results.notes import (
     catalogue_blocks,
@@ -67,6 +68,7 @@ def summary(study: SizingStudy) -> Summary:
     blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
     if study.power_budget is not None:
         blocks.append(power_line(study.power_budget))
+    blocks += climb_lines(study)
     if study.part_masses is not None:
         blocks.append(part_masses_line(study.part_masses))
     blocks += _whole_cells(study)

@@ -110,6 +110,7 @@ class UncertaintyAnalysis(Result):
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
             "mission_is_default": False,
+            **({} if self.mission.climb is None else {"climb": self.mission.climb.record}),
             "model": self.solar.model,
             "correction": self.solar.correction,
             "samples": self.samples,
@@ -154,7 +155,8 @@ class UncertaintyAnalysis(Result):
         ]
         blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
         blocks += extrapolation_blocks(self.extrapolations)
-        text = f"{self.solar.label}; seed {self.seed}."
+        climbs = f"; {self.mission.climb_label}; endurance in level flight"
+        text = f"{self.solar.label}{climbs if self.mission.climb else ''}; seed {self.seed}."
         if not self.inputs.independent:
             text += " Inputs are correlated: shares of the variance are not defined."
         blocks.append(Line(text, "faint"))

@@ -7,12 +7,14 @@ once.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.altitude.climb_day import cycles_with_climb
+from sizing.altitude.climb_levels import flight_levels
 from sizing.design import (
     Design,
     FlightConditions,
@@ -32,7 +34,12 @@ from sizing.propulsion.part_load import PartLoad
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
-from sizing.validity.checks import charge_rate_check, correction_check, design_checks
+from sizing.validity.checks import (
+    at_highest,
+    charge_rate_check,
+    correction_check,
+    design_checks,
+)
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import told, worst_of
 from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
@@ -40,6 +47,7 @@ from solar.types import FloatArray, IntArray
 
 # Draws simulated at once: a day of each array stays small.
 _DRAWS_AT_ONCE = 2048
+_CLIMBING_AT_ONCE = 1024  # with the light at all levels
 _TOLERANCE = 1e-10  # relative, of the total mass
 # Keys of the modules and the sky that the specific power is rescaled for.
 _SUN_KEYS = (
@@ -55,7 +63,10 @@ _SUN_KEYS = (
     SOLAR_MODEL,
 )
 # Keys that move the sun itself, or what no batch can carry.
-_FIXED = ("mission.latitude_deg", "mission.altitude_m", "mission.longitude_deg", "mission.dates")
+_FIXED = (
+    *("mission.latitude_deg", "mission.altitude_m", "mission.longitude_deg", "mission.dates"),
+    "mission.climb",
+)
 
 
 @dataclass(frozen=True)
@@ -65,7 +76,8 @@ class Flights:
     ``excess_time_h``: excess time [h]; infinite where it is unlimited. ``minimum_state_of_charge``:
     of the converged cycle [-]. ``total_mass_kg``, ``propulsion_power_w``: of the design that is
     drawn [kg, W]. ``worst``: scenario with the least excess time. ``peak_solar_w``: largest solar
-    power of all scenarios [W].
+    power of all scenarios [W]. ``maximum_altitude_m``: highest altitude of all scenarios of a
+    mission with climbs [m]; NaN without.
     """
 
     excess_time_h: FloatArray
@@ -74,6 +86,7 @@ class Flights:
     propulsion_power_w: FloatArray
     worst: FloatArray
     peak_solar_w: FloatArray
+    maximum_altitude_m: FloatArray
 
     def first(self, count: int) -> Flights:
         """Flights of the first so many draws."""
@@ -119,7 +132,7 @@ class Propagation:
         self.aircraft = smooth_at(aircraft, mission)
         self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
-        self._direct: FloatArray | None = None
+        self._direct: SolarDay | None = None
         # Of a propeller by tables, whose efficiencies are constants here.
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
         given = parameter_value(aircraft, None, _PROPULSION + _FACTOR)
@@ -131,9 +144,10 @@ class Propagation:
         ``values``: values of every input by its key, shape ``(sample,)``.
         """
         count = len(next(iter(values.values()))) if values else 1
+        at_once = _DRAWS_AT_ONCE if self.mission.climb is None else _CLIMBING_AT_ONCE
         parts = [
             self._block({key: value[some] for key, value in values.items()})
-            for some in blocks(count, _DRAWS_AT_ONCE)
+            for some in blocks(count, at_once)
         ]
         return Flights(
             *(
@@ -152,8 +166,12 @@ class Propagation:
         """
         case = self._case(values)
         aircraft, mission, design = case.aircraft, case.mission, case.design
+        of_design = list(design_checks(aircraft, mission, design, self.solar))
+        if mission.climb is not None:
+            highest_m = flights.maximum_altitude_m
+            of_design = at_highest(of_design, aircraft, mission, self.solar, highest_m)
         checks = [
-            *design_checks(aircraft, mission, design, self.solar),
+            *of_design,
             *charge_rate_check(aircraft, mission, design, flights.peak_solar_w),
         ]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
@@ -205,9 +223,13 @@ class Propagation:
     def _block(self, values: dict[str, FloatArray]) -> Flights:
         case = self._case(values)
         excess, charge, peak_w = [], [], np.zeros(case.count)
+        highest_m = np.full(case.count, np.nan)
         for scenario in range(len(self.day.scenarios)):
             cycle, solar_w, _ = self._flown(case, scenario)
             peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
+            if case.mission.climb is not None:
+                cycle, altitude_m = self._with_climbs(case, scenario)
+                highest_m = np.fmax(highest_m, altitude_m)
             flies = np.isfinite(case.mass_kg)
             excess.append(np.where(flies, cycle.excess_time_h, -24.0))
             charge.append(np.where(flies, cycle.minimum_state_of_charge, 0.0))
@@ -220,7 +242,41 @@ class Propagation:
             propulsion_power_w=case.propulsion_w,
             worst=worst.astype(float),
             peak_solar_w=peak_w,
+            maximum_altitude_m=highest_m,
         )
+
+    def _with_climbs(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray]:
+        """Cycles of every draw in a scenario, each in its own light at all levels.
+
+        Returns with their highest altitudes [m].
+        """
+        day, mission = self.day, case.mission
+        assert mission.climb is not None
+        assert day.aloft_w_per_m2 is not None  # the day is that of the mission
+        aloft = [
+            self._specific_power(case, scenario, level, altitude_m)
+            for level, altitude_m in enumerate(mission.climb_levels_m)
+        ]
+        own = day.at(np.full(case.count, scenario))
+        own = replace(own, aloft_w_per_m2=np.stack(aloft))
+        design = case.design._replace(total_mass_kg=case.mass_kg)
+        levels = flight_levels(case.aircraft, mission, design, own, paired=True)
+        return cycles_with_climb(day.time_h, levels, case.store, mission.climb.strategy)
+
+    def _specific_power(
+        self, case: _Case, scenario: int, level: int, altitude_m: float
+    ) -> FloatArray:
+        """Power of every draw at a level of the climbs [W/m2], shape ``(sample, time)``."""
+        aloft = self.day.aloft_w_per_m2
+        assert aloft is not None
+        missions = (one.at_altitude(altitude_m) for one in (self.mission, case.mission))
+        whole, more = self._light_factors(case, *missions)
+        power = whole[..., np.newaxis] * aloft[level, scenario]
+        if more is not None:
+            direct_aloft = self._direct_day().aloft_w_per_m2
+            assert direct_aloft is not None
+            power = power + more[..., np.newaxis] * direct_aloft[level, scenario]
+        return np.broadcast_to(np.maximum(power, 0.0), (case.count, len(self.day.time_h)))
 
     def _case(self, values: dict[str, FloatArray]) -> _Case:
         aircraft, mission = self.aircraft, self.mission
@@ -277,30 +333,33 @@ class Propagation:
         """Solar power of every draw in a scenario [W], shape ``(sample, time)``."""
         day = self.day
         area = np.asarray(case.aircraft.modules.area_m2, float)
-        factors = self._light_factors(case)
+        factors = self._light_factors(case, self.mission, case.mission)
         power = factors[0][:, np.newaxis] * day.specific_power_w_per_m2[scenario]
         if factors[1] is not None:
-            direct = self._direct_power()[scenario]
+            direct = self._direct_day().specific_power_w_per_m2[scenario]
             power = power + factors[1][:, np.newaxis] * direct
         every = np.broadcast_to(area, (case.count,))[:, np.newaxis]
         return np.asarray(every * np.maximum(power, 0.0))
 
-    def _light_factors(self, case: _Case) -> tuple[FloatArray, FloatArray | None]:
+    def _light_factors(
+        self, case: _Case, nominal: Mission, drawn: Mission
+    ) -> tuple[FloatArray, FloatArray | None]:
         """Factor on the nominal specific power, and what is added per nominal direct part.
 
+        ``nominal``, ``drawn``: mission as the files give it and as it is drawn, at one altitude.
         With direct part ``D`` and diffuse part ``F`` of the nominal power, that of a draw is
         ``k (c D + f F) = k f (D + F) + k (c - f) D``: ``k`` from efficiencies, temperature and
         clearness, ``c`` from the camber, ``f`` from the efficiency of diffuse light.
         """
         was, now = self.aircraft.modules, case.aircraft.modules
-        warm_was = was.temperature_efficiency(self.mission.module_temperature_c())
-        warm = now.temperature_efficiency(case.mission.module_temperature_c())
+        warm_was = was.temperature_efficiency(nominal.module_temperature_c())
+        warm = now.temperature_efficiency(drawn.module_temperature_c())
         k = (
             case.solar_factor
             * (now.efficiency_stc / was.efficiency_stc)
             * (now.mppt_efficiency / was.mppt_efficiency)
             * (warm / warm_was)
-            * (case.mission.pessimistic_clearness / self.mission.pessimistic_clearness)
+            * (drawn.pessimistic_clearness / nominal.pessimistic_clearness)
         )
         camber = np.asarray(now.camber_efficiency / was.camber_efficiency, float)
         if self.solar.model == "CDM":  # camber takes from all light, diffuse light has no own
@@ -310,8 +369,8 @@ class Propagation:
             return np.asarray(k), None
         return np.asarray(k * diffuse), np.asarray(k * (camber - diffuse))
 
-    def _direct_power(self) -> FloatArray:
-        """Direct part of the nominal specific power [W/m2], shape ``(scenario, time)``."""
+    def _direct_day(self) -> SolarDay:
+        """Day with the direct part of the nominal specific power."""
         if self._direct is None:
             # A diffuse efficiency that halves its part tells what that part is.
             half = 0.5 * self.aircraft.modules.diffuse_efficiency
@@ -320,8 +379,7 @@ class Propagation:
             )
             scenarios = self.day.scenarios
             halved = solar_day(aircraft, self.mission, self.solar, scenarios=scenarios)
-            whole = self.day.specific_power_w_per_m2
-            self._direct = 2.0 * halved.specific_power_w_per_m2 - whole
+            self._direct = halved.scaled(2.0).less(self.day)
         return self._direct
 
 

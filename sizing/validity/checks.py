@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ from solar.sun import declination
 from solar.types import FloatArray
 
 _RATIO_OF_SPECIFIC_HEATS = 1.4
+# Quantities that a flight with climbs has at its highest altitude.
+_OF_HEIGHT = ("altitude_m", "air_temperature_c")
 # Rows of the catalogue for rib wings with the keys of large wings.
 _LARGE = "rib_wing_large"
 # Solar power on the report's morning: 7 % less airspeed changes FM by 0.4 %.
@@ -114,6 +116,29 @@ def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) 
         thin = altitude >= THIN_AIR_FROM_M
         yield Check.of("altitude_m", "ashrae", np.where(thin, np.nan, altitude))
         yield Check.of("altitude_m", "thin_air", np.where(thin, altitude, np.nan))
+
+
+def at_highest(
+    checks: Iterable[Check],
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    highest_m: ArrayLike,
+) -> list[Check]:
+    """Checks of a flight with climbs: altitude and air are those of its highest altitude.
+
+    ``checks``: of the flight at its floor. ``highest_m``: highest altitude [m], of the scenarios,
+    cells, or designs with a last axis of scenarios.
+    """
+    offset_k = mission.air_state().temperature_k - standard_air(mission.altitude_m).temperature_k
+    air = standard_air(highest_m, offset_k)
+    up_there = [
+        *altitude_checks(mission, solar, highest_m),
+        *module_check(aircraft, mission, highest_m),
+        *battery_checks(aircraft.battery, air.temperature_c, highest_m),
+    ]
+    below = [one for one in checks if one.range.quantity not in _OF_HEIGHT]
+    return below + [one for one in up_there if one.range.quantity in _OF_HEIGHT]
 
 
 def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
@@ -315,10 +340,13 @@ def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:
     Returns of the shape of the batch, some with a last axis of scenarios.
     """
     mission, design, solar = perf.mission, perf.design, perf.solar
+    checks = list(design_checks(aircraft, mission, design, solar))
+    if perf.maximum_altitude_m is not None:
+        checks = at_highest(checks, aircraft, mission, solar, perf.maximum_altitude_m)
     peak = np.max(perf.day.specific_power_w_per_m2, axis=-1)
     area_m2 = np.asarray(design.variables.module_area_m2, float)[..., np.newaxis]
     return [
-        *design_checks(aircraft, mission, design, solar),
+        *checks,
         *(
             one.over(area_m2.shape[:-1])
             for one in correction_check(perf.day.scenarios, solar, mission)

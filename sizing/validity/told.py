@@ -8,18 +8,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from missions.mission import Scenarios
 from sizing.aircraft import Aircraft
 from sizing.parameters import parameter
 from sizing.performance import Performance
-from sizing.validity.checks import (
-    altitude_checks,
-    battery_checks,
-    flight_checks,
-    module_check,
-)
+from sizing.validity.checks import flight_checks
 from sizing.validity.ranges import (
     EXPERIENCE,
     Check,
@@ -30,31 +24,13 @@ from sizing.validity.ranges import (
     ranges,
 )
 
-# Quantities that a flight with climbs has at its highest altitude.
-_OF_HEIGHT = ("altitude_m", "air_temperature_c")
 
-
-def extrapolations(
-    aircraft: Aircraft, perf: Performance, *, highest_altitude_m: ArrayLike | None = None
-) -> tuple[Extrapolation, ...]:
+def extrapolations(aircraft: Aircraft, perf: Performance) -> tuple[Extrapolation, ...]:
     """What a single design takes from outside the range of a model, each quantity once.
 
-    ``highest_altitude_m``: highest altitude of every scenario of a flight with climbs [m]. Returns
-    in the order of the catalogue.
+    Returns in the order of the catalogue.
     """
-    checks = flight_checks(aircraft, perf)
-    if highest_altitude_m is not None:
-        highest = perf.mission.at_altitude(float(np.max(highest_altitude_m)))
-        up_there = [
-            *altitude_checks(perf.mission, perf.solar, highest_altitude_m),
-            *module_check(aircraft, perf.mission, highest_altitude_m),
-            *battery_checks(
-                *(aircraft.battery, highest.air_state().temperature_c, highest_altitude_m)
-            ),
-        ]
-        checks = [one for one in checks if one.range.quantity not in _OF_HEIGHT]
-        checks += [one for one in up_there if one.range.quantity in _OF_HEIGHT]
-    return told(checks, perf.day.scenarios)
+    return told(flight_checks(aircraft, perf), perf.day.scenarios)
 
 
 def told(

@@ -8,10 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.design import ImpossibleDesignError
 from sizing.energy.battery_condition import BatteryTemperature
 from sizing.performance import Performance, performance
-from sizing.sunlight import solar_day
+from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.ranges import Extrapolation
 from solar.modules import STC_TEMPERATURE_C
 
@@ -45,6 +47,31 @@ def with_worth(
         for one in notes
         for without in (_WITHOUT.get((one.quantity, one.model)),)
     )
+
+
+def level_flight_at(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    altitude_m: float,
+    *,
+    scenarios: Scenarios | None = None,
+) -> Performance | None:
+    """Day repeated at one altitude, such as the highest of a flight with climbs.
+
+    ``scenarios``: others than the mission's own. None where it cannot be flown there.
+    """
+    there = mission.at_altitude(altitude_m)
+    try:
+        day = solar_day(aircraft, there, solar, scenarios=scenarios)
+        return performance(aircraft, there, solar, day=day)
+    except ImpossibleDesignError:
+        return None
+
+
+def of_level_flight(altitude_m: float) -> str:
+    """Which excess time that day has, where a flight with climbs has another."""
+    return f"in level flight at {altitude_m:.0f} m"
 
 
 def _worst_scenario(aircraft: Aircraft, perf: Performance) -> Performance:

@@ -11,7 +11,7 @@ from missions.files.errors import InputError, Problem
 from missions.files.validation import located_error
 from missions.flight_path import path_trouble
 from sizing.aircraft import MeasuredAirframe
-from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
+from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
 from sizing.design import design_of
 from solar.names import ATTITUDE_MODELS
 from studies.cli.files import Case
@@ -20,7 +20,7 @@ from studies.cli.files import Case
 def refuse_climb(case: Case, command: str) -> None:
     """Refuse a mission with climbs where flight at constant altitude is meant."""
     if case.mission.climb is not None:
-        message = f"{command} flies at constant altitude; remove climb (solar-uav analyse uses it)"
+        message = f"{command} flies at constant altitude; remove climb"
         raise located_error(case.where.document, ("climb",), message)
 
 
@@ -36,9 +36,22 @@ def require_climber(case: Case) -> None:
     if case.mission.climb is None:
         return
     try:
-        climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
+        checked_climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
     except ClimbLimitError as error:
         raise located_error(case.craft.document, error.key, error.message) from None
+
+
+def require_climb_power(case: Case) -> None:
+    """Refuse a parametric aircraft that is sized for climbs without any power for them."""
+    propulsion = getattr(case.aircraft.airframe, "propulsion", None)
+    ratio = getattr(propulsion, "climb_power_ratio", None)
+    if case.mission.climb is not None and ratio is not None and ratio <= 1.0:
+        message = (
+            f"a mission with climb needs more power than level flight takes; allowed: above 1 "
+            f"(got {ratio:g}), or climb_rate_m_per_s"
+        )
+        key = ("airframe", "propulsion", "climb_power_ratio")
+        raise located_error(case.craft.document, key, message)
 
 
 def require_path(case: Case, option: str | None = None) -> None:

@@ -57,7 +57,7 @@ def sizing_of_folder(path: str, case: Case) -> dict[str, Any] | None:
         known = {"objective", "active_constraints", "masses_kg"} <= record.keys()
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
-    if not known or promised[0] is None or case.mission.climb is not None:
+    if not known or promised[0] is None:
         return None
     flown = performance(case.aircraft, case.mission, case.solar)
     reached = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from missions.mission import Mission
@@ -14,9 +14,10 @@ from sizing.parameters import parameter, parameter_value, unit_text
 from sizing.sunlight import SolarModel
 from solar.names import CORRECTION_NAMES, MODELS
 
-__all__ = ["DAY", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
+__all__ = ["ALTITUDE", "DAY", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
 
 LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
+ALTITUDE = "mission.altitude_m"
 
 Group = Literal["place", "design", "payload", "technology", "requirement"]
 
@@ -26,7 +27,8 @@ _GROUPS: dict[Group, dict[str, float]] = {
         LATITUDE: 0.1,
         DAY: 1.0,
         "mission.clearness": 0.01,
-        "mission.altitude_m": 10.0,
+        ALTITUDE: 10.0,
+        "mission.climb.ceiling_m": 10.0,
         "mission.wind_m_per_s": 0.1,
     },
     "design": {
@@ -149,7 +151,9 @@ def _number_fields(aircraft: Aircraft, mission: Mission, at: tuple[float, int]) 
             else:
                 value = parameter_value(aircraft, mission, key)
                 if value is not None:
-                    yield _number_field(aircraft, key, group, value, step, ends)
+                    field = _number_field(aircraft, key, group, value, step, ends)
+                    floor = key == ALTITUDE and mission.climb is not None
+                    yield replace(field, label="altitude by night") if floor else field
 
 
 def _number_field(

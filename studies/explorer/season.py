@@ -41,7 +41,7 @@ COARSE_LATITUDES_DEG, COARSE_DAYS = LATITUDES_DEG[::2], DAYS[::2]
 _DAYS_ON_PATH = DAYS[::4]
 # Keys of the mission that light knows of; the rest of it changes the load alone. Wind turns the
 # modules of an aircraft that follows a path.
-_KEYS_OF_LIGHT = ("altitude_m", "air", "clear_sky", "clearness", "uncertainty_margins")
+_KEYS_OF_LIGHT = ("altitude_m", "climb", "air", "clear_sky", "clearness", "uncertainty_margins")
 _KEYS_OF_PATH = ("wind_m_per_s", "wind_statistics", "wind_from_deg", "flight_path")
 _KEPT = 6  # lights, of 16 MB at most each
 # Of filling a slow map, before others have their turn: while a slider moves, and when it rests.
@@ -89,16 +89,17 @@ class SeasonMaps:
 
         ``aircraft``, ``mission``: what flies, in which air, with which load; the mission's own
         place plays no part. ``coarse``: every second row and column, in steps of a quarter of an
-        hour; slow models always have these.
+        hour; slow models always have these, and flights with climbs these rows and columns.
         ``design``: of the aircraft on the mission, where it is known already. Returns
         ``latitudes_deg``, ``days``, ``step_h`` and ``excess_time_h``: rows of hours to three
         decimals, null where it is unlimited; a row that is not yet known is null. ``complete`` says
         whether there is none of these.
         """
         on_path = solar.needs_path
+        few = coarse or mission.climb is not None  # whose march takes as long as four others
         step_h = COARSE_STEP_H if coarse or on_path else DEFAULT_STEP_H
-        latitudes = COARSE_LATITUDES_DEG if coarse or on_path else LATITUDES_DEG
-        days = _DAYS_ON_PATH if on_path else COARSE_DAYS if coarse else DAYS
+        latitudes = COARSE_LATITUDES_DEG if few or on_path else LATITUDES_DEG
+        days = _DAYS_ON_PATH if on_path else COARSE_DAYS if few else DAYS
         light = self._light_of(aircraft, mission, solar, step_h)
 
         def lit(latitudes_deg: FloatArray) -> SolarDay:

@@ -30,7 +30,7 @@ from sizing.results.analysis_summary import settling_line
 from sizing.results.records import finite
 from sizing.sunlight import SolarModel
 from solar._version import __version__
-from studies.explorer.fields import DAY, LATITUDE, Choice, Field, fields_of
+from studies.explorer.fields import ALTITUDE, DAY, LATITUDE, Choice, Field, fields_of
 from studies.explorer.season import SeasonMaps
 from studies.explorer.settings import Refusal, RefusedError, Settings, read_settings
 from studies.explorer.worker import ReportTask
@@ -40,6 +40,7 @@ from studies.output.season_scale import page_scale
 __all__ = ["Inputs", "Session"]
 
 _PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
+_ALTITUDE, _FLOOR = ALTITUDE.removeprefix(MISSION_PREFIX), "climb.minimum_altitude_m"
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,11 @@ class Session:
         )
 
     @property
+    def _floor_is_named(self) -> bool:
+        """Whether the mission's file gives the night's floor in place of the altitude."""
+        return self.mission.climb is not None and self.mission.climb.minimum_altitude_m is not None
+
+    @property
     def measured(self) -> bool:
         """Whether the airframe is measured, so that it cannot be sized."""
         return isinstance(self.aircraft.airframe, MeasuredAirframe)
@@ -122,6 +128,7 @@ class Session:
                 "name": self.mission.name,
                 "description": self.mission.description,
                 "scenarios": self.scenarios,
+                "climbs": self.mission.climb is not None,
             },
             "fields": [
                 {**vars(field), "whole": field.whole, "allowed": field.allowed}
@@ -165,6 +172,8 @@ class Session:
         }
         if not every_scenario:
             of_mission |= self._moved(settings)
+        if _ALTITUDE in of_mission and self._floor_is_named:
+            of_mission[_FLOOR] = of_mission.pop(_ALTITUDE)
         of_aircraft = {k: v for k, v in changed.items() if not k.startswith(MISSION_PREFIX)}
         try:
             crafts = with_overrides(self._files[0], of_aircraft)
@@ -207,7 +216,8 @@ class Session:
 
         Returns ``curve``: ``time_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` over solar
         time, to five digits, and ``flight_charge``, that of a limited flight in the first day after
-        its launch with a full battery, null where it does not fly; ``numbers``: what ``solar-uav
+        its launch with a full battery, null where it does not fly; with climbs ``altitude_m`` as
+        well, and ``flight_charge`` is that in level flight; ``numbers``: what ``solar-uav
         analyse --json`` prints; ``masses_kg``: mass budget; ``headline`` and ``notes`` in words.
         """
         known = self._last_day
@@ -222,7 +232,7 @@ class Session:
             notes.insert(0, f"airspeed {airspeed:.1f} m/s is below the wind of {wind:g} m/s")
         slow = settling_line(analysis)
         charge = perf.cycle.energy_wh[0] / float(perf.design.battery_energy_wh)
-        view = {
+        view: dict[str, Any] = {
             "curve": {
                 "time_h": _digits(perf.day.time_h),
                 "solar_power_w": _digits(perf.solar_power_w[0]),
@@ -235,6 +245,9 @@ class Session:
             "headline": analysis.headline(),
             "notes": notes if slow is None else [slow, *notes],
         }
+        if analysis.climb is not None:
+            climb = analysis.climb.climb
+            view["curve"]["altitude_m"] = _digits(climb.altitude_m[0, climb.nodes])
         self._last_day = settings, view, perf.design
         return view.copy()
 
@@ -299,7 +312,8 @@ def _flight_charge(analysis: Analysis) -> list[float | None]:
     time_h, flight = analysis.performance.day.time_h, analysis.limited_flight
     if flight is None:
         return [None] * len(time_h)
-    clock_h, _, _, charge = analysis.performance.flight(0, flight.launch_h, flight.endurance_h)
+    level = analysis.performance if analysis.climb is None else analysis.climb.constant
+    clock_h, _, _, charge = level.flight(0, flight.launch_h, flight.endurance_h)
     at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
     return [finite(v) for v in np.interp(at_h, clock_h, charge, right=np.nan).round(5).tolist()]
 
@@ -313,7 +327,8 @@ def _refusals(error: InputError, settings: Settings) -> list[Refusal]:
     """Mistakes by the field of the page that they belong to."""
     refusals = []
     for problem in error.problems:
-        named = [k for k in settings.values if k.removeprefix(MISSION_PREFIX) == problem.key]
+        at = _ALTITUDE if problem.key == _FLOOR else problem.key
+        named = [k for k in settings.values if k.removeprefix(MISSION_PREFIX) == at]
         key = named[0] if named else problem.key
         refusals.append(Refusal(key, settings.values.get(key), problem.message))
     return refusals

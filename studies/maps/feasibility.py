@@ -13,12 +13,13 @@ from missions.dates import month_and_day
 from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import Design, design_of
+from sizing.design import design_of
 from sizing.energy.cycle import ENDS, Status
 from sizing.performance import Performance, performance
-from sizing.results.quantities import ENDURANCE, MAP
+from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
+    at_highest,
     charge_rate_check,
     charge_rate_is_open,
     correction_check,
@@ -27,7 +28,7 @@ from sizing.validity.checks import (
 )
 from sizing.validity.ranges import Check, Extrapolation
 from sizing.validity.told import told
-from sizing.validity.worth import with_worth
+from sizing.validity.worth import level_flight_at, of_level_flight, with_worth
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from studies.engine.run import Cell, Job, compute
@@ -49,7 +50,9 @@ __all__ = [
 
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
+_CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at all levels
 _ENDURANCE_S = 2e-4  # of a cell, roughly
+_CLIMB_S = 1e-3
 
 
 _PERPETUAL = (Status.perpetual, Status.always_lit)
@@ -59,6 +62,7 @@ _DESCRIBED = {one.variable: one.described for one in MAP}
 _ENDURANCE = {ENDURANCE.variable: ENDURANCE.described}
 _CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
 _WIND = {"wind": ("m s-1", "wind speed, at the mission's percentile")}
+_HIGHEST = {MAXIMUM_ALTITUDE.variable: MAXIMUM_ALTITUDE.described}
 _STATUS = {"status": ("1", "how the repeated day ends")}
 
 
@@ -130,11 +134,14 @@ def prepare(
     endurance: bool = False,
 ) -> GridStudy:
     """Check a map and divide it into chunks."""
-    grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance)
+    climbs = mission.climb is not None
+    grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance or climbs)
     if solar.needs_path:
         grid.check_winds(mission)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
+    cell_s += _CLIMB_S if climbs else 0.0
     described = _DESCRIBED | (_ENDURANCE if endurance else {})
+    described |= _HIGHEST if climbs else {}
     described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
     described |= {} if mission.wind_statistics is None else _WIND
     blanks: dict[str, Any] = dict.fromkeys(described, np.float64("nan"))
@@ -164,9 +171,15 @@ def _extrapolations_of_map(
     if "wind" in columns:  # of each cell; that of the mission's own latitudes plays no part
         where, winds = where.in_wind(0.0), columns["wind"][known]
         in_wind = list(wind_check(design, winds))
+    of_design = list(design_checks(configuration.aircraft, where, design, configuration.solar))
+    if MAXIMUM_ALTITUDE.variable in columns:
+        highest_m = columns[MAXIMUM_ALTITUDE.variable][known]
+        of_design = at_highest(
+            of_design, configuration.aircraft, where, configuration.solar, highest_m
+        )
     checks = [
         *in_wind,
-        *design_checks(configuration.aircraft, where, design, configuration.solar),
+        *of_design,
         *correction_check(
             Scenarios(latitude[known], day[known]), configuration.solar, configuration.mission
         ),
@@ -177,18 +190,30 @@ def _extrapolations_of_map(
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = np.unravel_index(int(np.argmax(excess_h)), excess_h.shape)
     cell = Scenarios(latitude[best][np.newaxis], day[best][np.newaxis])
+    if MAXIMUM_ALTITUDE.variable not in columns:
+        return with_worth(
+            extrapolations, configuration.aircraft, lambda: _in_cells(configuration, cell)
+        )
+    highest_m = float(columns[MAXIMUM_ALTITUDE.variable][best])
     return with_worth(
-        extrapolations, configuration.aircraft, lambda: _in_cells(configuration, cell, design)
+        extrapolations,
+        configuration.aircraft,
+        lambda: level_flight_at(
+            configuration.aircraft,
+            configuration.mission,
+            configuration.solar,
+            highest_m,
+            scenarios=cell,
+        ),
+        of_what=of_level_flight(highest_m),
     )
 
 
-def _in_cells(configuration: MapConfiguration, cells: Scenarios, design: Design) -> Performance:
-    """Flight of the map's design in some cells."""
-    day = solar_day(
-        configuration.aircraft, configuration.mission, configuration.solar, scenarios=cells
-    )
+def _in_cells(configuration: MapConfiguration, cells: Scenarios) -> Performance:
+    """Flight of the map's aircraft in some cells."""
+    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     return performance(
-        configuration.aircraft, configuration.mission, configuration.solar, day=day, design=design
+        aircraft, mission, solar, day=solar_day(aircraft, mission, solar, scenarios=cells)
     )
 
 
@@ -224,8 +249,9 @@ def map_block(
     grid = np.meshgrid(np.asarray(latitudes_deg, float), np.asarray(days, int), indexing="ij")
     latitude, day = (v.ravel() for v in grid)
     parts: list[dict[str, NDArray[Any]]] = []
-    for start in range(0, len(latitude), _CELLS_AT_ONCE):
-        some = slice(start, start + _CELLS_AT_ONCE)
+    at_once = _CELLS_AT_ONCE if mission.climb is None else _CLIMBING_AT_ONCE
+    for start in range(0, len(latitude), at_once):
+        some = slice(start, start + at_once)
         parts.append(
             _cells(aircraft, mission, Scenarios(latitude[some], day[some]), solar, endurance)
         )
@@ -238,8 +264,11 @@ def _cells(
 ) -> dict[str, NDArray[Any]]:
     sunlit = solar_day(aircraft, mission, solar, scenarios=cells)
     flight = performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)
+    quantities = [*MAP, *([ENDURANCE] if endurance else [])]
+    if mission.climb is not None:
+        quantities.append(MAXIMUM_ALTITUDE)
     columns: dict[str, NDArray[Any]] = {
-        **{one.variable: one.of(flight) for one in (*MAP, *([ENDURANCE] if endurance else []))},
+        **{one.variable: one.of(flight) for one in quantities},
         "status": flight.cycle.status.astype(np.int8),
     }
     if mission.wind_statistics is not None:

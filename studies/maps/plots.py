@@ -26,10 +26,9 @@ from studies.output.cells import (
     finite_range,
     hatch_reasons,
 )
-from studies.output.columns import SIZED, extrapolations_of
+from studies.output.columns import SIZED, extrapolations_of, flown_caption
 from studies.output.figures.drawing import (
     Canvas,
-    dataset_caption,
     ink,
     new_figure,
     objective_caption,
@@ -127,7 +126,7 @@ def _begun(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
     drawn, (axes,) = new_figure(
         canvas=canvas,
         title=f"{data.attrs['title']} on {json.loads(data.attrs['mission'])['name']}",
-        notes=(what, dataset_caption(data), outside_ranges(extrapolations_of(data))),
+        notes=(what, flown_caption(data), outside_ranges(extrapolations_of(data))),
         size_in=(8.5, 5.2),
         grid="",
     )

@@ -19,10 +19,9 @@ from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS, WINGSPAN
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
-from sizing.sunlight import SolarModel
 from solar.types import BoolArray, IntArray
 from studies.maps.feasibility import perpetual_cells
-from studies.output.columns import SIZED, SizingStatus, extrapolations_of
+from studies.output.columns import SIZED, SizingStatus, extrapolations_of, flown_caption
 from studies.output.gridded import OnGrid
 
 __all__ = ["designs_record", "designs_table", "season_text", "seasons_record", "seasons_table"]
@@ -204,5 +203,4 @@ def _range(least: float, largest: float) -> str:
 
 def _model(data: OnGrid) -> str:
     days = data["day"].to_numpy()
-    solar = SolarModel(data.attrs["solar_model"], data.attrs["correction"])
-    return f"{solar.label}; days {days[0]} to {days[-1]}, {len(days)} of them"
+    return f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"

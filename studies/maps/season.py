@@ -11,7 +11,7 @@ day, and of the eighth days on those alone of which CAM, scaled to their energy,
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -103,6 +103,13 @@ class _Year:
         self.aircraft, self.mission = aircraft, mission
         self.latitude_deg = float(latitude_deg)
         self.powers: dict[tuple[ModelName, int], FloatArray] = {}
+        self._levels: dict[float, _Year] = {}
+
+    def at(self, there: Mission) -> _Year:
+        """Same year at another altitude."""
+        if there.altitude_m not in self._levels:
+            self._levels[there.altitude_m] = _Year(self.aircraft, there, self.latitude_deg)
+        return self._levels[there.altitude_m]
 
     def scenarios(self, days: Sequence[int]) -> Scenarios:
         return Scenarios(np.full(len(days), self.latitude_deg), np.array(days, int))
@@ -129,6 +136,9 @@ class _SomeDays(Sunlight):
     def __init__(self, year: _Year, days: Sequence[int]) -> None:
         super().__init__(year.aircraft, year.mission, year.scenarios(days))
         self._year, self._days = year, days
+
+    def _at(self, there: Mission) -> Sunlight:
+        return _SomeDays(self._year.at(there), self._days)
 
     def modelled_power(self, model: ModelName) -> FloatArray:
         """Uncorrected specific power [W/m2], shape ``(day, time)``."""
@@ -158,8 +168,7 @@ def _in_doubt(
         ratio = np.divide(own_wh, of_cam_wh, out=np.ones(len(far)), where=of_cam_wh > 0.0)
         of_day = np.reshape(np.interp(near, far, ratio, period=DAYS_PER_YEAR), (-1, 1))
         for sign in (-1.0, 1.0):
-            power = cam.specific_power_w_per_m2 * of_day * (1.0 + sign * _DOUBT)
-            suns[model, sign] = replace(cam, specific_power_w_per_m2=power)
+            suns[model, sign] = cam.scaled(of_day * (1.0 + sign * _DOUBT))
     flown = year.perpetual(suns)
     found = {}
     for model in models:

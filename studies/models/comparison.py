@@ -26,7 +26,12 @@ from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarDay, SolarModel, Sunlight
-from sizing.validity.checks import charge_rate_check, correction_check, design_checks
+from sizing.validity.checks import (
+    at_highest,
+    charge_rate_check,
+    correction_check,
+    design_checks,
+)
 from sizing.validity.ranges import Extrapolation
 from sizing.validity.told import extrapolations, together, told, worst_of
 from solar.names import CorrectionName, ModelName
@@ -119,6 +124,8 @@ class Comparison(Result):
             f"worst scenario: {' or '.join(worst)}; season: days of perpetual flight in the year",
             *self.notes,
         ]
+        if self.mission.climb is not None:
+            lines.append(f"{self.mission.climb_label}; endurance in level flight")
         title = (
             f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, evaluated by "
         )
@@ -207,6 +214,7 @@ class Comparison(Result):
         return {
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
+            **({} if self.mission.climb is None else {"climb": self.mission.climb.record}),
             "summary": self.headline(),
             "reference": {"model": solar.model, "correction": solar.correction},
             "objective": {
@@ -375,8 +383,13 @@ def _extrapolations_of_case(
     """What a case takes from outside the range of a model: the aircraft as it is, its design."""
     day, design, solar = sun.day(case.solar), design_of(aircraft, mission), case.solar
     peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * design.variables.module_area_m2
+    of_design = list(design_checks(aircraft, mission, design, solar))
+    if case.prediction.maximum_altitude_m is not None:
+        of_design = at_highest(
+            of_design, aircraft, mission, solar, case.prediction.maximum_altitude_m
+        )
     checks = [
-        *design_checks(aircraft, mission, design, solar),
+        *of_design,
         *correction_check(day.scenarios, solar, mission),
         *charge_rate_check(aircraft, mission, design, peak_w),
     ]

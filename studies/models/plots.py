@@ -63,7 +63,11 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
         across,
         canvas=figure,
         title=f"{comparison.aircraft.name} on {comparison.mission.name}",
-        notes=("solar power models compared", outside_ranges(comparison.extrapolations)),
+        notes=(
+            "solar power models compared",
+            comparison.mission.climb_label,
+            outside_ranges(comparison.extrapolations),
+        ),
         size_in=(2.9 * across, size_in[1] * rows),
         lines=True,
         grid="x",

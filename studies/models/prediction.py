@@ -39,7 +39,8 @@ class Prediction:
     unlimited. ``nights``: nights that the longest flight survives. ``polar_day``, ``enough_sun``:
     whether the sun does not set, and whether solar power rises above the load at any time.
     ``solar_energy_wh``, ``mean_solar_energy_wh``: solar energy of a day: of the worst scenario, and
-    the mean of all [Wh].
+    the mean of all [Wh]. ``maximum_altitude_m``: highest altitude in the worst scenario of a flight
+    with climbs, whose longest flight is that in level flight [m].
     """
 
     scenario: str
@@ -58,6 +59,7 @@ class Prediction:
     enough_sun: bool
     solar_energy_wh: float
     mean_solar_energy_wh: float
+    maximum_altitude_m: float | None = None
 
     @property
     def perpetual(self) -> bool:
@@ -196,7 +198,8 @@ def predict(
     simulated together. ``days``: sun of the same scenarios by each model.
     """
     count, suns = len(days), list(days.values())
-    cycle = simulate(SolarDay.joined(suns)).cycle
+    flown = simulate(SolarDay.joined(suns))
+    cycle, highest_m = flown.cycle, flown.maximum_altitude_m
     worst = np.argmin(cycle.excess_time_h.reshape(count, -1), axis=-1)
     places = worst + np.arange(count) * (len(cycle.excess_time_h) // count)
     alone = [sun.at([place]) for sun, place in zip(suns, worst, strict=True)]
@@ -225,6 +228,7 @@ def predict(
             excess_h=(float(low[number]), float(high[number])),
             flight=flights[number],
             mean_solar_wh=float(mean_wh),
+            highest_m=None if highest_m is None else float(highest_m[places[number]]),
         )
         for number, mean_wh in enumerate(solar_wh.reshape(count, -1).mean(axis=-1))
     ]
@@ -238,6 +242,7 @@ def _prediction(
     excess_h: tuple[float, float],
     flight: Endurance | None,
     mean_solar_wh: float,
+    highest_m: float | None,
 ) -> Prediction:
     """Prediction of one model.
 
@@ -265,6 +270,7 @@ def _prediction(
         enough_sun=bool(np.isfinite(morning_h)),
         solar_energy_wh=float(cycle.energy_budget.solar_wh[place]),
         mean_solar_energy_wh=mean_solar_wh,
+        maximum_altitude_m=highest_m,
     )
 
 

@@ -26,6 +26,7 @@ from studies.output.gridded import Labelled, OnGrid
 
 __all__ = [
     "BLANKS",
+    "CLIMB",
     "DESCRIBED",
     "HATCHES",
     "SIZED",
@@ -34,6 +35,7 @@ __all__ = [
     "extrapolation_attribute",
     "extrapolations_of",
     "failed_count",
+    "flown_caption",
     "resize_objective",
     "status_names",
     "told_of_cells",
@@ -41,6 +43,7 @@ __all__ = [
 ]
 
 
+CLIMB = "climb"  # attribute of results with climbs, in words
 # There is a design.
 SIZED = tuple(status for status in SizingStatus if status.sized)
 
@@ -126,7 +129,14 @@ def attributes(
         "correction": solar.correction,
         "aircraft": aircraft.model_dump_json(),
         "mission": mission.model_dump_json(),
+        **({} if mission.climb is None else {CLIMB: mission.climb_label}),
     }
+
+
+def flown_caption(data: OnGrid) -> str:
+    """Model and correction that a map or a trade study was computed with, and its climbs."""
+    label = SolarModel(data.attrs["solar_model"], data.attrs["correction"]).label
+    return "; ".join(filter(None, (label, data.attrs.get(CLIMB, ""))))
 
 
 def extrapolation_attribute(extrapolations: Sequence[Extrapolation]) -> dict[str, str]:

@@ -16,10 +16,8 @@ from studies.report.subject import Subject
 __all__ = ["belief_section", "inputs_section", "margins_section", "provenance_section"]
 
 
-def margins_section(subject: Subject) -> Section | None:
-    """How much worse each assumption may become; None for a mission that climbs."""
-    if subject.climbs:
-        return None
+def margins_section(subject: Subject) -> Section:
+    """How much worse each assumption may become."""
     text = (
         "Each quantity is moved alone until the weakest scenario just has what is required; all "
         "else stays as it is, the mass with the battery's specific energy as well."

@@ -41,7 +41,7 @@ __all__ = [
 _MOST_SCENARIOS = 20  # rows of the table
 _WIDTH_IN = 7.4
 # Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.
-CELLS, SLOW_CELLS = (57, 74), (15, 14)
+CELLS, CLIMBING_CELLS, SLOW_CELLS = (57, 74), (29, 37), (15, 14)
 _POLEWARD_DEG = 70.0  # or the poles, for a mission beyond
 _MOST_RINGS = 30
 # Lines on the cells of a map: black on a dark page as well, unlike the axes.
@@ -129,12 +129,12 @@ def _scenarios(analysis: Analysis) -> Table:
 # ---- Season
 
 
-def season_section(subject: Subject) -> Section | None:
-    """Where and when it flies perpetually, with the mission's places; None if it climbs."""
-    if subject.climbs:
-        return None
+def season_section(subject: Subject) -> Section:
+    """Where and when it flies perpetually, with the mission's places."""
     solar, scenarios = subject.solar, subject.analysis.performance.day.scenarios
     rows, columns = SLOW_CELLS if solar.needs_path else CELLS
+    if subject.mission.climb is not None and not solar.needs_path:
+        rows, columns = CLIMBING_CELLS
     farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
     latitudes = np.linspace(-farthest, farthest, rows)
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
@@ -154,6 +154,8 @@ def season_section(subject: Subject) -> Section | None:
         "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
         "line: edge of perpetual flight; ring: the mission's scenarios."
     )
+    if subject.mission.climb is not None:
+        caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
     return Section("season", "The season", [*texts, Figure(markup, caption, scrolls=True)])
 
 
@@ -201,15 +203,14 @@ def _places(latitudes: Sequence[float]) -> str:
 # ---- Models
 
 
-def models_section(subject: Subject) -> Section | None:
-    """All solar power models side by side; None for a mission that climbs."""
+def models_section(subject: Subject) -> Section:
+    """All solar power models side by side."""
     title = "Solar power models"
-    if subject.path_trouble is not None and not subject.climbs:
+    if subject.path_trouble is not None:
         text = f"The solar power models are not compared: {subject.path_trouble}."
         return Section("models", title, [Text(text)])
     comparison = subject.comparison
-    if comparison is None:
-        return None
+    assert comparison is not None  # the path has no trouble
     height = 1.9 + 0.26 * len(comparison.cases)
     plot = plot_comparison(comparison, figure=page_options(_WIDTH_IN + 0.4, height))
     markup = figure_markup(

@@ -139,14 +139,16 @@ def _enough(
         aircraft, mission, factor = one.changed(value)
         try:
             design = design_of(aircraft, mission)
+            if mission.climb is not None:
+                design_of(aircraft, mission.at_altitude(mission.climb.ceiling_m))
             loads = DesignLoads.of(aircraft, mission, design, day.scaled(factor))
         except ImpossibleDesignError:
             continue
-        flown.append((number, aircraft.battery, loads))
+        flown.append((number, (aircraft, loads)))
     if flown:
-        cycle = cycle_of_variants(flown[0][1], [variant for _, _, variant in flown])
+        cycle = cycle_of_variants([variant for _, variant in flown])
         every = np.all(_hold(cycle, required), axis=-1).tolist()
-        for (number, _, _), holds in zip(flown, every, strict=True):
+        for (number, _), holds in zip(flown, every, strict=True):
             found[number] = holds
     return found
 

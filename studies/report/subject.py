@@ -69,11 +69,6 @@ class Subject:
         """Analysis as ``analyse --json`` prints it."""
         return {**self.analysis.to_dict(), "mission_is_default": self.mission_is_default}
 
-    @property
-    def climbs(self) -> bool:
-        """Whether the mission stores energy in height: maps and the like do not know of that."""
-        return self.mission.climb is not None
-
     @cached_property
     def path_trouble(self) -> str | None:
         """Why VM and FM cannot fly the path in the wind; None if they can, or have none."""
@@ -84,12 +79,12 @@ class Subject:
 
     @cached_property
     def comparison(self) -> Comparison | None:
-        """Solar power models side by side; None for a mission that climbs, or too strong a wind.
+        """Solar power models side by side; None in a wind too strong for the path.
 
         Of a mission with many latitudes at that of its weakest scenario: the season of VM and FM
         takes a second or two at each.
         """
-        if self.climbs or self.path_trouble is not None:
+        if self.path_trouble is not None:
             return None
         mission, latitudes = self.mission, self.mission.latitudes()
         if len(latitudes) > _MOST_LATITUDES and attitude_is_known(self.aircraft, mission):
@@ -114,7 +109,7 @@ class Subject:
         wanted = self.with_uncertainty
         if wanted is None:
             wanted = self.has_uncertain_inputs and self.uncertainty_is_quick
-        if not wanted or self.climbs:
+        if not wanted:
             return None
         return analyse_uncertainty(
             self.aircraft,

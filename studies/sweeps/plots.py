@@ -25,7 +25,14 @@ from studies.output.cells import (
     hatch_cells,
     hatch_reasons,
 )
-from studies.output.columns import HATCHES, SIZED, extrapolations_of, failed_count, status_names
+from studies.output.columns import (
+    HATCHES,
+    SIZED,
+    extrapolations_of,
+    failed_count,
+    flown_caption,
+    status_names,
+)
 from studies.output.figures.drawing import (
     CHARGE,
     DARK_GREY,
@@ -34,7 +41,6 @@ from studies.output.figures.drawing import (
     SUN,
     VERMILLION,
     Canvas,
-    dataset_caption,
     ink,
     new_figure,
     objective_caption,
@@ -98,7 +104,7 @@ def _title_and_notes(data: xr.Dataset, note: str = "") -> dict[str, Any]:
     failed = failed_count(data)
     notes = (
         f"sized for the {objective_caption(objective)}" if objective else "",
-        dataset_caption(data),
+        flown_caption(data),
         f"{failed} of {data['status'].size} points failed" if failed else "",
         note,
         outside_ranges(extrapolations_of(data)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -17,10 +17,12 @@ from missions.files.yaml import Document
 from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, DesignSpace, MeasuredAirframe, Range
+from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import (
     DesignVariables,
     FlightConditions,
     ImpossibleDesignError,
+    measured_design,
     operating_trouble,
     variables_of,
 )
@@ -29,7 +31,15 @@ from sizing.limits import design_requirements
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import all_replaced
 from sizing.performance import Performance, performance, performance_of_designs
-from sizing.results.quantities import CHOSEN, ENDURANCE, LOAD, PAYLOAD_MASS, REACHED, TOTAL_MASS
+from sizing.results.quantities import (
+    CHOSEN,
+    ENDURANCE,
+    LOAD,
+    MAXIMUM_ALTITUDE,
+    PAYLOAD_MASS,
+    REACHED,
+    TOTAL_MASS,
+)
 from sizing.smooth import Value
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
@@ -43,6 +53,7 @@ from studies.sweeps.axes import DESIGN_KEYS, design_variable
 
 __all__ = [
     "BLANKS",
+    "CLIMBING_BLANKS",
     "DESCRIBED",
     "MISSION_PREFIX",
     "SIZED_BLANKS",
@@ -53,6 +64,7 @@ __all__ = [
     "plain_data",
     "size_points",
     "varied_files",
+    "varies_climb",
 ]
 
 MISSION_PREFIX = "mission."
@@ -69,8 +81,11 @@ BLANKS: dict[str, Any] = {
     "extrapolations": np.str_(""),
 }
 
+CLIMBING_BLANKS = BLANKS | {MAXIMUM_ALTITUDE.variable: np.float64("nan")}
+
 DESCRIBED = sizing_columns.DESCRIBED | {
     ENDURANCE.variable: ("h", "longest flight in the worst scenario; infinite where perpetual"),
+    MAXIMUM_ALTITUDE.variable: ("m", "highest altitude of the day in the worst scenario"),
     "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
     "worst_day": ("1", "day of year of the worst scenario"),
     "message": ("1", "why there is no result"),
@@ -96,6 +111,16 @@ class SweepConfiguration:
     objective: Objective | None
     tables: Mapping[str, str]
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def blanks(self) -> dict[str, Any]:
+        """What stands where a point that is flown has no result."""
+        return CLIMBING_BLANKS if self.mission.get("climb") or varies_climb(self.keys) else BLANKS
+
+
+def varies_climb(keys: Iterable[str]) -> bool:
+    """Whether one of the keys is of the mission's climbs."""
+    return any(key.startswith(f"{MISSION_PREFIX}climb.") for key in keys)
 
 
 def plain_data(value: Any) -> Any:
@@ -145,8 +170,13 @@ def varied_files(
     )
 
 
-def _unflyable(solar: SolarModel, mission: Mission) -> str | None:
-    """Why the flight path cannot be held in the wind, for the models that fly it."""
+def _unflyable(solar: SolarModel, aircraft: Aircraft, mission: Mission) -> str | None:
+    """Why an aircraft cannot climb, or not hold the path of models that fly it in the wind."""
+    if mission.climb is not None and isinstance(aircraft.airframe, MeasuredAirframe):
+        try:
+            climb_limits(aircraft, measured_design(aircraft, mission))
+        except ClimbLimitError as error:
+            return str(error)
     if not solar.needs_path or mission.flight_path is None:
         return None
     trouble = path_trouble(mission.flight_path, mission.wind)
@@ -181,7 +211,7 @@ def _flyable(
             text = "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
             row: dict[str, Any] = {"status": statuses.invalid, "message": text}
         else:
-            trouble = _unflyable(configuration.solar, mission)
+            trouble = _unflyable(configuration.solar, aircraft, mission)
             if trouble is None:
                 yield numbers, aircraft, mission
                 continue
@@ -194,8 +224,8 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
     """Fly the designs of some points; points that differ in design variables alone are a batch.
 
     ``cells``: values of the varied keys at each point, in the order of ``configuration.keys`` and
-    their units. Returns values of all points by the names of :data:`BLANKS`, in the units of
-    :data:`DESCRIBED`.
+    their units. Returns values of all points by the names of the configuration's blanks, in the
+    units of :data:`DESCRIBED`.
     """
     rows: list[dict[str, Any]] = [{} for _ in cells]
     for numbers, aircraft, mission in _flyable(configuration, cells, rows, Status):
@@ -222,7 +252,8 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
                 own = DesignVariables(**{name: float(one[place]) for name, one in chosen})
                 row["message"] = operating_trouble(aircraft, mission, own) or row["message"]
             rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
-    return {name: [row.get(name, blank) for row in rows] for name, blank in BLANKS.items()}
+    blanks = configuration.blanks
+    return {name: [row.get(name, blank) for row in rows] for name, blank in blanks.items()}
 
 
 def _variables(
@@ -293,6 +324,8 @@ def _row_of_design(
     excess = cycle.excess_time_h[place]
     worst = int(np.argmin(excess))
     scenarios = flight.day.scenarios
+    if flight.maximum_altitude_m is not None:
+        row[MAXIMUM_ALTITUDE.variable] = float(flight.maximum_altitude_m[place][worst])
     return row | {
         "status": Status(int(cycle.status[place][worst])),
         TOTAL_MASS.variable: _of_place(TOTAL_MASS.of(design), place),

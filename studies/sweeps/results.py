@@ -15,7 +15,7 @@ from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import BATTERY_MASS, PAYLOAD_MASS, WINGSPAN
 from sizing.results.records import finite_values
 from sizing.results.tables import Column, Line, Summary, Table
-from studies.output.columns import extrapolations_of
+from studies.output.columns import CLIMB, extrapolations_of
 from studies.output.grid_files import to_table
 from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.ranking import MORE_IS_BETTER, best_first, pareto_table, sorted_by
@@ -40,6 +40,7 @@ def points_record(data: xr.Dataset) -> dict[str, Any]:
     ]
     return {
         "title": data.attrs["title"],
+        **({CLIMB: data.attrs[CLIMB]} if CLIMB in data.attrs else {}),
         "sample": data.attrs["sample"],
         "objective": data.attrs["objective"] or None,
         "status": _counts(data),
@@ -98,6 +99,8 @@ def points_summary(
     blocks.append(table)
     if len(rows) > top:
         blocks.append(f"{len(rows) - top} more not shown: --top N shows more, --out FILE has all")
+    if CLIMB in data.attrs:
+        blocks.append(Line(f"{data.attrs[CLIMB]}; endurance in level flight", "faint"))
     return Summary((*blocks, *extrapolation_blocks(extrapolations_of(data))))
 
 

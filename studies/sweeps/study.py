@@ -31,7 +31,14 @@ from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
 from studies.engine.run import Job, Outcome, compute, pieces
 from studies.grid import VARIED, GridStudy, chunks_of
-from studies.output.columns import SIZED, SizingStatus, attributes, resize_objective, told_of_cells
+from studies.output.columns import (
+    CLIMB,
+    SIZED,
+    SizingStatus,
+    attributes,
+    resize_objective,
+    told_of_cells,
+)
 from studies.output.gridded import Labelled, can_be_result
 from studies.sweeps.axes import (
     DESIGN_KEYS,
@@ -45,7 +52,6 @@ from studies.sweeps.axes import (
     unit_of,
 )
 from studies.sweeps.points import (
-    BLANKS,
     DESCRIBED,
     MISSION_PREFIX,
     SIZED_BLANKS,
@@ -55,6 +61,7 @@ from studies.sweeps.points import (
     plain_data,
     size_points,
     varied_files,
+    varies_climb,
 )
 
 if TYPE_CHECKING:
@@ -72,6 +79,8 @@ _LEAST, _LARGEST = 1e-9, 1e12
 _COMBINED_KEYS = 6
 # Times [s], roughly, that decide the size of chunks and nothing else.
 _SCENARIO_S, _SCENARIO_ON_PATH_S, _AIRCRAFT_S, _SIZING_S = 3e-4, 1e-2, 3e-2, 0.25
+_CLIMB_S = 1e-3
+_ALTITUDE = f"{MISSION_PREFIX}altitude_m"
 
 
 def sweep(
@@ -199,10 +208,13 @@ def prepare(
     chunks = chunks_of(table, [order[piece] for piece in pieces(len(order), each)])
     flags, with_result = _statuses(objective)
     possible = can_be_result(flags, with_result)
-    job = Job(judge_points, configuration, chunks, BLANKS, possible)
+    job = Job(judge_points, configuration, chunks, configuration.blanks, possible)
     if objective is not None:
         job = Job(size_points, configuration, chunks, SIZED_BLANKS, possible)
     title = f"Trade study of {aircraft.name} on {mission.name}"
+    about = attributes(title, aircraft, mission, solar)
+    if varies_climb(configuration.keys) or (CLIMB in about and _ALTITUDE in configuration.keys):
+        about[CLIMB] = "with climbs"
     return GridStudy(
         job,
         order,
@@ -210,7 +222,7 @@ def prepare(
         DESCRIBED if objective is None else SIZED_DESCRIBED,
         flags,
         {
-            **attributes(title, aircraft, mission, solar),
+            **about,
             "vary": to_json({axis.key: list(axis.names or axis.values) for axis in axes}),
             "sample": sample,
             "seed": seed,
@@ -394,6 +406,8 @@ def _points_per_chunk(
     else:
         batched = any(axis.design_variable is not None for axis in axes)
         point_s = scenarios * _SCENARIO_S + (0.0 if batched else _AIRCRAFT_S + day_s)
+        if mission.climb is not None or varies_climb(axis.key for axis in axes):
+            point_s += scenarios * _CLIMB_S
     return max(round(_CHUNK_S / point_s), 1)
 
 

@@ -55,7 +55,7 @@ def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT)
     count = min(len(analysis.inputs), _MOST_BARS)
     size_in = (10.0, max(3.6, 1.8 + 0.42 * count))
     narrow = is_narrow(figure, size_in)
-    notes: tuple[str, ...] = (analysis.solar.label,)
+    notes: tuple[str, ...] = (analysis.solar.label, analysis.mission.climb_label)
     if count == 1:
         (only,) = analysis.inputs.inputs
         notes = (*notes, f"one input scatters: {only.label}")

@@ -52,6 +52,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
                 *("--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"),
             ],
             [DESIGN, "--mission", "rafz-july", "--reliability", "0.4"],
+            [DESIGN, "--mission", "rafz-july", "--set", "mission.climb={ceiling_m: 1500}"],
             [DESIGN, "--mission", "rafz-july", "--whole-cells", *CELLS],
         ],
         {"range", "weather", "part_masses"},

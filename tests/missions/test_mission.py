@@ -292,6 +292,42 @@ def test_temperatures_in_kelvin_and_other_nonsense_are_refused(key: str, value: 
 # ---- Launch
 
 
+def test_night_floor_is_the_altitude() -> None:
+    climb = {"ceiling_m": 18000.0, "minimum_altitude_m": 12000.0}
+    floor = mission(climb=climb)
+    assert floor.altitude_m == 12000.0
+    assert floor == mission(climb=climb, altitude_m=12000.0)
+    assert Mission.model_validate(floor.model_dump(by_alias=True)) == floor
+    assert mission(climb={"ceiling_m": 18000.0}).altitude_m == 0.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ("  minimum_altitude_m: 19000", "must be at most climb.ceiling_m of 18000 (got 19000)"),
+        ("  minimum_altitude_m: 40000", "must be at most 32000 (got 40000)"),
+        ("  minimum_altitude_m: -501", "must be at least -500 (got -501)"),
+        ("  minimum_altitude_m: true", "must be a number (got true)"),
+        (
+            "  minimum_altitude_m: 12000\naltitude_m: 500",
+            "is the mission's altitude_m by another name: leave one of them out "
+            "(got 12000, altitude_m is 500)",
+        ),
+    ],
+)
+def test_bad_floors_are_one_line(changes: str, message: str) -> None:
+    text = f"name: a\nlatitude_deg: 47\ndates: {{on: 06-21}}\nclimb:\n  ceiling_m: 18000\n{changes}"
+    with pytest.raises(InputError) as caught:
+        validate(parse_yaml(text, "m.yaml"), Mission)
+    assert str(caught.value) == f"m.yaml:6:23: climb.minimum_altitude_m: {message}"
+
+
+def test_aircraft_that_holds_its_place_does_not_climb() -> None:
+    wind = {"percentile": 50, "hold_station": True}
+    with pytest.raises(ValidationError, match=r"give wind\.hold_station or climb, not both"):
+        mission(altitude_m=15000.0, climb={"ceiling_m": 18000.0}, wind=wind)
+
+
 def test_launch_is_read() -> None:
     launch = mission(longitude_deg=8.53, launch=LAUNCH).launch
     assert launch is not None

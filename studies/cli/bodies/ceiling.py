@@ -6,8 +6,9 @@ import sys
 
 import click
 
+from missions.files.validation import located_error
 from studies.ceiling import perpetual_ceiling, plot_ceiling
-from studies.cli.checks import refuse_climb, refuse_polar_night, require_path
+from studies.cli.checks import refuse_polar_night, require_climber, require_path
 from studies.cli.commands.ceiling import Ceiling
 from studies.cli.files import load
 from studies.cli.options import EXIT_FAILED
@@ -18,10 +19,14 @@ from studies.cli.progress import progress_of
 def ceiling(options: Ceiling) -> None:
     """Find the highest altitude of perpetual flight, and tell it."""
     case = load(options.case)
-    refuse_climb(case, "ceiling")
     refuse_polar_night(case)
     require_path(case)
+    require_climber(case)
     lowest_m, highest_m = case.mission.altitude_m, options.highest_m
+    climb = case.mission.climb
+    if climb is not None and climb.ceiling_m <= lowest_m:
+        message = f"must be above the night's floor of {lowest_m:g} (got {climb.ceiling_m:g})"
+        raise located_error(case.where.document, ("climb", "ceiling_m"), message)
     if highest_m <= lowest_m:
         message = f"must be above the mission's altitude_m of {lowest_m:g} (got {highest_m:g})"
         raise click.BadParameter(message, param_hint="--highest")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from studies.cli.checks import refuse_climb, refuse_polar_night, require_path
+from studies.cli.checks import refuse_polar_night, require_climber, require_path
 from studies.cli.commands.compare import Compare
 from studies.cli.files import load
 from studies.cli.options import EXIT_FAILED
@@ -23,7 +23,7 @@ _IMAGE = "comparison.png"
 def compare(options: Compare) -> None:
     """Run all solar power models, and tell what each says."""
     case = load(options.case, required_excess_time_h=options.required_h)
-    refuse_climb(case, "compare")
+    require_climber(case)
     refuse_polar_night(case)
     if options.needs_path is not None or attitude_is_known(case.aircraft, case.mission):
         # With surfaces and a path, the reference flies it even if no case does.

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from studies.cli.checks import refuse_climb, require_parametric, require_path
+from studies.cli.checks import (
+    refuse_climb,
+    require_climb_power,
+    require_climber,
+    require_parametric,
+    require_path,
+)
 from studies.cli.commands.map import Map
 from studies.cli.files import Case, load
 from studies.cli.jobs import completed
@@ -23,12 +29,15 @@ if TYPE_CHECKING:
 def map_(options: Map) -> None:
     """Compute the cells of a map, write it, and tell it."""
     case = load(options.case)
-    refuse_climb(case, "map")
     require_path(case)
     resized = options.objective is not None
-    if resized:
+    if not resized:
+        require_climber(case)
+    else:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
+        require_climb_power(case)
     if options.weather_file is not None:
+        refuse_climb(case, "map --weather")
         from studies.cli.bodies.weather import map_in_weather
 
         map_in_weather(case, options, options.weather_file)

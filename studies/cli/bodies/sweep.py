@@ -12,7 +12,7 @@ import click
 
 from missions.files.errors import InputError
 from missions.files.writing import write_files_atomically
-from studies.cli.checks import refuse_climb, require_path
+from studies.cli.checks import require_climb_power, require_climber, require_path
 from studies.cli.commands.sweep import Sweep
 from studies.cli.files import Case, load
 from studies.cli.jobs import completed
@@ -22,7 +22,7 @@ from studies.cli.telling import tell_error
 from studies.output.formats import grid_format
 from studies.output.grid_files import to_bytes
 from studies.sweeps.axes import axis_names
-from studies.sweeps.points import BLANKS, SIZED_BLANKS
+from studies.sweeps.points import BLANKS, CLIMBING_BLANKS, SIZED_BLANKS, varies_climb
 from studies.sweeps.study import dataset, prepare
 
 if TYPE_CHECKING:
@@ -35,11 +35,15 @@ if TYPE_CHECKING:
 
 def sweep(options: Sweep) -> None:
     """Compute the points of a trade study, write them, and tell them."""
-    _check_shown(options)
     out_file, plot_file = options.out_file, options.plot_file
     case = load(options.case)
-    refuse_climb(case, "sweep")
+    climbs = case.mission.climb is not None or varies_climb(axis.key for axis in options.axes)
+    _check_shown(options, climbs=climbs)
     require_path(case)
+    if options.objective is None:
+        require_climber(case)
+    else:
+        require_climb_power(case)
     prepared = _prepared(case, options)
     with completed(prepared.job, options.work, out_file, "points") as outcome:
         data = dataset(prepared, outcome)
@@ -82,9 +86,10 @@ def _prepared(case: Case, options: Sweep) -> GridStudy:
         raise InputError(named) from None
 
 
-def _check_shown(options: Sweep) -> None:
+def _check_shown(options: Sweep, *, climbs: bool) -> None:
     """Refuse names that no result will have, before the work starts."""
-    blanks = BLANKS if options.objective is None else SIZED_BLANKS
+    of_flights = CLIMBING_BLANKS if climbs else BLANKS
+    blanks = of_flights if options.objective is None else SIZED_BLANKS
     varied = axis_names(options.axes)
     numbers = [n for n, axis in zip(varied, options.axes, strict=True) if not axis.names]
     numbers += [*(n for n, blank in blanks.items() if isinstance(blank, float))]

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from sizing.results.uncertainty import analyse_uncertainty
-from studies.cli.checks import refuse_climb, refuse_held_station, require_path, uncertain_inputs_of
+from studies.cli.checks import (
+    refuse_held_station,
+    require_climber,
+    require_path,
+    uncertain_inputs_of,
+)
 from studies.cli.commands.uncertainty import Uncertainty
 from studies.cli.files import load
 from studies.cli.outputs import deliver, figure_of, table_of
@@ -13,9 +18,9 @@ from studies.uncertainty.plots import plot_uncertainty
 def uncertainty(options: Uncertainty) -> None:
     """Draw uncertain inputs, and tell what becomes of the flight."""
     case = load(options.case)
-    refuse_climb(case, "uncertainty")
     refuse_held_station(case, "uncertainty")
     require_path(case)
+    require_climber(case)
     with uncertain_inputs_of(case):
         result = analyse_uncertainty(
             case.aircraft,

@@ -49,7 +49,7 @@ class Map:
         "--latitudes",
         type=Grid(-90.0, 90.0, latitudes=True),
         help="Latitudes [deg], north positive; the last one is met where the steps lead to it. "
-        "[default: -70:70:1; with --resize, --endurance, VM, FM and loiter -70:70:2]",
+        "[default: -70:70:1; with --resize, --endurance, VM, FM, loiter and climb -70:70:2]",
     )
     days: list[float] | None = option(
         "--days",

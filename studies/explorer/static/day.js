@@ -1,4 +1,5 @@
-// Day curve: solar power, load and state of charge over solar time; the starting design dashed.
+// Day curve: solar power, load and state of charge over solar time, and the altitude of flights with
+// climbs; the starting design dashed.
 
 import { clock, element, fixed } from "./format.js";
 
@@ -7,6 +8,7 @@ const SERIES = [
   ["load_w", "load", "--load", "W"],
   ["state_of_charge", "state of charge", "--charge", "%"],
 ];
+const ALTITUDE = ["altitude", "--altitude"];
 const FLIGHT = "longest flight, launched full";
 const NICE = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
 
@@ -23,9 +25,9 @@ function wide(chart, labels) {
 
 /** Chart in an element; `readout` shows the values under the pointer. */
 export class Day {
-  constructor(holder, legend, readout, words) {
-    Object.assign(this, { holder, readout, words, legend });
-    for (const [, label, colour] of SERIES) {
+  constructor(holder, legend, readout, words, climbs = false) {
+    Object.assign(this, { holder, readout, words, legend, climbs });
+    for (const [, label, colour] of climbs ? [...SERIES, [null, ...ALTITUDE]] : SERIES) {
       const key = element("i", { className: "key", "aria-hidden": "true" });
       key.dataset.colour = colour.slice(2);
       legend.append(element("span", {}, key, label));
@@ -52,12 +54,15 @@ export class Day {
     this.view = view;
     this.ghostKey.hidden = !ghost;
     const percent = (values) => values.map((v) => 100 * v);
-    const columns = (c) => [c.solar_power_w, c.load_w, percent(c.state_of_charge)];
+    const kilometres = (c) => (this.climbs ? [c.altitude_m.map((v) => v / 1000)] : []);
+    const columns = (c) => [c.solar_power_w, c.load_w, percent(c.state_of_charge), ...kilometres(c)];
     const none = view.curve.time_h.map(() => null);
-    const behind = ghost ? columns(first.curve) : [none, none, none];
+    const behind = ghost ? columns(first.curve) : columns(view.curve).map(() => none);
     const flight = view.curve.flight_charge.map((v) => (v === null ? null : 100 * v));
     this.flightKey.hidden = flight.every((v) => v === null);
     this.data = [view.curve.time_h, ...behind, ...columns(view.curve), flight];
+    this.own = 1 + behind.length; // row of the first curve of the view itself
+    if (this.climbs) this.height = ceiling(Math.max(...this.data[this.own + 3], ...(ghost ? this.data[4] : [])));
     const highest = (curve) => Math.max(...curve.solar_power_w, ...curve.load_w);
     this.top = ceiling(Math.max(highest(view.curve), ghost ? highest(first.curve) : 0));
     if (this.chart) this.chart.setData(this.data);
@@ -104,21 +109,25 @@ export class Day {
         x: { time: false, range: [0, 24] },
         W: { range: () => [0, this.top] },
         "%": { range: [0, 100] },
+        ...(this.climbs && { km: { range: () => [0, this.height] } }),
       },
       series: [
         {},
         ghost("--solar", "W"),
         ghost("--load", "W"),
         ghost("--charge", "%"),
+        ...(this.climbs ? [ghost("--altitude", "km")] : []),
         line("--solar", "W", { fill: colour("--solar-fill") }),
         line("--load", "W"),
         line("--charge", "%"),
+        ...(this.climbs ? [line("--altitude", "km")] : []),
         line("--charge", "%", { dash: [2, 3], spanGaps: false }),
       ],
       axes: [
         axis({ splits: (chart) => Array.from({ length: chart.width < 480 ? 5 : 9 }, (_, i) => (chart.width < 480 ? 6 : 3) * i), values: (_, at) => at.map(clock), size: 26, gap: 4 }),
         axis({ scale: "W", size: wide, gap: 4, values: (_, at) => at.map((v, i) => (i === at.length - 1 ? `${v} W` : v)) }),
         axis({ scale: "%", side: 1, size: wide, gap: 4, grid: { show: false }, splits: () => [0, 25, 50, 75, 100], values: (_, at) => at.map((v) => `${v} %`) }),
+        ...(this.climbs ? [axis({ scale: "km", side: 1, size: wide, gap: 4, grid: { show: false }, values: (_, at) => at.map((v) => `${v} km`) })] : []),
       ],
       hooks: {
         drawClear: [(chart) => this.night(chart, colour("--night"))],
@@ -166,8 +175,11 @@ export class Day {
     }
     const at = (row) => this.data[row][i];
     const watts = (v) => `${fixed(v, v < 100 ? 1 : 0)} W`;
-    const flight = at(7) === null ? "" : ` \u00b7 longest flight ${fixed(at(7), 1)} %`;
-    this.readout.textContent = `${clock(at(0))}  solar ${watts(at(4))} \u00b7 load ${watts(at(5))} \u00b7 charge ${fixed(at(6), 1)} %${flight}`;
+    const own = this.own;
+    const last = at(this.data.length - 1);
+    const height = this.climbs ? ` \u00b7 altitude ${fixed(1000 * at(own + 3), 0)} m` : "";
+    const flight = last === null ? "" : ` \u00b7 longest flight ${fixed(last, 1)} %`;
+    this.readout.textContent = `${clock(at(0))}  solar ${watts(at(own))} \u00b7 load ${watts(at(own + 1))} \u00b7 charge ${fixed(at(own + 2), 1)} %${height}${flight}`;
   }
 
   /** Say the curve in words, once it rests. */
@@ -178,6 +190,7 @@ export class Day {
       `Solar power peaks at ${fixed(peak, 0)} W, the load is ${fixed(n.power_out_w, 1)} W. ` +
       `Equal power at ${clock(n.equal_power_morning_h)} and ${clock(n.equal_power_evening_h)} solar time; ` +
       `battery full at ${clock(n.full_charge_h)}, least charge ${fixed(100 * n.minimum_state_of_charge, 1)} %.` +
+      (this.climbs ? ` The aircraft climbs to ${fixed(n.climb.maximum_altitude_m, 0)} m and glides ${fixed(n.climb.gliding_h, 1)} h.` : "") +
       (n.endurance_h === null || n.best_launch_h === null ? "" : ` The longest flight is launched full at ${clock(n.best_launch_h)} and lasts ${fixed(n.endurance_h, 1)} h.`);
   }
 }

@@ -19,6 +19,11 @@ const NUMBERS = [
   ["full at", (n) => clock(n.full_charge_h)],
 ];
 
+const OF_CLIMBS = [
+  ["highest", (n) => `${fixed(n.climb.maximum_altitude_m, 0)} m`],
+  ["by climbing", (n) => hours(n.climb.gain_in_excess_time_h)],
+];
+
 /** Mood, state and sentence of a record, for a requirement [h]. */
 export function verdict(n, required) {
   const where = `${latitude(n.latitude_deg)}, ${date(n.day_of_year)}`;
@@ -44,9 +49,10 @@ export function verdict(n, required) {
 
 /** Verdict and numbers on the page. */
 export class Numbers {
-  constructor(list, title, text) {
-    Object.assign(this, { list, title, text, cells: [] });
-    for (const [label] of NUMBERS) {
+  constructor(list, title, text, climbs = false) {
+    const numbers = climbs ? [...NUMBERS, ...OF_CLIMBS] : NUMBERS;
+    Object.assign(this, { list, title, text, numbers, cells: [] });
+    for (const [label] of numbers) {
       const value = element("dd", {}, "\u2013");
       const start = element("dd", { className: "was" });
       list.append(element("div", {}, element("dt", {}, label), value, start));
@@ -60,7 +66,7 @@ export class Numbers {
     this.title.textContent = state;
     this.title.dataset.mood = mood;
     this.text.textContent = this.text.title = sentence;
-    NUMBERS.forEach(([label, text], i) => {
+    this.numbers.forEach(([label, text], i) => {
       const [value, start] = this.cells[i];
       const now = text(view.numbers);
       const was = text(first.numbers);

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias
 from missions.files.writing import write_bytes_atomically
 from sizing.optimisation.objectives import Objective
 from sizing.results.notes import extrapolation_caption
-from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from solar.names import MODEL_NAMES
 from studies.output.figures.options import (
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from studies.output.gridded import OnGrid
 
 # Where a figure is drawn: on a canvas of its own as these options ask for, or on one that is given.
 Canvas: TypeAlias = "FigureOptions | Figure"
@@ -191,11 +189,6 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
 def outside_ranges(extrapolations: Sequence[Extrapolation]) -> str:
     """What lies outside the range of a model, for the line below a title; empty if nothing does."""
     return extrapolation_caption(extrapolations)
-
-
-def dataset_caption(data: OnGrid) -> str:
-    """Model and correction that a map or a trade study was computed with."""
-    return SolarModel(data.attrs["solar_model"], data.attrs["correction"]).label
 
 
 def objective_caption(objective: str | Objective) -> str:

@@ -17,7 +17,7 @@ from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
-from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
+from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
 from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.performance import performance
@@ -331,11 +331,11 @@ def test_finer_steps_of_the_day_change_nothing(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_finer_levels_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    from sizing.altitude import climb_levels
+    from missions import mission as missions_mission
 
     coarse = flown(AS2, 6536.0).performance.cycle.excess_time_h[0]
-    monkeypatch.setattr(climb_levels, "_LEVEL_SPACING_M", 50.0)
-    monkeypatch.setattr(climb_levels, "_MAXIMUM_LEVELS", 500)
+    monkeypatch.setattr(missions_mission, "LEVEL_SPACING_M", 50.0)
+    monkeypatch.setattr(missions_mission, "MAXIMUM_LEVELS", 500)
     fine = climb_performance(AS2, mission(6536.0)).performance.cycle.excess_time_h[0]
     # Three digits, as everywhere; 500 m against 50 m.
     assert coarse == pytest.approx(fine, rel=1e-3)
@@ -489,7 +489,7 @@ def test_aircraft_that_cannot_climb_is_refused(aircraft: Aircraft, key: str) -> 
 
 def test_rated_power_of_a_parametric_aircraft_is_its_ratio_to_level_flight() -> None:
     design = design_of(DESIGN, mission(2000.0))
-    limits = climb_limits(DESIGN, design)
+    limits = checked_climb_limits(DESIGN, design)
     assert limits.maximum_power_w == pytest.approx(5.03 * float(design.propulsion_power_w))
     assert limits.efficiency == pytest.approx(0.97 * 0.82 * 0.96 * 0.82)
 

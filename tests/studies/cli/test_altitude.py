@@ -165,11 +165,104 @@ def test_columns_without_climb_stay_as_they_are(run: Run, tmp_path: Path) -> Non
     assert "altitude_m" not in pd.read_csv(io.StringIO((tmp_path / "plain.csv").read_text()))
 
 
-@pytest.mark.parametrize("command", ["size", "map", "ceiling"])
-def test_commands_at_constant_altitude_refuse_climbs(run: Run, climb: str, command: str) -> None:
-    outcome = run(command, "atlantiksolar-design", "-m", climb)
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ("station", []),
+        ("map --weather", ["--weather", "any.csv"]),
+        ("size --weather", ["--weather", "any.csv", "--survive", "0.9"]),
+        ("explore --static", ["--static", "page.html"]),
+    ],
+)
+def test_commands_at_constant_altitude_refuse_climbs(
+    run: Run, climb: str, command: str, options: list[str]
+) -> None:
+    outcome = run(command.partition(" ")[0], "atlantiksolar-design", "-m", climb, *options)
     assert outcome.code == 2
     assert f"climb.yaml:5:1: climb: {command} flies at constant altitude" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["map", "--latitudes", "40:50:10", "--days", "172:173:1"],
+            "climbs from 536 to 3536 m once",
+        ),
+        (["sweep", "--vary", "mission.altitude_m=536,1000"], "with climbs; endurance in level"),
+        (
+            ["compare", "--corrections", "none"],
+            "climbs from 536 to 3536 m once the battery is full",
+        ),
+        (["ceiling", "--step", "2000"], "with climbs to 3536 m from night floors up to 3536 m"),
+        (["uncertainty", "--samples", "64"], "climbs from 536 to 3536 m once the battery is full"),
+    ],
+)
+def test_commands_tell_that_the_flight_climbs(
+    run: Run, climb: str, tmp_path: Path, words: list[str], said: str
+) -> None:
+    outcome = run(*words[:1], AS2, "-m", climb, *words[1:], "--plot", "climbs.svg")
+    assert outcome.code == 0
+    assert said in " ".join(outcome.out.split())
+    assert "climbs" in (tmp_path / "climbs.svg").read_text()
+
+
+def test_size_tells_the_climb_and_the_optimum_of_level_flight(run: Run, climb: str) -> None:
+    given = ("size", "atlantiksolar-design", "-m", climb, "--objective", "min_wingspan")
+    outcome = run(*given, "--out", "sized")
+    assert outcome.code == 0
+    said = " ".join(outcome.out.split())
+    assert "climbs by day from 536 m to its ceiling of 3536 m" in said
+    record = run(*given, "--json").json()
+    level, up = record["without_climbs"], record["climb"]
+    plain = run(*given, "--set", "mission.climb=null", "--json").json()
+    assert "climb" not in plain
+    assert "without_climbs" not in plain
+    assert level["wingspan_m"] == pytest.approx(plain["wingspan_m"], rel=1e-4)  # the solver's
+    assert f"in level flight at 536 m: wingspan {level['wingspan_m']:.3f} m" in said
+    assert record["wingspan_m"] < 0.98 * level["wingspan_m"]
+    assert up["maximum_altitude_m"] == pytest.approx(3536.0)
+    assert up["dawn_altitude_m"] == pytest.approx(536.0)
+    assert 0.0 < up["gliding_h"] < 12.0
+    # What is written flies as the sizing says.
+    flown = run("analyse", "sized", "--json").json()
+    assert flown["climb"]["gliding_h"] == pytest.approx(up["gliding_h"])
+    assert flown["excess_time_h"] == pytest.approx(
+        record["simulated"]["excess_time_h"],
+        abs=0.02,  # steps of 1 min and of 5
+    )
+
+
+def test_a_climb_that_the_power_does_not_allow_is_refused(run: Run, climb: str) -> None:
+    key = "airframe.propulsion.climb_power_ratio"
+    for words in (["size"], ["map", "--resize", "min_mass"]):
+        outcome = run(
+            *words[:1], "atlantiksolar-design", "-m", climb, *words[1:], "--set", f"{key}=1"
+        )
+        assert outcome.code == 2
+        assert f"{key}: a mission with climb needs more power" in outcome.err
+        assert "allowed: above 1 (got 1)" in outcome.err
+
+
+def test_resized_maps_and_sweeps_climb(run: Run, climb: str, tmp_path: Path) -> None:
+    where = ("--latitudes", "40:50:10", "--days", "172:173:1")
+    sized = ("atlantiksolar-design", "-m", climb)
+    outcome = run("map", *sized, *where, "--resize", "min_mass", "--json")
+    assert outcome.code == 0
+    heights = "mission.climb.ceiling_m=536,3536"
+    swept = run("sweep", *sized, "--vary", heights, "--resize", "min_mass", "--out", "swept.csv")
+    assert swept.code == 0
+    rows = pd.read_csv(tmp_path / "swept.csv", comment="#")
+    level, high = rows["total_mass"]
+    assert high < 0.95 * level
+
+
+def test_ceiling_at_the_floor_leaves_no_floor_to_find(run: Run, climb: str) -> None:
+    outcome = run("ceiling", AS2, "-m", climb, "--set", "mission.climb.ceiling_m=536")
+    assert outcome.code == 2
+    assert (
+        "mission.climb.ceiling_m: must be above the night's floor of 536 (got 536)" in outcome.err
+    )
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_taken_port_is_told(run: Run) -> None:
         (("--port", "65536"), "65536"),
         (("--port", "x"), "not a valid integer"),
         (("--mission", "nowhere"), "nowhere"),
-        (("--set", "mission.climb={ceiling_m: 3000}"), "explore flies at constant altitude"),
+        (("--set", "mission.climb={ceiling_m: 300}"), "must be at least the mission's altitude_m"),
         (("--set", "battery.mass_kg=-1"), "battery.mass_kg"),
         (("--mission", "desert-center-48h", "--model", "FM"), "flight path"),
     ],

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from missions.files.overrides import with_overrides
 from missions.files.shipped import find_document, shipped_text
 from missions.library import load_mission
 from missions.mission import Scenarios
@@ -285,3 +286,53 @@ def test_impossible_design_is_refused_in_words(tmp_path: Path) -> None:
     with pytest.raises(RefusedError) as caught:
         heavy.day(heavy.settings(wide | {"airframe.aspect_ratio": 40.0}))
     assert caught.value.kind == "impossible"
+
+
+# ---- Climbs
+
+
+def climbing(**changes: Any) -> Session:
+    climb = {"ceiling_m": 3536.0} | changes.pop("climb", {})
+    document = find_document("mission", "rafz-july")
+    values = {"launch": None, "climb": climb} | changes
+    if "minimum_altitude_m" in climb:
+        del document.data["altitude_m"]
+    return Session(
+        find_document("aircraft", "atlantiksolar-as2"),
+        with_overrides(document, values),
+        SolarModel(),
+    )
+
+
+def test_day_with_climbs_has_its_altitude_and_its_limits_as_fields() -> None:
+    one = climbing()
+    view = one.day(one.settings({"mission.climb.ceiling_m": 2000.0, "mission.altitude_m": 600.0}))
+    altitude_m = view["curve"]["altitude_m"]
+    assert len(altitude_m) == len(view["curve"]["time_h"])
+    assert max(altitude_m) == pytest.approx(2000.0, abs=1.0)
+    assert min(altitude_m) == 600.0
+    assert view["numbers"]["climb"]["ceiling_m"] == 2000.0
+    assert one.describe()["mission"]["climbs"]
+    assert "altitude_m" not in DESIGN.day(DESIGN.settings())["curve"]
+    assert "mission.climb.ceiling_m" not in DESIGN.fields
+
+
+def test_floor_that_a_file_names_moves_with_its_slider() -> None:
+    one = climbing(climb={"minimum_altitude_m": 536.0})
+    settings = one.settings({"mission.altitude_m": 1500.0})
+    assert one.inputs(settings).mission.altitude_m == 1500.0
+    assert "minimum_altitude_m: 1500" in one.files(settings)["mission"]
+    with pytest.raises(RefusedError) as caught:
+        one.inputs(one.settings({"mission.altitude_m": 4000.0}))
+    assert caught.value.refusals[0].field == "mission.altitude_m"
+
+
+def test_season_with_climbs_is_the_map_of_the_command_line() -> None:
+    one = climbing()
+    found = one.season(one.settings())
+    made = one.inputs(one.settings())
+    latitudes, days = found["latitudes_deg"][4::14], found["days"][3::20]
+    block = map_block(made.aircraft, made.mission, latitudes, days, SolarModel())
+    shown = [row[3::20] for row in found["excess_time_h"][4::14]]
+    expected = np.where(np.isfinite(block["excess_time"]), block["excess_time"], np.nan)
+    assert_allclose(np.array(shown, float), expected, atol=1e-3, equal_nan=True)

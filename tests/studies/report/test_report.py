@@ -181,11 +181,13 @@ def test_polar_night_is_reported() -> None:
     assert "not enough alone" in page
 
 
-def test_climbing_missions_are_reported_without_maps() -> None:
-    page = Page(make_report(AS2, mission(climb={"ceiling_m": 800.0})))
+def test_climbing_missions_are_reported_with_their_climbs() -> None:
+    text = make_report(AS2, mission(climb={"ceiling_m": 800.0}))
+    page = Page(text)
     keys = {section["id"] for section in page.of("section")}
-    assert "day" in keys
-    assert not {"season", "models", "margins"} & keys
+    assert {"day", "season", "models", "margins"} <= keys
+    assert "with climbs from 536 to 800 m once the battery is full." in text
+    assert page.results()["comparison"]["climb"]["ceiling_m"] == 800.0
 
 
 def test_models_are_left_out_in_words_where_the_wind_is_too_strong_for_the_path() -> None:

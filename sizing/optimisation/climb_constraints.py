@@ -1,0 +1,236 @@
+"""Energy constraints of one scenario with climbs by day and glides in the evening, as symbols.
+
+The program's counterpart of :mod:`sizing.altitude.climb_march`: battery and potential energy over
+the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling,
+sunlight and the power of level flight are parabolas of the potential energy; those of the simulator
+are linear between levels at most 500 m apart.
+
+The days close where the night leaves at least the potential energy that the day begins with, which
+is a variable of the program. What parabolas and longer steps do to an excess time is taken back by
+the simulator, which decides (:mod:`sizing.optimisation.loop`): a model of low fidelity, corrected
+in its value until it agrees with that of high fidelity at the optimum, as in approximation and
+model management (Alexandrov, N. M., Lewis, R. M., Gumbert, C. R., Green, L. L. and Newman, P. A.
+2001, Approximation and Model Management in Aerodynamic Optimization with Variable-Fidelity Models,
+J. Aircraft 38 (6)); its gradient is that of the same physics.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from missions.air import GRAVITY_M_PER_S2, MAXIMUM_ALTITUDE_M
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.altitude.climb_levels import climb_limits
+from sizing.design import Design, FlightConditions, parametric_design
+from sizing.energy.battery import ChargeLimit
+from sizing.optimisation.energy_constraints import (
+    NODES,
+    charge_step_function,
+    mean_positive,
+)
+from solar.types import FloatArray
+
+Strategy = Literal["battery_full", "surplus"]
+
+# Besides those of flight at one altitude: light in the middle and at the ceiling.
+CLIMB_SUN_PARAMETERS = 4 * NODES + 3
+# Conditions in the middle and at the ceiling, and how far above the floor they are [m].
+ALOFT_PARAMETERS = 2 * (len(FlightConditions._fields) + 1)
+_DARK_STEPS = 12
+_NOTHING = 1e-9
+
+
+class ClimbValues(NamedTuple):
+    """What the potential store needs of a design; symbols.
+
+    Power of level flight in calm air at floor, middle and ceiling [W], potential energy of the
+    middle and the ceiling [Wh], efficiency and largest power of the propulsion [W], power of
+    avionics and payload [W], and level flight's factor of the turbulence of all hours.
+    """
+
+    floor_w: Any
+    middle_w: Any
+    ceiling_w: Any
+    middle_wh: Any
+    ceiling_wh: Any
+    efficiency: Any
+    maximum_w: Any
+    constant_w: Any
+    steady: Any
+
+
+def aloft_parameters(mission: Mission, aircraft: Aircraft) -> FloatArray:
+    """Conditions in the middle and at the ceiling, and their heights above the floor [m]."""
+    assert mission.climb is not None
+    # The program divides by the height: a ceiling at the floor is a metre above it.
+    highest_m = max(mission.climb.ceiling_m - mission.altitude_m, 1.0)
+    floor_m, parts = mission.altitude_m, []
+    for height_m in (highest_m / 2.0, highest_m):
+        there = mission.at_altitude(min(floor_m + height_m, MAXIMUM_ALTITUDE_M))
+        parts.append([*FlightConditions.of(there, aircraft), height_m])
+    return np.concatenate(parts)
+
+
+def climb_values(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions, aloft: Any
+) -> ClimbValues:
+    """What the potential store needs of a design of symbols.
+
+    ``aloft``: as :func:`aloft_parameters` gives it.
+    """
+    size = ALOFT_PARAMETERS // 2
+    power_w, energy_wh = [], []
+    weight_n = design.total_mass_kg * GRAVITY_M_PER_S2
+    for part in (0, size):
+        there = FlightConditions(*(aloft[part + i] for i in range(size - 1)))
+        flown = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
+        faster = flown.airspeed_m_per_s**2 - design.airspeed_m_per_s**2
+        height_m = aloft[part + size - 1] + faster / (2.0 * GRAVITY_M_PER_S2)
+        power_w.append(flown.propulsion_power_w)
+        energy_wh.append(weight_n * height_m / 3600.0)
+    limits = climb_limits(aircraft, design)
+    (middle_w, ceiling_w), (middle_wh, ceiling_wh) = power_w, energy_wh
+    return ClimbValues(
+        *(design.propulsion_power_w, middle_w, ceiling_w, middle_wh, ceiling_wh),
+        *(limits.efficiency, limits.maximum_power_w),
+        *(design.constant_power_w, 1.0 + conditions.turbulence),
+    )
+
+
+class _Parabola:
+    """A quantity over the potential energy, from its values at floor, middle and ceiling."""
+
+    def __init__(self, floor: Any, middle: Any, ceiling: Any, place: Any) -> None:
+        self.floor, self.place = floor, place
+        self.slope = (middle - floor) / place
+        self.bend = (ceiling - middle) / (1.0 - place) - self.slope
+
+    def at(self, share: Any) -> Any:
+        """Value at a share of the potential energy of the ceiling."""
+        return self.floor + share * (self.slope + (share - self.place) * self.bend)
+
+
+@lru_cache(maxsize=32)
+def climbing_cycle_function(charge_limit: ChargeLimit, strategy: Strategy) -> ca.Function:
+    """Deficit of the night, state of charge after the day, and potential energy.
+
+    Arguments: module area [m2], capacity [Wh], state of charge at dawn, potential energy from which
+    the evening's glide begins over that of the ceiling, :class:`ClimbValues` as a vector,
+    efficiencies of charge and discharge, the margin of the recharge, and the sun with the light
+    aloft (:func:`sizing.optimisation.energy_constraints.sun_parameters`). Returns deficit and
+    charge relative to the capacity, the potential energy that the day's surplus reaches over that
+    of the ceiling, and the hours of gliding from the height that is left at the morning's equal
+    power [h].
+
+    The day begins with less than the night leaves, by the margin times the deficit. Where the
+    aircraft climbs once the battery is full, a battery that fills a little later leaves less time
+    to climb, and the night after takes more: next to that edge the days do not repeat themselves.
+    """
+    area, capacity_wh = ca.SX.sym("area"), ca.SX.sym("capacity")
+    dawn_soc, height = ca.SX.sym("dawn"), ca.SX.sym("height")
+    vector = ca.SX.sym("climb", len(ClimbValues._fields))
+    efficiencies, margin = ca.SX.sym("efficiencies", 2), ca.SX.sym("margin")
+    sun = ca.SX.sym("sun", CLIMB_SUN_PARAMETERS)
+    day = _Day(area, capacity_wh, ClimbValues(*ca.vertsplit(vector)), sun, efficiencies[0])
+    charge = charge_step_function(charge_limit)
+    deficit_wh, left_h = day.deficit(height)
+    deficit = deficit_wh / (efficiencies[1] * capacity_wh)
+    begun = dawn_soc - margin * deficit
+    soc, reached = day.climbed(begun, height, charge, always=strategy == "surplus")
+    return ca.Function(
+        "climbing_cycle",
+        [area, capacity_wh, dawn_soc, height, vector, efficiencies, margin, sun],
+        [deficit, soc, reached, left_h],
+        {"is_diff_in": [True] * 5 + [False] * 3, "never_inline": True, "jac_penalty": 0},
+    )
+
+
+class _Balance(NamedTuple):
+    """Surplus, deficit and the motor's part of it over an interval [Wh]; net power at the ends."""
+
+    surplus_wh: Any
+    lacking_wh: Any
+    of_motor_wh: Any
+    left_w: Any
+    right_w: Any
+
+
+class _Day:
+    """Power over the nodes at any share of the ceiling's potential energy."""
+
+    def __init__(
+        self, area: Any, capacity_wh: Any, values: ClimbValues, sun: Any, charge_efficiency: Any
+    ) -> None:
+        self.values, self.rate = values, charge_efficiency / capacity_wh
+        place = values.middle_wh / values.ceiling_wh
+        self.motor_w = _Parabola(values.floor_w, values.middle_w, values.ceiling_w, place)
+        floor, middle, top = (area * sun[n * NODES : (n + 1) * NODES] for n in (0, 2, 3))
+        self.solar_w = [_Parabola(floor[k], middle[k], top[k], place) for k in range(NODES)]
+        self.factor = values.steady + sun[NODES : 2 * NODES]
+        self.step_h, self.dark_h = sun[4 * NODES], sun[4 * NODES + 1]
+        # Electric energy that the height of the ceiling stands for.
+        self.store_wh = values.ceiling_wh / values.efficiency
+
+    def balance(self, k: int, at: Any) -> _Balance:
+        """What the sun leaves over and lacks between two nodes, at a share of the height."""
+        v, motor_w = self.values, self.motor_w.at(at)
+        first, last = (self.solar_w[n].at(at) for n in (k, k + 1))
+        left = first - motor_w * self.factor[k] - v.constant_w
+        right = last - motor_w * self.factor[k + 1] - v.constant_w
+        lacking_wh = mean_positive(-left, -right) * self.step_h
+        of_avionics_wh = mean_positive(v.constant_w - first, v.constant_w - last) * self.step_h
+        surplus_wh = mean_positive(left, right) * self.step_h
+        return _Balance(surplus_wh, lacking_wh, lacking_wh - of_avionics_wh, left, right)
+
+    def climbed(
+        self, soc: Any, height: Any, charge: ca.Function, *, always: bool
+    ) -> tuple[Any, Any]:
+        """State of charge and height that the day's surplus leads to, without a ceiling."""
+        v, reached, before = self.values, 0.0, 0.0
+        for k in range(NODES - 1):
+            at = ca.fmin(ca.fmax(1.5 * reached - 0.5 * before, 0.0), height)
+            one, before = self.balance(k, at), reached
+            rates = (self.rate * one.left_w, self.rate * one.right_w)
+            charged = charge(soc, self.rate * one.surplus_wh, *rates, self.step_h)
+            stored = ca.fmin(charged, 1.0) - ca.fmin(soc, 1.0)
+            usable_wh = one.surplus_wh - stored / self.rate
+            if not always:
+                full = ca.fmin(ca.fmax((charged - 1.0) / (charged - soc + _NOTHING), 0.0), 1.0)
+                usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
+            mean_w = self.motor_w.at(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
+            room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
+            reached = reached + ca.fmax(ca.fmin(usable_wh, room_wh), 0.0) / self.store_wh
+            soc = charged
+        return soc, reached
+
+    def deficit(self, height: Any) -> tuple[Any, Any]:
+        """Energy that the battery gives [Wh], and hours of gliding from what is left at dawn [h].
+
+        Glides through the evening, the dark and the morning's twilight, in this order.
+        """
+        v, share, deficit_wh = self.values, height, 0.0
+        for k in range(NODES // 2, NODES - 1):
+            one = self.balance(k, share)
+            glide_wh = ca.fmin(ca.fmax(one.of_motor_wh, 0.0), share * self.store_wh)
+            share = share - glide_wh / self.store_wh
+            deficit_wh = deficit_wh + one.lacking_wh - glide_wh
+        hours = self.dark_h / _DARK_STEPS
+        for _ in range(_DARK_STEPS):
+            sinks = v.steady * hours / self.store_wh
+            at = ca.fmax(share - sinks * self.motor_w.at(share) / 2.0, 0.0)
+            wanted_wh = self.motor_w.at(at) * v.steady * hours
+            glide_wh = ca.fmin(wanted_wh, share * self.store_wh)
+            share = share - glide_wh / self.store_wh
+            deficit_wh = deficit_wh + wanted_wh + v.constant_w * hours - glide_wh
+        for k in range(NODES // 2):
+            one = self.balance(k, share)
+            glide_wh = ca.fmin(ca.fmax(one.of_motor_wh, 0.0), share * self.store_wh)
+            share = share - glide_wh / self.store_wh
+            deficit_wh = deficit_wh + one.lacking_wh - glide_wh
+        sinking_w = v.efficiency * self.motor_w.at(share / 2.0) * v.steady
+        return deficit_wh, share * v.ceiling_wh / sinking_w

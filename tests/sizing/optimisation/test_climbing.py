@@ -1,0 +1,177 @@
+"""Sizings with climbs: the program beside the march, and optima beside other simulated designs."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+from builders import DESIGN
+from builders import shipped_mission as mission
+
+from missions.mission import Mission, Scenarios
+from sizing.altitude.climb_levels import flight_levels
+from sizing.altitude.climb_march import DayRun, March, Stored
+from sizing.design import FlightConditions, closed_design, variables_of
+from sizing.energy.battery import Store
+from sizing.limits import meets_requirements
+from sizing.optimisation.cells import size_cells
+from sizing.optimisation.climb_constraints import (
+    aloft_parameters,
+    climb_values,
+    climbing_cycle_function,
+)
+from sizing.optimisation.energy_constraints import sun_parameters
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.result import SizingResult, merit_of
+from sizing.optimisation.search import size_aircraft
+from sizing.performance import performance_of_designs
+from sizing.sunlight import solar_day
+
+pytestmark = pytest.mark.slow
+
+STRATEGIES = ("battery_full", "surplus")
+
+
+def climbing(ceiling_m: float, strategy: str = "battery_full", **changes: object) -> Mission:
+    return mission(climb={"ceiling_m": ceiling_m, "strategy": strategy}, **changes)
+
+
+@cache
+def sized(objective: Objective, ceiling_m: float, strategy: str, date: str) -> SizingResult:
+    there = climbing(ceiling_m, strategy, dates={"on": date})
+    return size_aircraft(DESIGN, there, objective)
+
+
+# ---- The program and the march
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("ceiling_m", [1536.0, 4536.0])
+def test_the_program_has_the_day_of_the_march(strategy: str, ceiling_m: float) -> None:
+    there = climbing(ceiling_m, strategy)
+    day, battery = solar_day(DESIGN, there), DESIGN.battery
+    design = closed_design(DESIGN, there, variables_of(DESIGN))
+    capacity_wh = float(design.battery_energy_wh)
+    levels = flight_levels(DESIGN, there, design, day)
+    store = Store.of(battery, np.array([capacity_wh]))
+    march = March(day.time_h, levels, store, strategy, 5)  # type: ignore[arg-type]
+    run = DayRun(march)
+    march.end_of_day(march.end_of_day(Stored(np.array([capacity_wh]), np.zeros(1))), run)
+    dawn = run.energy_wh[:, 0].min() / capacity_wh
+    highest = run.potential_wh[:, 0].max() / levels.potential_energy_wh[-1, 0]
+    drawn = run.drawn.sum() / capacity_wh
+
+    values = climb_values(
+        *(DESIGN, design, FlightConditions.of(there, DESIGN)),
+        list(aloft_parameters(there, DESIGN)),
+    )
+    deficit, charged, reached, left_h = (
+        float(one)
+        for one in climbing_cycle_function(battery.charge_limit, there.climb.strategy)(  # type: ignore[union-attr]
+            *(float(variables_of(DESIGN).module_area_m2), capacity_wh, dawn, highest),
+            ca.DM([float(value) for value in values]),
+            ca.DM([battery.charge_efficiency, battery.discharge_efficiency]),
+            *(0.0, sun_parameters(day, there)[0]),
+        )
+    )
+    # Parabolas and steps of 10 min, against levels 500 m apart and 1 min.
+    assert deficit == pytest.approx(drawn, rel=3e-3)
+    assert charged > 1.0
+    assert reached > highest == pytest.approx(1.0)
+    assert left_h == 0.0
+
+
+# ---- Optima
+
+
+@pytest.mark.parametrize("objective", [Objective.min_wingspan, Objective.max_excess_time])
+def test_a_ceiling_at_the_floor_is_level_flight(objective: Objective) -> None:
+    level = size_aircraft(DESIGN, mission(), objective)
+    found = sized(objective, mission().altitude_m, "battery_full", "07-15")
+    # Within the cushion of the goal, and the two marches' difference.
+    assert found.objective_value == pytest.approx(level.objective_value, rel=1e-3)
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("objective", [Objective.min_wingspan, Objective.min_mass])
+def test_no_design_nearby_is_better(objective: Objective, strategy: str) -> None:
+    result = sized(objective, 3536.0, strategy, "07-15")
+    assert result.design is not None
+    assert result.simulated is not None
+    centre, there = result.design.variables, result.simulated.mission
+    rng = np.random.default_rng(0)
+    spread = np.repeat([0.05, 0.01, 0.002], 150)
+    names = ("wingspan_m", "battery_mass_kg", "module_area_m2")
+    moved = {n: getattr(centre, n) * np.exp(spread * rng.standard_normal(450)) for n in names}
+    around = centre.mapped(lambda v: np.full(450, v))._replace(**moved)
+    flown = performance_of_designs(DESIGN, there, around)
+    kept = (flown.cycle.excess_time_h[:, 0] > 0.0) & meets_requirements(DESIGN, there, flown.design)
+    assert kept.any()
+    best = np.max(np.where(kept, merit_of(objective, flown), -np.inf))
+    assert best <= result.merit + 3e-3 * abs(result.merit)  # what a sizing is held to
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize(
+    ("latitude_deg", "date"), [(40.0, "12-21"), (30.0, "12-21"), (47.6, "07-15")]
+)
+def test_climbing_is_never_worse_than_level_flight(
+    latitude_deg: float, date: str, strategy: str
+) -> None:
+    # Without a surplus beyond the full battery the optimum of level flight is one with climbs too;
+    # on the shortest days optima without height, with some and with all of it are far apart.
+    where = {"latitude_deg": latitude_deg, "dates": {"on": date}}
+    level = size_aircraft(DESIGN, mission(**where), Objective.min_mass)
+    climbs = size_aircraft(DESIGN, climbing(3536.0, strategy, **where), Objective.min_mass)
+    assert climbs.objective_value is not None
+    assert level.objective_value is not None
+    assert climbs.objective_value <= level.objective_value * (1.0 + 1e-3)
+
+
+def test_a_higher_ceiling_takes_less_span() -> None:
+    spans = [
+        sized(Objective.min_wingspan, ceiling_m, "battery_full", "07-15").objective_value
+        for ceiling_m in (536.0, 1536.0, 3536.0)
+    ]
+    assert spans == sorted(spans, reverse=True)
+    assert spans[0] > 1.02 * spans[-1]
+
+
+def test_what_limits_names_the_ceiling() -> None:
+    active = sized(Objective.min_wingspan, 3536.0, "battery_full", "07-15").active_constraints
+    assert any(name.startswith("climb_ceiling (") for name in active)
+
+
+def test_cells_are_the_sizings_of_each() -> None:
+    latitudes, days = np.array([10.0, 40.0, 47.6]), np.array([172, 355, 196])
+    there = climbing(3536.0)
+    cells = size_cells(DESIGN, there, Scenarios(latitudes, days), Objective.min_wingspan)
+    alone = [
+        size_aircraft(
+            *(DESIGN, there, Objective.min_wingspan),
+            day=solar_day(
+                DESIGN, there, scenarios=Scenarios(latitudes[i : i + 1], days[i : i + 1])
+            ),
+        ).objective_value
+        for i in range(3)
+    ]
+    assert cells.objective_value == pytest.approx(alone, rel=3e-3)
+
+
+# ---- The light aloft
+
+
+def test_a_day_carries_its_light_aloft() -> None:
+    there = climbing(1536.0, dates={"from": "06-21", "to": "08-21", "count": 3})
+    day = solar_day(DESIGN, there)
+    assert day.aloft_w_per_m2 is not None
+    assert day.aloft_w_per_m2.shape == (3, *day.specific_power_w_per_m2.shape)
+    np.testing.assert_array_equal(day.aloft_w_per_m2[0], day.specific_power_w_per_m2)
+    top = solar_day(DESIGN, there.at_altitude(1536.0)).specific_power_w_per_m2
+    np.testing.assert_array_equal(day.aloft_w_per_m2[-1], top)
+    changed = day.at([2, 0]).scaled(0.5).coarsened(4)
+    np.testing.assert_array_equal(changed.aloft_w_per_m2[-1], 0.5 * top[[2, 0], ::4])  # type: ignore[index]
+    joined = type(day).joined([day.at([0]), day.at([1, 2])])
+    np.testing.assert_array_equal(joined.aloft_w_per_m2, day.aloft_w_per_m2)  # type: ignore[arg-type]

@@ -1,0 +1,285 @@
+"""Studies of missions with climbs: every result beside the analysis of the same flight."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from missions.dates import date_code
+from missions.files.overrides import with_values
+from missions.library import load_mission
+from missions.mission import Mission, Scenarios
+from missions.uncertainty import Normal
+from sizing.altitude.ceiling import flight_at_altitude, highest_perpetual_altitude
+from sizing.library import load_aircraft
+from sizing.performance import cycle_of_variants, performance
+from sizing.results.analysis import Analysis, analyse
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
+from sizing.uncertainty.propagation import Propagation, check_inputs
+from sizing.validity.told import extrapolations
+from sizing.varying_load import DesignLoads
+from studies.ceiling import perpetual_ceiling
+from studies.maps.feasibility import feasibility_map
+from studies.maps.results import seasons_table
+from studies.models.comparison import compare, perpetual_by_model
+from studies.sweeps.results import points_record
+from studies.sweeps.study import sweep
+
+AS2, DESIGN = load_aircraft("atlantiksolar-as2"), load_aircraft("atlantiksolar-design")
+# Studies march in steps of 5 min, an analysis in those of 1 min: 0.001 h in most days.
+STEP_H = 3e-3
+# One day of 567 (latitudes each 8 degrees, days each 14) has more, where -20 h are missing.
+MISSING_H = 5e-3
+
+
+def mission(ceiling_m: float = 3536.0, strategy: str = "battery_full", **changes: Any) -> Mission:
+    climb = {"ceiling_m": ceiling_m, "strategy": strategy}
+    data = {"launch": None, "air": {}, "dates": {"on": "06-21"}, "climb": climb} | changes
+    return load_mission("rafz-july", data)
+
+
+def analysed(aircraft: Any, flown: Mission, **options: Any) -> Analysis:
+    return analyse(aircraft, flown, replay=False, **options)
+
+
+CELLS = Scenarios(
+    *(values.ravel() for values in np.meshgrid(np.arange(-70.0, 71.0, 20.0), [1, 80, 172, 266]))
+)
+
+
+# ---- Level flight and climbs, in many cells
+
+
+@pytest.mark.parametrize("aircraft", [AS2, DESIGN], ids=["measured", "parametric"])
+@pytest.mark.parametrize("strategy", ["battery_full", "surplus"])
+def test_ceiling_at_the_floor_is_level_flight(aircraft: Any, strategy: str) -> None:
+    flat = mission(536.0, strategy)
+    level = flat.at_altitude(536.0)
+    ours, theirs = (
+        performance(aircraft, one, day=solar_day(aircraft, one, scenarios=CELLS))
+        for one in (flat, level)
+    )
+    np.testing.assert_array_equal(ours.cycle.status, theirs.cycle.status)
+    known = np.isfinite(theirs.cycle.excess_time_h)
+    assert ours.cycle.excess_time_h[known] == pytest.approx(
+        theirs.cycle.excess_time_h[known], abs=MISSING_H
+    )
+    assert np.all(ours.maximum_altitude_m == 536.0)
+
+
+@pytest.mark.parametrize("aircraft", [AS2, DESIGN], ids=["measured", "parametric"])
+def test_more_ceiling_never_harms_once_the_battery_is_full(aircraft: Any) -> None:
+    level = mission().at_altitude(536.0)
+    before = performance(aircraft, level, day=solar_day(aircraft, level, scenarios=CELLS)).cycle
+    for ceiling_m in (1500.0, 6500.0, 16000.0):
+        one = mission(ceiling_m)
+        after = performance(aircraft, one, day=solar_day(aircraft, one, scenarios=CELLS)).cycle
+        assert np.all(after.excess_time_h >= before.excess_time_h - MISSING_H)
+        assert np.all(after.perpetual | ~before.perpetual)
+        before = after
+
+
+def test_days_do_not_depend_on_what_is_marched_with_them() -> None:
+    flown = mission(6536.0)
+    day = solar_day(AS2, flown, scenarios=CELLS)
+    some = [3, 11, 20]
+    all_h, some_h = (
+        performance(AS2, flown, day=one).cycle.excess_time_h for one in (day, day.at(some))
+    )
+    # The repeated day is found to 1e-10 of the battery's energy.
+    np.testing.assert_allclose(all_h[some], some_h, atol=1e-7)
+
+
+# ---- Maps
+
+
+@pytest.mark.parametrize("model", ["CAM", "VM"])
+def test_cell_of_a_map_is_the_analysis_of_its_day(model: Any) -> None:
+    flown = mission(2536.0)
+    data = feasibility_map(AS2, flown, latitudes=[20.0, 55.0], days=[80, 172], model=model)
+    for latitude in (20.0, 55.0):
+        for day in (80, 172):
+            cell = data.sel(latitude=latitude, day=day)
+            place = {"latitude_deg": latitude, "dates": {"on": date_code(day)}}
+            alone = analysed(AS2, with_values(flown, place), model=model)
+            assert float(cell["excess_time"]) == pytest.approx(alone.excess_time_h, abs=STEP_H)
+            assert alone.climb is not None
+            assert float(cell["maximum_altitude"]) == pytest.approx(
+                alone.climb.climb.maximum_altitude_m[0], abs=1.0
+            )
+    assert data.attrs["climb"] == "climbs from 536 to 2536 m once the battery is full"
+
+
+def test_map_tells_its_climbs_and_what_they_leave_out() -> None:
+    data = feasibility_map(AS2, mission(), latitudes=[40.0, 47.6], days=[172], endurance=True)
+    table = seasons_table(data)
+    assert any("climbs from 536 to 3536 m" in note for note in table.notes)
+    assert "module_temperature" in data.attrs["extrapolations"]
+    assert np.all(np.isposinf(data["endurance"].to_numpy()))
+
+
+# ---- Trade studies
+
+
+def test_point_of_a_trade_study_is_the_analysis_of_its_files() -> None:
+    ceilings_m = [536.0, 2000.0, 5000.0]
+    data = sweep(AS2, mission(), {"mission.climb.ceiling_m": ceilings_m})
+    for ceiling_m, excess_h, highest_m in zip(
+        ceilings_m, data["excess_time"].to_numpy(), data["maximum_altitude"].to_numpy(), strict=True
+    ):
+        alone = analysed(AS2, mission(ceiling_m))
+        assert excess_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
+        assert highest_m == pytest.approx(ceiling_m, abs=1.0)
+    assert points_record(data)["climb"] == "with climbs"
+
+
+def test_designs_of_a_trade_study_climb_with_their_own_mass() -> None:
+    flown = mission()
+    spans, masses = [5.65, 6.5], [2.0, 3.0]
+    data = sweep(DESIGN, flown, {"wingspan_m": spans, "battery_mass_kg": masses}, cover=False)
+    for span in spans:
+        for mass in masses:
+            changed = {"airframe.wingspan_m": span, "battery.mass_kg": mass}
+            alone = analysed(with_values(DESIGN, changed), flown)
+            point = data.sel(wingspan_m=span, battery_mass_kg=mass)
+            assert float(point["excess_time"]) == pytest.approx(alone.excess_time_h, abs=STEP_H)
+
+
+def test_floor_of_a_file_can_be_varied() -> None:
+    flown = mission(altitude_m=1000.0)
+    named = flown.model_dump(by_alias=True, exclude_unset=True)
+    named["climb"]["minimum_altitude_m"] = named.pop("altitude_m")
+    data = sweep(
+        AS2, Mission.model_validate(named), {"mission.climb.minimum_altitude_m": [1e3, 2e3]}
+    )
+    for floor_m, excess_h in zip([1e3, 2e3], data["excess_time"].to_numpy(), strict=True):
+        alone = analysed(AS2, mission(altitude_m=floor_m))
+        assert excess_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
+
+
+def test_aircraft_without_limits_is_a_reason_at_a_point() -> None:
+    bare = with_values(AS2, {"airframe.level_flight.maximum_electric_power_w": None})
+    data = sweep(bare, mission().at_altitude(536.0), {"mission.climb.ceiling_m": [2000.0]})
+    assert "maximum_electric_power_w" in data["message"].item()
+
+
+# ---- Solar power models
+
+
+def test_models_are_compared_on_flights_with_climbs() -> None:
+    flown = mission()
+    compared = compare(AS2, flown, corrections=["none", "report"], design=False)
+    for case in compared.cases:
+        model, correction = case.solar.model, case.solar.correction
+        alone = analysed(AS2, flown, model=model, correction=correction)
+        found = case.prediction
+        assert found.excess_time_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
+        assert found.excess_time_low_h == pytest.approx(
+            alone.low.cycle.excess_time_h[0], abs=STEP_H
+        )
+        assert found.maximum_altitude_m == pytest.approx(3536.0, abs=1.0)
+    assert "climbs from 536 to 3536 m once the battery is full" in str(compared)
+    assert compared.to_dict()["climb"] == {"ceiling_m": 3536.0, "strategy": "battery_full"}
+    assert all(perpetual_by_model(AS2, flown).values())
+
+
+# ---- Ceiling
+
+
+def test_highest_floor_is_where_climbs_end_perpetual_flight() -> None:
+    flown = mission(14000.0)
+    found = highest_perpetual_altitude(AS2, flown, step_m=1000.0)
+    assert found.highest is not None
+    edge_m = found.highest.altitude_m
+    below, above = (
+        analysed(AS2, flown.climbing_from(edge_m + shift_m)).excess_time_h
+        for shift_m in (-5.0, 5.0)
+    )
+    assert below > -STEP_H
+    assert above < STEP_H
+    assert below > above
+    # Height carries through a part of the night that the battery alone does not.
+    level = highest_perpetual_altitude(AS2, flown.at_altitude(536.0), step_m=1000.0)
+    assert level.highest is not None
+    assert edge_m > level.highest.altitude_m
+    assert found.flights[-1].altitude_m == 14000.0
+    same = flight_at_altitude(AS2, flown, UNCORRECTED_CAM, 14000.0)
+    flat = flight_at_altitude(AS2, flown.at_altitude(536.0), UNCORRECTED_CAM, 14000.0)
+    assert same.excess_time_h == pytest.approx(flat.excess_time_h, abs=STEP_H)
+
+
+def test_search_for_the_floor_ends_at_the_ceiling_and_says_so() -> None:
+    result = perpetual_ceiling(AS2, mission(2000.0), step_m=1000.0)
+    text = " ".join(str(result).split())
+    assert "with climbs to 2000 m from night floors up to 2000 m, the ceiling itself" in text
+    floors_m = [row[0] for row in result.table().rows]
+    assert floors_m == [536.0, 1000.0, 2000.0]
+    record = result.to_dict()
+    assert record["climb"] == {"ceiling_m": 2000.0, "strategy": "battery_full"}
+    assert {row["maximum_altitude_m"] for row in record["altitudes"]} == {2000.0}
+    with pytest.raises(ValueError, match="must be above the mission's altitude"):
+        perpetual_ceiling(AS2, mission(536.0))
+
+
+# ---- Uncertain inputs
+
+
+CASES: list[tuple[Any, dict[str, float]]] = [
+    (DESIGN, {}),
+    (DESIGN, {"modules.camber_efficiency": 0.9, "modules.diffuse_efficiency": 0.7}),
+    (DESIGN, {"battery.specific_energy_wh_per_kg": 220.0, "airframe.structure.calibration": 1.4}),
+    (AS2, {"mission.turbulence.all_day": 0.2, "mission.turbulence.thermal": 0.3}),
+    (AS2, {"mission.air.temperature_offset_k": 8.0, "battery.charge_efficiency": 0.9}),
+    (AS2, {"mission.clearness": 0.7, "mission.payload.mass_kg": 0.2}),
+]
+
+
+@pytest.mark.parametrize(("aircraft", "changes"), CASES)
+def test_draw_is_what_it_is_alone(aircraft: Any, changes: dict[str, float]) -> None:
+    flown = mission(
+        latitude_deg={"from_deg": 30.0, "to_deg": 50.0, "count": 2},
+        air={"temperature_offset_k": 0.0},
+        turbulence={"all_day": 0.05, "thermal": 0.1},
+    )
+    values = {key: np.array([value, value]) for key, value in changes.items()}
+    found = Propagation(aircraft, flown, SolarModel()).flights(values)
+    of: dict[bool, dict[str, float]] = {True: {}, False: {}}
+    for key, value in changes.items():
+        of[key.startswith("mission.")][key.removeprefix("mission.")] = value
+    alone = performance(with_values(aircraft, of[False]), with_values(flown, of[True]))
+    # Both in the same steps. Above 3 km modules balance their heat, which a draw has as the files.
+    assert found.excess_time_h[-1] == pytest.approx(alone.cycle.excess_time_h.min(), abs=1e-3)
+    assert alone.maximum_altitude_m is not None
+    assert found.maximum_altitude_m[-1] == pytest.approx(alone.maximum_altitude_m.max(), abs=1e-3)
+
+
+def test_heights_of_climbs_do_not_scatter() -> None:
+    one = UncertainInput("mission.climb.ceiling_m", 3536.0, Normal(sigma=10.0))
+    with pytest.raises(ValueError, match="vary it with `sweep`"):
+        check_inputs(UncertainInputs((one,), np.eye(1)), mission(), SolarModel())
+
+
+# ---- Reports
+
+
+def test_variants_in_one_march_are_what_each_is_alone() -> None:
+    flown = mission()
+    heavier = with_values(flown, {"payload.mass_kg": 0.3})
+    windy = with_values(flown, {"turbulence.all_day": 0.2})
+    day = solar_day(DESIGN, flown)
+    each = [performance(DESIGN, one, day=day) for one in (flown, heavier, windy)]
+    together = cycle_of_variants(
+        [(DESIGN, DesignLoads.of(DESIGN, one.mission, one.design, day)) for one in each]
+    )
+    alone_h = [one.cycle.excess_time_h for one in each]
+    np.testing.assert_allclose(together.excess_time_h, alone_h, atol=1e-7)
+
+
+def test_what_is_told_of_heights_is_that_of_the_highest_altitude() -> None:
+    quantities = {
+        one.quantity: one.value for one in extrapolations(AS2, performance(AS2, mission(9000.0)))
+    }
+    assert quantities["altitude_m"] == pytest.approx(9000.0)
