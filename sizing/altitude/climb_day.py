@@ -11,8 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from sizing.altitude.climb_levels import FlightLevels
 from sizing.altitude import climb_march
+from sizing.altitude.climb_levels import FlightLevels
 from sizing.altitude.climb_march import March, Strategy, repeated_day
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status

@@ -36,7 +36,12 @@ __all__ = ["NAMES", "OwnObjective", "with_own_terms"]
 
 OwnFunction = Callable[[Any], Any]
 
-_ENERGY = ("battery_capacity", "energy_balance", "excess_time", "height")  # requirements of the cycle
+_ENERGY = (
+    "battery_capacity",
+    "energy_balance",
+    "excess_time",
+    "height",
+)  # requirements of the cycle
 
 # Quantities of a design that a function may use, by the names that results have.
 NAMES: dict[str, Callable[[DesignInFlight], Value]] = {

@@ -11,6 +11,7 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.altitude.best_climb import BestClimb, best_climb
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
@@ -107,6 +108,8 @@ class Analysis(Result):
         For a mission with climbs, which the three performances then have.
     days : int or None
         Days flown from an empty battery; None for a day repeated without end.
+    best_climb : BestClimb or None
+        Best course of climbs and glides in the worst scenario, on request.
     """
 
     aircraft: Aircraft
@@ -117,6 +120,7 @@ class Analysis(Result):
     flight: CalendarRun | None
     climb: ClimbPerformance | None = None
     days: int | None = None
+    best_climb: BestClimb | None = None
 
     renderer = "sizing.results.analysis_summary"
 
@@ -363,6 +367,7 @@ def analyse(
     correction: CorrectionName = "none",
     replay: bool = True,
     days: int | None = None,
+    with_best_climb: bool = False,
 ) -> Analysis:
     """Analyse how long an aircraft flies on a mission.
 
@@ -380,6 +385,8 @@ def analyse(
     days : int, optional
         Fly so many days from a battery that is empty at equal power in the morning of the mission's
         date, while the date advances, 1 to 365. By default the day is repeated without end.
+    with_best_climb : bool
+        Find the best course of climbs and glides in the worst scenario, beside the mission's rule.
 
     Returns
     -------
@@ -391,7 +398,7 @@ def analyse(
         For what is no aircraft or mission, such as their names.
     ValueError
         For an unknown model or correction, a model that lacks surfaces or path, and for ``days``
-        out of range or with a mission that climbs.
+        out of range or with a mission that climbs; for the best climb of one that does not.
     ImpossibleDesignError
         If a parametric aircraft cannot carry its own mass.
     """
@@ -405,7 +412,10 @@ def analyse(
             climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
         )
         three = (climbs.performance, down.performance, up.performance)
-        return Analysis(aircraft, mission, *three, flight=None, climb=climbs)
+        best = best_climb(aircraft, mission, solar) if with_best_climb else None
+        return Analysis(aircraft, mission, *three, flight=None, climb=climbs, best_climb=best)
+    if with_best_climb:
+        raise ValueError(f"mission {mission.name} has no climb")
     if days is None:
         day = solar_day(aircraft, mission, solar)
         design = design_of(aircraft, mission)
@@ -460,6 +470,8 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     }
     if analysis.climb is not None:
         record["climb"] = climb_record(analysis.climb, analysis.mission, index)
+    if analysis.best_climb is not None and index == analysis.best_climb.scenario:
+        record["best_climb"] = best_climb_record(analysis.best_climb)
     return record
 
 
@@ -488,6 +500,20 @@ def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict
         "climb_energy_wh": finite(account.climb_electric_wh[index]),
         "constant_altitude_excess_time_h": finite(climbs.constant.cycle.excess_time_h[index]),
         "gain_in_excess_time_h": finite(climbs.gain_h[index]),
+    }
+
+
+def best_climb_record(best: BestClimb) -> dict[str, Any]:
+    """Best course of climbs and glides, JSON-ready."""
+    return {
+        "excess_time_h": finite(best.excess_time_h),
+        "gain_in_excess_time_h": finite(best.gain_h),
+        "excess_time_by_rule_h": {name: finite(one) for name, one in best.by_rule_h.items()},
+        "full_charge_h": finite(best.full_h),
+        "time_solar_h": best.time_h.tolist(),
+        "altitude_m": best.altitude_m.tolist(),
+        "state_of_charge": best.state_of_charge.tolist(),
+        "motor_power_w": best.motor_power_w.tolist(),
     }
 
 
