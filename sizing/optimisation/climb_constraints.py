@@ -94,8 +94,9 @@ def climb_values(
         power_w.append(flown.propulsion_power_w)
         energy_wh.append(weight_n * height_m / 3600.0)
     limits = climb_limits(aircraft, design)
+    (middle_w, ceiling_w), (middle_wh, ceiling_wh) = power_w, energy_wh
     return ClimbValues(
-        *(design.propulsion_power_w, *power_w, *energy_wh),
+        *(design.propulsion_power_w, middle_w, ceiling_w, middle_wh, ceiling_wh),
         *(limits.efficiency, limits.maximum_power_w),
         *(design.constant_power_w, 1.0 + conditions.turbulence),
     )
@@ -150,7 +151,7 @@ def climbing_cycle_function(charge_limit: ChargeLimit, strategy: Strategy) -> ca
 
 
 class _Balance(NamedTuple):
-    """Surplus, deficit and the motor's part of that over an interval [Wh]; net power at its ends."""
+    """Surplus, deficit and the motor's part of it over an interval [Wh]; net power at the ends."""
 
     surplus_wh: Any
     lacking_wh: Any
