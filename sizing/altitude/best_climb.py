@@ -8,10 +8,11 @@ of level flight ``R``, and efficiencies of propulsion ``eta``, charge and discha
     dW/dt = eta (P - R(W)),   dE/dt = eta_c c - d / eta_d,   P + C + c - d <= S(t, W)
 
 within the ceiling, the propulsion's largest power, the battery and its charge limit, over a day
-that ends as it begins. The least reserve of the day, ``eta_d E + W / eta``, becomes as large as it
-can: over the load it is the time by which any night may be longer. Direct transcription by the
-midpoint rule (Betts 2010, Practical Methods for Optimal Control, ch. 4), solved by IPOPT. The
-motor's power that is found is then flown through the day by the levels' own tables.
+that ends as it begins. The least charge of the day becomes as large as it can: with the height
+that is left then, ``eta_d E + W / eta`` over the load is the time by which the night may be longer.
+Direct transcription by the midpoint rule (Betts 2010, Practical Methods for Optimal Control, ch.
+4), solved by IPOPT from the day of the mission's rule. The motor's power that is found is then
+flown through the day by the levels' own tables.
 
 The airspeed follows from the aircraft's lift coefficient: without wind every other one at which
 level flight takes more power is worse at all times.
@@ -26,7 +27,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_cycle import climb_performance
+from sizing.altitude.climb_cycle import ClimbCycle, climb_performance
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import design_of
 from sizing.energy.battery import (
@@ -55,10 +56,10 @@ class BestClimb:
     """A day of the best climbs and glides in one scenario.
 
     ``time_h``, of shape ``(time,)``, and at it ``altitude_m``, ``state_of_charge``,
-    ``motor_power_w`` and ``solar_power_w``. ``excess_time_h``: least reserve of the day over the
-    load [h], negative with what is missing where no course repeats itself. ``by_rule_h``: excess
-    times by the rules ``battery_full`` and ``surplus`` [h]. ``level_h``: at constant altitude.
-    ``scenario``: its place among the mission's.
+    ``motor_power_w`` and ``solar_power_w``. ``excess_time_h``: reserve at the least charge of the
+    day over the load [h], negative with what is missing where no course repeats itself.
+    ``by_rule_h``: excess times by the rules ``battery_full`` and ``surplus`` [h]. ``level_h``: at
+    constant altitude. ``scenario``: its place among the mission's.
     """
 
     scenario: int
@@ -118,7 +119,7 @@ def best_climb(
         slice(place, place + 1)
     )
     task = _Day(np.asarray(day.time_h), levels, store, aircraft.battery)
-    flown = task.flown(task.solved())
+    flown = task.flown(task.solved(_rule_day(own.climb, place)))
     return BestClimb(
         scenario=place,
         time_h=flown.time_h,
@@ -136,8 +137,22 @@ def best_climb(
     )
 
 
+class _Start(NamedTuple):
+    """Day of a rule, from which the program starts: at times [h], energies [Wh] and power [W]."""
+
+    time_h: FloatArray
+    battery_wh: FloatArray
+    potential_wh: FloatArray
+    load_w: FloatArray
+
+
+def _rule_day(rule: ClimbCycle, scenario: int) -> _Start:
+    rows = (rule.energy_wh, rule.potential_energy_wh, rule.load_w)
+    return _Start(rule.time_h, *(row[scenario] for row in rows))
+
+
 class _Flown(NamedTuple):
-    """A day as the levels' tables have it; the reserve is the least after the first hours."""
+    """A day as the levels' tables have it; the reserve is that at the least charge."""
 
     time_h: FloatArray
     potential_wh: FloatArray
@@ -175,7 +190,7 @@ class _Day:
         )
         self.nominal_w = float(levels.nominal_load_w[0])
 
-    def solved(self) -> FloatArray:
+    def solved(self, rule: _Start) -> FloatArray:
         """Motor power of each step [W], and what is stored at midnight [Wh]: the last two."""
         import casadi as ca  # half a second, for this alone
 
@@ -188,7 +203,7 @@ class _Day:
         sun_w = self._polynomial(middle, (self.sun_w[:, :-1] + self.sun_w[:, 1:]) / 2.0)
         gained_wh = step_h * (self.charge * into - out / self.discharge) * scale
         lifted_wh = step_h * self.eta * (scale * (motor + missing) - level_w)
-        reserve = self.discharge * self.full_wh * energy + self.top_wh * height / self.eta
+        reserve = self.discharge * self.full_wh * energy
         worth_wh = 24.0 * self.nominal_w
         rows = [
             energy[1:] - energy[:-1] - gained_wh / self.full_wh,
@@ -226,12 +241,27 @@ class _Day:
         ends = [1.0] * (2 * _STEPS + 2) + [1.0] * _STEPS + [np.inf] * (3 * _STEPS) + [np.inf]
         lower = np.zeros(x.shape[0])
         lower[-1] = -np.inf
-        start = np.concatenate([np.full(2 * _STEPS + 2, 0.5), np.full(4 * _STEPS, 0.1), [0.1]])
+        start = self._start(rule, worth_wh)
         found: Any = solver(x0=start, lbx=lower, ubx=np.array(ends), lbg=0.0, ubg=upper)
         values = np.ravel(np.asarray(found["x"]))
         motor_w = scale * values[2 * _STEPS + 2 : 3 * _STEPS + 2]
         stored = values[0] * self.full_wh, values[_STEPS + 1] * self.top_wh
         return np.concatenate([motor_w, stored])
+
+    def _start(self, rule: _Start, worth_wh: float) -> FloatArray:
+        """Decision vector of a rule's day, a little away from its bounds."""
+        middles_h = (self.nodes_h[:-1] + self.nodes_h[1:]) / 2.0
+        energy = np.interp(self.nodes_h, rule.time_h, rule.battery_wh) / self.full_wh
+        height = np.interp(self.nodes_h, rule.time_h, rule.potential_wh) / self.top_wh
+        load_w = np.interp(middles_h, rule.time_h[: len(rule.load_w)], rule.load_w)
+        motor = np.maximum(load_w - self.constant_w, 0.0)
+        stored_w = np.diff(energy) * self.full_wh * _STEPS / 24.0
+        into, out = np.maximum(stored_w, 0.0) / self.charge, -np.minimum(stored_w, 0.0)
+        powers = np.concatenate([motor, into, out * self.discharge]) / self.most_w
+        reserve = self.discharge * self.full_wh * energy
+        return np.concatenate(
+            [energy, height, powers, np.zeros(_STEPS), [reserve.min() / worth_wh]]
+        )
 
     def flown(self, course: FloatArray) -> _Flown:
         """Fly the motor power of each step through two days, from what is stored at midnight."""
@@ -268,10 +298,9 @@ class _Day:
                 missing_wh += self.discharge * max(wanted - battery, 0.0)
                 battery = max(battery - wanted, 0.0)
         time_h, potential_wh, battery_wh, motor, sun_w = np.array(rows).T
-        reserve = self.discharge * battery_wh + potential_wh / self.eta
-        return _Flown(
-            time_h, potential_wh, battery_wh, motor, sun_w, float(reserve.min()), missing_wh
-        )
+        least = int(np.argmin(battery_wh))
+        reserve = self.discharge * battery_wh[least] + potential_wh[least] / self.eta
+        return _Flown(time_h, potential_wh, battery_wh, motor, sun_w, float(reserve), missing_wh)
 
     def _polynomial(self, height: Any, values: FloatArray) -> Any:
         """Polynomial through a table over the potential energy, of every step."""

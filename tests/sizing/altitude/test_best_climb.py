@@ -9,6 +9,7 @@ from builders import AS2, DESIGN, mission
 from missions.mission import Mission
 from sizing.altitude import best_climb as module
 from sizing.altitude.best_climb import best_climb
+from sizing.altitude.climb_cycle import climb_performance
 from sizing.altitude.climb_levels import flight_levels
 from sizing.design import design_of
 from sizing.energy.battery import Store
@@ -46,7 +47,7 @@ def test_no_other_course_nearby_is_better() -> None:
     levels = flight_levels(AS2, where, design, day)
     store = Store.of(AS2.battery, np.atleast_1d(np.asarray(design.battery_energy_wh, float)))
     task = module._Day(np.asarray(day.time_h), levels, store, AS2.battery)
-    course = task.solved()
+    course = task.solved(module._rule_day(climb_performance(AS2, where).climb, 0))
     own = task.flown(course)
     rng = np.random.default_rng(4)
     for spread in (0.01, 0.05, 0.2):
