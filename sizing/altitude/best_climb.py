@@ -27,7 +27,8 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_cycle import ClimbCycle, climb_performance
+from sizing.altitude.climb_cycle import climb_performance
+from sizing.altitude.climb_day import ClimbCycle
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import design_of
 from sizing.energy.battery import (
