@@ -11,6 +11,7 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.altitude.best_climb import BestClimb, best_climb
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
@@ -90,6 +91,8 @@ class Analysis(Result):
         For a mission with climbs, which the three performances then have.
     days : int or None
         Days flown from an empty battery; None for a day repeated without end.
+    best_climb : BestClimb or None
+        Best course of climbs and glides in the worst scenario, on request.
     """
 
     aircraft: Aircraft
@@ -100,6 +103,7 @@ class Analysis(Result):
     flight: CalendarRun | None
     climb: ClimbPerformance | None = None
     days: int | None = None
+    best_climb: BestClimb | None = None
 
     renderer = "sizing.results.analysis_summary"
 
@@ -355,6 +359,7 @@ def analyse(
     correction: CorrectionName = "none",
     replay: bool = True,
     days: int | None = None,
+    with_best_climb: bool = False,
 ) -> Analysis:
     """Analyse how long an aircraft flies on a mission.
 
@@ -372,6 +377,8 @@ def analyse(
     days : int, optional
         Fly so many days from a battery that is empty at equal power in the morning of the mission's
         date, while the date advances, 1 to 365. By default the day is repeated without end.
+    with_best_climb : bool
+        Find the best course of climbs and glides in the worst scenario, beside the mission's rule.
 
     Returns
     -------
@@ -383,7 +390,7 @@ def analyse(
         For what is no aircraft or mission, such as their names.
     ValueError
         For an unknown model or correction, a model that lacks surfaces or path, and for ``days``
-        out of range or with a mission that climbs.
+        out of range or with a mission that climbs; for the best climb of one that does not.
     ImpossibleDesignError
         If a parametric aircraft cannot carry its own mass.
     """
@@ -396,7 +403,10 @@ def analyse(
             climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
         )
         three = (climbs.performance, down.performance, up.performance)
-        return Analysis(aircraft, mission, *three, flight=None, climb=climbs)
+        best = best_climb(aircraft, mission, solar) if with_best_climb else None
+        return Analysis(aircraft, mission, *three, flight=None, climb=climbs, best_climb=best)
+    if with_best_climb:
+        raise ValueError(f"mission {mission.name} has no climb")
     if days is None:
         day = solar_day(aircraft, mission, solar)
         design = design_of(aircraft, mission)
@@ -452,6 +462,8 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     }
     if analysis.climb is not None:
         record["climb"] = climb_record(analysis.climb, analysis.mission, index)
+    if analysis.best_climb is not None and index == analysis.best_climb.scenario:
+        record["best_climb"] = analysis.best_climb.to_dict()
     return record
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from missions.dates import date_label, day_of_year
 from missions.mission import Mission, latitude_label
+from sizing.altitude.best_climb import BestClimb
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
 from sizing.performance import Performance
 from sizing.replay import CalendarRun
@@ -233,6 +234,19 @@ def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
             q.EXCESS_TIME.fact(q.EXCESS_TIME.of(analysis.climb.constant)[worst])[1],
         ),
         ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
+        *_best_climb_rows(analysis.best_climb),
+    ]
+
+
+def _best_climb_rows(best: BestClimb | None) -> list[tuple[str, str]]:
+    """Best course of climbs beside the better of the rules."""
+    if best is None:
+        return []
+    rule = max(best.by_rule_h, key=lambda name: best.by_rule_h[name])
+    return [
+        ("excess time by the best course", f"{best.excess_time_h:.2f} h"),
+        (f"gained over {rule}", f"{best.gain_h:+.2f} h"),
+        ("full charge by the best course", clock_label(best.full_h)),
     ]
 
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from sizing.altitude.best_climb import BestClimb
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.energy.endurance import Endurance
     from sizing.optimisation.sensitivity import Sensitivity
@@ -96,6 +97,8 @@ def plot_cycle(
     drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     if analysis.climb is not None:
         _draw_altitude(every[2], analysis.climb, index)
+        if analysis.best_climb is not None and analysis.best_climb.scenario == index:
+            _draw_best_climb(every[1], every[2], analysis.best_climb)
     sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
     for axes in every:
         shade(axes, [(a, b) for a, b in ((0.0, sunrise), (sunset, 24.0)) if b > a])
@@ -196,6 +199,12 @@ def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
     top = float(altitude_m[at])
     margin = max(0.1 * (top - float(altitude_m.min())), 50.0)
     axes.set(ylabel="altitude [m]", ylim=(float(altitude_m.min()) - margin, top + margin))
+
+
+def _draw_best_climb(charge: Axes, altitude: Axes, best: BestClimb) -> None:
+    altitude.plot(best.time_h, best.altitude_m, "--", color=LOAD, label="best course")
+    charge.plot(best.time_h, 100.0 * best.state_of_charge, "--", color=CHARGE)
+    altitude.legend(loc="upper right")
 
 
 def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:

@@ -22,6 +22,8 @@ def analyse(options: Analyse) -> None:
         case = case.with_total_mass(options.mass)
     if options.days is not None and case.mission.climb is not None:
         raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
+    if options.with_best_climb and case.mission.climb is None:
+        raise click.UsageError("--best-climb needs mission.climb: climb: {ceiling_m: ...}")
     require_path(case)
     if options.weather_file is not None:
         from studies.cli.bodies.weather import analyse_in_weather
@@ -35,6 +37,7 @@ def analyse(options: Analyse) -> None:
         model=case.solar.model,
         correction=case.solar.correction,
         days=options.days,
+        with_best_climb=options.with_best_climb,
     )
     flown = result.flight
     files = {

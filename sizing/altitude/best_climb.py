@@ -1,0 +1,348 @@
+"""The best course of climbs and glides over a day, as an optimum instead of a rule.
+
+States are the energy of the battery ``E`` and the potential energy ``W`` of
+:mod:`sizing.altitude.climb_cycle`; controls are the motor's power ``P``, the power into the battery
+``c`` and out of it ``d``. With the solar power ``S``, the constant load ``C``, the propulsion power
+of level flight ``R``, and efficiencies of propulsion ``eta``, charge and discharge:
+
+    dW/dt = eta (P - R(W)),   dE/dt = eta_c c - d / eta_d,   P + C + c - d <= S(t, W)
+
+within the ceiling, the propulsion's largest power, the battery and its charge limit, over a day
+that ends as it begins. The least charge of the day becomes as large as it can: with the height
+that is left then, ``eta_d E + W / eta`` over the load is the time by which the night may be longer.
+Direct transcription by the midpoint rule (Betts 2010, Practical Methods for Optimal Control, ch.
+4), solved by IPOPT from the day of the mission's rule. The motor's power that is found is then
+flown through the day by the levels' own tables.
+
+The airspeed follows from the aircraft's lift coefficient: without wind every other one at which
+level flight takes more power is worse at all times.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.altitude.climb_cycle import climb_performance
+from sizing.altitude.climb_day import ClimbCycle
+from sizing.altitude.climb_levels import FlightLevels, flight_levels
+from sizing.design import design_of
+from sizing.energy.battery import (
+    Battery,
+    NoChargeLimit,
+    RuleChargeLimit,
+    Store,
+    charge_rate_per_h,
+)
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
+
+__all__ = ["BestClimb", "best_climb"]
+
+_STEPS = 288  # of 5 min
+_FINE = 5  # steps of the simulation in one
+_DEGREE = 5  # of polynomials over the potential energy
+_CHARGE_POINTS = 41
+# Of the largest power: what the roughness of the motor's power costs, to choose among equals.
+_SMOOTHNESS = 1e-4
+_MISSING_COST = 20.0  # of energy that nothing provides, over the reserve's
+
+
+@dataclass(frozen=True)
+class BestClimb:
+    """A day of the best climbs and glides in one scenario.
+
+    ``time_h``, of shape ``(time,)``, and at it ``altitude_m``, ``state_of_charge``,
+    ``motor_power_w`` and ``solar_power_w``. ``excess_time_h``: reserve at the least charge of the
+    day over the load [h], negative with what is missing where no course repeats itself.
+    ``by_rule_h``: excess times by the rules ``battery_full`` and ``surplus`` [h]. ``level_h``: at
+    constant altitude. ``scenario``: its place among the mission's.
+    """
+
+    scenario: int
+    time_h: FloatArray
+    altitude_m: FloatArray
+    state_of_charge: FloatArray
+    motor_power_w: FloatArray
+    solar_power_w: FloatArray
+    excess_time_h: float
+    by_rule_h: dict[str, float]
+    level_h: float
+
+    @property
+    def gain_h(self) -> float:
+        """Excess time beyond the better of the rules [h]."""
+        return self.excess_time_h - max(self.by_rule_h.values())
+
+    @property
+    def full_h(self) -> float:
+        """Solar time at which the battery is first full [h]; NaN where it never is."""
+        full = np.flatnonzero(self.state_of_charge >= 1.0 - 1e-3)
+        return float(self.time_h[full[0]]) if len(full) else np.nan
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        single = {"excess_time_h": self.excess_time_h, "gain_in_excess_time_h": self.gain_h}
+        return {
+            **{name: one if np.isfinite(one) else None for name, one in single.items()},
+            "excess_time_by_rule_h": {
+                name: one if np.isfinite(one) else None for name, one in self.by_rule_h.items()
+            },
+            "full_charge_h": None if np.isnan(self.full_h) else self.full_h,
+            "time_solar_h": self.time_h.tolist(),
+            "altitude_m": self.altitude_m.tolist(),
+            "state_of_charge": self.state_of_charge.tolist(),
+            "motor_power_w": self.motor_power_w.tolist(),
+        }
+
+
+def best_climb(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    scenario: int | None = None,
+) -> BestClimb:
+    """Find the course of climbs and glides with the largest reserve in one scenario.
+
+    ``scenario``: its place among the mission's; that of the least excess time by the mission's own
+    rule without it.
+
+    Raises
+    ------
+    ValueError
+        For a mission without ``climb``.
+    ClimbLimitError
+        For an aircraft that has no power to climb with.
+    """
+    own = climb_performance(aircraft, mission, solar)
+    assert mission.climb is not None
+    place = own.performance.worst_scenario() if scenario is None else scenario
+    rules = {mission.climb.strategy: own}
+    for strategy in ("battery_full", "surplus"):
+        if strategy not in rules:
+            update = {"climb": mission.climb.model_copy(update={"strategy": strategy})}
+            other = mission.model_copy(update=update)
+            rules[strategy] = climb_performance(aircraft, other, solar)
+    design = design_of(aircraft, mission)
+    day = solar_day(aircraft, mission, solar).at([place])
+    levels = flight_levels(aircraft, mission, design, day)
+    store = own.constant.store.flat((len(own.constant.day.scenarios),)).select(
+        slice(place, place + 1)
+    )
+    task = _Day(np.asarray(day.time_h), levels, store, aircraft.battery)
+    flown = task.flown(task.solved(_rule_day(own.climb, place)))
+    return BestClimb(
+        scenario=place,
+        time_h=flown.time_h,
+        altitude_m=np.interp(flown.potential_wh, task.energies_wh, levels.altitude_m),
+        state_of_charge=flown.battery_wh / task.full_wh,
+        motor_power_w=flown.motor_w,
+        solar_power_w=flown.solar_w,
+        excess_time_h=flown.reserve_wh / task.nominal_w
+        if flown.missing_wh <= 0.0
+        else -flown.missing_wh / task.nominal_w,
+        by_rule_h={
+            name: float(one.performance.cycle.excess_time_h[place]) for name, one in rules.items()
+        },
+        level_h=float(own.constant.cycle.excess_time_h[place]),
+    )
+
+
+class _Start(NamedTuple):
+    """Day of a rule, from which the program starts: at times [h], energies [Wh] and power [W]."""
+
+    time_h: FloatArray
+    battery_wh: FloatArray
+    potential_wh: FloatArray
+    load_w: FloatArray
+
+
+def _rule_day(rule: ClimbCycle, scenario: int) -> _Start:
+    rows = (rule.energy_wh, rule.potential_energy_wh, rule.load_w)
+    return _Start(rule.time_h, *(row[scenario] for row in rows))
+
+
+class _Flown(NamedTuple):
+    """A day as the levels' tables have it; the reserve is that at the least charge."""
+
+    time_h: FloatArray
+    potential_wh: FloatArray
+    battery_wh: FloatArray
+    motor_w: FloatArray
+    solar_w: FloatArray
+    reserve_wh: float
+    missing_wh: float
+
+
+class _Day:
+    """One scenario of one aircraft: its tables, their polynomials, the program and the flight."""
+
+    def __init__(
+        self, time_h: FloatArray, levels: FlightLevels, store: Store, battery: Battery
+    ) -> None:
+        self.levels, self.store, self.limit = levels, store, battery.charge_limit
+        self.nodes_h = np.linspace(0.0, 24.0, _STEPS + 1)
+        self.energies_wh = levels.potential_energy_wh[:, 0]
+        self.level_w = levels.propulsion_power_w[:, 0]
+        area = levels.module_area_m2[0]
+        self.sun_w = np.stack(
+            [
+                np.interp(self.nodes_h, time_h, area * row)
+                for row in levels.specific_power_w_per_m2[:, 0]
+            ]
+        )
+        self.factor = np.interp(self.nodes_h, time_h, levels.turbulence_factor[0])
+        self.constant_w = float(levels.constant_power_w[0])
+        self.eta, self.most_w = float(levels.efficiency[0]), float(levels.maximum_power_w[0])
+        self.full_wh = float(store.battery_energy_wh[0])
+        self.top_wh = float(self.energies_wh[-1])
+        self.charge, self.discharge = (
+            float(np.ravel(one)[0]) for one in (store.charge_efficiency, store.discharge_efficiency)
+        )
+        self.nominal_w = float(levels.nominal_load_w[0])
+
+    def solved(self, rule: _Start) -> FloatArray:
+        """Motor power of each step [W], and what is stored at midnight [Wh]: the last two."""
+        import casadi as ca  # half a second, for this alone
+
+        step_h, scale = 24.0 / _STEPS, self.most_w
+        energy, height = (ca.MX.sym(name, _STEPS + 1) for name in "ew")  # relative to full, top
+        motor, into, out, missing = (ca.MX.sym(name, _STEPS) for name in ("p", "c", "d", "m"))
+        least = ca.MX.sym("z")
+        middle = (height[:-1] + height[1:]) / 2.0
+        level_w = self._polynomial(middle, self.level_w[:, np.newaxis]) * self._means(self.factor)
+        sun_w = self._polynomial(middle, (self.sun_w[:, :-1] + self.sun_w[:, 1:]) / 2.0)
+        gained_wh = step_h * (self.charge * into - out / self.discharge) * scale
+        lifted_wh = step_h * self.eta * (scale * (motor + missing) - level_w)
+        reserve = self.discharge * self.full_wh * energy
+        worth_wh = 24.0 * self.nominal_w
+        rows = [
+            energy[1:] - energy[:-1] - gained_wh / self.full_wh,
+            height[1:] - height[:-1] - lifted_wh / self.top_wh,
+            energy[0] - energy[-1],
+            height[0] - height[-1],
+            sun_w / scale - motor - self.constant_w / scale - into + out,
+            reserve / worth_wh - least,
+        ]
+        equal = 2 * _STEPS + 2
+        mean = (energy[:-1] + energy[1:]) / 2.0
+        for rate in self._charge_rates(mean):
+            rows.append(rate * self.full_wh / scale - self.charge * into)
+        rough = ca.sumsqr(motor[1:] - motor[:-1]) + ca.sumsqr(motor[0] - motor[-1])
+        cost = -least + _SMOOTHNESS * (rough + step_h * ca.sum1(into + out) / 24.0)
+        cost += _MISSING_COST * step_h * scale / worth_wh * ca.sum1(missing)
+        x = ca.vertcat(energy, height, motor, into, out, missing, least)
+        solver = ca.nlpsol(
+            "best_climb",
+            "ipopt",
+            {"x": x, "f": cost, "g": ca.vertcat(*rows)},
+            {
+                "print_time": False,
+                "ipopt.print_level": 0,
+                "ipopt.sb": "yes",
+                "ipopt.max_iter": 500,
+                "ipopt.mu_strategy": "adaptive",
+                "ipopt.tol": 1e-6,
+                "ipopt.acceptable_tol": 1e-5,
+            },
+        )
+        count = sum(row.shape[0] for row in rows)
+        upper = np.full(count, np.inf)
+        upper[:equal] = 0.0
+        ends = [1.0] * (2 * _STEPS + 2) + [1.0] * _STEPS + [np.inf] * (3 * _STEPS) + [np.inf]
+        lower = np.zeros(x.shape[0])
+        lower[-1] = -np.inf
+        start = self._start(rule, worth_wh)
+        found: Any = solver(x0=start, lbx=lower, ubx=np.array(ends), lbg=0.0, ubg=upper)
+        values = np.ravel(np.asarray(found["x"]))
+        motor_w = scale * values[2 * _STEPS + 2 : 3 * _STEPS + 2]
+        stored = values[0] * self.full_wh, values[_STEPS + 1] * self.top_wh
+        return np.concatenate([motor_w, stored])
+
+    def _start(self, rule: _Start, worth_wh: float) -> FloatArray:
+        """Decision vector of a rule's day, a little away from its bounds."""
+        middles_h = (self.nodes_h[:-1] + self.nodes_h[1:]) / 2.0
+        energy = np.interp(self.nodes_h, rule.time_h, rule.battery_wh) / self.full_wh
+        height = np.interp(self.nodes_h, rule.time_h, rule.potential_wh) / self.top_wh
+        load_w = np.interp(middles_h, rule.time_h[: len(rule.load_w)], rule.load_w)
+        motor = np.maximum(load_w - self.constant_w, 0.0)
+        stored_w = np.diff(energy) * self.full_wh * _STEPS / 24.0
+        into, out = np.maximum(stored_w, 0.0) / self.charge, -np.minimum(stored_w, 0.0)
+        powers = np.concatenate([motor, into, out * self.discharge]) / self.most_w
+        reserve = self.discharge * self.full_wh * energy
+        return np.concatenate(
+            [energy, height, powers, np.zeros(_STEPS), [reserve.min() / worth_wh]]
+        )
+
+    def flown(self, course: FloatArray) -> _Flown:
+        """Fly the motor power of each step through two days, from what is stored at midnight."""
+        motor_w, battery, potential = course[:_STEPS], course[-2], course[-1]
+        step_h, half = 24.0 / _STEPS / _FINE, 0.5 / _FINE
+        rows: list[tuple[float, float, float, float, float]] = []
+        missing_wh = 0.0
+        for number in range(2 * _STEPS * _FINE):
+            if number == _STEPS * _FINE:
+                rows, missing_wh = [], 0.0
+            step, part = divmod(number % (_STEPS * _FINE), _FINE)
+            share = part / _FINE + half
+            level = np.interp(potential, self.energies_wh, self.level_w)
+            level_w = float(
+                level * (self.factor[step] + share * (self.factor[step + 1] - self.factor[step]))
+            )
+            sun = self.sun_w[:, step] + share * (self.sun_w[:, step + 1] - self.sun_w[:, step])
+            sun_w = float(np.interp(potential, self.energies_wh, sun))
+            # At the floor the motor gives what level flight takes, at the ceiling no more.
+            least_w = level_w - potential / (self.eta * step_h)
+            most_w = min(level_w + (self.top_wh - potential) / (self.eta * step_h), self.most_w)
+            power_w = min(max(float(motor_w[step]), least_w, 0.0), most_w)
+            rows.append((step * 24.0 / _STEPS + part * step_h, potential, battery, power_w, sun_w))
+            potential = potential + self.eta * step_h * (power_w - level_w)
+            net_w = sun_w - power_w - self.constant_w
+            if net_w >= 0.0:
+                battery = float(
+                    np.ravel(
+                        self.store.charged(np.array([battery]), np.array([net_w * step_h]), step_h)
+                    )[0]
+                )
+            else:
+                wanted = -net_w * step_h / self.discharge
+                missing_wh += self.discharge * max(wanted - battery, 0.0)
+                battery = max(battery - wanted, 0.0)
+        time_h, potential_wh, battery_wh, motor, sun_w = np.array(rows).T
+        least = int(np.argmin(battery_wh))
+        reserve = self.discharge * battery_wh[least] + potential_wh[least] / self.eta
+        return _Flown(time_h, potential_wh, battery_wh, motor, sun_w, float(reserve), missing_wh)
+
+    def _polynomial(self, height: Any, values: FloatArray) -> Any:
+        """Polynomial through a table over the potential energy, of every step."""
+        place = self.energies_wh / self.top_wh
+        degree = min(_DEGREE, len(place) - 1)
+        coefficients = np.polynomial.polynomial.polyfit(place, values, degree)
+        total: Any = 0.0
+        for row in coefficients[::-1]:
+            total = total * height + row
+        return total
+
+    def _charge_rates(self, soc: Any) -> list[Any]:
+        """Limits of the charge over the state of charge [1/h]; the least of them counts."""
+        import casadi as ca
+
+        limit = self.limit
+        if isinstance(limit, NoChargeLimit):
+            return []
+        if isinstance(limit, RuleChargeLimit):
+            decay = -np.log(limit.relative_rate_at_full) / (1.0 - limit.taper_start)
+            constant = limit.c_rate_per_h
+            return [constant + 0.0 * soc, constant * ca.exp(-decay * (soc - limit.taper_start))]
+        points = np.linspace(0.0, 1.0, _CHARGE_POINTS)
+        table = ca.interpolant("rate", "bspline", [points], charge_rate_per_h(limit, points))
+        return [table(soc.T).T]
+
+    @staticmethod
+    def _means(values: FloatArray) -> FloatArray:
+        return (values[:-1] + values[1:]) / 2.0
