@@ -137,7 +137,7 @@ def best_climb(
     )
     task = _Day(np.asarray(day.time_h), levels, store, aircraft.battery)
     flown = task.flown(task.solved(_rule_day(own.climb, place)))
-    by_rule_h = {
+    by_rule_h: dict[str, float] = {
         name: float(one.performance.cycle.excess_time_h[place]) for name, one in rules.items()
     }
     if np.isinf(max(by_rule_h.values())):
