@@ -144,7 +144,7 @@ def _record(
     passed: float,
 ) -> RawTable:
     """Table of a file's columns; diffuse light from the direct light on a level surface."""
-    if "direct" in columns and "dhi" not in columns:
+    if {"direct", "ghi"} <= columns.keys() and "dhi" not in columns:
         columns["dhi"] = np.maximum(columns["ghi"] - columns["direct"], 0.0)
     if "u" in columns and "v" in columns and "wind_speed" not in columns:
         columns["wind_speed"] = np.hypot(columns["u"], columns["v"])
@@ -184,6 +184,9 @@ def _point(
     """Place of the nearest grid point on the axes, its latitude and its longitude."""
     names = {axis: _axis(data, axis, source) for axis in ("latitude", "longitude")}
     north, east = (np.atleast_1d(data[name].to_numpy()).astype(float) for name in names.values())
+    for name, values in zip(names.values(), (north, east), strict=True):
+        if not len(values) or not np.all(np.isfinite(values)):
+            raise file_error(source, f"has a {name} without values, or one that is no number")
     if np.any(np.abs(north) > 90.0):
         raise file_error(source, "has latitudes beyond 90 degrees: its axes may be swapped")
     wanted: tuple[float | None, float | None] = (None, None)
@@ -222,6 +225,8 @@ def _at_point(
             at = at.isel({name: 0})
     if level is None:
         return at.to_numpy().astype(float), None
+    if time is None:
+        raise file_error(source, f"has {one.name} on levels, but not over time")
     heights = altitudes_m(at[level], source)
     order = np.argsort(heights)
     wanted = heights[order[0]] if mission is None else mission.altitude_m

@@ -58,9 +58,9 @@ class BestClimb:
 
     ``time_h``, of shape ``(time,)``, and at it ``altitude_m``, ``state_of_charge``,
     ``motor_power_w`` and ``solar_power_w``. ``excess_time_h``: reserve at the least charge of the
-    day over the load [h], negative with what is missing where no course repeats itself.
-    ``by_rule_h``: excess times by the rules ``battery_full`` and ``surplus`` [h]. ``level_h``: at
-    constant altitude. ``scenario``: its place among the mission's.
+    day over the load [h], negative with what is missing where no course repeats itself, infinite
+    where a rule's is. ``by_rule_h``: excess times by the rules ``battery_full`` and ``surplus``
+    [h]. ``level_h``: at constant altitude. ``scenario``: its place among the mission's.
     """
 
     scenario: int
@@ -76,7 +76,8 @@ class BestClimb:
     @property
     def gain_h(self) -> float:
         """Excess time beyond the better of the rules [h]."""
-        return self.excess_time_h - max(self.by_rule_h.values())
+        by_rule_h = max(self.by_rule_h.values())
+        return 0.0 if np.isinf(by_rule_h) else self.excess_time_h - by_rule_h
 
     @property
     def full_h(self) -> float:
@@ -136,6 +137,15 @@ def best_climb(
     )
     task = _Day(np.asarray(day.time_h), levels, store, aircraft.battery)
     flown = task.flown(task.solved(_rule_day(own.climb, place)))
+    by_rule_h: dict[str, float] = {
+        name: float(one.performance.cycle.excess_time_h[place]) for name, one in rules.items()
+    }
+    if np.isinf(max(by_rule_h.values())):
+        excess_h = np.inf  # no course of a day without a deficit can do better
+    elif flown.missing_wh > 0.0:
+        excess_h = -flown.missing_wh / task.nominal_w
+    else:
+        excess_h = flown.reserve_wh / task.nominal_w
     return BestClimb(
         scenario=place,
         time_h=flown.time_h,
@@ -143,12 +153,8 @@ def best_climb(
         state_of_charge=flown.battery_wh / task.full_wh,
         motor_power_w=flown.motor_w,
         solar_power_w=flown.solar_w,
-        excess_time_h=flown.reserve_wh / task.nominal_w
-        if flown.missing_wh <= 0.0
-        else -flown.missing_wh / task.nominal_w,
-        by_rule_h={
-            name: float(one.performance.cycle.excess_time_h[place]) for name, one in rules.items()
-        },
+        excess_time_h=excess_h,
+        by_rule_h=by_rule_h,
         level_h=float(own.constant.cycle.excess_time_h[place]),
     )
 
@@ -208,6 +214,8 @@ class _Day:
 
     def solved(self, rule: _Start) -> FloatArray:
         """Motor power of each step [W], and what is stored at midnight [Wh]: the last two."""
+        if self.top_wh <= 0.0:  # nothing to climb: the flight gives the power of level flight
+            return np.append(np.zeros(_STEPS), [rule.battery_wh[0], 0.0])
         import casadi as ca  # half a second, for this alone
 
         step_h, scale = 24.0 / _STEPS, self.most_w

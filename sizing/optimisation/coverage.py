@@ -132,9 +132,7 @@ class _Growth:
             if best.status is not SizingStatus.not_converged or place >= len(order):
                 break
             centre, best = order[place], self._sized([order[place]])
-        held: list[int] = []
-        if self._enough(best):
-            best, held = self._grown(best, centre)
+        best, held = self._grown(best, centre) if self._enough(best) else (best, [])
         for easiest, result in self._other_centres(best, held):
             if not held and _reached_h(result) > _reached_h(best):
                 best = result  # the nearest, if no other is enough either
@@ -254,8 +252,7 @@ class _Growth:
         return self.flown[1]
 
     def _flown_by(self, variables: DesignVariables, day: SolarDay) -> Performance:
-        given = (self.aircraft, self.mission, variables, self.solar)
-        return performance_of_designs(*given, day=day)
+        return performance_of_designs(self.aircraft, self.mission, variables, self.solar, day=day)
 
     def _enough_h(self, excess_h: FloatArray) -> BoolArray:
         return (excess_h > 0.0) & (excess_h >= self.required_h)
@@ -335,6 +332,7 @@ class _Growth:
 
         A run has no design if some of its members have none in common. Once the solver has failed
         without a reason the ends of a run, which are the hardest, are sized on their own first.
+        Where it fails on a run, the design for an end alone may cover it.
         """
         if self.failed:
             self._try_ends(members)
@@ -344,8 +342,13 @@ class _Growth:
         self._learn(members, result)
         if self._enough(result):
             return result
-        if result.status is SizingStatus.not_converged:
-            self._try_ends(members)
+        if result.status is not SizingStatus.not_converged:
+            return None
+        self._try_ends(members)
+        for end in () if self._apart(members) else self._ends(members):
+            result = self._sized([end % len(self.members)])
+            if self._enough(result) and self._covered(result, members) == len(members):
+                return self._over(result, members)
         return None
 
     def _try_ends(self, members: list[int]) -> None:
@@ -353,7 +356,7 @@ class _Growth:
         for end in self._ends(members):
             alone = [end % len(self.members)]
             known = not self.within.isdisjoint(alone) or self._ruled_out(alone)
-            if not known and not self._apart(members):
+            if not (known or self._apart(members)):
                 self._learn(alone, self._sized(alone, explain=True, enough_h=self.required_h))
 
     def _ruled_out(self, members: list[int]) -> bool:

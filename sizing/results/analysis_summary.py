@@ -244,8 +244,9 @@ def _best_climb_rows(best: BestClimb | None) -> list[tuple[str, str]]:
         return []
     rule = max(best.by_rule_h, key=lambda name: best.by_rule_h[name])
     return [
-        ("excess time by the best course", f"{best.excess_time_h:.2f} h"),
-        (f"gained over {rule}", f"{best.gain_h:+.2f} h"),
+        ("excess time by the best course", q.EXCESS_TIME.fact(best.excess_time_h)[1]),
+        # Zero added: what rounds to -0 is no loss.
+        (f"gained over {rule}", f"{round(best.gain_h, 2) + 0.0:+.2f} h"),
         ("full charge by the best course", clock_label(best.full_h)),
     ]
 

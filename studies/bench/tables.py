@@ -111,7 +111,12 @@ def _layout(source: str, line: int, header: list[str], layouts: Mapping[str, Lay
     """Kind of test with most of these columns; it must have all that are not optional."""
     layout = max(layouts.values(), key=lambda one: len({c.name for c in one.columns} & {*header}))
     allowed = [one.name for one in layout.columns]
-    problems = []
+    problems: list[Problem] = []
+    if not {*header} & {*allowed}:
+        known = ", ".join(layouts)
+        message = f"are the columns of no test; allowed: those of bench --template ({known})"
+        first = shown(",".join(header))
+        raise InputError([Problem(source, line, None, first, f"{message}, commas between them")])
     for name in header:
         if name not in allowed:
             known = ", ".join(allowed)

@@ -180,3 +180,19 @@ def test_what_a_grid_does_not_have_is_told(tmp_path: Path) -> None:
     (tmp_path / "e.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + b"nonsense")
     with pytest.raises(InputError, match="cannot be read as NetCDF"):
         load_weather(tmp_path / "e.nc", HERE)
+
+
+def test_a_grid_whose_parts_do_not_fit_each_other_is_refused(tmp_path: Path) -> None:
+    data = era5(clear_record(3))
+    level = ("pressure_level", [900.0, 800.0], {"units": "hPa"})
+    column = xr.DataArray([280.0, 275.0], {"pressure_level": level}, attrs={"units": "K"})
+    direct = data.drop_vars("ssrd").assign(dni=data["fdir"].assign_attrs(units="W m**-2"))
+    for broken, message in (
+        (direct, "has no light: ghi, or dni and dhi, are needed"),
+        (data.drop_vars("t2m").assign(t=column), "has t on levels, but not over time"),
+        (data.isel(latitude=slice(0)), "has a latitude without values"),
+        (data.assign_coords(latitude=[46.5, np.nan, 47.0]), "has a latitude without values"),
+    ):
+        broken.to_netcdf(tmp_path / "a.nc")
+        with pytest.raises(InputError, match=message):
+            load_weather(tmp_path / "a.nc", HERE)

@@ -69,3 +69,15 @@ def test_a_winter_night_is_too_long_for_any_course() -> None:
 def test_a_mission_without_climbs_is_refused() -> None:
     with pytest.raises(ValueError, match="has no climb"):
         best_climb(AS2, mission())
+
+
+def test_a_ceiling_at_the_floor_is_level_flight() -> None:
+    best = best_climb(DESIGN, climbing(mission().altitude_m))
+    assert best.excess_time_h == pytest.approx(best.level_h, abs=NEAR_H)
+    assert set(best.altitude_m) == {mission().altitude_m}
+
+
+def test_a_polar_day_is_unlimited_by_every_course() -> None:
+    best = best_climb(AS2, climbing(2000.0, latitude_deg=85.0, dates={"on": "06-21"}))
+    assert best.excess_time_h == np.inf
+    assert best.gain_h == 0.0

@@ -6,7 +6,7 @@ import dataclasses
 from functools import cache, partial
 from itertools import product
 from types import SimpleNamespace
-from typing import get_args
+from typing import Any, get_args
 
 import builders
 import numpy as np
@@ -24,6 +24,7 @@ from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.optimisation import coverage
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.coverage import DAYS, WidestRange, _Growth, widest_range
 from sizing.optimisation.cross_check import cross_check
@@ -36,7 +37,7 @@ from sizing.optimisation.sensitivity import sensitivities
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
 from sizing.relaxation import Relaxation, rounded
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import SolarDay, SolarModel, solar_day
 
 pytestmark = pytest.mark.slow
 
@@ -498,6 +499,25 @@ def test_wider_span_means_a_longer_season_and_a_wider_band() -> None:
     for objective in (Objective.longest_season, Objective.widest_latitude_band):
         extents = [range_of_span(span_m, objective).extent for span_m in (4.0, 5.0)]
         assert 0.0 < extents[0] < extents[1]
+
+
+def test_season_is_found_where_the_solver_fails_on_it_and_a_design_of_its_end_covers_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = range_of_span(4.0, Objective.longest_season)
+
+    def failing(*given: Any, day: SolarDay, **options: Any) -> SizingResult:
+        result = size_aircraft(*given, day=day, **options)
+        if len(day.scenarios) < len(whole.members) or not np.isfinite(options["enough_h"]):
+            return result
+        return dataclasses.replace(
+            result, status=SizingStatus.not_converged, design=None, objective_value=None
+        )
+
+    monkeypatch.setattr(coverage, "size_aircraft", failing)
+    plane = aircraft("design_space.wingspan_m.maximum=4.0", *SMALL[1:])
+    found = widest_range(plane, mission(), Objective.longest_season, required_excess_time_h=2.0)
+    assert found.extent == whole.extent
 
 
 def test_range_that_is_empty_is_infeasible() -> None:

@@ -153,6 +153,8 @@ def test_templates_are_tests_that_aircraft_take(tmp_path: Path) -> None:
     [
         ("capacity", "", "is empty; allowed: a header"),
         ("capacity", "run,time_s,current_a,voltage_v,mass_kg\n", "has no rows below its header"),
+        ("capacity", "run;time_s;current_a;voltage_v;mass_kg\n1;0;1;4;1\n",
+         ":1: 'run;time_s;current_a;voltage_v;mass_kg': are the columns of no test; allowed"),
         ("capacity", "run,time_s,curent_a,voltage_v,mass_kg\n1,0,1,4,1\n",
          ":1: curent_a: is no column of capacity; did you mean 'current_a'"),
         ("capacity", "run,time_s,current_a,voltage_v\n1,0,1,4\n", ":1: mass_kg: capacity needs"),
