@@ -108,7 +108,12 @@ class ProgramSolver:
         first.
         """
         posed = self._posed(instance, scenarios)
-        found = [self._from(posed, starts, efforts, previous)]
+        distinct = list(dict.fromkeys(scenarios))
+        repeated = len(distinct) < len(scenarios)
+        found = [self._from(posed, starts, () if repeated else efforts, previous)]
+        if repeated and found == [None]:
+            # Blocks of one scenario have equal rows, between which an active set may cycle.
+            return self.solve(instance, distinct, starts, efforts=efforts)
         # An eased program only points the way: sizings confirm what it finds.
         if self.climb is not None and not posed.problem.of_role(Role.wind):
             found += [self._risen(posed, h, starts, previous) for h in _HELD_HEIGHTS]
@@ -144,7 +149,7 @@ class ProgramSolver:
     ) -> Solution | None:
         """First solution that is found."""
         problem, instance = posed.problem, posed.instance
-        if previous is not None:
+        if previous is not None and previous.constraints == problem.constraints:
             solution = self._solved(posed, "next", _warm(posed, previous))
             if solution is not None:
                 return solution
