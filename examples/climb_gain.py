@@ -10,6 +10,7 @@ Run with: ``python examples/climb_gain.py [figure.png]``
 
 import calendar
 import sys
+from datetime import date
 
 import numpy as np
 import xarray as xr
@@ -20,7 +21,7 @@ import sizing
 import studies
 
 # 3000 m of climb, in standard air; empty brackets take out what the file says of the air.
-LEVEL = {"air": {}}
+LEVEL: dict[str, object] = {"air": {}}
 CLIMBS = LEVEL | {"climb": {"ceiling_m": 3536.0, "strategy": "surplus"}}
 LATITUDES_DEG, DAYS = np.arange(0.0, 51.0, 2.5), np.arange(1, 366, 7)
 
@@ -54,7 +55,8 @@ def draw(lighter: xr.DataArray) -> Figure:
     axes = figure.subplots()
     filled = axes.contourf(DAYS, LATITUDES_DEG, lighter, levels=12, cmap="viridis")
     figure.colorbar(filled, label="least mass with climbs, lighter by [%]")
-    starts = np.cumsum([1, *calendar.mdays[1:12]])
+    # Any year without a leap day.
+    starts = [date(2023, month, 1).timetuple().tm_yday for month in range(1, 13)]
     axes.set_xticks(starts, [calendar.month_abbr[month] for month in range(1, 13)])
     axes.set(
         ylabel="latitude [° N]", title="atlantiksolar-design, climbs of 3000 m from 536 m, surplus"
