@@ -44,6 +44,8 @@ _STILL, _STILL_KEPT, _CLEARLY_MISSED = 30, 1e-3, 0.01
 # Heights of climbs whose solutions a program starts from as well: optima of several heights, none
 # among them, are common where the battery must be full before the aircraft climbs.
 _HELD_HEIGHTS = (0.0, 1.0)
+# Held where only level flight has been solved: short of the ceiling all rows have a way to give.
+_BELOW_CEILING = 0.99
 _SETTLED = 1e-6  # what rows and derivatives may lack at an optimum without a kink
 
 
@@ -108,10 +110,17 @@ class ProgramSolver:
         first.
         """
         posed = self._posed(instance, scenarios)
-        found = [self._from(posed, starts, efforts, previous)]
+        distinct = list(dict.fromkeys(scenarios))
+        repeated = len(distinct) < len(scenarios)
+        found = [self._from(posed, starts, () if repeated else efforts, previous)]
+        if repeated and found == [None]:
+            # Blocks of one scenario have equal rows, between which an active set may cycle.
+            return self.solve(instance, distinct, starts, efforts=efforts)
         # An eased program only points the way: sizings confirm what it finds.
         if self.climb is not None and not posed.problem.of_role(Role.wind):
             found += [self._risen(posed, h, starts, previous) for h in _HELD_HEIGHTS]
+            if found[0] is None and found[-1] is None:
+                found.append(self._risen(posed, _BELOW_CEILING, starts, previous))
         # Of several the best: a little height may be worth less than none, and more than either.
         solved = [one for one in found if one is not None]
         return min(solved, key=lambda one: float(one.weights @ one.x), default=None)
@@ -144,7 +153,7 @@ class ProgramSolver:
     ) -> Solution | None:
         """First solution that is found."""
         problem, instance = posed.problem, posed.instance
-        if previous is not None:
+        if previous is not None and previous.constraints == problem.constraints:
             solution = self._solved(posed, "next", _warm(posed, previous))
             if solution is not None:
                 return solution

@@ -139,6 +139,19 @@ def test_a_higher_ceiling_takes_less_span() -> None:
     assert spans[0] > 1.02 * spans[-1]
 
 
+def test_a_day_between_two_others_takes_a_mass_between_theirs() -> None:
+    # On 15 January the solver finds no solution at the ceiling, nor with a free height.
+    masses_kg = [
+        size_aircraft(
+            DESIGN,
+            climbing(3536.0, "surplus", latitude_deg=37.5, dates={"on": f"01-{day}"}, air={}),
+            Objective.min_mass,
+        ).objective_value
+        for day in (13, 15, 17)
+    ]
+    assert masses_kg == sorted(masses_kg, reverse=True)
+
+
 def test_what_limits_names_the_ceiling() -> None:
     active = sized(Objective.min_wingspan, 3536.0, "battery_full", "07-15").active_constraints
     assert any(name.startswith("climb_ceiling (") for name in active)
