@@ -467,13 +467,20 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     return record
 
 
-def uncertainty_record(low: Performance, high: Performance, index: int) -> dict[str, Any]:
+def uncertainty_record(
+    low: Performance, high: Performance, index: int | None = None
+) -> dict[str, Any]:
     """Excess time of a scenario under the RMS error of the solar power model, JSON-ready.
 
-    ``low``, ``high``: with the solar power one RMS error lower and higher.
+    ``low``, ``high``: with the solar power one RMS error lower and higher. Without ``index`` the
+    least excess time of all scenarios, which may be that of another scenario in each.
     """
+    low_h, high_h = (
+        np.min(one.cycle.excess_time_h) if index is None else one.cycle.excess_time_h[index]
+        for one in (low, high)
+    )
     return {
         "solar_power_rms_relative": low.solar.rms_relative,
-        "excess_time_low_h": finite(low.cycle.excess_time_h[index]),
-        "excess_time_high_h": finite(high.cycle.excess_time_h[index]),
+        "excess_time_low_h": finite(low_h),
+        "excess_time_high_h": finite(high_h),
     }

@@ -59,7 +59,7 @@ def summary(analysis: Analysis) -> Summary:
         blocks.append(Line(answer(analysis)))
     table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
-    blocks.append(power_line(analysis.power_budget))
+    blocks.append(power_line(analysis.power_budget, analysis.mission))
     if analysis.part_masses is not None:
         blocks.append(part_masses_line(analysis.part_masses))
     if analysis.varying_efficiency is not None:
@@ -153,16 +153,20 @@ def _days(count: int) -> str:
 
 
 def uncertainty_line(low: Performance, high: Performance, index: int, mission: Mission) -> str:
-    """What the RMS error of the solar power model means for the excess time of a scenario.
+    """What the RMS error of the solar power model means for the least excess time.
 
-    ``low``, ``high``: with the solar power one RMS error lower and higher. ``mission``: with its
-    uncertainty margins, which are taken off before that error.
+    ``low``, ``high``: with the solar power one RMS error lower and higher. ``index``: the worst
+    scenario without the error; where it is another one with less sun, that one is named.
+    ``mission``: with its uncertainty margins, which are taken off before that error.
     """
-    ends_h = [float(q.EXCESS_TIME.of(one)[index]) for one in (low, high)]
+    ends_h = [float(np.min(q.EXCESS_TIME.of(one))) for one in (low, high)]
+    # Less sun may turn a scenario with a short day into the worst one.
+    weakest = low.worst_scenario()
+    at = "" if weakest == index else f" ({low.day.scenarios.label(weakest)})"
     means = (
         f"leaves the excess time {'unlimited' if np.isinf(ends_h[0]) else f'at {hours(ends_h[0])}'}"
         if hours(ends_h[0]) == hours(ends_h[1])
-        else f"puts the excess time between {' and '.join(map(hours, ends_h))}"
+        else f"puts the excess time between {hours(ends_h[0])}{at} and {hours(ends_h[1])}"
     )
     solar, given = low.solar, mission.uncertainty_margins.given
     beyond = ", on top of the mission's uncertainty margins," if given else ""

@@ -64,7 +64,7 @@ class PowerBudget:
     def note(self) -> str:
         """What the efficiencies are."""
         if not self.efficiencies:
-            return "A measured aircraft is known by its electric power; what drag takes is not."
+            return "Only the whole power of a measured aircraft is known, not the share of drag."
         chain = f"From battery to thrust: {100.0 * self.efficiencies['chain']:.1f} %"
         if self.point is None:
             return f"{chain} by constants of the file (assumed)."
@@ -126,7 +126,8 @@ def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerB
     return PowerBudget(watts, efficiencies, point, assumed)
 
 
-def power_line(budget: PowerBudget) -> str:
-    """Power budget in a sentence."""
+def power_line(budget: PowerBudget, mission: Mission) -> str:
+    """Power budget in a sentence; faster flight against the wind is not part of it."""
     parts = [f"{_SHORT.get(one, one)} {watts:.2f} W" for one, watts in budget.rows()]
-    return f"power in level flight, {budget.bus_w:.2f} W: {', '.join(parts)}. {budget.note()}"
+    slow = " at its own airspeed" if mission.holds_station else ""
+    return f"power in level flight{slow}, {budget.bus_w:.2f} W: {', '.join(parts)}. {budget.note()}"

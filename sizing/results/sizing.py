@@ -299,8 +299,7 @@ class SizingStudy(Result):
             record["wind"] = wind_record(self.mission)
         record["uncertainty"] = None
         if self.low is not None and self.high is not None and self.result.simulated is not None:
-            worst = self.result.simulated.worst_scenario()
-            record["uncertainty"] = uncertainty_record(self.low, self.high, worst)
+            record["uncertainty"] = uncertainty_record(self.low, self.high)
         record["extrapolations"] = extrapolation_records(self.extrapolations)
         record |= catalogue_records(self.aircraft)
         if self.coverage is not None:

@@ -67,7 +67,7 @@ def summary(study: SizingStudy) -> Summary:
         blocks.append(Line(f"at the end of the design space: {words}", "warning"))
     blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
     if study.power_budget is not None:
-        blocks.append(power_line(study.power_budget))
+        blocks.append(power_line(study.power_budget, study.mission))
     blocks += climb_lines(study)
     if study.part_masses is not None:
         blocks.append(part_masses_line(study.part_masses))
@@ -180,7 +180,7 @@ def _confidence(study: SizingStudy) -> list[Any]:
     if flown is not None and low is not None and high is not None:
         worst = flown.worst_scenario()
         blocks.append(Line(uncertainty_line(low, high, worst, study.mission), "faint"))
-        low_h = float(low.cycle.excess_time_h[worst])
+        low_h = _least_h(low)
         required = max(study.result.required_excess_time_h, 0.0)
         guarded = study.mission.uncertainty_margins.given or study.reliability is not None
         guarded = guarded or study.survival is not None

@@ -287,7 +287,7 @@ class WeatherAnalysis(Result):
                 "endurance from a dawn: 10, 50, 90 % of launches",
                 ", ".join(map(hours, self.endurance_h.values())),
             ),
-            ("light, of the clear sky's", f"{100 * self.share_of_clear_light():.0f} %"),
+            ("light, share of the clear sky's", f"{100 * self.share_of_clear_light():.0f} %"),
             ("dawn: earliest, latest (solar time)", _dawns(run)),
             ("flight altitude", f"{self.mission.altitude_m:.0f} m"),
         ]

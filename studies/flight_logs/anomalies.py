@@ -110,13 +110,17 @@ class Anomalies:
     def _full(self, inside: BoolArray) -> Anomaly:
         charge = self.log.state_of_charge
         mean = None if charge is None else float(np.nanmean(charge[self.samples.index][inside]))
-        why = "power follows the load" if mean is None else f"state of charge {mean:.0%} on average"
+        why = (
+            "power follows the load"
+            if mean is None
+            else f"state of charge {100 * mean:.0f} % on average"
+        )
         ratio = self._smooth(self.samples.measured_w) / np.maximum(
             self._smooth(self._expected_w), 1.0
         )
         text = (
-            f"power down to {ratio[inside].min():.0%} of the model; the battery is full ({why}), "
-            "which is normal; not counted in the errors"
+            f"power down to {100 * ratio[inside].min():.0f} % of the model; the battery is full "
+            f"({why}), which is normal; not counted in the errors"
         )
         return self._anomaly("battery_full", inside, text, lost="normal")
 

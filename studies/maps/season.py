@@ -6,6 +6,7 @@ is not seen.
 
 VM, FM and the loiter correction take milliseconds for each day. They are simulated on every 32nd
 day, and of the eighth days on those alone of which CAM, scaled to their energy, leaves it in doubt.
+By them a day whose wind is too strong for the flight path is no day of perpetual flight.
 """
 
 from __future__ import annotations
@@ -18,12 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.dates import DAYS_PER_YEAR
+from missions.flight_path import path_trouble
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.module_power import modelled_power
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight
-from solar.names import ModelName
+from solar.names import MODELS, ModelName
 from solar.types import FloatArray
 
 _STRIDE, _FAR_STRIDE = 8, 32
@@ -145,10 +147,22 @@ class _SomeDays(Sunlight):
         known = self._year.powers
         lacking = [day for day in self._days if (model, day) not in known]
         if lacking:
-            scenarios = self._year.scenarios(lacking)
-            powers = modelled_power(self.aircraft, self.mission, model, scenarios, self.time_h)
-            known.update(((model, day), power) for day, power in zip(lacking, powers, strict=True))
+            known.update(((model, day), np.zeros(len(self.time_h))) for day in lacking)
+            flown = self._with_a_path(lacking) if MODELS[model].needs_path else lacking
+            if flown:
+                scenarios = self._year.scenarios(flown)
+                powers = modelled_power(self.aircraft, self.mission, model, scenarios, self.time_h)
+                known.update(((model, day), one) for day, one in zip(flown, powers, strict=True))
         return np.stack([known[model, day] for day in self._days])
+
+    def _with_a_path(self, days: Sequence[int]) -> list[int]:
+        """Days whose wind lets the aircraft keep its path; the others have no power."""
+        path, mission = self.mission.flight_path, self.mission
+        if path is None or mission.wind_statistics is None:
+            return list(days)
+        winds = mission.scenario_winds_m_per_s(self._year.scenarios(days)).tolist()
+        able = [path_trouble(path, mission.in_wind(wind).wind) is None for wind in winds]
+        return [day for day, one in zip(days, able, strict=True) if one]
 
 
 def _in_doubt(

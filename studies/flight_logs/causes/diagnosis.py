@@ -170,7 +170,7 @@ def _battery(log: FlightLog, finding: Finding) -> str:
     if log.state_of_charge is None:
         return "no state of charge is logged"
     high = float(np.mean(log.state_of_charge[inside] >= NEAR_FULL))
-    return f"charge above {NEAR_FULL:.0%} all the time" if high > _MOSTLY else ""
+    return f"charge above {100 * NEAR_FULL:.0f} % all the time" if high > _MOSTLY else ""
 
 
 def _findings(data: Data) -> tuple[tuple[Finding, ...], Fit, Noise]:

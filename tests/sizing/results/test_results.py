@@ -188,6 +188,19 @@ def test_a_mission_with_margins_gets_no_others(design: Aircraft) -> None:
     assert "with_margin" not in sizing.size(design, guarded, with_margin=True).to_dict()
 
 
+def test_less_sun_is_told_of_the_scenario_that_it_weakens_most(sized: SizingStudy) -> None:
+    """Less sun makes the northern end of the mission the worst one, instead of its southern end."""
+    margin = {"uncertainty_margins.solar_model_sigmas": 1.0}
+    mission = missions.load_mission("central-europe-summer", margin)
+    dim = sizing.analyse(sized.sized_aircraft(), mission)
+    record, text = sized.to_dict(), " ".join(str(sized).split())
+    assert dim.to_dict()["latitude_deg"] == 50.0
+    assert record["worst_scenario"]["latitude_deg"] == 45.0
+    # The file of the optimum has numbers of six digits.
+    assert record["uncertainty"]["excess_time_low_h"] == pytest.approx(dim.excess_time_h, abs=1e-2)
+    assert f"between {dim.excess_time_h:.2f} h (50° N, 15 Aug) and" in text
+
+
 def test_a_design_on_the_edge_says_so_and_names_the_way_out(sized: SizingStudy) -> None:
     record = sized.to_dict()["uncertainty"]
     assert record["excess_time_low_h"] < 3.0 < record["excess_time_high_h"]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from missions.dates import day_of_year
+from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios, UncertaintyMargins
 from sizing.aircraft import Aircraft
@@ -148,3 +149,18 @@ def test_a_season_is_told_by_its_ends(
 ) -> None:
     marks = np.array([perpetual(day) for day in days])
     assert season_text(np.array(days), marks) == text
+
+
+def test_days_on_which_the_wind_is_too_strong_for_the_path_are_not_flown() -> None:
+    """The stratosphere's winters blow harder than the path's airspeed, its summers do not."""
+    aircraft, mission = load_aircraft("stratosphere-design"), load_mission("stratosphere-mission")
+    assert isinstance(mission.flight_path, Circle)
+    models = [SolarModel("CAM", "loiter"), SolarModel("FM")]
+    flags = perpetual_flags(aircraft, mission, 50.0, models)
+    year = Scenarios(np.full(365, 50.0), np.arange(1, 366))
+    windy = mission.scenario_winds_m_per_s(year) >= mission.flight_path.airspeed_m_per_s
+    assert 30 < windy.sum() < 335
+    for model in models:
+        assert not flags[model][windy].any()
+        # 21 June is flown by every model.
+        assert flags[model][171]

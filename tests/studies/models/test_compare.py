@@ -131,7 +131,7 @@ def test_headline_of_the_designs_has_their_numbers(designs: study.Comparison) ->
         f"Sized with uncorrected CDM, {DESIGN} has a span of "
         f"{cdm.sizing.design.variables.wingspan_m:.2f} m; evaluated by corrected FM it flies "
     )
-    assert f"at {cdm.judged.scenario}: it survives" in told
+    assert f"at {cdm.judged.scenario}: its battery lasts" in told
     assert told.endswith(
         f"(sized with corrected FM: a span of {full.sizing.design.variables.wingspan_m:.2f} m)."
     )
