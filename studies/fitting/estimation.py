@@ -124,11 +124,7 @@ def estimate(
     aircraft: Aircraft,
     parameters: tuple[FitParameter, ...],
 ) -> Estimate:
-    """Fit parameters to a channel, as many of them as it can tell apart.
-
-    ``aircraft``: start, and the values of what is not fitted. ``parameters``: what is asked for; of
-    those that cannot be told apart the later ones are held.
-    """
+    """Fit as many parameters as a channel can tell apart; the later ones are held."""
     problem = Problem(channel, aircraft, parameters)
     held: list[Held] = []
     problem = _told_apart(problem, held)

@@ -80,10 +80,7 @@ class FlightFit(Result):
         return with_values(self.aircraft, tuple(one.parameter for one in self.fitted), values)
 
     def covariance(self) -> FloatArray:
-        """Covariance of the fitted parameters, in the order of :attr:`fitted`.
-
-        Those of different channels are taken as independent.
-        """
+        """Covariance of :attr:`fitted` in its order; different channels are independent."""
         size = len(self.fitted)
         return self.covariance_with_model()[:size, :size]
 

@@ -28,10 +28,7 @@ _SHORTEST_STRETCH_S = 7200.0
 
 
 def load_channel(flown: Flown) -> Channel | str:
-    """Load in level flight: by night if there is one, since thermals and work are of the day.
-
-    Returns or why there is none.
-    """
+    """Load in level flight, by night if there is one: thermals and work are of the day."""
     log = flown.log
     if log.load_w is None:
         return "the log has no load_w"

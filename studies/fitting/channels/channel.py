@@ -135,10 +135,7 @@ class Flown:
 
 
 def mission_of_log(log: FlightLog, mission: Mission) -> Mission:
-    """Mission at the mean place, altitude and air temperature of a log.
-
-    Returns without launch and climb; not validated.
-    """
+    """Mission at the mean place and in the mean air of a log; no launch, climb or validation."""
     place = {
         "latitude_deg": float(np.median(log.latitude_deg)),
         "longitude_deg": float(np.median(log.longitude_deg)),
