@@ -94,7 +94,7 @@ def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> S
     rng = np.random.default_rng(settings.seed)
     count = int(settings.duration_h * 3600.0 * settings.rate_hz) + 1
     elapsed = np.arange(count) / settings.rate_hz
-    flown = _flown(mission, elapsed, settings, rng)
+    flown = _path_flown(mission, elapsed, settings, rng)
     truth = _truth(aircraft, mission, settings.start_utc_s + elapsed, flown, settings.faults)
     table = _instruments(mission, settings, elapsed, flown, truth, rng)
     return SyntheticLog(table, _listed(settings, truth))
@@ -114,7 +114,7 @@ class _Truth(NamedTuple):
     shaded: FloatArray
 
 
-def _flown(
+def _path_flown(
     mission: Mission, elapsed: FloatArray, settings: Settings, rng: np.random.Generator
 ) -> _Flown:
     path = mission.flight_path

@@ -76,8 +76,6 @@ def charge_channel(flown: Flown) -> Channel | str:
 
     ``dE/dt = eta_charge (P_solar - P_load)`` by surplus, over ``eta_discharge`` by deficit: the
     balance of :mod:`sizing.energy.march`, integrated from sample to sample by the trapezoidal rule.
-
-    Returns or why there is none.
     """
     log = flown.log
     if log.state_of_charge is None or log.load_w is None:
