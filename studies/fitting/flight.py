@@ -20,7 +20,14 @@ from solar.types import FloatArray
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Flown, joined
 from studies.fitting.channels.found import channels
-from studies.fitting.estimation import Estimate, Fitted, FoundError, Held, estimate
+from studies.fitting.estimation import (
+    Estimate,
+    Fitted,
+    FoundError,
+    Held,
+    estimate,
+    with_fitted,
+)
 from studies.fitting.flight_tables import differences, error_table, flight_records, flight_table
 from studies.fitting.least_squares import CONFIDENCE
 from studies.fitting.parameters import chosen
