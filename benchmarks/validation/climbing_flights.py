@@ -1,4 +1,4 @@
-"""Flights that climbed by day: does the model fly them, with what is known of their aircraft?
+"""Flights that climbed by day, flown by the model with what is known of their aircraft.
 
 ``python -m benchmarks.validation.climbing_flights`` prints the table of ``docs/altitude.md``.
 """

@@ -58,7 +58,9 @@ _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 
 def is_netcdf(path: Path) -> bool:
-    """Whether a file begins as NetCDF does."""
+    """Whether a regular file begins as NetCDF does."""
+    if not path.is_file():  # a pipe would be waited for
+        return False
     try:
         with path.open("rb") as file:
             return file.read(4).startswith(_MAGIC)
