@@ -49,10 +49,7 @@ _LEAST_REPEATED, _LEAST_DISTINCT = 10, 5  # rows, and values of the power in the
 
 
 class LeftOut(NamedTuple):
-    """Values of a column, or rows if that has no name, that are left out, and why.
-
-    ``periods``: first and last time of each stretch [s since 1970], none where that is not known.
-    """
+    """Values or rows that are left out, why, and the ends of each stretch [s since 1970]."""
 
     column: str
     kind: Kind

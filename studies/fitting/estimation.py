@@ -116,11 +116,7 @@ class Estimate:
     freedom: int = 0
 
     def noise(self, hours: float) -> float:
-        """Standard deviation of the residuals' integral over so many hours.
-
-        Independent residuals add up as their squares do, and each of them lasts as long as the
-        correlation does.
-        """
+        """Deviation of the residuals' integral over hours: independent ones add up as squares."""
         if not 0.0 < self.independent < math.inf:
             return 0.0
         lasts_h = len(self.after) / self.independent * BIN_S / 3600.0
