@@ -15,7 +15,13 @@ from sizing.design import Design, FlightConditions, level_flight
 from sizing.smooth import Value
 from solar.types import FloatArray
 
-__all__ = ["POWER_AGAINST_WIND", "faster_flight_w", "power_against_wind_w", "refuse_held_station"]
+__all__ = [
+    "POWER_AGAINST_WIND",
+    "faster_flight_w",
+    "power_against_wind_w",
+    "refuse_held_station",
+    "refuse_one_airspeed",
+]
 
 POWER_AGAINST_WIND = "power_against_wind"  # requirement of a scenario
 _ROUNDING = 1e-6  # of the rated power: what the solver of a sizing leaves
@@ -29,6 +35,15 @@ def refuse_held_station(mission: Mission, study: str) -> None:
         )
 
 
+def refuse_one_airspeed(aircraft: Aircraft, what: str) -> None:
+    """Refuse an aircraft whose power is known at one airspeed alone."""
+    if not isinstance(aircraft.airframe, ParametricAirframe):
+        raise ValueError(
+            f"{aircraft.name} is a measured aircraft, whose power is known at one airspeed alone: "
+            f"{what} needs a parametric one"
+        )
+
+
 def power_against_wind_w(
     aircraft: Aircraft, mission: Mission, design: Design, wind_m_per_s: FloatArray
 ) -> FloatArray:
@@ -36,11 +51,7 @@ def power_against_wind_w(
 
     Infinite where it exceeds the rated power. ``wind_m_per_s`` broadcasts against the designs.
     """
-    if not isinstance(aircraft.airframe, ParametricAirframe):
-        raise ValueError(
-            f"{aircraft.name} is a measured aircraft, whose power is known at one airspeed alone: "
-            "wind.hold_station needs a parametric one"
-        )
+    refuse_one_airspeed(aircraft, "wind.hold_station")
     conditions = FlightConditions.of(mission, aircraft)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         ratio = wind_m_per_s / np.asarray(design.airspeed_m_per_s)

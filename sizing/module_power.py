@@ -10,7 +10,11 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.module_heat import balances_heat, convection_in_flight, surroundings
 from solar.heat_balance import Surroundings
-from solar.horizontal_models import horizontal_specific_power
+from solar.horizontal_models import (
+    HORIZONTAL_MODELS,
+    horizontal_specific_power,
+    in_surroundings,
+)
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.types import FloatArray
 
@@ -95,8 +99,7 @@ def specific_power(
             altitude_m=mission.altitude_m,
             clearness=mission.pessimistic_clearness,
             sky=mission.sky,
-            model=model,
-            surroundings=around,
+            model=model if around is None else in_surroundings(HORIZONTAL_MODELS[model], around),
         )
     return mean_power_on_path(
         model,

@@ -14,9 +14,9 @@ import numpy as np
 from missions.dates import month_and_day
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
-from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.aircraft import Aircraft
 from sizing.design import Design, design_of
-from sizing.held_station import power_against_wind_w
+from sizing.held_station import power_against_wind_w, refuse_one_airspeed
 from sizing.performance import performance_in_pairs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
@@ -55,11 +55,7 @@ def station_keeping(
     scenarios: Scenarios | None = None,
 ) -> StationKeeping:
     """Share of the time in which an aircraft holds its place while it flies perpetually."""
-    if not isinstance(aircraft.airframe, ParametricAirframe):
-        raise ValueError(
-            f"{aircraft.name} is a measured aircraft, whose power is known at one airspeed alone: "
-            "station keeping needs a parametric one"
-        )
+    refuse_one_airspeed(aircraft, "station keeping")
     given = mission.wind_statistics
     if given is None:
         raise file_error(mission.name, "lacks wind: {percentile: ...}, for station keeping")

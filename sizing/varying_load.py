@@ -76,14 +76,14 @@ def part_load_of(
     own, flight = flight_of(aircraft, mission, design)
     volts, flies = bus_voltage_v(aircraft), np.isfinite(level_w)
     if not (own.is_exact and level_w.ndim == 0 and flies):
-        return _table(own, flight, np.where(flies, level_w, np.inf), ends, volts)
+        return _part_load(own, flight, np.where(flies, level_w, np.inf), ends, volts)
     numbers = Flight(
         float(flight.thrust_w),
         float(flight.airspeed_m_per_s),
         Air(*(float(one) for one in flight.air)),  # type: ignore[arg-type]  # as a cache's key
     )
     load = float(ends[0]), float(ends[1])
-    found = _table_of_one(own, numbers, float(level_w), load, volts)
+    found = _part_load_of_one(own, numbers, float(level_w), load, volts)
     if found.beyond:
         reason = own.point(flight.thrust_w * load[1], *flight[1:], volts).reason
         raise ImpossibleDesignError(
@@ -136,7 +136,7 @@ def load_shape(mission: Mission, day: SolarDay) -> FloatArray:
     return np.asarray(1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal)
 
 
-def _table(
+def _part_load(
     own: OperatingPointPropulsion,
     flight: Flight,
     level_w: FloatArray,
@@ -150,7 +150,7 @@ def _table(
 
 
 @lru_cache(maxsize=16)
-def _table_of_one(
+def _part_load_of_one(
     own: OperatingPointPropulsion,
     flight: Flight,
     level_w: float,
@@ -159,7 +159,7 @@ def _table_of_one(
 ) -> PartLoad:
     """Table of one design, which several flights share: its rotations are searched for once."""
     ends = np.asarray(loads[0]), np.asarray(loads[1])
-    return _table(own, flight, np.asarray(level_w), ends, volts)
+    return _part_load(own, flight, np.asarray(level_w), ends, volts)
 
 
 def smooth_loads_w(
@@ -242,13 +242,13 @@ class DesignLoads:
         """Load at voltages at the nodes [W], by default those of the end that takes more."""
         day, part = self.day, self._part
         load: FloatArray = load_profile(
-            day.time_h, self._flown, self.mission, day.sunrise_h, day.sunset_h, part, bus_v
+            day.time_h, self._in_scenarios, self.mission, day.sunrise_h, day.sunset_h, part, bus_v
         )
         return np.broadcast_to(load, np.broadcast_shapes(load.shape, self.solar_w.shape))
 
     def nominal_w(self, bus_v: FloatArray | None = None) -> FloatArray:
         """Nominal load [W], ``(..., scenario)``; at voltages ``(..., scenario, step)``."""
-        flown, part = self._flown, self._part
+        flown, part = self._in_scenarios, self._part
         if part is None:
             return np.asarray(flown.nominal_load_w(self.mission))
         load, _ = load_range(self.mission.turbulence.all_day, 0.0)
@@ -261,7 +261,7 @@ class DesignLoads:
         return nominal[..., 0] if bus_v is None else nominal
 
     @cached_property
-    def _flown(self) -> Design:
+    def _in_scenarios(self) -> Design:
         """Design with an axis for the scenarios."""
         # An impossible design draws infinite power; a huge finite one keeps NaN out of the rest.
         power_w = self.own_propulsion_w

@@ -123,7 +123,6 @@ def horizontal_specific_power(
     model: ModelName | PowerModel = "CAM",
     correct: CorrectionName = "none",
     sky: ClearSky = clear_sky,
-    surroundings: Surroundings | None = None,
 ) -> FloatArray:
     """Specific power of horizontal modules under the clear sky, over latitude x day x time.
 
@@ -142,13 +141,12 @@ def horizontal_specific_power(
     clearness : array_like
         Factor on the clear-sky irradiance, 0 to 1 (1: no clouds).
     model : {"CDM", "CAM"} or PowerModel
-        Solar power model, or the user's own.
+        Solar power model, or the user's own, such as one in surroundings by which the modules
+        find their temperature: :func:`in_surroundings`.
     correct : {"none", "report"}
         Systematic correction of CDM or CAM, see :mod:`solar.systematic_errors`.
     sky : ClearSky
         Clear-sky model, :func:`solar.clearsky.clear_sky` or the user's own.
-    surroundings : Surroundings, optional
-        Air and radiation by which the modules find their temperature; numbers.
 
     Returns
     -------
@@ -161,8 +159,6 @@ def horizontal_specific_power(
         If the model or the correction does not exist, or needs a flight path.
     """
     convert, corrected = _power_model(model, correct)
-    if surroundings is not None:
-        convert = in_surroundings(convert, surroundings)
     factor = corrected * np.asarray(clearness, float)
     time = np.asarray(time_solar_h, float)
     if sky is not clear_sky:

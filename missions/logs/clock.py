@@ -59,10 +59,7 @@ def parse_span(text: str) -> Span:
 
 
 class Times(NamedTuple):
-    """Seconds since 1970 (UTC), NaN where there is none; rows that are wrong, by what is wrong.
-
-    ``notes``: how the text was understood.
-    """
+    """Seconds since 1970 (UTC), NaN where none; rows by what is wrong; how text was understood."""
 
     time_s: FloatArray
     wrong: dict[str, BoolArray]
@@ -125,11 +122,7 @@ def span_text(text: str) -> str:
 def times_from_text(
     column: pd.Series, zone: datetime.tzinfo | None, form: str | None = None
 ) -> Times:
-    """Read times that are written out.
-
-    ``zone``: zone of times that have none; without, these are wrong. ``form``: form of the times
-    for ``strptime``; ISO 8601 by default, or day.month.year.
-    """
+    """Read written times; without ``zone`` those that have none are wrong."""
     given = column.notna().to_numpy(bool)
     text = column.astype("string").str.strip()
     other = given & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)
@@ -178,10 +171,7 @@ def _of_whole_day(text: pd.Series) -> tuple[pd.Series, bool]:
 
 
 def _ordered(text: pd.Series, notes: list[str], *, american: bool) -> pd.Series:
-    """Dates between slashes as year-month-day, where their order can be known.
-
-    A number above 12 is a day; AM and PM go with the order of the United States.
-    """
+    """Dates between slashes as year-month-day, where a day above 12, AM or PM tells the order."""
     parts = text.str.extract(_SLASHED)
     known = parts[0].notna()
     if not known.any():
@@ -221,11 +211,7 @@ def _localised(local: pd.Series, zone: datetime.tzinfo) -> FloatArray:
 def times_from_numbers(
     values: FloatArray, unit: str | None, start_s: float | None, name: str
 ) -> tuple[FloatArray, str | None]:
-    """Read times that are numbers: from 1970, or from a start that is known.
-
-    ``unit``: their unit, found by their size if not given. ``start_s``: what they count from [s
-    since 1970]; 1970 itself by default.
-    """
+    """Read times that are numbers, from 1970 or from ``start_s`` since then."""
     if start_s is not None:
         factor = UNITS["time"][unit or "s"].factor
         first = values[np.isfinite(values)][:1]

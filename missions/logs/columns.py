@@ -58,25 +58,7 @@ class ColumnMap(Record):
         ignore: Sequence[str] = (),
         exclude: Sequence[str] = (),
     ) -> ColumnMap:
-        """Map with what the command line says, which precedes the file or is added to it.
-
-        Parameters
-        ----------
-        columns : mapping
-            Column by quantity.
-        timezone : str or None
-            Zone of times that have none.
-        start : str, optional
-            Instant of the first row, of times that count from there.
-        ignore : sequence of str
-            Columns or quantities that are taken not to be in the log.
-        exclude : sequence of str
-            Times of day that are left out, such as ``11:20-11:45``.
-
-        Returns
-        -------
-        ColumnMap
-        """
+        """Map with what the command line says, which precedes the file or is added to it."""
         changes: dict[str, Any] = {"columns": {**self.columns, **columns}}
         changes |= {n: v for n, v in (("timezone", timezone), ("start", start)) if v is not None}
         changes |= {"ignore": (*self.ignore, *ignore), "exclude": (*self.exclude, *exclude)}
@@ -120,10 +102,7 @@ class Factor(NamedTuple):
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a quantity is made: the sum over ``terms`` of the products of their columns.
-
-    ``unit`` is that of the result if a term is one column; ``guessed`` if nobody said so.
-    """
+    """Sum over ``terms`` of products of columns; ``guessed`` if nobody said so."""
 
     quantity: str
     terms: tuple[tuple[Factor, ...], ...] = ()
@@ -163,10 +142,7 @@ class Recipe:
         return f"{self.quantity} = {printable(text)}"
 
     def values(self, column: Callable[[str], FloatArray], unit: str | None = None) -> FloatArray:
-        """Values in the unit of the log format.
-
-        ``unit``: unit of the only column, where the values told it.
-        """
+        """Values in the unit of the log format, of the only column by its ``unit``."""
         total: Any = 0.0
         for term in self.terms:
             product: Any = 1.0
@@ -326,7 +302,7 @@ def _guess(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | No
 
 def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
     """Place of a column's name among the aliases of a quantity, and the column with its unit."""
-    dimension, aliases = QUANTITIES[quantity].dimension, QUANTITIES[quantity].aliases
+    dimension, aliases = QUANTITIES[quantity].dimension, QUANTITIES[quantity].aliases.split()
     base, bracketed = split_unit(name)
     unit = None if bracketed is None else known_unit(bracketed, dimension)
     if bracketed and unit is None and not _is_zone(quantity, bracketed):

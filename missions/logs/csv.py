@@ -68,10 +68,7 @@ def read_flight_log(path: str | os.PathLike[str], columns: ColumnMap | None = No
 
 
 def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
-    """Read a log from a text table such as ``docs/verify.md`` describes.
-
-    ``columns``: which column is what, and how the file is written.
-    """
+    """Read a log from a text table such as ``docs/verify.md`` describes."""
     source = os.fspath(path)
     layout = columns or ColumnMap()
     text = read_text(source, layout)

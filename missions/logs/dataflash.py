@@ -62,11 +62,8 @@ class _Kind(NamedTuple):
 def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
     """Read a DataFlash log of ArduPilot.
 
-    ``columns`` must say where the solar power is, for instance
-    ``BAT[1].Volt * BAT[1].Curr`` where the second battery monitor measures it; its times are the
-    log's. Attitude, position and universal time are those of ATT and GPS.
-
-    ``columns``: messages and fields of quantities that are elsewhere than expected.
+    ``columns`` must say where the solar power is, for instance ``BAT[1].Volt * BAT[1].Curr`` where
+    the second battery monitor measures it; its times are the log's.
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     content = read_plain_file(source, most_bytes=_MOST_BYTES)

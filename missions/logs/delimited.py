@@ -69,10 +69,7 @@ class Text:
 
 
 def read_text(source: str, layout: ColumnMap) -> Text:
-    """Read a table's text and find out how it is written.
-
-    ``layout``: its separator and decimal sign if they are known.
-    """
+    """Read a table's text and find out how it is written."""
     lines, numbers, notes = _text_lines(source)
     named = _NAMED_SEPARATOR.fullmatch(lines[0]) if lines else None
     if named is not None:

@@ -49,10 +49,7 @@ _LEAST_REPEATED, _LEAST_DISTINCT = 10, 5  # rows, and values of the power in the
 
 
 class LeftOut(NamedTuple):
-    """Values of a column, or rows if that has no name, that are left out, and why.
-
-    ``periods``: first and last time of each stretch [s since 1970], none where that is not known.
-    """
+    """Values or rows that are left out, why, and the ends of each stretch [s since 1970]."""
 
     column: str
     kind: Kind
@@ -124,10 +121,7 @@ def no_place(latitude_deg: FloatArray, longitude_deg: FloatArray) -> BoolArray:
 def stretches(
     quantity: str, values: FloatArray, time_s: FloatArray
 ) -> Iterator[tuple[Kind, BoolArray]]:
-    """Values that their neighbours do not allow: spikes, and where a channel is held.
-
-    ``time_s`` rises; values may be missing.
-    """
+    """Values that their neighbours do not allow: spikes, and where a channel is held."""
     known = np.flatnonzero(np.isfinite(values))
     solar = quantity == "solar_power_w"
 
@@ -156,10 +150,7 @@ def _spikes(power: FloatArray) -> BoolArray:
 
 
 def _held(values: FloatArray, time_s: FloatArray, dark: float) -> Iterator[tuple[Kind, BoolArray]]:
-    """Where a channel repeats one value although it never does elsewhere, or its highest.
-
-    ``dark``: share of the largest value below which any may be repeated; zero and the lowest may.
-    """
+    """Where a channel repeats one value that is not dark, unlike elsewhere, or its highest."""
     steps, passed = np.abs(np.diff(values)), np.diff(time_s)
     breaks = (steps > 0.0) | (passed > _GAP_STEPS * np.median(passed))
     number = np.concatenate([[0], np.cumsum(breaks)])

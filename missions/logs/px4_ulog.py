@@ -41,12 +41,8 @@ _DAMAGED = "the log is damaged; what of it could be read is used"
 def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
     """Read a PX4 ULog; needs the package pyulog.
 
-    Power and MPPT voltage come from ``sensor_mppt``, or from where ``columns`` says, such as
-    ``battery_status[1].voltage_v * battery_status[1].current_a``; their times are the log's. Of the
-    other topics the nearest sample is taken, none if that is too old. Boot time becomes universal
-    time by the median difference to the time of the satellites.
-
-    ``columns``: topics and fields of quantities that are elsewhere than expected.
+    Power and MPPT voltage come from ``sensor_mppt``, or where ``columns`` says; their times are
+    the log's. Boot time becomes universal time by the median difference to that of the satellites.
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damage = _ulog_topics(source, kinds_named(layout))

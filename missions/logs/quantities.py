@@ -19,67 +19,48 @@ class Quantity(NamedTuple):
     low: float
     high: float
     rests: bool
-    aliases: tuple[str, ...]
-
-
-def _names(*groups: str) -> tuple[str, ...]:
-    return tuple(name for group in groups for name in group.split())
+    aliases: str
 
 
 # A place, an altitude held to the metre, a full battery, the air and the voltage of an MPPT may
 # rest; power, attitude and airspeed never do. Times: where the almanac behind the sun's position
 # holds. Air: the highest on record is 56.7 C (World Meteorological Organization).
 QUANTITIES: Mapping[str, Quantity] = {
-    "time": Quantity("time", -631152000.0, 2524608000.0, False, _names(
-        "time timestamp datetime utc timeutc utctime gpstime timegps epoch unixtime timeunix unix",
-        "localtime timelocal clock t",
-    )),
-    "latitude_deg": Quantity("angle", -90.0, 90.0, True, _names(
-        "latitude lat gpslat gpslatitude latgps poslat"
-    )),
-    "longitude_deg": Quantity("angle", -180.0, 180.0, True, _names(
-        "longitude lon lng long gpslon gpslongitude longps gpslng poslon"
-    )),
-    "altitude_m": Quantity("length", -500.0, 32000.0, True, _names(
-        "altitude alt altitudemsl altmsl amsl gpsalt gpsaltitude altgps altitudeamsl altamsl posalt"
-    )),
-    "roll_deg": Quantity("angle", -180.0, 180.0, False, _names(
-        "roll rollangle phi bank bankangle attroll attituderoll"
-    )),
-    "pitch_deg": Quantity("angle", -90.0, 90.0, False, _names(
-        "pitch pitchangle theta attpitch attitudepitch"
-    )),
-    "yaw_deg": Quantity("angle", -360.0, 360.0, False, _names(
-        "yaw yawangle psi heading trueheading hdg attyaw attitudeyaw"
-    )),
-    "solar_power_w": Quantity("power", -1e3, 1e6, False, _names(
-        "solarpower powersolar psolar pvpower powerpv ppv mpptpower powermppt pmppt solar",
-        "arraypower parray solararraypower psun",
-    )),
-    "solar_voltage_v": Quantity("voltage", -1.0, 1e4, True, _names(
-        "solarvoltage voltagesolar vsolar usolar pvvoltage vpv upv mpptvoltage mpptvolt vmppt",
-    )),
-    "solar_current_a": Quantity("current", -1e3, 1e5, False, _names(
-        "solarcurrent currentsolar isolar pvcurrent ipv mpptcurrent mpptamp imppt"
-    )),
-    "ambient_temperature_c": Quantity("temperature", -100.0, 57.0, True, _names(
-        "ambienttemperature ambienttemp airtemperature airtemp tamb tambient tair oat",
-        "outsideairtemperature outsideairtemp temperature temp",
-    )),
-    "mppt_voltage_v": Quantity("voltage", -1.0, 1e4, True, _names(
-        "mpptvoltage mpptvolt vmppt umppt"
-    )),
-    "load_w": Quantity("power", -1e6, 1e6, False, _names(
-        "load loadpower powerload pload consumption powerconsumption consumedpower pout ptotal"
-    )),
-    "state_of_charge": Quantity("share", -0.05, 1.05, True, _names(
-        "stateofcharge soc batterysoc socbattery batsoc batteryremaining remaining chargestate",
-        "batterypercent batpercent batterylevel",
-    )),
-    "airspeed_m_per_s": Quantity("speed", -10.0, 300.0, False, _names(
-        "trueairspeed airspeedtrue tas vtas airspeed vair aspd airspeedspeed arspairspeed"
-    )),
-    "battery_power_w": Quantity("power", -1e6, 1e6, False, _names(
-        "batterychargepower chargepower"
-    )),
+    "time": Quantity("time", -631152000.0, 2524608000.0, False,
+        "time timestamp datetime utc timeutc utctime gpstime timegps epoch unixtime timeunix unix "
+        "localtime timelocal clock t"),
+    "latitude_deg": Quantity("angle", -90.0, 90.0, True,
+        "latitude lat gpslat gpslatitude latgps poslat"),
+    "longitude_deg": Quantity("angle", -180.0, 180.0, True,
+        "longitude lon lng long gpslon gpslongitude longps gpslng poslon"),
+    "altitude_m": Quantity("length", -500.0, 32000.0, True,
+        "altitude alt altitudemsl altmsl amsl gpsalt gpsaltitude altgps altitudeamsl "
+        "altamsl posalt"),
+    "roll_deg": Quantity("angle", -180.0, 180.0, False,
+        "roll rollangle phi bank bankangle attroll attituderoll"),
+    "pitch_deg": Quantity("angle", -90.0, 90.0, False,
+        "pitch pitchangle theta attpitch attitudepitch"),
+    "yaw_deg": Quantity("angle", -360.0, 360.0, False,
+        "yaw yawangle psi heading trueheading hdg attyaw attitudeyaw"),
+    "solar_power_w": Quantity("power", -1e3, 1e6, False,
+        "solarpower powersolar psolar pvpower powerpv ppv mpptpower powermppt pmppt solar "
+        "arraypower parray solararraypower psun"),
+    "solar_voltage_v": Quantity("voltage", -1.0, 1e4, True,
+        "solarvoltage voltagesolar vsolar usolar pvvoltage vpv upv mpptvoltage mpptvolt vmppt"),
+    "solar_current_a": Quantity("current", -1e3, 1e5, False,
+        "solarcurrent currentsolar isolar pvcurrent ipv mpptcurrent mpptamp imppt"),
+    "ambient_temperature_c": Quantity("temperature", -100.0, 57.0, True,
+        "ambienttemperature ambienttemp airtemperature airtemp tamb tambient tair oat "
+        "outsideairtemperature outsideairtemp temperature temp"),
+    "mppt_voltage_v": Quantity("voltage", -1.0, 1e4, True,
+        "mpptvoltage mpptvolt vmppt umppt"),
+    "load_w": Quantity("power", -1e6, 1e6, False,
+        "load loadpower powerload pload consumption powerconsumption consumedpower pout ptotal"),
+    "state_of_charge": Quantity("share", -0.05, 1.05, True,
+        "stateofcharge soc batterysoc socbattery batsoc batteryremaining remaining chargestate "
+        "batterypercent batpercent batterylevel"),
+    "airspeed_m_per_s": Quantity("speed", -10.0, 300.0, False,
+        "trueairspeed airspeedtrue tas vtas airspeed vair aspd airspeedspeed arspairspeed"),
+    "battery_power_w": Quantity("power", -1e6, 1e6, False,
+        "batterychargepower chargepower"),
 }  # fmt: skip

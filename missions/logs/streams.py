@@ -21,10 +21,7 @@ _STREAM = re.compile(r"([A-Za-z0-9_]+)(?:\[\d+\])?\.")
 
 
 class Stream(NamedTuple):
-    """Messages of one kind over time since boot [s]; further instances are ``NAME[1]``, ...
-
-    ``kind``: what its format calls such a stream.
-    """
+    """Messages over time since boot [s]; ``kind``: what their format calls them."""
 
     name: str
     time_s: FloatArray
@@ -101,10 +98,7 @@ def log_from_series(
     notes: Sequence[str],
     layout: ColumnMap,
 ) -> FlightLog:
-    """Put quantities together at the times of the solar power.
-
-    ``layout``: its quantities of one value come before series of the same name.
-    """
+    """Put quantities, those of one value first, together at the times of the solar power."""
     if needed := set(REQUIRED) & set(layout.ignore):
         raise file_error(source, f"{min(needed)} cannot be ignored: it is needed")
     time_s = series["solar_power_w"].time_s

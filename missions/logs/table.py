@@ -154,10 +154,7 @@ def log_from_table(
     notes: Iterable[str] = (),
     exclude: Sequence[Span] = (),
 ) -> FlightLog:
-    """Check a table with the columns of the CSV format and make it a log.
-
-    ``exclude``: times of day that are left out. Returns samples in SI units, angles in radians.
-    """
+    """Log of a table with the columns of the CSV format, without some times of day."""
     return checked_log(table, Check(source, np.arange(2, len(table) + 2)), list(notes), exclude)
 
 
@@ -168,11 +165,7 @@ def checked_log(
     exclude: Sequence[Span],
     zone: datetime.tzinfo | None = None,
 ) -> FlightLog:
-    """Log of a table that is being read.
-
-    ``zone``: zone of times that are written without one, without which these are errors, and of
-    the times in ``exclude``.
-    """
+    """Log of a table that is being read; ``zone``: of spans, and of times without one."""
     remarks = list(notes)
     if TIME in table:
         time_s = _times(table[TIME], zone, check, remarks)
@@ -249,10 +242,7 @@ def _put_together(
 
 @dataclass
 class Check:
-    """What is being read: file, line of each row, names in the file, mistakes so far.
-
-    ``doubts``: values that were left out: column, why, which rows, and one of them.
-    """
+    """What is being read, mistakes so far, and ``doubts``: column, why, rows, one of the values."""
 
     source: str
     lines: IntArray
@@ -337,10 +327,7 @@ def _of_flight(time_s: FloatArray, column: pd.Series, check: Check) -> FloatArra
 
 
 def numbers(column: pd.Series, check: Check, quantity: str | None = None) -> FloatArray:
-    """Column as numbers, NaN where a field is empty, or holds what the quantity cannot be.
-
-    ``quantity``: what the column is, in the unit of the log format; else only numbers are read.
-    """
+    """Column as numbers, NaN where empty or, for a known quantity, what that cannot be."""
     if pd.api.types.is_bool_dtype(column):
         column = column.astype("string")
     numeric = pd.to_numeric(column, errors="coerce").astype(float)

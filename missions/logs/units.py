@@ -142,10 +142,7 @@ def in_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool:
 
 
 def surely_radians(roll: FloatArray, pitch: FloatArray, yaw: FloatArray) -> bool:
-    """Whether an attitude can be in nothing but radians, whatever its columns are called.
-
-    The yaw then fills a turn of 2 pi, and jumps by that from sample to sample.
-    """
+    """Whether the yaw fills a turn of 2 pi and jumps by that: nothing but radians do."""
     if not in_radians(roll, pitch, yaw):
         return False
     known = yaw[np.isfinite(yaw)]

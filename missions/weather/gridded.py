@@ -21,7 +21,14 @@ from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.raw import END, START, RawTable, text_of
 from missions.weather.record import SECONDS_PER_HOUR, Site
-from missions.winds.netcdf import AXES, altitudes_m, nearest_longitude, opened
+from missions.winds.netcdf import (
+    AXES,
+    altitudes_m,
+    east_deg,
+    latitudes_deg,
+    nearest_longitude,
+    opened,
+)
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
@@ -92,18 +99,13 @@ def read_era5_csv(path: Path, source: str) -> RawTable:
     ends = [float(data[name].iloc[0]) for name in ("latitude", "longitude") if name in data]
     if len(ends) < 2:
         raise file_error(source, "does not name its place: latitude and longitude are needed")
-    columns = {
-        key: data[name].to_numpy(float)
-        for key, names in _NAMES.items()
-        for name in names
-        if name in data
-    }
+    columns = _known(data)
     units = {"ghi": "J/m2", "direct": "J/m2", "temp_air": "K"}
     columns |= {
         key: _in_units(columns[key], units[key], key, source) for key in units & columns.keys()
     }
     index = pd.DatetimeIndex(pd.to_datetime(data["valid_time"], utc=True))
-    return _record("ERA5", columns, index, (ends[0], _east(ends[1])), END)._replace(first_line=2)
+    return _record("ERA5", columns, index, (ends[0], east_deg(ends[1])), END)._replace(first_line=2)
 
 
 def read_power_csv(path: Path, source: str) -> RawTable:
@@ -115,12 +117,9 @@ def read_power_csv(path: Path, source: str) -> RawTable:
         raise file_error(source, "does not name its place: write it with its first lines")
     latitude, longitude = float(place[1]), float(place[2])
     data = _csv(path, head.count("\n") + 1)
-    columns: dict[str, FloatArray] = {}
-    for key, names in _NAMES.items():
-        for name in names:
-            if name in data:
-                values = data[name].to_numpy(float)
-                columns[key] = np.where(values <= _MISSING, np.nan, values)
+    columns = {
+        key: np.where(values <= _MISSING, np.nan, values) for key, values in _known(data).items()
+    }
     parts = {"year": data["YEAR"], "month": data["MO"], "day": data["DY"], "hour": data["HR"]}
     local = re.search(r"\bin\s+LST\b", head) is not None
     index = pd.DatetimeIndex(pd.to_datetime(pd.DataFrame(parts), utc=True))
@@ -134,6 +133,16 @@ def read_power_csv(path: Path, source: str) -> RawTable:
 
 def _csv(path: Path, skip: int) -> pd.DataFrame:
     return pd.read_csv(io.StringIO(text_of(path)), skiprows=skip)
+
+
+def _known(data: pd.DataFrame) -> dict[str, FloatArray]:
+    """Columns by the quantity that their names say."""
+    return {
+        key: data[name].to_numpy(float)
+        for key, names in _NAMES.items()
+        for name in names
+        if name in data
+    }
 
 
 def _record(
@@ -183,12 +192,11 @@ def _point(
 ) -> tuple[dict[str, int], float, float]:
     """Place of the nearest grid point on the axes, its latitude and its longitude."""
     names = {axis: _axis(data, axis, source) for axis in ("latitude", "longitude")}
-    north, east = (np.atleast_1d(data[name].to_numpy()).astype(float) for name in names.values())
+    north = latitudes_deg(data[names["latitude"]], source)
+    east = np.atleast_1d(data[names["longitude"]].to_numpy()).astype(float)
     for name, values in zip(names.values(), (north, east), strict=True):
         if not len(values) or not np.all(np.isfinite(values)):
             raise file_error(source, f"has a {name} without values, or one that is no number")
-    if np.any(np.abs(north) > 90.0):
-        raise file_error(source, "has latitudes beyond 90 degrees: its axes may be swapped")
     wanted: tuple[float | None, float | None] = (None, None)
     if mission is not None:
         wanted = (mission.latitudes()[0], mission.longitude_deg)
@@ -205,7 +213,7 @@ def _point(
         raise file_error(source, f"has latitudes {ends}, not {wanted[0]:g} of the mission")
     j = 0 if wanted[1] is None or len(east) == 1 else nearest_longitude(east, wanted[1], source)
     place = {names["latitude"]: i, names["longitude"]: j}
-    return place, float(north[i]), _east(float(east[j]))
+    return place, float(north[i]), east_deg(float(east[j]))
 
 
 def _at_point(
@@ -271,11 +279,6 @@ _UNITS: dict[tuple[str, ...], tuple[tuple[tuple[str, ...], _Change], ...]] = {
     ),
     ("pressure",): ((("pa",), lambda v: v), (("hpa", "mbar"), lambda v: 100.0 * v)),
 }
-
-
-def _east(longitude_deg: float) -> float:
-    """Longitude from -180 to 180 degrees."""
-    return (longitude_deg + 180.0) % 360.0 - 180.0
 
 
 def _height_of(pressure_pa: float) -> float:

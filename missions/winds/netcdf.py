@@ -24,6 +24,8 @@ __all__ = [
     "AXES",
     "PERCENTILES",
     "altitudes_m",
+    "east_deg",
+    "latitudes_deg",
     "nearest_longitude",
     "opened",
     "wind_table_from_netcdf",
@@ -62,9 +64,7 @@ def wind_table_from_netcdf(
         altitude_m = altitudes_m(u["level"], source)
         kept = (altitude_m >= MINIMUM_ALTITUDE_M) & (altitude_m <= MAXIMUM_ALTITUDE_M)
         levels = np.flatnonzero(kept)[np.argsort(altitude_m[kept])]
-        latitudes = u["latitude"].to_numpy().astype(float)
-        if np.any(np.abs(latitudes) > 90.0):
-            raise file_error(source, "has latitudes beyond 90 degrees: its axes may be swapped")
+        latitudes = latitudes_deg(u["latitude"], source)
         if not len(levels):
             raise file_error(source, f"has no level up to {MAXIMUM_ALTITUDE_M:g} m")
         percentiles = np.array(sorted({*PERCENTILES, *([] if also is None else [also])}))
@@ -141,9 +141,22 @@ def _at_longitude(
     if longitude_deg is None:
         return u, v, f"all {len(longitudes)} longitudes"
     nearest = nearest_longitude(longitudes, longitude_deg, source)
-    east = (longitudes[nearest] + 180.0) % 360.0 - 180.0
+    east = east_deg(longitudes[nearest])
     some = slice(nearest, nearest + 1)
     return u[..., some], v[..., some], f"longitude {east:g}, nearest to {longitude_deg:g}"
+
+
+def latitudes_deg(axis: xr.DataArray, source: str) -> FloatArray:
+    """Latitudes of a grid."""
+    values = np.atleast_1d(axis.to_numpy()).astype(float)
+    if np.any(np.abs(values) > 90.0):
+        raise file_error(source, "has latitudes beyond 90 degrees: its axes may be swapped")
+    return values
+
+
+def east_deg(longitude_deg: float) -> float:
+    """Longitude from -180 to 180."""
+    return (longitude_deg + 180.0) % 360.0 - 180.0
 
 
 def nearest_longitude(longitudes: FloatArray, wanted_deg: float, source: str) -> int:

@@ -116,8 +116,8 @@ class PartLoad:
         if bus_v is None:
             low, high = (self.volts[0] + end * self.volts[1] for end in (-1.0, 1.0))
             return np.maximum(self.at(load, low), self.at(load, high))
-        x = _place(load, *self.loads)
-        y = _place(bus_v, *self.volts)
+        x = _from_centre(load, *self.loads)
+        y = _from_centre(bus_v, *self.volts)
         return _horner([_horner(list(row), y) for row in self.coefficients], x)
 
 
@@ -136,7 +136,9 @@ def _points(count: int) -> FloatArray:
     )
 
 
-def _place(value: ArrayLike, centre: FloatArray | float, half: FloatArray | float) -> FloatArray:
+def _from_centre(
+    value: ArrayLike, centre: FloatArray | float, half: FloatArray | float
+) -> FloatArray:
     """Place between -1 and 1; held at the ends, where it can only be by rounding."""
     width = np.where(np.asarray(half) > 0.0, half, 1.0)
     return np.clip((np.asarray(value, float) - centre) / width, -1.0, 1.0)

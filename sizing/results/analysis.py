@@ -28,11 +28,13 @@ from sizing.results.notes import catalogue_records, extrapolation_records, relax
 from sizing.results.part_masses import PartMasses, part_masses
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import (
+    check_days,
     check_subjects,
     climb_record,
     finite,
     finite_values,
     flight_record,
+    uncertainty_record,
 )
 from sizing.results.tables import Result, data_frame
 from sizing.results.varying_efficiency import VaryingEfficiency, varying_efficiency
@@ -49,23 +51,6 @@ from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-def _of_worst(one: q.Quantity) -> property:
-    """Quantity of the worst scenario, as an attribute under its key in records."""
-    unit = f" [{one.unit}]" if one.unit else ""
-    return property(
-        lambda analysis: analysis.value_in_worst(one),
-        doc=f"{one.meaning or one.label or one.name}{unit}, in the worst scenario.",
-    )
-
-
-def _of_design(one: q.Quantity) -> property:
-    """Quantity of the design, as an attribute under its key in records."""
-    return property(
-        lambda analysis: q.design_record(analysis.performance.design, [one])[one.name],
-        doc=f"{one.meaning or one.label} [{one.unit}].",
-    )
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -112,25 +97,25 @@ class Analysis(Result):
         """Index of the scenario with the least excess time."""
         return self.performance.worst_scenario()
 
-    excess_time_h = _of_worst(q.EXCESS_TIME)
-    charge_margin_h = _of_worst(q.CHARGE_MARGIN)
-    endurance_h = _of_worst(q.ENDURANCE)
-    best_launch_h = _of_worst(q.BEST_LAUNCH)
-    minimum_state_of_charge = _of_worst(q.MINIMUM_CHARGE)
-    status = _of_worst(q.STATUS)
-    sunrise_h = _of_worst(q.SUNRISE)
-    sunset_h = _of_worst(q.SUNSET)
-    equal_power_morning_h = _of_worst(q.EQUAL_POWER_MORNING)
-    equal_power_evening_h = _of_worst(q.EQUAL_POWER_EVENING)
-    full_charge_h = _of_worst(q.FULL_CHARGE)
-    power_out_w = _of_worst(q.LOAD)
-    solar_energy_wh = _of_worst(q.SOLAR_ENERGY)
-    load_energy_wh = _of_worst(q.LOAD_ENERGY)
-    curtailed_energy_wh = _of_worst(q.CURTAILED_ENERGY)
-    total_mass_kg = _of_design(q.TOTAL_MASS)
-    battery_energy_wh = _of_design(q.BATTERY_ENERGY)
-    propulsion_power_w = _of_design(q.PROPULSION_POWER)
-    airspeed_m_per_s = _of_design(q.AIRSPEED)
+    excess_time_h = q.attribute_in_worst(q.EXCESS_TIME)
+    charge_margin_h = q.attribute_in_worst(q.CHARGE_MARGIN)
+    endurance_h = q.attribute_in_worst(q.ENDURANCE)
+    best_launch_h = q.attribute_in_worst(q.BEST_LAUNCH)
+    minimum_state_of_charge = q.attribute_in_worst(q.MINIMUM_CHARGE)
+    status = q.attribute_in_worst(q.STATUS)
+    sunrise_h = q.attribute_in_worst(q.SUNRISE)
+    sunset_h = q.attribute_in_worst(q.SUNSET)
+    equal_power_morning_h = q.attribute_in_worst(q.EQUAL_POWER_MORNING)
+    equal_power_evening_h = q.attribute_in_worst(q.EQUAL_POWER_EVENING)
+    full_charge_h = q.attribute_in_worst(q.FULL_CHARGE)
+    power_out_w = q.attribute_in_worst(q.LOAD)
+    solar_energy_wh = q.attribute_in_worst(q.SOLAR_ENERGY)
+    load_energy_wh = q.attribute_in_worst(q.LOAD_ENERGY)
+    curtailed_energy_wh = q.attribute_in_worst(q.CURTAILED_ENERGY)
+    total_mass_kg = q.attribute_of_design(q.TOTAL_MASS)
+    battery_energy_wh = q.attribute_of_design(q.BATTERY_ENERGY)
+    propulsion_power_w = q.attribute_of_design(q.PROPULSION_POWER)
+    airspeed_m_per_s = q.attribute_of_design(q.AIRSPEED)
 
     @property
     def is_perpetual(self) -> bool:
@@ -397,7 +382,7 @@ def analyse(
     check_subjects(aircraft, mission)
     solar = SolarModel(model, correction)
     factors = (1.0 - solar.rms_relative, 1.0, 1.0 + solar.rms_relative)
-    _check_days(mission, days)
+    check_days(mission, days)
     if mission.climb is not None:
         down, climbs, up = (
             climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
@@ -428,20 +413,6 @@ def analyse(
     return Analysis(aircraft, mission, centre, low, high, flight, days=days)
 
 
-def _check_days(mission: Mission, days: int | None) -> None:
-    """Refuse a number of days that cannot be flown."""
-    if days is None:
-        return
-    if isinstance(days, bool) or not isinstance(days, int | np.integer):
-        raise TypeError(f"days must be a whole number or None (got {days!r})")
-    if not 1 <= days <= 365:
-        raise ValueError(f"days must be from 1 to 365 (got {days})")
-    if mission.climb is not None:
-        raise ValueError(
-            f"days cannot be given for mission {mission.name} with climb: its day repeats itself"
-        )
-
-
 def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     """Metrics of one scenario, JSON-ready."""
     perf, scenarios = analysis.performance, analysis.performance.day.scenarios
@@ -465,22 +436,3 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     if analysis.best_climb is not None and index == analysis.best_climb.scenario:
         record["best_climb"] = analysis.best_climb.to_dict()
     return record
-
-
-def uncertainty_record(
-    low: Performance, high: Performance, index: int | None = None
-) -> dict[str, Any]:
-    """Excess time of a scenario under the RMS error of the solar power model, JSON-ready.
-
-    ``low``, ``high``: with the solar power one RMS error lower and higher. Without ``index`` the
-    least excess time of all scenarios, which may be that of another scenario in each.
-    """
-    low_h, high_h = (
-        np.min(one.cycle.excess_time_h) if index is None else one.cycle.excess_time_h[index]
-        for one in (low, high)
-    )
-    return {
-        "solar_power_rms_relative": low.solar.rms_relative,
-        "excess_time_low_h": finite(low_h),
-        "excess_time_high_h": finite(high_h),
-    }

@@ -70,6 +70,23 @@ def design_record(design: Design, quantities: Iterable[Quantity]) -> dict[str, f
     return {name: None if value is None else finite(value) for name, value in values.items()}
 
 
+def attribute_in_worst(one: Quantity) -> property:
+    """Attribute of an analysis: the quantity in its worst scenario."""
+    unit = f" [{one.unit}]" if one.unit else ""
+    return property(
+        lambda analysis: analysis.value_in_worst(one),
+        doc=f"{one.meaning or one.label or one.name}{unit}, in the worst scenario.",
+    )
+
+
+def attribute_of_design(one: Quantity) -> property:
+    """Attribute of an analysis: the quantity of its design."""
+    return property(
+        lambda analysis: design_record(analysis.performance.design, [one])[one.name],
+        doc=f"{one.meaning or one.label} [{one.unit}].",
+    )
+
+
 def _of_design(key: str, form: str, path: str = "", meaning: str = "") -> Quantity:
     """Quantity of a design, as the catalogue of parameters describes it."""
     known = parameter(key)

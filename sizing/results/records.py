@@ -18,6 +18,7 @@ from solar.types import FloatArray
 
 if TYPE_CHECKING:
     from sizing.altitude.climb_cycle import ClimbPerformance
+    from sizing.performance import Performance
     from sizing.replay import CalendarRun
 
 # What is smaller, in its unit, is nothing: a solver leaves such payloads, and no change is relative
@@ -50,6 +51,20 @@ def _check_copies(record: Record) -> None:
     if record.is_unchecked():
         unknown = record.model_fields_set - type(record).model_fields.keys()
         with_values(record, {name: getattr(record, name) for name in unknown})
+
+
+def check_days(mission: Mission, days: int | None) -> None:
+    """Refuse a number of days that cannot be flown."""
+    if days is None:
+        return
+    if isinstance(days, bool) or not isinstance(days, int | np.integer):
+        raise TypeError(f"days must be a whole number or None (got {days!r})")
+    if not 1 <= days <= 365:
+        raise ValueError(f"days must be from 1 to 365 (got {days})")
+    if mission.climb is not None:
+        raise ValueError(
+            f"days cannot be given for mission {mission.name} with climb: its day repeats itself"
+        )
 
 
 def finite(value: Any) -> float | None:
@@ -96,6 +111,25 @@ def clock_label(clock_h: float | None, *, first_day: int | None = None) -> str:
     if first_day is None:
         return "24:00" if days == 1 and rest == 0 else reading
     return f"{date_label(first_day + days)} {reading}"
+
+
+def uncertainty_record(
+    low: Performance, high: Performance, index: int | None = None
+) -> dict[str, Any]:
+    """Excess time of a scenario under the RMS error of the solar power model, JSON-ready.
+
+    ``low``, ``high``: with the solar power one RMS error lower and higher. Without ``index`` the
+    least excess time of all scenarios, which may be that of another scenario in each.
+    """
+    low_h, high_h = (
+        np.min(one.cycle.excess_time_h) if index is None else one.cycle.excess_time_h[index]
+        for one in (low, high)
+    )
+    return {
+        "solar_power_rms_relative": low.solar.rms_relative,
+        "excess_time_low_h": finite(low_h),
+        "excess_time_high_h": finite(high_h),
+    }
 
 
 def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:

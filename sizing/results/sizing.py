@@ -48,13 +48,18 @@ from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
 from sizing.relaxation import Relaxation
 from sizing.results import quantities as q
-from sizing.results.analysis import uncertainty_record
 from sizing.results.battery import battery_record
 from sizing.results.climbs import climbs_record, level_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.part_masses import PartMasses, part_masses
 from sizing.results.power_budget import PowerBudget, power_budget
-from sizing.results.records import NEGLIGIBLE, check_subjects, finite, finite_values
+from sizing.results.records import (
+    NEGLIGIBLE,
+    check_subjects,
+    finite,
+    finite_values,
+    uncertainty_record,
+)
 from sizing.results.requirement_margins import (
     RequirementMargin,
     margin_records,
@@ -653,7 +658,7 @@ def without_margins_of(
 def _margin_record(study: SizingStudy) -> dict[str, Any]:
     """Design with a margin: what it is, and what it reaches with and without that error."""
     result = study.result
-    flown = {"least_excess_time_h": result.simulated, "excess_time_h": study.without_margins}
+    flown = {"least_excess_time_h": result.simulated, q.EXCESS_TIME.name: study.without_margins}
     reached = {
         key: None if perf is None else finite(np.min(perf.cycle.excess_time_h))
         for key, perf in flown.items()

@@ -15,9 +15,8 @@ from sizing.results.tables import Column, Line, Result, Summary, Table
 from studies.bench import capacity, glide, modules, propulsion
 from studies.bench.tables import BenchTable, Layout, read_bench
 from studies.bench.values import Measured
-from studies.fitting.estimation import Fitted
+from studies.fitting.estimation import Fitted, with_fitted
 from studies.fitting.least_squares import CONFIDENCE
-from studies.fitting.parameters import with_values
 
 Evaluate = Callable[[BenchTable, Aircraft], Sequence[Measured]]
 _EVALUATE: Mapping[str, Evaluate] = MappingProxyType(
@@ -56,8 +55,7 @@ class BenchTests(Result):
 
     def tested_aircraft(self) -> Aircraft:
         """Aircraft with the values of the tests."""
-        values = tuple(one.value for one in self.fitted)
-        return with_values(self.aircraft, tuple(one.parameter for one in self.fitted), values)
+        return with_fitted(self.aircraft, self.fitted)
 
     def headline(self) -> str:
         """How many keys change, by how many tests."""
@@ -92,16 +90,7 @@ class BenchTests(Result):
             "aircraft": self.aircraft.name,
             "confidence": CONFIDENCE,
             "fitted": [
-                {
-                    "key": one.parameter.key,
-                    "unit": one.parameter.unit,
-                    "before": one.before,
-                    "value": one.value,
-                    "standard_error": one.standard_error,
-                    "low": one.low,
-                    "high": one.high,
-                    "source": file,
-                }
+                {**one.to_dict(), "source": file}
                 for one, file in zip(self.fitted, self.sources, strict=True)
             ],
             "notes": list(self.notes),
@@ -141,9 +130,7 @@ def evaluate_bench(aircraft: Aircraft, *files: str | os.PathLike[str]) -> BenchT
                 raise table.refused(message)
             found[key] = (one.fitted(aircraft), table.source)
             notes += one.notes
-        fitted = [one for one, _ in found.values()]
-        values = tuple(one.value for one in fitted)
-        tested = with_values(aircraft, tuple(one.parameter for one in fitted), values)
+        tested = with_fitted(aircraft, [one for one, _ in found.values()])
     sources = tuple(source for _, source in found.values())
     return BenchTests(
         aircraft, tuple(one for one, _ in found.values()), sources, tuple(dict.fromkeys(notes))

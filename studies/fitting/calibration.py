@@ -33,6 +33,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
 from sizing.design import FlightConditions, closed_design, parametric_design, variables_of
 from sizing.parameters import parameter, parameter_value, replaced
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from studies.fitting.files import provenance, renamed
@@ -41,6 +42,7 @@ from studies.fitting.parameters import PARAMETERS, power_name
 # Mass and power of the calibrated aircraft agree with the measured ones to this, relative.
 _AGREE = 1e-6
 _OF_THE_MEASURED = ("modules", "battery", "power")
+_SIZE = (WINGSPAN.name, ASPECT_RATIO.name)
 
 
 @dataclass(frozen=True)
@@ -163,11 +165,7 @@ def calibrate_aircraft(
 def calibrate(
     measured: Document, technology: Document, sources: Mapping[str, str | None] | None = None
 ) -> Calibration:
-    """Make a parametric aircraft whose mass, level power and module power are the measured ones.
-
-    ``technology``: file of a parametric one: models of structure, drag and propulsion, masses of
-    avionics and the rest, design space.
-    """
+    """Parametric aircraft with the mass, level power and module power of a measured one."""
     built, models = validate(measured, Aircraft), validate(technology, Aircraft)
     _check_kinds(measured, technology, built, models)
     start, changes = _combined(built, models)
@@ -239,9 +237,8 @@ def _combined(built: Aircraft, models: Aircraft) -> tuple[Aircraft, dict[str, tu
     start = models
     for part in _OF_THE_MEASURED:
         start = replaced(start, [part], getattr(built, part))
-    size = {"wingspan_m": known.wingspan_m, "aspect_ratio": known.aspect_ratio}
-    for key, value in size.items():
-        start = replaced(start, ["airframe", key], value)
+    for key in _SIZE:
+        start = replaced(start, ["airframe", key], getattr(known, key))
     for key, (changed, _) in changes.items():
         start = replaced(start, key.split("."), changed)
     return start, changes
@@ -331,9 +328,7 @@ def _document(
     sources: dict[str, str | None],
 ) -> Document:
     """File of the calibrated aircraft."""
-    values: dict[str, Any] = {
-        f"airframe.{key}": measured.data["airframe"][key] for key in ("wingspan_m", "aspect_ratio")
-    }
+    values: dict[str, Any] = {f"airframe.{key}": measured.data["airframe"][key] for key in _SIZE}
     values |= {one.key: float(f"{one.after:.9g}") for one in factors}
     values |= {part: copy.deepcopy(measured.data[part]) for part in _OF_THE_MEASURED}
     name = measured.data["name"]

@@ -10,8 +10,9 @@ Software 33(3), section 4).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Channel
 from studies.fitting.channels.flight_errors import WARMTH, FlightError
 from studies.fitting.least_squares import Alone, Problem, Solution, singular_values, solved
-from studies.fitting.parameters import FitParameter
+from studies.fitting.parameters import FitParameter, with_values
 
 COLLINEAR = 20.0
 # A parameter whose whole range of the search moves the model by less than so much of the residuals'
@@ -53,6 +54,24 @@ class Fitted:
     def half_width(self) -> float:
         """Half of the confidence interval."""
         return 0.5 * (self.high - self.low)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Key of the file with its value and interval, JSON-ready."""
+        return {
+            "key": self.parameter.key,
+            "unit": self.parameter.unit,
+            "before": self.before,
+            "value": self.value,
+            "standard_error": self.standard_error,
+            "low": self.low,
+            "high": self.high,
+        }
+
+
+def with_fitted(aircraft: Aircraft, fitted: Sequence[Fitted]) -> Aircraft:
+    """Aircraft with the fitted values."""
+    parameters, values = (one.parameter for one in fitted), (one.value for one in fitted)
+    return with_values(aircraft, tuple(parameters), tuple(values))
 
 
 @dataclass(frozen=True)
@@ -97,11 +116,7 @@ class Estimate:
     freedom: int = 0
 
     def noise(self, hours: float) -> float:
-        """Standard deviation of the residuals' integral over so many hours.
-
-        Independent residuals add up as their squares do, and each of them lasts as long as the
-        correlation does.
-        """
+        """Deviation of the residuals' integral over hours: independent ones add up as squares."""
         if not 0.0 < self.independent < math.inf:
             return 0.0
         lasts_h = len(self.after) / self.independent * BIN_S / 3600.0
@@ -124,11 +139,7 @@ def estimate(
     aircraft: Aircraft,
     parameters: tuple[FitParameter, ...],
 ) -> Estimate:
-    """Fit parameters to a channel, as many of them as it can tell apart.
-
-    ``aircraft``: start, and the values of what is not fitted. ``parameters``: what is asked for; of
-    those that cannot be told apart the later ones are held.
-    """
+    """Fit as many parameters as a channel can tell apart; the later ones are held."""
     problem = Problem(channel, aircraft, parameters)
     held: list[Held] = []
     problem = _told_apart(problem, held)

@@ -27,10 +27,7 @@ _TAILS = 3.8  # standard deviations: beyond what draws of uncertain inputs are c
 def fitted_document(
     document: Document, fit: FlightFit, sources: Mapping[str, str | None]
 ) -> Document:
-    """Aircraft's document with the fitted values, how they scatter, and where they come from.
-
-    Returns its ``uncertainty`` has the standard errors, so that what is computed from it scatters.
-    """
+    """Document with the fitted values; their standard errors are in its ``uncertainty``."""
     more: dict[str, Any] = {}
     if any(one.parameter.name == MPPT for one in fit.fitted):
         aircraft = fit.fitted_aircraft()
@@ -49,10 +46,7 @@ def changed_document(
     what: str,
     more: Mapping[str, Any] | None = None,
 ) -> Document:
-    """Aircraft's document with other values, their scatter, and a block of provenance.
-
-    ``what`` was done with it, which its name ends with. ``more``: further keys.
-    """
+    """Document with other values, their scatter and provenance; its name ends with ``what``."""
     values = {one.parameter.key: _digits(one.value, one.standard_error) for one in fitted}
     records = [
         {
@@ -83,10 +77,7 @@ def changed_document(
 
 
 def scatter_of(one: Fitted) -> dict[str, Any]:
-    """How a fitted value scatters, as the block ``uncertainty`` of a file says it.
-
-    Normal; lognormal or uniform where the tails of that would leave what is possible.
-    """
+    """Block of ``uncertainty``: normal; lognormal or uniform where its tails are impossible."""
     sigma = one.standard_error
     low, high = one.parameter.lowest, one.parameter.highest
     if low < one.value - _TAILS * sigma and one.value + _TAILS * sigma < high:

@@ -20,10 +20,17 @@ from solar.types import FloatArray
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Flown, joined
 from studies.fitting.channels.found import channels
-from studies.fitting.estimation import Estimate, Fitted, FoundError, Held, estimate
+from studies.fitting.estimation import (
+    Estimate,
+    Fitted,
+    FoundError,
+    Held,
+    estimate,
+    with_fitted,
+)
 from studies.fitting.flight_tables import differences, error_table, flight_records, flight_table
 from studies.fitting.least_squares import CONFIDENCE
-from studies.fitting.parameters import chosen, with_values
+from studies.fitting.parameters import chosen
 from studies.flight_logs.verification import DEFAULT_MISSION, utc_label, verify
 
 Log: TypeAlias = FlightLog | str | os.PathLike[str]
@@ -76,14 +83,10 @@ class FlightFit(Result):
 
     def fitted_aircraft(self) -> Aircraft:
         """Aircraft with the fitted values."""
-        values = tuple(one.value for one in self.fitted)
-        return with_values(self.aircraft, tuple(one.parameter for one in self.fitted), values)
+        return with_fitted(self.aircraft, self.fitted)
 
     def covariance(self) -> FloatArray:
-        """Covariance of the fitted parameters, in the order of :attr:`fitted`.
-
-        Those of different channels are taken as independent.
-        """
+        """Covariance of :attr:`fitted` in its order; different channels are independent."""
         size = len(self.fitted)
         return self.covariance_with_model()[:size, :size]
 
@@ -172,7 +175,7 @@ class FlightFit(Result):
             "more_logs": [_log_record(log) for log in self.logs[1:]],
             "confidence": CONFIDENCE,
             "light_sigma": self.light_sigma,
-            "fitted": [_fitted_record(one) for one in self.fitted],
+            "fitted": [{"name": one.parameter.name, **one.to_dict()} for one in self.fitted],
             "held": [
                 {
                     **{"name": one.parameter.name, "key": one.parameter.key},
@@ -201,19 +204,6 @@ def _independent(part: Estimate) -> float | None:
 def _log_record(log: FlightLog) -> dict[str, Any]:
     ends = {"start": utc_label(log.time_s[0]), "end": utc_label(log.time_s[-1])}
     return {"source": log.source, **ends, "samples": len(log)}
-
-
-def _fitted_record(one: Fitted) -> dict[str, Any]:
-    return {
-        "name": one.parameter.name,
-        "key": one.parameter.key,
-        "unit": one.parameter.unit,
-        "before": one.before,
-        "value": one.value,
-        "standard_error": one.standard_error,
-        "low": one.low,
-        "high": one.high,
-    }
 
 
 def _channel_record(part: Estimate) -> dict[str, Any]:

@@ -105,10 +105,7 @@ def power_name(aircraft: Aircraft) -> str:
 
 
 def chosen(names: tuple[str, ...], aircraft: Aircraft) -> tuple[FitParameter, ...]:
-    """Parameters by their names.
-
-    Returns in the order of their names, each once.
-    """
+    """Parameters by their names, in their order and each once."""
     parameters = []
     for name in dict.fromkeys(names or default_names(aircraft)):
         if name not in PARAMETERS:

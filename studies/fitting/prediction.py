@@ -61,10 +61,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Prediction:
-    """A flight as it was and as it is predicted, by the file's values and by the fitted ones.
-
-    The standard errors are those of the fit, and of sky, attitude and model of the other flight.
-    """
+    """A flight as it was, and as predicted by the values of the file and of the fit."""
 
     source: str
     measured: Course

@@ -43,10 +43,7 @@ _KINDS: dict[str, Kind] = {
 
 @dataclass(frozen=True)
 class Anomalies:
-    """Finds what looks wrong in the samples of a log, with what is known of it.
-
-    ``earlier_s``: what was taken off the clock [s].
-    """
+    """Finds what looks wrong in a log; ``earlier_s`` was taken off its clock [s]."""
 
     log: FlightLog
     samples: Samples
@@ -187,10 +184,7 @@ class Anomalies:
 
 
 def _missing(log: FlightLog, known_s: float) -> list[Anomaly]:
-    """Stretches without samples while the sun is up; those close together are one finding.
-
-    What was left out since it cannot be is not missing.
-    """
+    """Stretches without samples in sunlight that were not left out; close ones are one finding."""
     spans = [span for one in log.left_out for span in one.periods]
     starts, ends = (np.array([span[i] for span in spans]) for i in (0, 1))
     step_s = GAP_STEPS * log.step_s

@@ -74,10 +74,7 @@ class ModelErrors:
 
 @dataclass(frozen=True)
 class Section:
-    """Errors over one window or day; ``excluded`` samples are not in them.
-
-    ``filter_s`` is the time to either side in the moving average.
-    """
+    """Errors over a window or day without ``excluded`` samples; ``filter_s`` to either side."""
 
     label: str
     start_s: float
@@ -91,12 +88,7 @@ class Section:
 def moving_average(
     values: FloatArray, run: IntArray, time_s: FloatArray, semi_s: float
 ) -> FloatArray:
-    """Two-sided moving average over so many seconds to either side that never leaves a run.
-
-    Towards the ends of a run the window is cut, not mirrored.
-
-    ``semi_s``: time on either side [s]; samples at its very end count.
-    """
+    """Average over ``semi_s`` to either side, the end included, cut at the ends of a run."""
     reach = semi_s + _TOLERANCE_S
     low = np.maximum(
         np.searchsorted(time_s, time_s - reach, side="left"),
@@ -151,11 +143,7 @@ def sections(
     filter_s: float,
     masks: Iterable[tuple[str, BoolArray]],
 ) -> tuple[Section, ...]:
-    """Errors of all models in several parts of a log.
-
-    ``filter_s``: time on either side in the moving average [s]. ``masks``: name of every part, and
-    which samples are its own.
-    """
+    """Errors of all models in several parts of a log, by name and samples of each."""
     used = ~excluded
     run = used_runs(samples, used)
     measured = samples.measured_w[used]

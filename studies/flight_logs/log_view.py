@@ -33,10 +33,7 @@ SMOOTH_S = 60.0
 
 @dataclass(frozen=True)
 class Anomaly:
-    """Something that looks wrong in the flight.
-
-    ``lost_wh`` is the energy between model and measurement in it, zero if that means nothing.
-    """
+    """Something that looks wrong in the flight; ``lost_wh`` is zero where that means nothing."""
 
     kind: Kind
     start_s: float
@@ -48,11 +45,7 @@ class Anomaly:
 
 
 def severity_of(share: float, minor: float, factor: float = 5.0) -> Severity:
-    """Severity by a share.
-
-    ``share``, ``minor``: share that is judged, and that below which it is minor [-]. ``factor``:
-    from so many times the latter on it is major.
-    """
+    """Severity of a share: minor below ``minor``, major from ``factor`` times that on."""
     if share < minor:
         return "minor"
     return "moderate" if share < factor * minor else "major"

@@ -99,10 +99,7 @@ def figures(
 
 @styled
 def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT) -> Figure:
-    """Power, attitude, efficiencies, shade and MPPT voltage in one window.
-
-    ``figure``: how the figure looks, or one that is drawn on.
-    """
+    """Power, attitude, efficiencies, shade and MPPT voltage in one window."""
     section = result.windows[number]
     view = _view(result, result.window_masks[number], result.window_filter_s, attitude=True)
     return _figure(result, section, view, [], figure)
@@ -112,10 +109,7 @@ def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT
 def day_figure(
     result: Verification, section: Section, mask: BoolArray, *, figure: Canvas = DEFAULT
 ) -> Figure:
-    """The same over a day (UTC), the windows as grey patches.
-
-    ``figure``: how the figure looks, or one that is drawn on.
-    """
+    """The same over a day (UTC), the windows as grey patches."""
     view = _view(result, mask, result.day_filter_s, attitude=False)
     hours, _ = _hours(result.samples, mask)
     inside = [hours[window[mask]] for window in result.window_masks]

@@ -96,10 +96,7 @@ def tail_shading(
 
 
 def lit_samples(forward: Forward) -> tuple[Samples, list[str]]:
-    """Sunlit samples with all models on them, and where their temperatures are from.
-
-    ``forward``: all samples; without module surfaces only CDM and CAM are computed.
-    """
+    """Sunlit samples with all models on them, and where their temperatures are from."""
     log = forward.log
     sun = sun_position(log.time_s, log.latitude_deg, log.longitude_deg)
     index = np.flatnonzero(sun.elevation_rad > 0.0)
@@ -135,10 +132,7 @@ def lit_samples(forward: Forward) -> tuple[Samples, list[str]]:
 
 
 def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
-    """Number stretches of consecutive places within one segment.
-
-    ``segment``: number of the segment between gaps that each belongs to.
-    """
+    """Number stretches of consecutive places within one segment between gaps."""
     breaks = (np.diff(index) > 1) | (np.diff(segment) > 0)
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)
 

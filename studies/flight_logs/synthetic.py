@@ -58,11 +58,7 @@ class Faults:
 
 @dataclass(frozen=True)
 class Settings:
-    """Length, rate and noise of a log.
-
-    ``bias`` is the relative error that a verification has to find: modelled is ``1 + bias`` times
-    measured power.
-    """
+    """Length, rate and noise of a log; modelled is ``1 + bias`` times measured power."""
 
     start_utc_s: float = START_UTC_S
     duration_h: float = DURATION_H
@@ -92,16 +88,13 @@ class SyntheticLog:
 
 
 def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> SyntheticLog:
-    """Fly a loiter circle by the clock and write down what the instruments would.
-
-    ``mission``: position, altitude, air and wind; its flight path if it is a circle.
-    """
+    """Fly a circle, that of the mission if it has one, and write what instruments would."""
     if aircraft.modules.geometry is None:
         raise ValueError(f"{aircraft.name} has no module geometry, so there is no Full Model of it")
     rng = np.random.default_rng(settings.seed)
     count = int(settings.duration_h * 3600.0 * settings.rate_hz) + 1
     elapsed = np.arange(count) / settings.rate_hz
-    flown = _flown(mission, elapsed, settings, rng)
+    flown = _path_flown(mission, elapsed, settings, rng)
     truth = _truth(aircraft, mission, settings.start_utc_s + elapsed, flown, settings.faults)
     table = _instruments(mission, settings, elapsed, flown, truth, rng)
     return SyntheticLog(table, _listed(settings, truth))
@@ -121,7 +114,7 @@ class _Truth(NamedTuple):
     shaded: FloatArray
 
 
-def _flown(
+def _path_flown(
     mission: Mission, elapsed: FloatArray, settings: Settings, rng: np.random.Generator
 ) -> _Flown:
     path = mission.flight_path

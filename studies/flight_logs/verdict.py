@@ -24,11 +24,7 @@ _AIR_MASS = 1.5  # of the reference spectrum AM1.5
 
 
 def model_sentence(model: ModelName, errors: ModelErrors | None, filter_s: float) -> str:
-    """What a model is worth on this flight.
-
-    ``errors``: errors over the whole log; None if no sample counts. ``filter_s``: time to either
-    side in the average before the RMS [s].
-    """
+    """What a model is worth on this flight; without errors no sample counts."""
     if errors is None:
         return f"{model}: nothing to compare, no sample counts"
     relative, scatter = errors.relative(errors.average_w), errors.relative(errors.rms_w)
@@ -146,10 +142,7 @@ _OTHERWISE = "a whole day of circles in both directions"
 def log_sentences(
     diagnosis: Diagnosis, aircraft: Aircraft, *, corrected: bool
 ) -> Iterator[tuple[str, bool]]:
-    """What the power says of log, modules and sky, and whether that is an error.
-
-    ``corrected``: whether the models are compared with the corrected log.
-    """
+    """What the power says of log, modules and sky, and whether that is an error."""
     how = "compared as corrected" if corrected else "compared as logged"
     if diagnosis.unit != "W":
         yield f"unit of the log: the power is in {diagnosis.unit}, not W; {how}", True

@@ -178,7 +178,7 @@ class Verification(Result):
         tables = [_error_table(section, "solar time") for section in self.windows]
         tables += [_error_table(section, "UTC") for section in self.days]
         if self.anomalies:
-            rows = [(a.kind.replace("_", " "), a.severity, _told(a)) for a in self.anomalies]
+            rows = [(a.kind.replace("_", " "), a.severity, _evidence(a)) for a in self.anomalies]
             columns = (Column("what"), Column("severity"), Column("evidence"))
             tables.append(Table("what stands out", columns, tuple(rows)))
         return tables
@@ -295,7 +295,7 @@ def _left_out_record(one: LeftOut) -> dict[str, Any]:
     return {"column": one.column, "kind": one.kind, "values": one.values, **known}
 
 
-def _told(anomaly: Anomaly) -> str:
+def _evidence(anomaly: Anomaly) -> str:
     span = " to ".join(
         utc_label(time_s).replace("T", " ").rstrip("Z")
         for time_s in (anomaly.start_s, anomaly.end_s)

@@ -28,10 +28,7 @@ _SHORTEST_STRETCH_S = 7200.0
 
 
 def load_channel(flown: Flown) -> Channel | str:
-    """Load in level flight: by night if there is one, since thermals and work are of the day.
-
-    Returns or why there is none.
-    """
+    """Load in level flight, by night if there is one: thermals and work are of the day."""
     log = flown.log
     if log.load_w is None:
         return "the log has no load_w"
@@ -79,8 +76,6 @@ def charge_channel(flown: Flown) -> Channel | str:
 
     ``dE/dt = eta_charge (P_solar - P_load)`` by surplus, over ``eta_discharge`` by deficit: the
     balance of :mod:`sizing.energy.march`, integrated from sample to sample by the trapezoidal rule.
-
-    Returns or why there is none.
     """
     log = flown.log
     if log.state_of_charge is None or log.load_w is None:

@@ -29,10 +29,7 @@ class Bins:
 
     @classmethod
     def of(cls, time_s: FloatArray, run: IntArray, use: BoolArray) -> Bins:
-        """Bins of the samples that are used, none across the ends of a stretch.
-
-        Returns of the used samples alone. A bin without samples ends a stretch as well.
-        """
+        """Bins of the used samples; the end of a stretch or a bin without samples ends a run."""
         slot = np.floor(time_s[use] / BIN_S).astype(int)
         stretch = run[use]
         if not len(slot):

@@ -127,31 +127,20 @@ class Flown:
 
     @classmethod
     def of(cls, verification: Verification, mission: Mission) -> Flown:
-        """Mission in the place and the mean air of a log.
-
-        ``mission``: clearness, payload, turbulence, and air where the log has none.
-        """
-        return cls(verification.log, mission_of_log(verification.log, mission), verification)
-
-
-def mission_of_log(log: FlightLog, mission: Mission) -> Mission:
-    """Mission at the mean place, altitude and air temperature of a log.
-
-    Returns without launch and climb; not validated.
-    """
-    place = {
-        "latitude_deg": float(np.median(log.latitude_deg)),
-        "longitude_deg": float(np.median(log.longitude_deg)),
-        "altitude_m": float(np.median(log.altitude_m)),
-    }
-    changed = mission.model_copy(update={**place, "launch": None, "climb": None})
-    air = mission.air
-    if log.ambient_temperature_c is not None:
-        mean_c = float(np.nanmean(log.ambient_temperature_c))
-        air = AirConditions(
-            ambient_temperature_c=mean_c, module_temperature_c=air.module_temperature_c
-        )
-    return changed.model_copy(update={"air": air})
+        """Mission at the mean place and air of a log, without launch and climb; not validated."""
+        log, air = verification.log, mission.air
+        place = {
+            "latitude_deg": float(np.median(log.latitude_deg)),
+            "longitude_deg": float(np.median(log.longitude_deg)),
+            "altitude_m": float(np.median(log.altitude_m)),
+        }
+        if log.ambient_temperature_c is not None:
+            mean_c = float(np.nanmean(log.ambient_temperature_c))
+            air = AirConditions(
+                ambient_temperature_c=mean_c, module_temperature_c=air.module_temperature_c
+            )
+        known = {**place, "launch": None, "climb": None, "air": air}
+        return cls(log, mission.model_copy(update=known), verification)
 
 
 def ambient_c(flown: Flown, index: IntArray) -> FloatArray:

@@ -58,11 +58,7 @@ def flight_errors(
     light_sigma: float,
     mean: Callable[[FloatArray], FloatArray] = np.asarray,
 ) -> tuple[FlightError, ...]:
-    """Errors of the light, the attitude, the clock and the model.
-
-    ``light_sigma``: of the level of the light, to which CAM adds its own; an error whose standard
-    deviation is zero is left out. ``mean``: of samples in bins.
-    """
+    """Errors of light, attitude, clock and model, ``mean`` in bins; none known exactly."""
     level = light_sigma if forward.knows_angles else float(np.hypot(light_sigma, CAM_SIGMA))
     found = (
         FlightError(

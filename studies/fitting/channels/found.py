@@ -21,11 +21,7 @@ _FEWEST_BINS = 12  # an hour
 def channels(
     flown: Flown, aircraft: Aircraft, light_sigma: float
 ) -> tuple[dict[ChannelName, Channel], list[str]]:
-    """Channels that a log has, and why it has no others.
-
-    ``aircraft``: its charge limit says where power may be held back. ``light_sigma``: standard
-    uncertainty of the level of the light [-].
-    """
+    """Channels that a log has, and why it has no others."""
     made_channels: dict[ChannelName, Channel] = {}
     missing = []
     makers: dict[ChannelName, Callable[[], Channel | str]] = {

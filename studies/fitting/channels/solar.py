@@ -26,12 +26,7 @@ _MAY_BE_LIMITED = 0.9
 
 
 def solar_channel(flown: Flown, aircraft: Aircraft, light_sigma: float) -> Channel:
-    """Solar power where the sun is up and nothing holds it back.
-
-    ``aircraft``: its charge limit and modules say where power may be held back. ``light_sigma``:
-    standard uncertainty of the level of the light [-]. Returns of the Full Model where attitude and
-    module surfaces are known, else of CAM.
-    """
+    """Solar power in sunlight without limits: Full Model where it is known enough, else CAM."""
     samples = flown.found.samples
     high = samples.elevation_deg >= LOWEST_SUN_DEG
     faulty = _in_faults(flown.found)

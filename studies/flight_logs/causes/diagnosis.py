@@ -121,10 +121,7 @@ def snapped(ahead_s: float, sigma_s: float) -> float:
 
 
 def diagnose(forward: Forward, *, search: bool = True) -> Diagnosis:
-    """Let all causes compete for what a log shows.
-
-    ``search``: else nothing is taken to be wrong, and only the level of the model is fitted.
-    """
+    """Let all causes compete, or without ``search`` fit the level of the model alone."""
     log = forward.log
     modelled = np.concatenate([part.parts(LogError()).power for part in forward.chunks()])
     factor = _factor(log.solar_power_w, modelled) if search else 1.0

@@ -221,10 +221,7 @@ def modelled(
 
 
 class Noise(NamedTuple):
-    """Standard deviation of the residuals [W], and how many of each sample are independent.
-
-    A standard deviation of zero is estimated on the way.
-    """
+    """Deviation of the residuals [W], zero: unknown; how many of each sample are independent."""
 
     sigma: float = 0.0
     worth: float = 0.2
@@ -236,10 +233,7 @@ UNKNOWN_NOISE = Noise()
 def fitted(
     data: Data, hypothesis: Hypothesis, noise: Noise = UNKNOWN_NOISE, known: Fit | None = None
 ) -> Fit:
-    """Most likely errors under a hypothesis, by iteratively reweighted Gauss-Newton steps.
-
-    ``known``: a fit to start from where it has the same error of the log.
-    """
+    """Most likely errors by reweighted Gauss-Newton steps, from ``known`` at the same log error."""
     problem = _Problem.of(data, hypothesis)
     state = problem.start(known)
     for _ in range(_ROUNDS):

@@ -104,10 +104,7 @@ class Parts(NamedTuple):
 
 
 class Sunlight(NamedTuple):
-    """Sun and clear sky of some samples, and their attitude where that is logged.
-
-    ``to_ned`` is the rotation from body axes, ``yaw`` the heading [rad].
-    """
+    """Sun, clear sky, rotation from body axes and heading [rad] of some samples."""
 
     sun: SunPosition
     light: Irradiance
@@ -131,10 +128,7 @@ _CHUNK = 16_384
 
 @dataclass(frozen=True)
 class Forward:
-    """The Full Model, or CAM without attitude or module surfaces, at some samples of a log.
-
-    ``shade``: shadow of the tail, if that is known.
-    """
+    """The Full Model, or CAM without attitude or module surfaces, at some samples of a log."""
 
     log: FlightLog
     aircraft: Aircraft

@@ -119,10 +119,7 @@ class Candidate:
 
 
 def candidates(data: Data, known: Hypothesis, base: Fit, noise: Noise) -> Iterator[Candidate]:
-    """The best fit of every row on top of what is known already.
-
-    ``base``: fit of what is known.
-    """
+    """The best fit of every row on top of what is known already."""
     used = {*known.free, *known.start.signs}
     for row in ROWS:
         if used & {*row.free, *row.signs} or not _applies(row, data):

@@ -81,10 +81,7 @@ class _Sums:
 def best_losses(
     data: Data, fit: Fit, shapes: list[Shape], sigma: float, worth: float
 ) -> Iterator[Candidate]:
-    """The best period of each shape.
-
-    ``fit``: what is known so far. ``worth``: independent residuals for each sample.
-    """
+    """The best period of each shape; ``worth``: independent residuals for each sample."""
     count = len(data.time_s)
     edges = np.unique(np.linspace(0, count, _EDGES + 1).astype(int))
     parts = data.parts(fit.error)
