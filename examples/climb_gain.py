@@ -23,7 +23,7 @@ import studies
 # 3000 m of climb, in standard air; empty brackets take out what the file says of the air.
 LEVEL: dict[str, object] = {"air": {}}
 CLIMBS = LEVEL | {"climb": {"ceiling_m": 3536.0, "strategy": "surplus"}}
-LATITUDES_DEG, DAYS = np.arange(0.0, 51.0, 2.5), np.arange(1, 366, 7)
+LATITUDES_DEG, DAYS = np.arange(0.0, 51.0, 2.5), np.arange(1, 366, 14)
 
 
 def main() -> None:
