@@ -160,7 +160,22 @@ class SolarDay:
         )
 
     def power_of(self, design: Design, mission: Mission, *, paired: bool = False) -> FloatArray:
-        """Specific power of designs in every scenario, or ``paired``: of each in its own [W/m2]."""
+        """Specific power of designs, whose modules the flow of each of them cools.
+
+        Parameters
+        ----------
+        design : Design
+            One, or a batch.
+        mission : Mission
+            With the air.
+        paired : bool
+            Whether every design flies in its own scenario, else in all of them.
+
+        Returns
+        -------
+        ndarray
+            With the scenarios and the time as last axes [W/m2].
+        """
         cooling = self.cooling
         if cooling is None:
             return self.specific_power_w_per_m2

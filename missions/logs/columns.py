@@ -58,7 +58,21 @@ class ColumnMap(Record):
         ignore: Sequence[str] = (),
         exclude: Sequence[str] = (),
     ) -> ColumnMap:
-        """Map with what the command line says, which precedes the file or is added to it."""
+        """Map with what the command line says, which precedes the file or is added to it.
+
+        Parameters
+        ----------
+        columns : mapping
+            Names of columns by quantity.
+        timezone, start : str, optional
+            Time zone, and start of a log with seconds from it, instead of the map's.
+        ignore, exclude : sequence of str
+            Columns and spans of time that are left out as well.
+
+        Returns
+        -------
+        ColumnMap
+        """
         changes: dict[str, Any] = {"columns": {**self.columns, **columns}}
         changes |= {n: v for n, v in (("timezone", timezone), ("start", start)) if v is not None}
         changes |= {"ignore": (*self.ignore, *ignore), "exclude": (*self.exclude, *exclude)}

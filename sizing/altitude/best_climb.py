@@ -111,14 +111,8 @@ def best_climb(
     """Find the course of climbs and glides with the largest reserve in one scenario.
 
     ``scenario``: its place among the mission's; that of the least excess time by the mission's own
-    rule without it.
-
-    Raises
-    ------
-    ValueError
-        For a mission without ``climb``.
-    ClimbLimitError
-        For an aircraft that has no power to climb with.
+    rule without it. Raises ``ValueError`` for a mission without ``climb``, and ``ClimbLimitError``
+    for an aircraft that has no power to climb with.
     """
     own = climb_performance(aircraft, mission, solar)
     assert mission.climb is not None

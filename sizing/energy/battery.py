@@ -271,7 +271,20 @@ class Battery(OfCatalogue):
         return (HEATED_PACK, share) if np.any(share > 0.0) else (None, 0.0)
 
     def capacity_fraction(self, air_c: Value, altitude_m: Value = 0.0) -> Value:
-        """Capacity in air of a temperature [C], and at its age, over the new and warm one [-]."""
+        """Capacity in air of a temperature, and at its age, over the new and warm one.
+
+        Parameters
+        ----------
+        air_c : float or array_like
+            Air temperature [C].
+        altitude_m : float or array_like
+            Altitude, from which a heater may be assumed [m].
+
+        Returns
+        -------
+        float or ndarray
+            Share of the capacity [-].
+        """
         held, share = self.temperature_at(altitude_m)
         fraction: Value = 1.0
         if held is not None:
@@ -285,16 +298,37 @@ class Battery(OfCatalogue):
     def heater_w(
         self, air_c: Value, altitude_m: Value = 0.0, mass_kg: Value | None = None
     ) -> Value:
-        """Power that its heater draws in air of a temperature [C]; 0 without a heater [W].
+        """Power that its heater draws.
 
-        ``mass_kg``: of another battery of its kind.
+        Parameters
+        ----------
+        air_c, altitude_m : float or array_like
+            Air temperature [C] and altitude [m].
+        mass_kg : float or array_like, optional
+            Of another battery of its kind [kg].
+
+        Returns
+        -------
+        float or ndarray
+            Power, 0 without a heater [W].
         """
         mass = self.mass_kg if mass_kg is None else mass_kg
         fixed, at_1_kg = self.heater_parts_w(air_c, altitude_m)
         return fixed + at_1_kg * mass ** (2.0 / 3.0)
 
     def heater_parts_w(self, air_c: Value, altitude_m: Value) -> tuple[Value, Value]:
-        """Power of the heater that has no part in the mass, and that of an insulated 1 kg [W]."""
+        """Power of the heater that has no part in the mass, and that of an insulated 1 kg.
+
+        Parameters
+        ----------
+        air_c, altitude_m : float or array_like
+            Air temperature [C] and altitude [m].
+
+        Returns
+        -------
+        tuple of float or ndarray
+            Both [W]; the second grows with the mass to the power of 2/3.
+        """
         held, share = self.temperature_at(altitude_m)
         if held is None:
             return 0.0, 0.0

@@ -66,10 +66,21 @@ def size_cells(
     objective: Objective,
     solar: SolarModel,
 ) -> dict[str, Any]:
-    """Best design of an aircraft in every cell of latitude [deg] and day of year, as columns.
+    """Best design of an aircraft in every cell of latitude and day of year, as columns.
 
-    A cell is the mission with the cell's latitude and day instead of its own. The columns are those
-    of :data:`studies.output.columns.DESCRIBED`, in its units.
+    A cell is the mission with the cell's latitude and day instead of its own.
+
+    Parameters
+    ----------
+    aircraft, mission, objective, solar
+        As for :func:`sizing.optimisation.cells.size_cells`.
+    cells : sequence of tuple
+        Latitude [deg] and day of year of every cell.
+
+    Returns
+    -------
+    dict
+        Columns of :data:`studies.output.columns.DESCRIBED`, in its units.
     """
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])

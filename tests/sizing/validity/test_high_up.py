@@ -251,7 +251,7 @@ def test_a_report_tells_the_worth(run: Run, tmp_path: Path) -> None:
     run("report", "atlantiksolar-design", *high, "--no-uncertainty", "--out", str(page))
     text = page.read_text(encoding="utf-8")
     assert "unheated at \u221249.9 °C, with 60 % of its capacity, the excess time is" in text
-    assert "at \u221249.9 °C 22 % more solar energy than at 25 °C" in text
+    assert "as cold as the air, \u221249.9 °C, they would give 5 % more solar energy" in text
     assert "error of the solar power model from one morning at 0.5 km" in text
 
 

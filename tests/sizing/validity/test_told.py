@@ -94,8 +94,12 @@ def expected(craft: Aircraft, where: Mission, values: dict[str, float]) -> dict[
         "altitude_m of thin_air": where.altitude_m >= 12000.0
         and outside(where.altitude_m, 12000.0, 25000.0),
         "altitude_m of model_error": outside(where.altitude_m, -math.inf, 9000.0),
-        "altitude_m of module_temperature": outside(where.altitude_m, -math.inf, 3000.0),
-        "air_temperature_c of battery": outside(float(air.temperature_k) - 273.15, -20.0, math.inf),
+        # Above 3 km a balance of heat and a heater are assumed where the file says nothing.
+        "altitude_m of module_temperature": "thermal" not in craft.modules.model_fields_set
+        and outside(where.altitude_m, -math.inf, 3000.0),
+        "altitude_m of battery": outside(where.altitude_m, -math.inf, 3000.0),
+        "air_temperature_c of battery": where.altitude_m <= 3000.0
+        and outside(float(air.temperature_k) - 273.15, -20.0, math.inf),
         "mach_number of aerodynamics": outside(speed / sound, -1.0, 0.3),
         "propulsion_power_w of propulsion": outside(values["power"], 3.0, 1000.0),
         "cruise_discharge_rate_per_h of battery": outside(load / energy, -1.0, 0.2),

@@ -303,5 +303,9 @@ def test_every_shipped_aircraft_flies_every_shipped_mission(run: Run) -> None:
     for aircraft in shipped["aircraft"]:
         for mission in shipped["mission"]:
             outcome = run("analyse", aircraft, "-m", mission, "--json")
+            if outcome.code == 1:  # a power train of low altitudes at 20 km
+                assert mission == "stratosphere-mission"
+                assert "cannot do level flight" in outcome.err
+                continue
             assert (outcome.code, outcome.err) == (0, "")
             assert outcome.json().keys() >= ANALYSE_KEYS

@@ -455,13 +455,13 @@ SMALL = ("--latitudes", "40:50:10", "--days", "100:200:100")
     [
         (("--help",), set(), 170),
         (("list",), set(), 220),
-        (("analyse", AS2), {"numpy", "pydantic"}, 540),
+        (("analyse", AS2), {"numpy", "pydantic"}, 560),
         (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "casadi"}, 900),
         (("map", AS2, *SMALL), {"numpy", "pydantic", "rich"}, 610),
         (
             ("map", AS2, *SMALL, "--out", "{folder}/map.nc"),
             {"numpy", "pydantic", "rich", "h5netcdf"},
-            650,
+            680,
         ),
         (
             ("sweep", DESIGN, "--vary", "wingspan_m=4,5"),
