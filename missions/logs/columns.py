@@ -62,12 +62,8 @@ class ColumnMap(Record):
 
         Parameters
         ----------
-        columns : mapping
-            Names of columns by quantity.
-        timezone, start : str, optional
-            Time zone, and start of a log with seconds from it, instead of the map's.
-        ignore, exclude : sequence of str
-            Columns and spans of time that are left out as well.
+        columns, timezone, start, ignore, exclude
+            As the keys of a map: the first three instead of its own, the others beside them.
 
         Returns
         -------

@@ -146,10 +146,8 @@ class ChargeClock:
 
         Parameters
         ----------
-        state_of_charge : ndarray
-            State of charge at the start [-].
-        duration_h : array_like
-            How long the limit is followed [h].
+        state_of_charge, duration_h : array_like
+            State of charge at the start [-], and how long the limit is followed [h].
 
         Returns
         -------
@@ -275,10 +273,8 @@ class Battery(OfCatalogue):
 
         Parameters
         ----------
-        air_c : float or array_like
-            Air temperature [C].
-        altitude_m : float or array_like
-            Altitude, from which a heater may be assumed [m].
+        air_c, altitude_m : float or array_like
+            Air temperature [C], and altitude, from which a heater may be assumed [m].
 
         Returns
         -------
@@ -406,10 +402,8 @@ class Store:
 
         Parameters
         ----------
-        energy_wh, surplus_wh : ndarray
-            Stored energy at the start, and surplus over these hours [Wh].
-        hours : array_like
-            How long the surplus lasts [h].
+        energy_wh, surplus_wh, hours : array_like
+            Stored energy at the start, and surplus [Wh] over these hours [h].
 
         Returns
         -------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from sizing.optimisation.result import SizingResult
 from sizing.results import quantities as q
 from sizing.results.records import climb_record, finite, hours, relative_change
 from sizing.results.tables import MISSING, Line
-
-if TYPE_CHECKING:
-    from sizing.results.sizing import SizingStudy
 
 
 def climbs_record(climbs: ClimbPerformance, mission: Mission) -> dict[str, Any]:
@@ -37,15 +34,19 @@ def level_record(level: SizingResult) -> dict[str, Any]:
     }
 
 
-def climb_lines(study: SizingStudy) -> list[Any]:
+def climb_lines(
+    mission: Mission,
+    result: SizingResult,
+    climbs: ClimbPerformance | None,
+    level: SizingResult | None,
+) -> list[Any]:
     """What the optimum's day looks like, and what it would be without climbs."""
-    climbs, level = study.climbs, study.without_climbs
-    if climbs is None or study.design is None:
+    if climbs is None or result.design is None:
         return []
-    assert study.mission.climb is not None
-    flown, floor_m = climbs.climb, study.mission.altitude_m
+    assert mission.climb is not None
+    flown, floor_m = climbs.climb, mission.altitude_m
     highest_m, gliding_h = float(flown.maximum_altitude_m[0]), float(flown.gliding_h[0])
-    reached = "its ceiling of " if highest_m > study.mission.climb.ceiling_m - 1.0 else ""
+    reached = "its ceiling of " if highest_m > mission.climb.ceiling_m - 1.0 else ""
     text = f"stays at {floor_m:.0f} m: no surplus, or no power, is left to climb with"
     if highest_m > floor_m + 1.0:
         text = (
@@ -55,25 +56,25 @@ def climb_lines(study: SizingStudy) -> list[Any]:
         )
     lines: list[Any] = [text]
     if level is not None:
-        lines.append(Line(_without(study, level)))
+        lines.append(Line(_without(mission, result, level)))
     return lines
 
 
-def _without(study: SizingStudy, level: SizingResult) -> str:
+def _without(mission: Mission, result: SizingResult, level: SizingResult) -> str:
     """The optimum of level flight, and how much larger it is."""
-    where = f"in level flight at {study.mission.altitude_m:.0f} m"
-    if level.design is None or study.design is None:
+    where = f"in level flight at {mission.altitude_m:.0f} m"
+    if level.design is None or result.design is None:
         return f"{where} no design was found ({level.status.label})"
     shown = [q.CHOSEN[0], q.TOTAL_MASS]
     parts = [
         f"{one.label} {one.fact(one.of(level.design))[1]} "
-        f"({_change(one.of(study.design), one.of(level.design))})"
+        f"({_change(one.of(result.design), one.of(level.design))})"
         for one in shown
     ]
-    if study.objective.variable not in [one.name for one in shown]:
+    if result.objective.variable not in [one.name for one in shown]:
         assert level.objective_value is not None
-        assert study.result.objective_value is not None
-        parts.insert(0, _objective(study.objective, study.result.objective_value, level))
+        assert result.objective_value is not None
+        parts.insert(0, _objective(result.objective, result.objective_value, level))
     return f"{where}: {', '.join(parts)}"
 
 

@@ -68,7 +68,7 @@ def summary(study: SizingStudy) -> Summary:
     blocks.append((_design_table(study), mass_table(study.design.masses._asdict())))
     if study.power_budget is not None:
         blocks.append(power_line(study.power_budget, study.mission))
-    blocks += climb_lines(study)
+    blocks += climb_lines(study.mission, study.result, study.climbs, study.without_climbs)
     if study.part_masses is not None:
         blocks.append(part_masses_line(study.part_masses))
     blocks += _whole_cells(study)
