@@ -27,10 +27,9 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_cycle import climb_performance
+from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.altitude.climb_day import ClimbCycle
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
-from sizing.design import design_of
 from sizing.energy.battery import (
     Battery,
     NoChargeLimit,
@@ -38,7 +37,7 @@ from sizing.energy.battery import (
     Store,
     charge_rate_per_h,
 )
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from solar.types import FloatArray
 
 __all__ = ["BestClimb", "best_climb"]
@@ -85,36 +84,23 @@ class BestClimb:
         full = np.flatnonzero(self.state_of_charge >= 1.0 - 1e-3)
         return float(self.time_h[full[0]]) if len(full) else np.nan
 
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        single = {"excess_time_h": self.excess_time_h, "gain_in_excess_time_h": self.gain_h}
-        return {
-            **{name: one if np.isfinite(one) else None for name, one in single.items()},
-            "excess_time_by_rule_h": {
-                name: one if np.isfinite(one) else None for name, one in self.by_rule_h.items()
-            },
-            "full_charge_h": None if np.isnan(self.full_h) else self.full_h,
-            "time_solar_h": self.time_h.tolist(),
-            "altitude_m": self.altitude_m.tolist(),
-            "state_of_charge": self.state_of_charge.tolist(),
-            "motor_power_w": self.motor_power_w.tolist(),
-        }
-
 
 def best_climb(
     aircraft: Aircraft,
     mission: Mission,
     solar: SolarModel = UNCORRECTED_CAM,
     *,
+    own: ClimbPerformance | None = None,
     scenario: int | None = None,
 ) -> BestClimb:
     """Find the course of climbs and glides with the largest reserve in one scenario.
 
-    ``scenario``: its place among the mission's; that of the least excess time by the mission's own
-    rule without it. Raises ``ValueError`` for a mission without ``climb``, and ``ClimbLimitError``
-    for an aircraft that has no power to climb with.
+    ``own``: flight by the mission's own rule, where it is known. ``scenario``: its place among the
+    mission's; that of the least excess time by that rule without it. Raises ``ValueError`` for a
+    mission without ``climb``, and ``ClimbLimitError`` for an aircraft that has no power to climb
+    with.
     """
-    own = climb_performance(aircraft, mission, solar)
+    own = climb_performance(aircraft, mission, solar) if own is None else own
     assert mission.climb is not None
     place = own.performance.worst_scenario() if scenario is None else scenario
     rules = {mission.climb.strategy: own}
@@ -123,9 +109,8 @@ def best_climb(
             update = {"climb": mission.climb.model_copy(update={"strategy": strategy})}
             other = mission.model_copy(update=update)
             rules[strategy] = climb_performance(aircraft, other, solar)
-    design = design_of(aircraft, mission)
-    day = solar_day(aircraft, mission, solar).at([place])
-    levels = flight_levels(aircraft, mission, design, day)
+    day = own.constant.day.at([place])
+    levels = flight_levels(aircraft, mission, own.constant.design, day)
     store = own.constant.store.flat((len(own.constant.day.scenarios),)).select(
         slice(place, place + 1)
     )
@@ -185,7 +170,7 @@ class _Day:
     def __init__(
         self, time_h: FloatArray, levels: FlightLevels, store: Store, battery: Battery
     ) -> None:
-        self.levels, self.store, self.limit = levels, store, battery.charge_limit
+        self.store, self.limit = store, battery.charge_limit
         self.nodes_h = np.linspace(0.0, 24.0, _STEPS + 1)
         self.energies_wh = levels.potential_energy_wh[:, 0]
         self.level_w = levels.propulsion_power_w[:, 0]

@@ -28,6 +28,7 @@ from sizing.results.notes import catalogue_records, extrapolation_records, relax
 from sizing.results.part_masses import PartMasses, part_masses
 from sizing.results.power_budget import PowerBudget, power_budget
 from sizing.results.records import (
+    best_climb_record,
     check_days,
     check_subjects,
     climb_record,
@@ -388,7 +389,7 @@ def analyse(
             climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
         )
         three = (climbs.performance, down.performance, up.performance)
-        best = best_climb(aircraft, mission, solar) if with_best_climb else None
+        best = best_climb(aircraft, mission, solar, own=climbs) if with_best_climb else None
         return Analysis(aircraft, mission, *three, flight=None, climb=climbs, best_climb=best)
     if with_best_climb:
         raise ValueError(f"mission {mission.name} has no climb")
@@ -434,5 +435,5 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     if analysis.climb is not None:
         record["climb"] = climb_record(analysis.climb, analysis.mission, index)
     if analysis.best_climb is not None and index == analysis.best_climb.scenario:
-        record["best_climb"] = analysis.best_climb.to_dict()
+        record["best_climb"] = best_climb_record(analysis.best_climb)
     return record

@@ -17,6 +17,7 @@ from solar.schema import Record
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
+    from sizing.altitude.best_climb import BestClimb
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.performance import Performance
     from sizing.replay import CalendarRun
@@ -129,6 +130,20 @@ def uncertainty_record(
         "solar_power_rms_relative": low.solar.rms_relative,
         "excess_time_low_h": finite(low_h),
         "excess_time_high_h": finite(high_h),
+    }
+
+
+def best_climb_record(best: BestClimb) -> dict[str, Any]:
+    """Best course of climbs and glides, JSON-ready."""
+    return {
+        "excess_time_h": finite(best.excess_time_h),
+        "gain_in_excess_time_h": finite(best.gain_h),
+        "excess_time_by_rule_h": {name: finite(one) for name, one in best.by_rule_h.items()},
+        "full_charge_h": finite(best.full_h),
+        "time_solar_h": best.time_h.tolist(),
+        "altitude_m": best.altitude_m.tolist(),
+        "state_of_charge": best.state_of_charge.tolist(),
+        "motor_power_w": best.motor_power_w.tolist(),
     }
 
 
