@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.validation.figure_script import write_figure
 from missions.air import standard_air
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
@@ -22,7 +23,6 @@ from sizing.structures.models import AllPowerLawStructure, PowerLawStructure, St
 from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.spar import SparStructure
-from studies.output.figure_script import write_figure
 from studies.output.figures.drawing import (
     CHARGE,
     LOAD,
