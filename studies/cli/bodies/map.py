@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from studies.cli.checks import (
+from studies.cli.commands.map import Map
+from studies.cli.files import (
+    Case,
+    load,
     refuse_climb,
     require_climb_power,
     require_climber,
     require_parametric,
     require_path,
 )
-from studies.cli.commands.map import Map
-from studies.cli.files import Case, load
 from studies.cli.jobs import completed
 from studies.cli.outputs import call, deliver, figure_of
 from studies.maps import feasibility, results

@@ -16,13 +16,12 @@ from sizing.results import sizing
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import Line, Summary
 from sizing.results.weather_sizing import size_in_weather
-from studies.cli import checks
+from studies.cli import files as checks
 from studies.cli.commands.size import Size
 from studies.cli.files import Case, load
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import told
-from studies.cli.progress import progress_of
-from studies.cli.targets import check_report
+from studies.cli.outputs import check_report, told
+from studies.cli.telling import progress_of
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 

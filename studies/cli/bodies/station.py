@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from studies.cli.checks import refuse_climb, require_parametric, require_path
 from studies.cli.commands.station import Station
-from studies.cli.files import load
+from studies.cli.files import load, refuse_climb, require_parametric, require_path
 from studies.cli.outputs import deliver, figure_of
 from studies.output.formats import csv_bytes, grid_format, table_bytes
 from studies.output.gridded import to_netcdf_bytes

@@ -12,9 +12,8 @@ import click
 
 from missions.files.errors import InputError
 from missions.files.writing import write_files_atomically
-from studies.cli.checks import require_climb_power, require_climber, require_path
 from studies.cli.commands.sweep import Sweep
-from studies.cli.files import Case, load
+from studies.cli.files import Case, load, require_climb_power, require_climber, require_path
 from studies.cli.jobs import completed
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import call, figure_bytes, told

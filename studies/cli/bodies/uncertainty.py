@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from sizing.results.uncertainty import analyse_uncertainty
-from studies.cli.checks import (
+from studies.cli.commands.uncertainty import Uncertainty
+from studies.cli.files import (
+    load,
     refuse_held_station,
     require_climber,
     require_path,
     uncertain_inputs_of,
 )
-from studies.cli.commands.uncertainty import Uncertainty
-from studies.cli.files import load
 from studies.cli.outputs import deliver, figure_of, table_of
 from studies.uncertainty.plots import plot_uncertainty
 
