@@ -37,6 +37,7 @@ _SUBJECTS = {
     "Long computations": ("--workers", "--scheduler", "--work", "--keep-parts"),
 }
 _OWN = "Options"
+_BODIES = "studies.cli.bodies"
 _LONGEST_CHOICE = 40  # characters beside the name of the option
 
 
@@ -85,8 +86,9 @@ def group(make: Callable[..., Any], **parts: Any) -> Any:
 class Command(click.Command):
     """Command whose options are the fields of a data class, whose help text is its docstring.
 
-    ``body``: what is called with an instance, ``package.module:function``. ``*examples``: calls as
-    they are typed, shown at the end of the help text, below options by subject.
+    ``body``: what is called with an instance, ``module:function`` of :mod:`studies.cli.bodies`.
+    ``*examples``: calls as they are typed, shown at the end of the help text, below options by
+    subject.
     """
 
     def __init__(self, name: str, options: type[Any], body: str, *examples: str) -> None:
@@ -96,14 +98,18 @@ class Command(click.Command):
         super().__init__(name, help=options.__doc__, callback=self._perform, params=params)
 
     def _perform(self, **given: Any) -> None:
-        options = _made(self._declared, given)
-        module, _, function = self.body.partition(":")
-        body = getattr(import_module(module), function)
+        options, body = _made(self._declared, given), self.loaded_body()
         self._check_outputs(given)
         try:
             body(options)
         except TooManyDotsError as error:  # of a figure whose height is that of its content
             raise click.BadParameter(str(error), param_hint="--dpi") from None
+
+    def loaded_body(self) -> Callable[[Any], None]:
+        """Import what the command does, and all that it needs."""
+        module, _, function = self.body.partition(":")
+        body: Callable[[Any], None] = getattr(import_module(f"{_BODIES}.{module}"), function)
+        return body
 
     def _check_outputs(self, given: Mapping[str, Any]) -> None:
         """Refuse files and folders that cannot be written, before any work is done for them."""

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypedDict, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -33,7 +33,7 @@ from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
 from sizing.design import ImpossibleDesignError, design_of, with_total_mass
 from sizing.parameters import design_keys
 from sizing.sunlight import SolarModel
-from solar.names import ATTITUDE_MODELS
+from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from studies.cli.options import CaseOptions, PlaceOptions
 from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
@@ -64,6 +64,15 @@ class LoadedMission:
     sha256: str | None = None
 
 
+class StudyArguments(TypedDict):
+    """What a study is of, as its arguments are called."""
+
+    aircraft: Aircraft
+    mission: Mission
+    model: ModelName
+    correction: CorrectionName
+
+
 @dataclass(frozen=True)
 class Case:
     """What a command is asked about: an aircraft on a mission under a solar power model."""
@@ -89,6 +98,14 @@ class Case:
         """Aircraft and mission in one line, which says so where nobody chose the mission."""
         chosen = DEFAULT_MISSION if self.mission_is_default else ""
         return f"{self.aircraft.name} on {self.mission.name}{chosen}"
+
+    @property
+    def arguments(self) -> StudyArguments:
+        """Arguments that all studies of the case have, by name."""
+        model, correction = self.solar.model, self.solar.correction
+        return StudyArguments(
+            aircraft=self.aircraft, mission=self.mission, model=model, correction=correction
+        )
 
     def named(self, record: Mapping[str, Any]) -> dict[str, Any]:
         """Record of a result with the names of aircraft and mission, JSON-ready."""

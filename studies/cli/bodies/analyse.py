@@ -30,12 +30,7 @@ def analyse(options: Analyse) -> None:
         return
     require_climber(case)
     result = analysis.analyse(
-        case.aircraft,
-        case.mission,
-        model=case.solar.model,
-        correction=case.solar.correction,
-        days=options.days,
-        with_best_climb=options.with_best_climb,
+        **case.arguments, days=options.days, with_best_climb=options.with_best_climb
     )
     flown = result.flight
     files = {

@@ -31,13 +31,7 @@ def ceiling(options: Ceiling) -> None:
         raise click.BadParameter(message, param_hint="--highest")
     with progress_of("altitudes", lines=False) as progress:
         result = perpetual_ceiling(
-            case.aircraft,
-            case.mission,
-            model=case.solar.model,
-            correction=case.solar.correction,
-            highest_m=highest_m,
-            step_m=options.step_m,
-            progress=progress,
+            **case.arguments, highest_m=highest_m, step_m=options.step_m, progress=progress
         )
     files = {
         options.table_file: table_of(result.to_frame, "altitudes"),

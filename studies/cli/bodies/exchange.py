@@ -76,13 +76,7 @@ def _analysed(options: CaseOptions) -> Analysis:
     case = load(options)
     require_path(case)
     require_climber(case)
-    return analyse(
-        case.aircraft,
-        case.mission,
-        model=case.solar.model,
-        correction=case.solar.correction,
-        replay=False,
-    )
+    return analyse(**case.arguments, replay=False)
 
 
 def schema(options: Schema) -> None:

@@ -18,7 +18,7 @@ from studies.cli.jobs import completed
 from studies.cli.outputs import call, deliver, figure_of
 from studies.maps import feasibility, results
 from studies.output.formats import grid_format
-from studies.output.grid_files import to_bytes
+from studies.output.gridded import to_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

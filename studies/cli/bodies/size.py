@@ -107,11 +107,8 @@ def _designed(case: Case, options: Size) -> SizingStudy:
     """Find the design."""
     if options.weather_file is None or options.survive is None:
         return sizing.size(
-            case.aircraft,
-            case.mission,
-            options.goal,
-            model=case.solar.model,
-            correction=case.solar.correction,
+            **case.arguments,
+            objective=options.goal,
             with_sensitivities=options.with_sensitivities,
             with_cross_check=options.with_cross_check,
             with_margin=not options.whole_cells,
@@ -121,13 +118,10 @@ def _designed(case: Case, options: Size) -> SizingStudy:
     weather = load_weather(options.weather_file, case.mission)
     with progress_of("steps of the search") as progress:
         return size_in_weather(
-            case.aircraft,
-            case.mission,
-            weather,
-            options.goal,
+            **case.arguments,
+            weather=weather,
+            objective=options.goal,
             survive=options.survive,
-            model=case.solar.model,
-            correction=case.solar.correction,
             progress=progress,
         )
 

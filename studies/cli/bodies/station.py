@@ -18,12 +18,7 @@ def station(options: Station) -> None:
     require_path(case)
     require_parametric(case, "station needs a parametric aircraft, this one is measured")
     result = station_by_month(
-        case.aircraft,
-        case.mission,
-        latitudes=options.latitudes,
-        altitudes_m=options.altitudes,
-        model=case.solar.model,
-        correction=case.solar.correction,
+        **case.arguments, latitudes=options.latitudes, altitudes_m=options.altitudes
     )
 
     def content(path: str) -> bytes:

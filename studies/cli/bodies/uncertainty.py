@@ -23,10 +23,7 @@ def uncertainty(options: Uncertainty) -> None:
     require_climber(case)
     with uncertain_inputs_of(case):
         result = analyse_uncertainty(
-            case.aircraft,
-            case.mission,
-            model=case.solar.model,
-            correction=case.solar.correction,
+            **case.arguments,
             samples=options.samples,
             seed=options.seed,
             model_error=not options.no_model_error,

@@ -25,8 +25,8 @@ from studies.engine import chunk_store
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore, Part, parts_folder
 from studies.engine.dask_pool import DaskPool
-from studies.engine.run import Job, Outcome, Stopped
-from studies.engine.workers import LocalPool, Pool, WorkersUnavailableError
+from studies.engine.run import Outcome, Stopped
+from studies.engine.workers import Job, LocalPool, Pool, WorkersUnavailableError
 
 KEY = "0123456789abcdef" * 2 + "01234567"
 SUPPORT = Path(__file__).parent / "engine_support"
@@ -300,7 +300,7 @@ def test_another_configuration_or_version_is_another_chunk(
     keys = set(functions.job(functions.Settings()).keys())
     assert not keys & set(functions.job(functions.Settings(scale=1.0 + 1e-15)).keys())
     assert len(keys & set(functions.job(functions.Settings(), cells=18).keys())) == 4
-    monkeypatch.setattr(engine, "__version__", "another")
+    monkeypatch.setattr("studies.engine.workers.__version__", "another")
     assert not keys & set(functions.job(functions.Settings()).keys())
 
 
