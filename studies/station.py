@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-__all__ = ["LATITUDES_DEG", "Station", "plot_station", "station"]
-
 LATITUDES_DEG = np.arange(-70.0, 71.0, 5.0)
 _MIDDLE = 15  # day of a month that stands for it
 _DESCRIBED = {

@@ -27,8 +27,6 @@ import numpy as np
 from missions.files.errors import printable
 from missions.files.writing import OutputError, probe, writing_trouble
 
-__all__ = ["ChunkStore", "Part", "parts_folder"]
-
 _KEY = "[0-9a-f]" * 40
 _LOCK = ".solar-uav.lock"
 _FAILURES = "failures as JSON"  # no column has a name with spaces

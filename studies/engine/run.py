@@ -30,7 +30,7 @@ from typing import TypeAlias
 import numpy as np
 
 from studies.engine.chunk_store import ChunkStore, Part
-from studies.engine.signals import Signals, Stopped, interruptible
+from studies.engine.signals import Signals, interruptible
 from studies.engine.workers import (
     Cell,
     Columns,
@@ -42,8 +42,6 @@ from studies.engine.workers import (
     failed_chunk,
     joined,
 )
-
-__all__ = ["Outcome", "Stopped", "compute", "pieces", "pool_of", "run"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 

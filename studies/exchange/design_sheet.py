@@ -18,8 +18,6 @@ from sizing.results.tables import MISSING, Column, Table, data_frame
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["DesignSheet", "Entry", "design_sheet"]
-
 _GEOMETRY = (q.WINGSPAN.name, "aspect_ratio", "wing_area_m2", "chord_m", "module_area_m2",
              "module_coverage")  # fmt: skip
 _FLIGHT = ("airspeed_m_per_s", "lift_coefficient", "reynolds_number", "stall_speed_m_per_s",

@@ -17,8 +17,6 @@ from studies.exchange.airplane import airplane_text, missing_library
 from studies.exchange.design_sheet import DesignSheet, Entry, design_sheet
 from studies.output.formats import missing_writer, table_bytes, workbook_bytes
 
-__all__ = ["DESIGN_FORMATS", "GEOMETRY_FORMATS", "design_bytes", "export_design", "missing_for"]
-
 # Geometry alone needs no mission; tables hold what the aircraft does on one.
 GEOMETRY_FORMATS = ("avl", "vspscript", "py")
 _TABLE_FORMATS = ("tex", "xlsx", "csv", "parquet")

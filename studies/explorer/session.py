@@ -37,8 +37,6 @@ from studies.explorer.worker import ReportTask
 from studies.output.run_folder import InputFile, RunInputs
 from studies.output.season_scale import page_scale
 
-__all__ = ["Inputs", "Session"]
-
 _PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
 _ALTITUDE, _FLOOR = ALTITUDE.removeprefix(MISSION_PREFIX), "climb.minimum_altitude_m"
 

@@ -42,8 +42,6 @@ from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
 if TYPE_CHECKING:
     from solar.types import FloatArray
 
-__all__ = ["plot_map", "plot_resized_map"]
-
 _DATES = 6  # along an axis of less than two months
 
 

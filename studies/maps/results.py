@@ -15,16 +15,15 @@ from missions.dates import date_label
 from missions.mission import latitude_label
 from missions.weather.record import runs_of
 from sizing.energy.cycle import Status
+from sizing.optimisation.objectives import SizingStatus
 from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS, WINGSPAN
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from solar.types import BoolArray, IntArray
 from studies.maps.feasibility import perpetual_cells
-from studies.output.columns import SIZED, SizingStatus, extrapolations_of, flown_caption
+from studies.output.columns import SIZED, extrapolations_of, flown_caption
 from studies.output.gridded import OnGrid
-
-__all__ = ["designs_record", "designs_table", "season_text", "seasons_record", "seasons_table"]
 
 _ROWS = 16  # latitudes of a table
 _DAYS = 365

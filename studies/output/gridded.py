@@ -25,18 +25,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = [
-    "Gridded",
-    "Labelled",
-    "OnGrid",
-    "can_be_result",
-    "dataset",
-    "status_names",
-    "to_bytes",
-    "to_netcdf_bytes",
-    "to_table",
-]
-
 
 class Labelled(NamedTuple):
     """Values with their dimensions and attributes, in the order in which xarray takes them."""

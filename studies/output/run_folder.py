@@ -39,8 +39,6 @@ from solar._version import __version__
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
 from solar.versions import FORMAT_KEY, format_trouble, software_record
 
-__all__ = ["InputFile", "RunFolder", "RunInputs", "run_record", "write_run_folder"]
-
 AIRCRAFT, MISSION, RUN, RESULTS = "aircraft.yaml", "mission.yaml", "run.json", "results.json"
 POLAR = "polar"
 _NAME = re.compile(r"[A-Za-z0-9][\w.-]*", re.ASCII)  # of the files that commands write

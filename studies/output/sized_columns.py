@@ -32,8 +32,6 @@ from sizing.validity.checks import (
 from sizing.validity.told import as_text, cell_texts, extrapolations
 from studies.output.columns import BLANKS, SIZED
 
-__all__ = ["size_cells", "sized_flight", "sizing_row"]
-
 
 def sizing_row(
     aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel, *, of: Aircraft

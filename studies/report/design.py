@@ -30,8 +30,6 @@ from studies.report.geometry import aircraft_drawing
 from studies.report.subject import Subject
 from studies.report.three_view import three_view
 
-__all__ = ["aircraft_section", "budget_section", "sizing_section"]
-
 _WIDE, _NARROW = 940.0, 350.0
 
 

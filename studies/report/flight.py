@@ -29,15 +29,6 @@ from studies.weather.plots import plot_weather
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Plot
 
-__all__ = [
-    "day_section",
-    "models_section",
-    "season_section",
-    "uncertainty_section",
-    "verification_section",
-    "weather_section",
-]
-
 _MOST_SCENARIOS = 20  # rows of the table
 _WIDTH_IN = 7.4
 # Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.

@@ -25,8 +25,6 @@ from sizing.varying_load import DesignLoads
 from solar.types import BoolArray
 from studies.report.subject import Subject
 
-__all__ = ["margin_table"]
-
 # The weakest scenarios, of which one remains the weakest.
 _SCENARIOS = 6
 _NO_MARGIN = 1e-3  # of a value, or in its unit: what a design on the edge has

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from studies.report.geometry import Drawing
 from studies.report.svg import Canvas, Point
 
-__all__ = ["three_view"]
-
 _MARGIN, _TOP, _GAP, _LABEL = 14.0, 40.0, 30.0, 24.0
 _ROOM_RIGHT = 74.0  # for the dimension of the chord
 # Thickness of a symmetrical four-digit section over its chord, at full thickness ratio one

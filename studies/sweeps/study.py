@@ -24,7 +24,7 @@ from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.energy.cycle import ENDS, Status
-from sizing.optimisation.objectives import Objective
+from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
@@ -32,14 +32,7 @@ from solar.types import FloatArray, IntArray
 from studies.engine.run import Outcome, compute, pieces
 from studies.engine.workers import Job
 from studies.grid import VARIED, GridStudy, chunks_of
-from studies.output.columns import (
-    CLIMB,
-    SIZED,
-    SizingStatus,
-    attributes,
-    resize_objective,
-    told_of_cells,
-)
+from studies.output.columns import CLIMB, SIZED, attributes, resize_objective, told_of_cells
 from studies.output.gridded import Labelled, can_be_result
 from studies.sweeps.axes import (
     DESIGN_KEYS,
@@ -67,8 +60,6 @@ from studies.sweeps.points import (
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["dataset", "feasible", "prepare", "sweep"]
 
 _WING = {WINGSPAN.name, ASPECT_RATIO.name}
 

@@ -24,8 +24,6 @@ from matplotlib.transforms import Bbox
 
 from studies.output.figures.options import LEVELS, NAMES, ROWS
 
-__all__ = ["FittedLayout"]
-
 _ROUNDS = 3
 _LEAST_TYPE = 0.5  # of the size that a style asks for
 _HIGHEST_LEGEND = 0.28  # of the figure: what is higher gets smaller type, for more columns
