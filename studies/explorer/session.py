@@ -94,11 +94,6 @@ class Session:
         )
 
     @property
-    def _floor_is_named(self) -> bool:
-        """Whether the mission's file gives the night's floor in place of the altitude."""
-        return self.mission.climb is not None and self.mission.climb.minimum_altitude_m is not None
-
-    @property
     def measured(self) -> bool:
         """Whether the airframe is measured, so that it cannot be sized."""
         return isinstance(self.aircraft.airframe, MeasuredAirframe)
@@ -170,7 +165,8 @@ class Session:
         }
         if not every_scenario:
             of_mission |= self._moved(settings)
-        if _ALTITUDE in of_mission and self._floor_is_named:
+        climb = self.mission.climb  # whose floor may stand in place of the altitude
+        if _ALTITUDE in of_mission and climb is not None and climb.minimum_altitude_m is not None:
             of_mission[_FLOOR] = of_mission.pop(_ALTITUDE)
         of_aircraft = {k: v for k, v in changed.items() if not k.startswith(MISSION_PREFIX)}
         try:

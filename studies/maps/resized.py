@@ -133,11 +133,11 @@ def prepare(
             "objective": goal.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
-        lambda columns: _extrapolations(configuration, grid, columns),
+        lambda columns: _extrapolations_of_designs(configuration, grid, columns),
     )
 
 
-def _extrapolations(
+def _extrapolations_of_designs(
     configuration: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
     """What the designs of all cells take from outside, its worth that of the lightest one."""

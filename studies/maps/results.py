@@ -174,7 +174,9 @@ def _table(
         for i in shown
     ]
     heads = (Column("latitude"), *columns, *([] if failed is None else [Column("failed")]))
-    notes = (_model(data), *extrapolation_lines(extrapolations_of(data)))
+    days = data["day"].to_numpy()
+    flown = f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"
+    notes = (flown, *extrapolation_lines(extrapolations_of(data)))
     if len(shown) < len(rows):
         part = f"{len(shown)} of {len(rows)} latitudes; --json and --out FILE have all"
         notes = (part, *notes)
@@ -198,8 +200,3 @@ def _range(least: float, largest: float) -> str:
     if math.isnan(least) or math.isinf(least):
         return ends.text(least)
     return f"{ends.text(least)} to {ends.text(largest)}"
-
-
-def _model(data: OnGrid) -> str:
-    days = data["day"].to_numpy()
-    return f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"

@@ -113,7 +113,7 @@ def _limits(
     """
 
     def enough(values: Sequence[float]) -> list[bool]:
-        return _enough(quantities, values, day, required)
+        return _suffice(quantities, values, day, required)
 
     good = [one.value if holds else one.better for one in quantities]
     bad = [one.worse if holds else one.value for one in quantities]
@@ -127,7 +127,7 @@ def _limits(
     return [limit if has_one else None for limit, has_one in zip(good, known, strict=True)]
 
 
-def _enough(
+def _suffice(
     quantities: Sequence[_Quantity], values: Sequence[float], day: SolarDay, required: float
 ) -> list[bool]:
     """Whether each quantity at its value leaves every scenario what is required."""

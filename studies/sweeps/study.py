@@ -198,7 +198,8 @@ def prepare(
     order = _order(axes, table)
     each = _points_per_chunk(mission, axes, solar, objective)
     chunks = chunks_of(table, [order[piece] for piece in pieces(len(order), each)])
-    flags, with_result = _statuses(objective)
+    flags: Iterable[IntEnum] = Status if objective is None else SizingStatus
+    with_result: tuple[IntEnum, ...] = ENDS if objective is None else SIZED
     possible = can_be_result(flags, with_result)
     job = Job(judge_points, configuration, chunks, configuration.blanks, possible)
     if objective is not None:
@@ -224,13 +225,6 @@ def prepare(
         },
         lambda columns: told_of_cells(columns, with_result, "points"),
     )
-
-
-def _statuses(objective: Objective | None) -> tuple[Iterable[IntEnum], tuple[IntEnum, ...]]:
-    """Statuses of points, and those of them that have a result."""
-    if objective is not None:
-        return SizingStatus, SIZED
-    return Status, ENDS
 
 
 # ---- Checks
