@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from missions.places import latitude_deg
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
 from studies.cli.command import OutputFile, OutputFolder, argument, group, option
 from studies.cli.telling import tell_error
@@ -110,8 +111,6 @@ class Grid(ParamType["list[float]"]):
 
     def _in_numbers(self, parts: list[str]) -> list[Any]:
         """Ends that may be written as 40N and 20S, and what follows them."""
-        from missions.places import latitude_deg
-
         return [*map(latitude_deg, parts[:2]), *parts[2:]]
 
 
