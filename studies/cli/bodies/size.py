@@ -49,8 +49,7 @@ def size(options: Size) -> None:
         case,
         record,
         lambda: _summary(study, options),
-        out_dir=folder,
-        files=(report,),
+        files=(report, folder),
         next_step=step,
     ):
         if folder is not None:
