@@ -7,8 +7,6 @@ from pathlib import Path
 
 from missions.files.errors import file_error, printable
 
-__all__ = ["read_plain_file"]
-
 
 def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
     """Read a file whole, if it is one.

@@ -15,8 +15,6 @@ from sizing.catalogues.entries import Entry
 from sizing.catalogues.files import Kind, entry, is_entry_path
 from solar.schema import Record
 
-__all__ = ["OfCatalogue", "Taken", "found_entry", "known_entry", "own_entries", "taken"]
-
 
 @dataclass(frozen=True)
 class Taken:

@@ -15,8 +15,6 @@ from missions.files.validation import validate
 from missions.files.yaml import Document, parse_yaml
 from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
 
-__all__ = ["KINDS", "Kind", "entries", "entry", "entry_names", "is_entry_path"]
-
 Kind = Literal["cells", "batteries", "motors", "propellers"]
 
 KINDS: Mapping[Kind, type[Entry]] = MappingProxyType(

@@ -8,8 +8,6 @@ from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
 from sizing.results.tables import Column, Line, Table
 
-__all__ = ["balance_blocks", "balance_lines", "balance_table", "drag_record", "drag_table"]
-
 _DRAG_WORDS = {
     "wing_profile": "wing, profile",
     "wing_induced": "wing, induced",

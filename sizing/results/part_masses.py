@@ -9,8 +9,6 @@ from sizing.design import Design
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.part_masses import motor_mass_fit
 
-__all__ = ["PartMasses", "part_masses", "part_masses_line"]
-
 
 class PartMasses(NamedTuple):
     """Estimated masses of one propulsor [kg]; None for a part whose mass is known.

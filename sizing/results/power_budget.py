@@ -14,7 +14,6 @@ from sizing.results.records import finite
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
 
-__all__ = ["PowerBudget", "power_budget", "power_line"]
 
 # Key of every row, and its words.
 _SHOWN = 1e-5  # of the chain: the fourth digit of what is printed

@@ -23,8 +23,6 @@ from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 
-__all__ = ["RequirementMargin", "margin_records", "requirement_margins", "requirement_table"]
-
 # Take-off safety speed over stall speed, CS-23.51 and 14 CFR 23.51 (amendment 62).
 RECOMMENDED_STALL_MARGIN = 1.2
 # Thrusts over that of level flight in which the largest is searched for.

@@ -15,8 +15,6 @@ from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.results.records import finite
 from sizing.varying_load import flight_of, interpolation_error, load_shape
 
-__all__ = ["Instant", "VaryingEfficiency", "varying_efficiency", "varying_line"]
-
 # Of the power: an error that would show in the efficiency as it is printed.
 _TOLD_ERROR = 1e-3
 

@@ -17,7 +17,6 @@ from sizing.results.tables import UNLIMITED, Column, Table
 if TYPE_CHECKING:
     from sizing.optimisation.whole_cells import WholeCells
 
-__all__ = ["cells_lines", "cells_record", "loss_line", "neighbour_table"]
 
 _SHOWN = 10  # designs in the table; JSON has all
 
