@@ -40,8 +40,8 @@ from sizing.validity.checks import (
     correction_check,
     design_checks,
 )
+from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import told, worst_of
 from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
 from solar.types import FloatArray, IntArray
 
