@@ -520,10 +520,7 @@ def structure_by_both(
         return None
     structure, inputs = sized
     factor = structure.calibration / CALIBRATIONS[structure.model]
-    return {
-        structure.model: structure.mass_kg(inputs),
-        other.model: factor * other.mass_kg(inputs),
-    }
+    return {structure.model: structure.mass_kg(inputs), other.model: factor * other.mass_kg(inputs)}
 
 
 def _sized_rib_wing(

@@ -19,11 +19,7 @@ from sizing.design import Design, closed_design, first_chain, measured_design, v
 from sizing.propulsion.chain import OperatingPointPropulsion
 from solar.clearsky import pressure_ratio
 from solar.heat_balance import EARTH_ALBEDO, Surroundings
-from solar.horizontal_models import (
-    HORIZONTAL_MODELS,
-    horizontal_specific_power,
-    in_surroundings,
-)
+from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power, in_surroundings
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.types import FloatArray
 

@@ -185,11 +185,7 @@ def altitudes_m(level: Any, source: str) -> FloatArray:
 
 
 def _of_latitude(
-    u: xr.DataArray,
-    v: xr.DataArray,
-    months: FloatArray,
-    known: list[int],
-    percentiles: FloatArray,
+    u: xr.DataArray, v: xr.DataArray, months: FloatArray, known: list[int], percentiles: FloatArray
 ) -> FloatArray:
     """Percentiles at one latitude, shape ``(level, month, percentile)``; one is read at a time."""
     speed = np.hypot(u.to_numpy(), v.to_numpy()).astype(float)

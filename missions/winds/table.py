@@ -93,11 +93,7 @@ class WindTable:
         return None
 
     def at(
-        self,
-        latitude_deg: ArrayLike,
-        altitude_m: ArrayLike,
-        month: ArrayLike,
-        percentile: float,
+        self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike, percentile: float
     ) -> FloatArray:
         """Wind speed that is not exceeded for ``percentile`` of the time [m/s]."""
         curve = self.curve(latitude_deg, altitude_m, month)

@@ -59,11 +59,7 @@ from sizing.results.records import (
     finite_values,
     uncertainty_record,
 )
-from sizing.results.requirements import (
-    RequirementMargin,
-    margin_records,
-    requirement_margins,
-)
+from sizing.results.requirements import RequirementMargin, margin_records, requirement_margins
 from sizing.results.tables import Result, data_frame
 from sizing.smooth_propulsion import put_parts_in
 from sizing.structures.assessment import StructureAssessment
@@ -596,9 +592,7 @@ def _reliable(
         mission = with_values(mission, update)
     check_reliability(aircraft, mission, wish.objective, solar, wish.reliability)
     result, reliability = size_reliably(
-        *(aircraft, mission, wish.objective, solar),
-        reliability=wish.reliability,
-        problems=problems,
+        *(aircraft, mission, wish.objective, solar), reliability=wish.reliability, problems=problems
     )
     asked = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.

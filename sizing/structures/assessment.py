@@ -326,10 +326,7 @@ def _shares(needs: tuple[dict[str, Value], ...], station: Station) -> dict[str, 
 
 
 def _case(
-    criterion: str,
-    needs: tuple[dict[str, Value], ...],
-    station: Station,
-    cases: dict[str, Value],
+    criterion: str, needs: tuple[dict[str, Value], ...], station: Station, cases: dict[str, Value]
 ) -> str:
     """Load case under which a criterion of strength sizes most of the caps."""
     names = list(cases)
