@@ -26,15 +26,7 @@ from missions.uncertainty import Uncertainty
 from missions.winds.statistics import WindStatistics
 from solar.clearsky import ClearSky, named_clear_sky
 from solar.names import CorrectionName, ModelName
-from solar.schema import (
-    FileRecord,
-    Fraction,
-    Name,
-    NonNegativeReal,
-    Record,
-    Text,
-    UnitInterval,
-)
+from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, Record, Text, UnitInterval
 from solar.sun import declination, sun_times
 from solar.systematic_errors import correction
 from solar.types import BoolArray, FloatArray, IntArray

@@ -29,8 +29,7 @@ from sizing.energy.battery import Battery
 from sizing.layout.cells import CellLayout, PlacedCell, Wing
 from sizing.layout.filling import check_layout, laid_out, mppt_mass_kg
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
-from sizing.structures.models import Structure
-from sizing.structures.spar import SparStructure
+from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import STC_IRRADIANCE_W_PER_M2, SolarCell
 from solar.schema import (

@@ -38,12 +38,11 @@ from sizing.propulsion.chain import (
     air_of,
 )
 from sizing.smooth import Value
-from sizing.structures.agreement import CALIBRATIONS, other_model
-from sizing.structures.assessment import StructureAssessment, assess
-from sizing.structures.flight_envelope import flight_envelope
+from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
-from sizing.structures.parts import StructureParts
+from sizing.structures.models import CALIBRATIONS, other_model
 from sizing.structures.rib_wing import RibWingStructure
+from sizing.structures.rib_wing_keys import StructureParts
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.types import FloatArray, IntArray
 
@@ -521,10 +520,7 @@ def structure_by_both(
         return None
     structure, inputs = sized
     factor = structure.calibration / CALIBRATIONS[structure.model]
-    return {
-        structure.model: structure.mass_kg(inputs),
-        other.model: factor * other.mass_kg(inputs),
-    }
+    return {structure.model: structure.mass_kg(inputs), other.model: factor * other.mass_kg(inputs)}
 
 
 def _sized_rib_wing(

@@ -16,8 +16,8 @@ from sizing.energy.march import empty_after_h, full_after_h, march
 from sizing.energy.power_balance import PowerBalance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
+from sizing.validity.extrapolations import told
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import told
 from solar.sun import declination, solar_time_h, sun_times
 from solar.types import FloatArray
 

@@ -24,8 +24,6 @@ from sizing.design import (
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.propulsion.smooth_chain import SmoothPropulsion, fitted_surface
 
-__all__ = ["corrected", "put_parts_in", "smooth_at", "smooth_propulsion", "with_propulsion"]
-
 # Logarithms within which a search moves from the design that is fitted around: loading of the
 # propeller, Reynolds number, pitch over diameter. Centres are rounded: alike cases share a surface.
 _HALF_WIDTHS, _ROUNDED_TO = (log(6.0), log(4.0), 0.25), 0.25

@@ -19,19 +19,17 @@ from missions.loiter_power import Daylight, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design
-from sizing.module_heat import (
+from sizing.module_power import (
     FLOWS,
     Cooling,
     balances_heat,
     convection_in_flight,
     convection_of,
-    surroundings,
-)
-from sizing.module_power import (
     flown_modules,
     own_surroundings,
     power_in_surroundings,
     specific_power,
+    surroundings,
 )
 from solar.clearsky import Irradiance
 from solar.horizontal_models import HORIZONTAL_MODELS, in_surroundings

@@ -67,7 +67,7 @@ def verification_model(
     sun_vector : array_like, shape (..., 3)
         Unit vector to the sun, North-East-Down.
     to_ned : array_like, shape (..., 3, 3)
-        Rotation from body axes to North-East-Down, see :func:`solar.attitude.direction_cosines`.
+        Rotation from body axes to North-East-Down, see :func:`solar.geometry.direction_cosines`.
     geometry : ModuleGeometry
         Module surfaces; the central wing's mean normal is used.
     cell : SolarCell
@@ -120,7 +120,7 @@ def full_model(
     sun_vector : array_like, shape (..., 3)
         Unit vector to the sun, North-East-Down.
     to_ned : array_like, shape (..., 3, 3)
-        Rotation from body axes to North-East-Down, see :func:`solar.attitude.direction_cosines`.
+        Rotation from body axes to North-East-Down, see :func:`solar.geometry.direction_cosines`.
     geometry : ModuleGeometry
         Module surfaces.
     cell : SolarCell

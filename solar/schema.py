@@ -13,28 +13,6 @@ from pydantic_core import PydanticCustomError
 
 from solar.versions import FORMAT_VERSION, format_trouble
 
-__all__ = [
-    "CellCount",
-    "FileRecord",
-    "Flag",
-    "Fraction",
-    "Integer",
-    "LiftCoefficient",
-    "Name",
-    "NonNegativeInteger",
-    "NonNegativeReal",
-    "PositiveInteger",
-    "PositiveReal",
-    "Real",
-    "Record",
-    "Text",
-    "UnitInterval",
-    "check_order",
-    "is_positive",
-    "wrong_value",
-]
-
-
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
 else:

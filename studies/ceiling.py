@@ -21,8 +21,8 @@ from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME, MAXIMUM_ALTIT
 from sizing.results.records import finite, finite_values, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
 from sizing.sunlight import SolarModel
+from sizing.validity.extrapolations import together
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import together
 from solar.names import CorrectionName, ModelName
 from studies.output.figures.drawing import (
     CHARGE,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sizing.results.tables import Column, Table
-from sizing.structures.agreement import RIB_WING_CALIBRATION
+from sizing.structures.models import RIB_WING_CALIBRATION
 from sizing.structures.rib_wing import RibWingStructure
 from studies.validation.structures.comparison import PublishedStructure, published_structures
 

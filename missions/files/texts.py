@@ -9,8 +9,6 @@ from pathlib import Path
 
 from missions.files.errors import InputError, Problem, file_error, printable
 
-__all__ = ["FILE_MARK", "read_folder", "read_text", "texts_as_read"]
-
 # Begins a line that names the file of the lines below it, in the text of a whole folder.
 FILE_MARK = "#file "
 

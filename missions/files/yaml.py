@@ -29,17 +29,6 @@ from missions.files.errors import (
     shown,
 )
 
-__all__ = [
-    "ENTRY_KEYS",
-    "PATH_SUFFIXES",
-    "Document",
-    "add_resolvers",
-    "parse_value",
-    "parse_yaml",
-    "read_yaml",
-    "set_absolute_paths",
-]
-
 Mark: TypeAlias = tuple[int, int]
 
 # Keys whose text is a name or, as its end shows, the path of a file or a folder, in any record, and

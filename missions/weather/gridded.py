@@ -34,7 +34,6 @@ from solar.types import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["is_netcdf", "read_era5_csv", "read_netcdf", "read_power_csv"]
 
 _MAGIC = (b"CDF", b"\x89HDF")
 _SHORTWAVE = "surface_downwelling_shortwave_flux_in_air"

@@ -20,8 +20,6 @@ from missions.dates import MONTH_NAMES
 from missions.files.errors import InputError, Problem, file_error
 from solar.types import FloatArray
 
-__all__ = ["COLUMNS", "SHIPPED_SOURCE", "WindTable", "shipped_winds", "wind_table_from_text"]
-
 COLUMNS = ("latitude_deg", "altitude_m", "month", "percentile", "wind_m_per_s")
 SHIPPED_SOURCE = "the shipped table"
 _SHIPPED = "zonal-p95.csv.gz"
@@ -95,11 +93,7 @@ class WindTable:
         return None
 
     def at(
-        self,
-        latitude_deg: ArrayLike,
-        altitude_m: ArrayLike,
-        month: ArrayLike,
-        percentile: float,
+        self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike, percentile: float
     ) -> FloatArray:
         """Wind speed that is not exceeded for ``percentile`` of the time [m/s]."""
         curve = self.curve(latitude_deg, altitude_m, month)

@@ -16,8 +16,6 @@ from typing import Literal
 from missions.files.errors import InputError, Problem, printable, shortened
 from missions.files.texts import FILE_MARK
 
-__all__ = ["FilePolar", "PolarRow", "is_foreign", "read_polars"]
-
 # Metres per second of the units that XFLR5 offers.
 _SPEED_UNITS = {
     "m/s": 1.0,

@@ -19,8 +19,6 @@ from sizing.aerodynamics.polar_table import (
 )
 from solar.types import FloatArray
 
-__all__ = ["Merged", "merged", "parse_polar"]
-
 # Fixed-lift polars are resampled from the Reynolds number at which lift this share of the greatest
 # is still flown; a branch of attached flow has to begin below half of it.
 _LOW_LIFT_SHARE = 0.35

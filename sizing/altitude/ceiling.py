@@ -24,8 +24,8 @@ from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError, operating_reason, operating_trouble
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from sizing.validity.extrapolations import extrapolations
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import extrapolations
 from solar.types import FloatArray
 
 DEFAULT_HIGHEST_M = 20000.0

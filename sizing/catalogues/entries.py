@@ -21,8 +21,6 @@ from solar.schema import (
     Text,
 )
 
-__all__ = ["BatteryEntry", "CellEntry", "Entry", "MotorEntry", "PropellerEntry"]
-
 # Encapsulation and cables of AtlantikSolar's modules, of 0.59 kg/m2 in all (Oettershagen et al.).
 ENCAPSULATION_KG_PER_M2 = 0.20
 # Two numbers of one data sheet agree within rounding, and its typical with its guaranteed values.

@@ -10,8 +10,6 @@ from pydantic_core import PydanticCustomError
 from solar.schema import PositiveInteger, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
 
-__all__ = ["BatteryVoltage"]
-
 
 class BatteryVoltage(Record):
     """Voltage of a battery over its state of charge.

@@ -27,8 +27,6 @@ from solar.schema import (
 )
 from solar.shading import TailGeometry
 
-__all__ = ["Bay", "CellLayout", "KeepOut", "LayoutError", "PlacedCell", "Planform", "Wing"]
-
 # A cell that lacks less than this of its own size fits: rounding, far below any gap.
 _ROUNDING = 1e-9
 # The mean of the chords may be off by what a file rounds.

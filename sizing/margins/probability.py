@@ -33,9 +33,14 @@ from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.sunlight import SolarModel, solar_day
-from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs, uncertain_inputs
+from sizing.uncertainty.inputs import (
+    SOLAR_MODEL,
+    Proportion,
+    UncertainInputs,
+    sobol_points,
+    uncertain_inputs,
+)
 from sizing.uncertainty.propagation import Propagation, check_inputs
-from sizing.uncertainty.samples import Proportion, sobol_points
 from solar.types import BoolArray, FloatArray
 
 _NORMAL = NormalDist()

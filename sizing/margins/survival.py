@@ -11,8 +11,7 @@ from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
-from sizing.margins.edge import least_step
-from sizing.margins.search import Trial
+from sizing.margins.search import Trial, least_step
 from sizing.margins.season_days import SeasonDays, Survival
 from sizing.margins.season_flights import Powers, SeasonFlights
 from sizing.margins.season_search import SeasonSearch, Steps
@@ -24,7 +23,7 @@ from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import catalogue, parameter_value, with_parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.relaxation import Relaxation, rounded
+from sizing.relaxed_flight import Relaxation, rounded
 from sizing.sunlight import SolarModel
 from solar.types import FloatArray
 

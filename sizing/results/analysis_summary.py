@@ -15,8 +15,7 @@ from sizing.performance import Performance
 from sizing.replay import CalendarRun
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
-from sizing.results.balance import balance_blocks
-from sizing.results.battery import battery_line
+from sizing.results.conditions import battery_line, wind_rows
 from sizing.results.notes import (
     catalogue_blocks,
     extrapolation_blocks,
@@ -24,13 +23,10 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
-from sizing.results.part_masses import part_masses_line
-from sizing.results.power_budget import power_line
+from sizing.results.parts import balance_blocks, cells_lines, cells_record
+from sizing.results.propulsion import part_masses_line, power_line, varying_line
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
-from sizing.results.varying_efficiency import varying_line
-from sizing.results.whole_cells import cells_lines, cells_record
-from sizing.results.wind import wind_rows
 from sizing.validity.ranges import where_error_is_known
 from solar.sun import solar_time_h
 

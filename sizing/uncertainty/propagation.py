@@ -34,14 +34,9 @@ from sizing.propulsion.part_load import PartLoad
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
-from sizing.validity.checks import (
-    at_highest,
-    charge_rate_check,
-    correction_check,
-    design_checks,
-)
+from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
+from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import told, worst_of
 from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
 from solar.types import FloatArray, IntArray
 
@@ -170,10 +165,7 @@ class Propagation:
         if mission.climb is not None:
             highest_m = flights.maximum_altitude_m
             of_design = at_highest(of_design, aircraft, mission, self.solar, highest_m)
-        checks = [
-            *of_design,
-            *charge_rate_check(aircraft, mission, design, flights.peak_solar_w),
-        ]
+        checks = [*of_design, *charge_rate_check(aircraft, mission, design, flights.peak_solar_w)]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
         return worst_of(
             [*told(checks, of=case.count, what="draws"), *told(of_sun, self.day.scenarios)]

@@ -26,9 +26,8 @@ from sizing.validity.checks import (
     design_checks,
     wind_check,
 )
+from sizing.validity.extrapolations import level_flight_at, of_level_flight, told, with_worth
 from sizing.validity.ranges import Check, Extrapolation
-from sizing.validity.told import told
-from sizing.validity.worth import level_flight_at, of_level_flight, with_worth
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from studies.engine.run import Cell, Job, compute

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sizing.validity.told import from_text
+from sizing.validity.extrapolations import from_text
 
 if TYPE_CHECKING:
     import xarray as xr

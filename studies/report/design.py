@@ -12,9 +12,15 @@ from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results import quantities as q
-from sizing.results.balance import balance_lines, balance_table, drag_table
-from sizing.results.constraint_words import constraint_words
-from sizing.results.requirement_margins import requirement_margins, requirement_table
+from sizing.results.parts import (
+    balance_lines,
+    balance_table,
+    cells_lines,
+    drag_table,
+    loss_line,
+    neighbour_table,
+)
+from sizing.results.requirements import constraint_words, requirement_margins, requirement_table
 from sizing.results.sizing_summary import (
     cross_check_line,
     margin_table,
@@ -23,7 +29,6 @@ from sizing.results.sizing_summary import (
     with_unit,
 )
 from sizing.results.tables import Table, facts
-from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table
 from sizing.sunlight import SolarModel
 from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text
 from studies.report.geometry import aircraft_drawing

@@ -43,7 +43,7 @@ from sizing.results.quantities import (
 from sizing.smooth import Value
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
-from sizing.validity.told import as_text, cell_texts, extrapolations
+from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from solar.schema import Record
 from solar.types import FloatArray
 from studies.engine.run import Cell
