@@ -16,6 +16,7 @@ from benchmarks.validation import altitude_tables, clear_sky_comparison, found_d
 from benchmarks.validation.large_wings import large_wings_table
 from benchmarks.validation.slender_wings import aspect_ratio_table, structure_table
 from benchmarks.validation.structure_comparison import gust_table, structure_tables
+from benchmarks.validation.structures import structures_table
 from benchmarks.validation.zephyr import zephyr_table
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
@@ -36,7 +37,6 @@ from studies.validation.flights.season import seasons
 from studies.validation.flights.single_inputs import explain
 from studies.validation.published import published
 from studies.validation.report_reproduction import reference, reproduce
-from studies.validation.structures.comparison import structures_table
 
 
 def _markdown(*tables: Table) -> str:

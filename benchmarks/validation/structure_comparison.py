@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.validation.figure_script import write_figure
 from missions.air import standard_air
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
@@ -26,7 +27,6 @@ from sizing.structures.models import (
 )
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import StructureParts
-from studies.output.figure_script import write_figure
 from studies.output.figures.drawing import (
     CHARGE,
     LOAD,

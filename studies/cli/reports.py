@@ -14,10 +14,9 @@ from missions.mission import Mission
 from sizing.performance import performance
 from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS
 from sizing.results.sizing import SizingStudy
-from studies.cli.checks import uncertain_inputs_of
-from studies.cli.files import Case
-from studies.cli.progress import progress_of
-from studies.cli.targets import PAGE, PRINTED
+from studies.cli.files import Case, uncertain_inputs_of
+from studies.cli.outputs import PAGE, PRINTED
+from studies.cli.telling import progress_of
 from studies.output.run_folder import RESULTS, RunFolder
 from studies.output.sizing_files import sized_inputs
 from studies.report import document

@@ -30,9 +30,9 @@ from sizing.validity.extrapolations import level_flight_at, of_level_flight, tol
 from sizing.validity.ranges import Check, Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
-from studies.engine.run import Cell, Job, compute
-from studies.grid import GridStudy, chunks_of
-from studies.maps.grid import Grid, MapConfiguration, cell_time_s
+from studies.engine.run import compute
+from studies.engine.workers import Cell, Job
+from studies.grid import Grid, GridStudy, MapConfiguration, cell_time_s, chunks_of
 from studies.output.columns import attributes
 from studies.output.gridded import OnGrid, can_be_result
 

@@ -16,9 +16,9 @@ from sizing.sunlight import SolarModel
 from sizing.validity.extrapolations import with_worth
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
-from studies.engine.run import Cell, Job, compute
-from studies.grid import GridStudy, chunks_of
-from studies.maps.grid import Grid, MapConfiguration, cell_time_s
+from studies.engine.run import compute
+from studies.engine.workers import Cell, Job
+from studies.grid import Grid, GridStudy, MapConfiguration, cell_time_s, chunks_of
 from studies.output.columns import (
     BLANKS,
     DESCRIBED,

@@ -37,7 +37,6 @@ __all__ = [
     "failed_count",
     "flown_caption",
     "resize_objective",
-    "status_names",
     "told_of_cells",
     "variables",
 ]
@@ -162,12 +161,6 @@ def told_of_cells(
     known = np.isin(columns["status"], described)
     texts = np.asarray(columns["extrapolations"])[known]
     return together([from_text(str(text)) for text in texts.ravel()], what)
-
-
-def status_names(data: OnGrid) -> dict[int, str]:
-    """Name of every flag of a dataset's status."""
-    flags = data["status"].attrs
-    return dict(zip(map(int, flags["flag_values"]), flags["flag_meanings"].split(), strict=True))
 
 
 def failed_count(data: OnGrid) -> int:

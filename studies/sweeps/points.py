@@ -46,7 +46,7 @@ from sizing.validity.checks import flight_checks
 from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from solar.schema import Record
 from solar.types import FloatArray
-from studies.engine.run import Cell
+from studies.engine.workers import Cell
 from studies.output import columns as sizing_columns
 from studies.output.columns import SizingStatus
 from studies.sweeps.axes import DESIGN_KEYS, design_variable

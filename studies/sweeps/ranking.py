@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sizing.optimisation.objectives import Objective
-from studies.output.grid_files import to_table
+from studies.output.gridded import to_table
 from studies.sweeps.study import feasible
 
 __all__ = [

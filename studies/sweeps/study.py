@@ -29,7 +29,8 @@ from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
-from studies.engine.run import Job, Outcome, compute, pieces
+from studies.engine.run import Outcome, compute, pieces
+from studies.engine.workers import Job
 from studies.grid import VARIED, GridStudy, chunks_of
 from studies.output.columns import (
     CLIMB,

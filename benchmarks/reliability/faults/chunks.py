@@ -24,8 +24,8 @@ from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
-from studies.engine.run import Job, Outcome
-from studies.engine.workers import LocalPool
+from studies.engine.run import Outcome
+from studies.engine.workers import Job, LocalPool
 from studies.grid import GridStudy
 from studies.maps import feasibility, resized
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from studies.cli.checks import refuse_polar_night, require_climber, require_path
 from studies.cli.commands.compare import Compare
-from studies.cli.files import load
+from studies.cli.files import load, refuse_polar_night, require_climber, require_path
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import figure_bytes, figure_of, table_of, told, write_results
-from studies.cli.progress import progress_of
+from studies.cli.telling import progress_of
 from studies.models import comparison
 from studies.models.plots import plot_comparison
 from studies.models.solar_models import attitude_is_known

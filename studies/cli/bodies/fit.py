@@ -17,8 +17,7 @@ from studies.cli.commands.fit import Calibrate, Fit
 from studies.cli.files import Case, load, open_aircraft
 from studies.cli.logs import read_log, refuse_swapped_log
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import figure_bytes, print_json, told
-from studies.cli.targets import refuse_to_overwrite
+from studies.cli.outputs import figure_bytes, print_json, refuse_to_overwrite, told
 from studies.fitting import calibration
 from studies.fitting.files import file_text, fitted_document, fitted_lines
 from studies.fitting.flight import FlightFit, fit_flight

@@ -16,13 +16,12 @@ from sizing.results import sizing
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import Line, Summary
 from sizing.results.weather_sizing import size_in_weather
-from studies.cli import checks
+from studies.cli import files as checks
 from studies.cli.commands.size import Size
 from studies.cli.files import Case, load
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import told
-from studies.cli.progress import progress_of
-from studies.cli.targets import check_report
+from studies.cli.outputs import check_report, told
+from studies.cli.telling import progress_of
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
@@ -108,11 +107,8 @@ def _designed(case: Case, options: Size) -> SizingStudy:
     """Find the design."""
     if options.weather_file is None or options.survive is None:
         return sizing.size(
-            case.aircraft,
-            case.mission,
-            options.goal,
-            model=case.solar.model,
-            correction=case.solar.correction,
+            **case.arguments,
+            objective=options.goal,
             with_sensitivities=options.with_sensitivities,
             with_cross_check=options.with_cross_check,
             with_margin=not options.whole_cells,
@@ -122,13 +118,10 @@ def _designed(case: Case, options: Size) -> SizingStudy:
     weather = load_weather(options.weather_file, case.mission)
     with progress_of("steps of the search") as progress:
         return size_in_weather(
-            case.aircraft,
-            case.mission,
-            weather,
-            options.goal,
+            **case.arguments,
+            weather=weather,
+            objective=options.goal,
             survive=options.survive,
-            model=case.solar.model,
-            correction=case.solar.correction,
             progress=progress,
         )
 

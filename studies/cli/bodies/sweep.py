@@ -12,15 +12,14 @@ import click
 
 from missions.files.errors import InputError
 from missions.files.writing import write_files_atomically
-from studies.cli.checks import require_climb_power, require_climber, require_path
 from studies.cli.commands.sweep import Sweep
-from studies.cli.files import Case, load
+from studies.cli.files import Case, load, require_climb_power, require_climber, require_path
 from studies.cli.jobs import completed
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import call, figure_bytes, told
 from studies.cli.telling import tell_error
 from studies.output.formats import grid_format
-from studies.output.grid_files import to_bytes
+from studies.output.gridded import to_bytes
 from studies.sweeps.axes import axis_names
 from studies.sweeps.points import BLANKS, CLIMBING_BLANKS, SIZED_BLANKS, varies_climb
 from studies.sweeps.study import dataset, prepare

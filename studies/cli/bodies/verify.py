@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from studies.cli.commands.verify import Verify
 from studies.cli.files import load
 from studies.cli.logs import read_log, refuse_swapped_log
-from studies.cli.outputs import figure_bytes, told
-from studies.cli.targets import check_report, refuse_to_overwrite
+from studies.cli.outputs import check_report, figure_bytes, refuse_to_overwrite, told
 from studies.flight_logs import verification
 from studies.flight_logs.plots import figures
 from studies.output.run_folder import write_run_folder
