@@ -16,7 +16,7 @@ from sizing.altitude.climb_levels import FlightLevels
 from sizing.altitude.climb_march import March, Strategy
 from sizing.altitude.climb_repetition import repeated_day
 from sizing.energy.battery import Store
-from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
+from sizing.energy.cycle import Cycle, EnergyBudget, cycle_of, equal_power
 from sizing.energy.power_balance import blocks
 from solar.types import FloatArray
 
@@ -187,37 +187,23 @@ class _Day:
     def cycle(self) -> Cycle:
         """Metrics of :mod:`sizing.energy.cycle`, with the altitude that is left at dawn."""
         march, levels, budget = self.march, self.march.levels, self.energy_budget
-        missing_h = self.run.missing_h
-        battery_energy_wh = march.store.battery_energy_wh
+        battery_energy_wh, missing_h = march.store.battery_energy_wh, self.run.missing_h
         floor_w = march.solar_at[:, : march.count]
         equal = equal_power(march.node_h, floor_w - levels.nominal_load_w)
-        excess, status = excess_and_status(
-            equal,
-            runs_empty=budget.unserved_wh > 1e-9 * battery_energy_wh,
-            sunlit=np.any(floor_w > 0.0, axis=0),
-            missing_h=missing_h,
-            reserve_h=self._reserve_h(equal.morning_h),
+        of_cycle = EnergyBudget(
+            solar_wh=budget.solar_wh,
+            load_wh=budget.constant_load_wh + self.run.motor_wh.sum(axis=0),
+            unserved_wh=budget.unserved_wh,
+            stored_wh=budget.stored_wh,
+            charge_loss_wh=budget.charge_loss_wh,
+            discharge_loss_wh=budget.discharge_loss_wh,
+            curtailed_wh=budget.curtailed_wh,
         )
-        lowest = self.energy.min(axis=0) / battery_energy_wh
-        first_full, last_full = self._full_h()
-        return Cycle(
-            status=status,
-            excess_time_h=excess,
-            minimum_state_of_charge=np.where(excess > 0.0, lowest, 0.0),
-            charge_margin_h=np.where(np.isnan(first_full), 0.0, last_full - first_full),
-            equal_power_morning_h=equal.morning_h,
-            equal_power_evening_h=equal.evening_h,
-            full_charge_h=first_full,
-            missing_h=missing_h,
-            energy_budget=EnergyBudget(
-                solar_wh=budget.solar_wh,
-                load_wh=budget.constant_load_wh + self.run.motor_wh.sum(axis=0),
-                unserved_wh=budget.unserved_wh,
-                stored_wh=budget.stored_wh,
-                charge_loss_wh=budget.charge_loss_wh,
-                discharge_loss_wh=budget.discharge_loss_wh,
-                curtailed_wh=budget.curtailed_wh,
-            ),
+        return cycle_of(
+            *(equal, of_cycle, missing_h, self._reserve_h(equal.morning_h)),
+            state_of_charge=self.energy.min(axis=0) / battery_energy_wh,
+            full_h=self._full_h(),
+            runs_empty=budget.unserved_wh > 1e-9 * battery_energy_wh,
             time_h=march.node_h,
             energy_wh=self.energy[:: march.steps_per_node].T.copy(),
         )
