@@ -39,14 +39,6 @@ from studies.output.gridded import OnGrid, can_be_result
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "feasibility_map",
-    "map_block",
-    "perpetual_cells",
-    "prepare",
-    "season_length",
-]
-
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
 _CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at all levels

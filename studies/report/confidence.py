@@ -13,8 +13,6 @@ from studies.report.blocks import Block, Items, Listing, Section, Tables, Text
 from studies.report.margins import margin_table
 from studies.report.subject import Subject
 
-__all__ = ["belief_section", "inputs_section", "margins_section", "provenance_section"]
-
 
 def margins_section(subject: Subject) -> Section:
     """How much worse each assumption may become."""

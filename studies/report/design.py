@@ -35,8 +35,6 @@ from studies.report.geometry import aircraft_drawing
 from studies.report.subject import Subject
 from studies.report.three_view import three_view
 
-__all__ = ["aircraft_section", "budget_section", "sizing_section"]
-
 _WIDE, _NARROW = 940.0, 350.0
 
 
@@ -204,14 +202,16 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
         multipliers = [ConstraintMultiplier(**one) for one in sizing["constraint_multipliers"]]
         tables.append(multiplier_table(multipliers, objective))
     if sizing.get("sensitivities"):
-        tables.append(sensitivity_table(_sensitivities(sizing["sensitivities"]), objective))
+        fields = Sensitivity.__dataclass_fields__
+        known = [Sensitivity(**{f: one[f] for f in fields}) for one in sizing["sensitivities"]]
+        tables.append(sensitivity_table(known, objective))
     blocks += [Tables((table,)) for table in tables]
     if sizing.get("sensitivities") is None and not objective.of_range:
         blocks.append(Text("The sensitivities were not computed.", "faint"))
     check = sizing.get("cross_check")
     if check is not None:
-        known: dict[str, Any] = {k: float("nan") if v is None else v for k, v in check.items()}
-        found = CrossCheck(**known)
+        values: dict[str, Any] = {k: float("nan") if v is None else v for k, v in check.items()}
+        found = CrossCheck(**values)
         line = cross_check_line(found, objective)
         blocks.append(
             Text(f"{line[:1].upper()}{line[1:]}.", "good" if found.cross_checked else "warning")
@@ -234,9 +234,3 @@ def _with_margin(
     now = {**guarded, objective.variable: guarded["objective_value"]}
     solar = SolarModel(sizing["model"], sizing["correction"])
     return margin_table(objective, solar, was, now)
-
-
-def _sensitivities(records: list[Mapping[str, Any]]) -> list[Sensitivity]:
-    """Sensitivities as they were before they became a record."""
-    names = Sensitivity.__dataclass_fields__
-    return [Sensitivity(**{name: one[name] for name in names}) for one in records]

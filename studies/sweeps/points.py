@@ -28,7 +28,7 @@ from sizing.design import (
 )
 from sizing.energy.cycle import Status
 from sizing.limits import design_requirements
-from sizing.optimisation.objectives import Objective
+from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.parameters import all_replaced
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.results.quantities import (
@@ -48,24 +48,7 @@ from solar.schema import Record
 from solar.types import FloatArray
 from studies.engine.workers import Cell
 from studies.output import columns as sizing_columns
-from studies.output.columns import SizingStatus
 from studies.sweeps.axes import DESIGN_KEYS, design_variable
-
-__all__ = [
-    "BLANKS",
-    "CLIMBING_BLANKS",
-    "DESCRIBED",
-    "MISSION_PREFIX",
-    "SIZED_BLANKS",
-    "SIZED_DESCRIBED",
-    "SweepConfiguration",
-    "held",
-    "judge_points",
-    "plain_data",
-    "size_points",
-    "varied_files",
-    "varies_climb",
-]
 
 MISSION_PREFIX = "mission."
 
