@@ -306,8 +306,11 @@ class Mission(FileRecord):
     @model_validator(mode="before")
     @classmethod
     def _altitude_of_floor(cls, data: Any) -> Any:
-        """The night's floor is the mission's altitude, where the file gives that instead."""
-        if not isinstance(data, Mapping) or "altitude_m" in data:
+        """The night's floor is the mission's altitude, where the file gives that instead.
+
+        An altitude of null leaves that of a file to the floor.
+        """
+        if not isinstance(data, Mapping) or data.get("altitude_m") is not None:
             return data
         climb = data.get("climb")
         if isinstance(climb, Climb):
