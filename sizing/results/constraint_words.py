@@ -28,6 +28,7 @@ _REQUIREMENTS = {
     "excess_time": ("required excess time", "mission.required_excess_time_h"),
     "days_that_close": ("days of the record that close", ""),
     "whole_cells": ("wing that holds the cells", "modules.layout"),
+    "static_margin": ("static margin", "airframe.balance.static_margin"),
     "moved_mass_foremost": ("moved mass at its foremost", "airframe.balance.foremost_chords"),
     "moved_mass_rearmost": ("moved mass at its rearmost", "airframe.balance.rearmost_chords"),
     "height": ("surplus that the climbs need", ""),
