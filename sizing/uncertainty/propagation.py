@@ -15,9 +15,11 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_day import cycles_with_climb
 from sizing.altitude.climb_levels import flight_levels
+from sizing.balance.placing import sizes_tail
 from sizing.design import (
     Design,
     FlightConditions,
+    design_of,
     lightest_mass_kg,
     measured_design,
     parametric_design,
@@ -128,6 +130,9 @@ class Propagation:
         self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: SolarDay | None = None
+        # The tail that is built is the same in every draw.
+        built = design_of(self.aircraft, mission) if sizes_tail(aircraft) else None
+        self._horizontal_volume = None if built is None else built.horizontal_volume
         # Of a propeller by tables, whose efficiencies are constants here.
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
         given = parameter_value(aircraft, None, _PROPULSION + _FACTOR)
@@ -278,7 +283,7 @@ class Propagation:
             if key != SOLAR_MODEL:
                 aircraft, mission = with_parameter(aircraft, mission, key, value)
         count = len(next(iter(values.values()))) if values else 1
-        design = _drawn_design(aircraft, mission, count)
+        design = _drawn_design(aircraft, mission, count, self._horizontal_volume)
 
         def each(value: object) -> FloatArray:
             return np.array(np.broadcast_to(np.asarray(value, float), (count,)))
@@ -390,8 +395,13 @@ class _Case:
     count: int
 
 
-def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
-    """Design of every draw; its mass budget closes again, infinite where it cannot."""
+def _drawn_design(
+    aircraft: Aircraft, mission: Mission, count: int, horizontal_volume: float | None
+) -> Design:
+    """Design of every draw; its mass budget closes again, infinite where it cannot.
+
+    ``horizontal_volume``: of a tail whose size held a static margin before anything was drawn.
+    """
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, mission)
     variables = variables_of(aircraft)
@@ -401,10 +411,14 @@ def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
         # What is drawn is an array of all draws: it cannot be taken apart.
         every = np.ones(count)
         every[draws] = assumed_kg
-        closing = parametric_design(aircraft, conditions, variables, every)
+        closing = parametric_design(
+            *(aircraft, conditions, variables, every), horizontal_volume=horizontal_volume
+        )
         return np.broadcast_to(np.asarray(closing.masses.total_kg, float), (count,))[draws]
 
     start_kg = np.broadcast_to(np.asarray(variables.battery_mass_kg, float), (count,))
     mass = lightest_mass_kg(budget_kg, start_kg, relative_tolerance=_TOLERANCE)
     with np.errstate(over="ignore", invalid="ignore"):
-        return parametric_design(aircraft, conditions, variables, mass)
+        return parametric_design(
+            *(aircraft, conditions, variables, mass), horizontal_volume=horizontal_volume
+        )
