@@ -24,6 +24,7 @@ from sizing.results.sizing_summary import (
 )
 from sizing.results.tables import Table, facts
 from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table
+from sizing.results.wind import wind_rows
 from sizing.sunlight import SolarModel
 from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text
 from studies.report.geometry import aircraft_drawing
@@ -85,6 +86,7 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
             _fact(q.AIR_DENSITY, flown),
             *([_fact(q.REYNOLDS_NUMBER, flown)] if speed_known else []),
             *(_fact(one, flown) for one in q.MODELLED_FLIGHT if modelled),
+            *(wind_rows(mission) if mission.holds_station else []),
         ],
     )
     share = 100.0 * aircraft.battery.mass_kg / design.total_mass_kg
