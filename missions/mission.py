@@ -480,6 +480,14 @@ class Mission(FileRecord):
         """Whether the aircraft flies faster where the wind is faster than its own airspeed."""
         return self.wind_statistics is not None and self.wind_statistics.hold_station
 
+    @property
+    def wind_latitudes_deg(self) -> tuple[float, float]:
+        """Latitudes between which the wind is known [deg]."""
+        if self.wind_statistics is None:
+            return -90.0, 90.0
+        known = self.wind_statistics.table(self.longitude_deg).latitude_deg
+        return float(np.min(known)), float(np.max(known))
+
     def in_wind(self, wind_m_per_s: float) -> Mission:
         """Same mission in a wind that is the same everywhere and all year."""
         update = {"wind_m_per_s": wind_m_per_s, "wind_statistics": None}

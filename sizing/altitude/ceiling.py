@@ -29,7 +29,7 @@ from sizing.validity.extrapolations import extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.types import FloatArray
 
-# End of a search whose end is not given: for aircraft that start near the ground, and that of the air.
+# End of a search whose end is not given: for a start near the ground, and that of the air.
 _HIGHEST_M, _NEAR_M = 20000.0, 5000.0
 DEFAULT_STEP_M = 250.0
 _RESOLUTION_M = 0.1

@@ -127,7 +127,7 @@ def prepare(
     """Check a map and divide it into chunks."""
     climbs = mission.climb is not None
     grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance or climbs)
-    if solar.needs_path:
+    if solar.needs_path or mission.holds_station:
         grid.check_winds(mission)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     cell_s += _CLIMB_S if climbs else 0.0

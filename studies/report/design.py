@@ -13,6 +13,7 @@ from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results import quantities as q
+from sizing.results.conditions import wind_rows
 from sizing.results.parts import (
     balance_lines,
     balance_table,
@@ -90,6 +91,7 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
             _fact(q.AIR_DENSITY, flown),
             *([_fact(q.REYNOLDS_NUMBER, flown)] if speed_known else []),
             *(_fact(one, flown) for one in q.MODELLED_FLIGHT if modelled),
+            *(wind_rows(mission) if mission.holds_station else []),
         ],
     )
     share = 100.0 * aircraft.battery.mass_kg / design.total_mass_kg
