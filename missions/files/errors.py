@@ -1,15 +1,10 @@
-"""Mistakes of the user with their places, and how keys and values are spelled in messages.
-
-And the reading of files of unknown origin: plain files of a bounded size, nothing else.
-"""
+"""Mistakes of the user with their places, and how keys and values are spelled in messages."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from pathlib import Path
 from typing import TypeAlias
 
 KeyPath: TypeAlias = tuple[str | int, ...]
@@ -116,27 +111,3 @@ def shown(value: object) -> str:
     if isinstance(value, list | tuple):
         return f"a list of {len(value)}"
     return shortened(repr(value))
-
-
-def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
-    """Read a file whole, if it is one.
-
-    A pipe would keep its reader waiting, and a device may never end.
-    """
-    source = printable(os.fspath(path))
-    if "\0" in os.fspath(path):
-        raise file_error(source, "cannot be read: is no name of a file")
-    try:
-        place = Path(path)
-        if place.is_dir():
-            raise file_error(source, "cannot be read: is a folder")
-        if place.exists() and not place.is_file():
-            raise file_error(source, "cannot be read: is not a plain file")
-        with place.open("rb") as file:
-            content = file.read(most_bytes + 1)
-    except OSError as error:
-        reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
-        raise file_error(source, f"cannot be read: {str(reason).lower()}") from error
-    if len(content) > most_bytes:
-        raise file_error(source, f"is larger than {most_bytes / 1e6:g} MB")
-    return content

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from missions.files.errors import file_error, read_plain_file
+from missions.files.errors import file_error
+from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.nearest import Series
 from missions.logs.streams import (

@@ -12,6 +12,5 @@ optimization and reliability assessment method for efficient probabilistic desig
 * ``search``: the sizings with factors, their trials, and the verdict; the edge of enough days
 * ``probability``: draws judge; one factor is the quantile of a share of the permitted failures
 * ``seasons``, ``season_search``: a record judges; the search walks along the edge of enough days
-* ``season_flights``, ``season_days``: batches of designs through a season, and what it makes of
-  one
+* ``season_flights``: batches of designs through a season, and what it makes of one
 """

@@ -12,8 +12,7 @@ from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
 from sizing.margins.search import Trial, least_step
-from sizing.margins.season_days import SeasonDays, Survival
-from sizing.margins.season_flights import Powers, SeasonFlights
+from sizing.margins.season_flights import Powers, SeasonDays, SeasonFlights, Survival
 from sizing.margins.season_search import SeasonSearch, Steps
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective

@@ -26,7 +26,7 @@ from sizing.design import (
 )
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.margins.probability import Reliability, check_reliability, size_reliably
-from sizing.margins.season_days import Survival
+from sizing.margins.season_flights import Survival
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.module_flow import with_flow_of_optimum

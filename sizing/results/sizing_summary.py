@@ -11,7 +11,7 @@ import numpy as np
 from missions.dates import date_label
 from missions.mission import latitude_label
 from sizing.margins.probability import Reliability
-from sizing.margins.season_days import Survival
+from sizing.margins.season_flights import Survival
 from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective

@@ -17,9 +17,9 @@ from missions.files.errors import (
     did_you_mean,
     file_error,
     printable,
-    read_plain_file,
     shown,
 )
+from missions.files.texts import read_plain_file
 from solar.types import FloatArray
 
 _MOST_PROBLEMS, _MOST_BYTES = 10, 5_000_000
