@@ -11,14 +11,13 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Literal, Self, TypeVar
 
 from pydantic import ModelWrapValidatorHandler, model_validator
-from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError, file_error, printable, shortened
 from missions.files.texts import read_text
 from missions.files.validation import validate
 from missions.files.yaml import Document, parse_yaml
 from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
-from solar.schema import Record
+from solar.schema import Record, wrong_value
 
 Kind = Literal["cells", "batteries", "motors", "propellers"]
 
@@ -170,21 +169,14 @@ def found_entry(key: str, kind: Kind, name: str) -> Entry:
     try:
         return entry(kind, name)
     except InputError as error:
-        context: dict[str, Any] = {"key": key}
-        if is_entry_path(name):
-            # Places in that file; the validation of the aircraft's puts them in.
-            count = len(error.problems)
-            noun = "a mistake" if count == 1 else f"{count} mistakes"
-            context |= {"problems": error.problems, "why": f"that file has {noun}"}
-        else:
-            context["why"] = error.problems[0].message
-        raise PydanticCustomError("catalogue", "{why}", context) from error
+        if not is_entry_path(name):
+            raise wrong_value(key, error.problems[0].message) from error
+        # Places in that file; the validation of the aircraft's puts them in.
+        count = len(error.problems)
+        why = f"that file has {'a mistake' if count == 1 else f'{count} mistakes'}"
+        raise wrong_value(key, why, problems=error.problems) from error
     except OSError as error:
-        raise PydanticCustomError(
-            "catalogue",
-            "cannot read {file}: {why}",
-            {"key": key, "file": repr(name), "why": str(error.strerror)},
-        ) from error
+        raise wrong_value(key, f"cannot read {name!r}: {error.strerror}") from error
 
 
 def known_entry(kind: Kind, data: Mapping[str, Any], key: str) -> Any:
