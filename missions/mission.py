@@ -57,7 +57,7 @@ LEVEL_SPACING_M = 500.0
 MAXIMUM_LEVELS = 21
 
 
-def _number(value: Any) -> float:
+def _plain_number(value: Any) -> float:
     """Plain number; draws of uncertain inputs are arrays, and stay so."""
     return float(value) if np.ndim(value) == 0 else cast("float", value)
 
@@ -158,7 +158,7 @@ class AirConditions(Record):
     albedo: UnitInterval | None = None
 
     @model_validator(mode="after")
-    def _check_choice(self) -> AirConditions:
+    def _check_temperatures(self) -> AirConditions:
         if self.temperature_offset_k is not None and self.ambient_temperature_c is not None:
             raise ValueError("give temperature_offset_k or ambient_temperature_c, not both")
         return self
@@ -464,7 +464,7 @@ class Mission(FileRecord):
         """Wind that an aircraft must be faster than in all scenarios [m/s]."""
         if self.wind_statistics is None:
             return self.wind_m_per_s
-        return _number(self.scenario_winds_m_per_s().max(axis=0))
+        return _plain_number(self.scenario_winds_m_per_s().max(axis=0))
 
     def scenario_winds_m_per_s(self, scenarios: Scenarios | None = None) -> FloatArray:
         """Wind of each scenario, by default of the mission's own [m/s]."""
@@ -536,15 +536,15 @@ class Mission(FileRecord):
         """
         here = self.air_state()
         standard = standard_air(self.altitude_m)
-        offset_k = _number(here.temperature_k - standard.temperature_k)
+        offset_k = _plain_number(here.temperature_k - standard.temperature_k)
         update: dict[str, float | None] = {
             "temperature_offset_k": offset_k,
             "ambient_temperature_c": None,
         }
         if self.air.module_temperature_c is not None:
-            warmer_k = self.air.module_temperature_c - _number(here.temperature_c)
+            warmer_k = self.air.module_temperature_c - _plain_number(here.temperature_c)
             there = standard_air(altitude_m, offset_k)
-            update["module_temperature_c"] = _number(there.temperature_c) + warmer_k
+            update["module_temperature_c"] = _plain_number(there.temperature_c) + warmer_k
         air = self.air.model_copy(update=update)
         return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
 
@@ -560,7 +560,7 @@ class Mission(FileRecord):
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
         if self.air.module_temperature_c is not None:
             return self.air.module_temperature_c
-        return _number(self.air_state().temperature_c)
+        return _plain_number(self.air_state().temperature_c)
 
     def scenarios(self) -> Scenarios:
         """Every latitude on every day that stands for the dates, latitude by latitude."""

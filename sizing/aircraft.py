@@ -479,6 +479,12 @@ class Aircraft(FileRecord):
             texts[polar.airfoil] = text
         return texts
 
+    @property
+    def propulsion_by_parts(self) -> OperatingPointPropulsion | None:
+        """Propulsion that has an operating point; None for constants and measured aircraft."""
+        propulsion = getattr(self.airframe, "propulsion", None)
+        return propulsion if isinstance(propulsion, OperatingPointPropulsion) else None
+
     def from_catalogues(self) -> list[Taken]:
         """Values that catalogues gave, with their sources."""
         entries = taken(self.modules, "modules.") + taken(self.battery, "battery.")
@@ -521,11 +527,11 @@ class Aircraft(FileRecord):
 
     @model_validator(mode="after")
     def _check_propeller_space(self) -> Aircraft:
-        chain, space = getattr(self.airframe, "propulsion", None), self.design_space
-        if isinstance(chain, OperatingPointPropulsion) and chain.propeller.table is None:
+        chain = self.propulsion_by_parts
+        if chain is not None and chain.propeller.table is None:
             return self
         for key in PROPULSION_VARIABLES:
-            if getattr(space, key) is not None:
+            if getattr(self.design_space, key) is not None:
                 raise wrong_value(
                     f"design_space.{key}",
                     "goes with airframe.propulsion.kind: operating_point, without propeller.table",
@@ -534,8 +540,7 @@ class Aircraft(FileRecord):
 
     @model_validator(mode="after")
     def _check_bus(self) -> Aircraft:
-        chain = getattr(self.airframe, "propulsion", None)
-        if isinstance(chain, OperatingPointPropulsion) and self.battery.voltage is None:
+        if self.propulsion_by_parts is not None and self.battery.voltage is None:
             raise wrong_value(
                 "battery.voltage",
                 "required key is missing: airframe.propulsion.kind is operating_point",

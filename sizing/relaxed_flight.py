@@ -80,11 +80,11 @@ def relaxed_flight(aircraft: Aircraft, flown: Performance) -> tuple[Relaxation, 
     """
     if flown.cycle.perpetual.all():
         return ()
-    relaxations = [one for key in _UNITS for one in _relaxed(aircraft, flown, key)]
+    relaxations = [one for key in _UNITS for one in _smallest_change(aircraft, flown, key)]
     return tuple(sorted(relaxations, key=lambda one: one.relative_change))
 
 
-def _relaxed(aircraft: Aircraft, flown: Performance, key: str) -> Iterator[Relaxation]:
+def _smallest_change(aircraft: Aircraft, flown: Performance, key: str) -> Iterator[Relaxation]:
     """Relaxation of one quantity, if there is one."""
     present = _present(flown, key)
     if not present:

@@ -34,8 +34,8 @@ def smooth_at(aircraft: Aircraft, mission: Mission) -> Aircraft:
     One with constants or formulas is returned as it is, one with a propeller by tables gets the
     constant efficiencies of level flight. Raises :class:`ImpossibleDesignError` if it cannot fly.
     """
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None or not propulsion.is_exact:
         return aircraft
     design = design_of(aircraft, mission)
     if propulsion.propeller.table is not None:
@@ -144,8 +144,8 @@ def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> No
         tail["horizontal_volume"] = float(volume)
     if all(one is None for one in variables.of_propulsion):
         return
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    assert isinstance(propulsion, OperatingPointPropulsion)
+    propulsion = aircraft.propulsion_by_parts
+    assert propulsion is not None
     places = (("propeller", "diameter_m"), ("propeller", "pitch_m"), ("gear", "ratio"))
     parts = data["airframe"]["propulsion"]
     for (part, key), value in zip(places, variables.of_propulsion, strict=True):

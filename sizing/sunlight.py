@@ -296,9 +296,11 @@ class Sunlight:
 
     @cached_property
     def _levels(self) -> list[Sunlight]:
-        return [self._at(self.mission.at_altitude(h)) for h in self.mission.climb_levels_m[1:]]
+        return [
+            self._sunlight_at(self.mission.at_altitude(h)) for h in self.mission.climb_levels_m[1:]
+        ]
 
-    def _at(self, there: Mission) -> Sunlight:
+    def _sunlight_at(self, there: Mission) -> Sunlight:
         """Sunlight of the same scenarios at another altitude."""
         step_h = float(self.time_h[1])
         return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h)

@@ -176,8 +176,8 @@ def full_model(
     return ModulePower(
         specific_power_w_per_m2=power,
         irradiance_w_per_m2=falling,
-        module_efficiency=_ratio(before_mppt, falling),
-        mppt_efficiency=_ratio(power, before_mppt),
+        module_efficiency=_quotient(before_mppt, falling),
+        mppt_efficiency=_quotient(power, before_mppt),
         temperature_efficiency=cell.temperature_efficiency(temperature),
         module_temperature_c=temperature,
         cos_aoi_by_surface=cosine,
@@ -220,7 +220,7 @@ def _balanced_power(
     return power, np.asarray(ambient_c + cell.temperature_rise_k * power / rated)
 
 
-def _ratio(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
+def _quotient(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
     """Quotient, zero where there is no light at all."""
     sunlit = denominator > 0.0
     return np.where(sunlit, numerator / np.where(sunlit, denominator, 1.0), 0.0)

@@ -167,7 +167,7 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
     names = [] if first is None else [name.strip() for name in lines[first].split(",")]
     if first is None or sorted(names) != sorted(COLUMNS):
         raise file_error(source, f"has no line of the columns {', '.join(COLUMNS)}")
-    rows = _numbers(lines[first + 1 :], first + 2, names, source)
+    rows = _number_rows(lines[first + 1 :], first + 2, names, source)
     columns = {name: rows[:, names.index(name)] for name in COLUMNS}
     axes, places = zip(
         *(np.unique(columns[name], return_inverse=True) for name in COLUMNS[:-1]), strict=True
@@ -195,7 +195,7 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
     return WindTable(source, axes[0], axes[1], months, axes[3], values)
 
 
-def _numbers(lines: list[str], first: int, names: list[str], source: str) -> FloatArray:
+def _number_rows(lines: list[str], first: int, names: list[str], source: str) -> FloatArray:
     """Rows of a table as numbers; the first is the line ``first`` of its file."""
     kept = [s for s in lines if s.strip()]
     if not kept:

@@ -147,7 +147,7 @@ class _SurvivalSizing:
             notes=notes,
         )
         if best is None:
-            return Survived(self._failed(shown, survival), survival, tuple(self._relaxed(shown)))
+            return Survived(self._failed(shown, survival), survival, tuple(self._changes(shown)))
         return Survived(self._as_asked(best).with_design(self._flown_there(best)), survival, ())
 
     def _best(self) -> Trial | None:
@@ -208,7 +208,7 @@ class _SurvivalSizing:
             relaxations(self.aircraft, self.mission, clear, self.solar, problems=self.problems)
         )
 
-    def _relaxed(self, nearest: Trial) -> list[Relaxation]:
+    def _changes(self, nearest: Trial) -> list[Relaxation]:
         """What would let a design close enough days: found for the program's day, then flown.
 
         The program's day has the factors of the best design of a wider design space; where that has

@@ -53,7 +53,7 @@ def summary(analysis: Analysis) -> Summary:
     blocks: list[Any] = [Line(title, "strong")]
     if analysis.days is None:
         blocks.append(Line(answer(analysis)))
-    table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
+    table, masses = facts("", _scenario_rows(analysis)), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks.append(power_line(analysis.power_budget, analysis.mission))
     if analysis.part_masses is not None:
@@ -193,7 +193,7 @@ def _endurance(values: dict[q.Quantity, Any]) -> str:
     return "over a year" if np.isinf(endurance_h) and not unlimited else hours(endurance_h)
 
 
-def _rows(analysis: Analysis) -> list[tuple[str, str]]:
+def _scenario_rows(analysis: Analysis) -> list[tuple[str, str]]:
     values, design = analysis.scenario(), analysis.performance.design
     endurance = _endurance(values)
     if not np.isnan(values[q.BEST_LAUNCH]) and not np.isnan(values[q.SUNRISE]):
@@ -212,6 +212,7 @@ def _rows(analysis: Analysis) -> list[tuple[str, str]]:
         ("sunrise, sunset (solar time)", _clocks(values[q.SUNRISE], values[q.SUNSET])),
         ("equal power, morning and evening", _clocks(values[morning], values[evening])),
         (q.FULL_CHARGE.label, clock_label(values[q.FULL_CHARGE])),
+        *_climb_rows(analysis),
     ]
 
 

@@ -41,7 +41,7 @@ def battery_record_of_days(
     ``air_c``: mean temperature of the air of each day [C], at an altitude. Returns as
     :func:`battery_record`, with ``lowest``, ``mean`` and ``highest`` of what changes with the days.
     """
-    return _record(aircraft, air_c, altitude_m, _spread)
+    return _record(aircraft, air_c, altitude_m, _ends_and_mean)
 
 
 def _record(
@@ -67,7 +67,7 @@ def _record(
     }
 
 
-def _spread(values: Any) -> dict[str, float]:
+def _ends_and_mean(values: Any) -> dict[str, float]:
     return {
         # Nothing times a temperature below zero is minus nothing.
         "lowest": float(np.min(values)) + 0.0,

@@ -15,7 +15,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design, level_point, load_profile
 from sizing.energy.cycle import simulate_cycle
 from sizing.performance import Performance
-from sizing.propulsion.chain import LINKS, OperatingPointPropulsion
+from sizing.propulsion.chain import LINKS
 from sizing.propulsion.part_masses import motor_mass_fit
 from sizing.results.records import finite
 from sizing.varying_load import flight_of, interpolation_error, load_shape
@@ -109,7 +109,7 @@ def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerB
     if chain is not None:
         thrust_w = level_w * float(chain.efficiency)
         efficiencies = {link: getattr(chain, f"{link}_efficiency") for link in LINKS}
-        if isinstance(getattr(aircraft.airframe, "propulsion", None), OperatingPointPropulsion):
+        if aircraft.propulsion_by_parts is not None:
             point = level_point(aircraft, mission, design)
             efficiencies = {k: float(getattr(point, f"{v}_efficiency")) for k, v in LINKS.items()}
         efficiencies = {k: 1.0 if v is None else float(v) for k, v in efficiencies.items()}
@@ -157,8 +157,8 @@ class PartMasses(NamedTuple):
 
 def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
     """Estimated masses of a design's propulsion; None where there are none."""
-    propulsion, chain = getattr(aircraft.airframe, "propulsion", None), design.chain
-    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.estimates_masses:
+    propulsion, chain = aircraft.propulsion_by_parts, design.chain
+    if propulsion is None or not propulsion.estimates_masses:
         return None
     assert chain is not None
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
@@ -241,8 +241,7 @@ class VaryingEfficiency:
 
 def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficiency | None:
     """Effect of the efficiency of the moment on a single design; None where it is constant."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    if aircraft.propulsion_by_parts is None:
         return None
     design, mission, at = flown.design, flown.mission, flown.worst_scenario()
     day = flown.day.at([at])

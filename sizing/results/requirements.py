@@ -20,7 +20,6 @@ from sizing.design import Design, FlightConditions, bus_voltage_v, parametric_de
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, label, unit, unit_text
 from sizing.performance import Performance
-from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
@@ -216,8 +215,7 @@ def _of_climb(
     at = f"at {highest_m:g} m"
     name, text = "climb_rate_at_highest_altitude_m_per_s", f"climb rate at rated power {at}"
     yield _absolute(name, text, spare_w / weight_n, 0.0, "m/s")._replace(recommended=True)
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    if (propulsion := aircraft.propulsion_by_parts) is None:
         return
     thrust_w = float(aloft.propulsion_power_w * aloft.chain.efficiency)
     speed, air = float(aloft.airspeed_m_per_s), FlightConditions.of(there, aircraft).air
@@ -239,8 +237,7 @@ def _of_climb(
 
 def _of_parts(aircraft: Aircraft, mission: Mission, design: Design) -> Iterator[RequirementMargin]:
     """Limits of the parts of a propulsion in level flight with an empty battery."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    if (propulsion := aircraft.propulsion_by_parts) is None:
         return
     assert design.chain is not None
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)

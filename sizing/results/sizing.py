@@ -199,9 +199,9 @@ class SizingStudy(Result):
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
         put_parts_in(data, self.aircraft, self._optimum())
-        return data if self.whole_cells is not None else self._relaxed(data)
+        return data if self.whole_cells is not None else self._without_cells(data)
 
-    def _relaxed(self, data: dict[str, Any]) -> dict[str, Any]:
+    def _without_cells(self, data: dict[str, Any]) -> dict[str, Any]:
         """Data without the whole cells of another design, with the technology they had given."""
         modules, battery = self.aircraft.modules, self.aircraft.battery
         if data["modules"].pop("layout", None) is not None:

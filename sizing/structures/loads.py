@@ -249,7 +249,7 @@ def _moments(x: float, gear: float) -> tuple[float, float, float]:
 
 
 @cache
-def _columns(gear: float, wire: float | None) -> Station:
+def _station_columns(gear: float, wire: float | None) -> Station:
     """All stations, each quantity in one array."""
     return Station(*np.array(stations(STATION_COUNT, gear, wire)).T)
 
@@ -262,7 +262,7 @@ def along_the_span(
     Stations are the first axis of arrays and the rows of symbols. ``gear`` and ``wire`` as in
     :func:`stations`.
     """
-    columns = _columns(gear, wire)
+    columns = _station_columns(gear, wire)
     if all(isinstance(value, (int, float, np.number, np.ndarray)) for value in values):
         shape = (-1, *(1 for _ in range(max(np.ndim(value) for value in values))))
         arrays = Station(*(column.reshape(shape) for column in columns))
