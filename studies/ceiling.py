@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.ceiling import (
-    DEFAULT_HIGHEST_M,
     DEFAULT_STEP_M,
     AltitudeFlight,
     PerpetualCeiling,
@@ -21,8 +20,8 @@ from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME, MAXIMUM_ALTIT
 from sizing.results.records import finite, finite_values, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
 from sizing.sunlight import SolarModel
+from sizing.validity.extrapolations import together
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import together
 from solar.names import CorrectionName, ModelName
 from studies.output.figures.drawing import (
     CHARGE,
@@ -157,7 +156,7 @@ def perpetual_ceiling(
     *,
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
-    highest_m: float = DEFAULT_HIGHEST_M,
+    highest_m: float | None = None,
     step_m: float = DEFAULT_STEP_M,
     progress: Callable[[int, int], None] | None = None,
 ) -> Ceiling:
@@ -171,7 +170,8 @@ def perpetual_ceiling(
     model, correction : str
         Solar power model and its correction.
     highest_m, step_m : float
-        End of the search and spacing of its altitudes [m].
+        End of the search and spacing of its altitudes [m]. Without an end it is 20,000 m, or 32,000
+        m for missions above 15,000 m.
     progress : callable, optional
         Told after every altitude how many are done, and of how many.
 

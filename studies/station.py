@@ -20,8 +20,8 @@ from sizing.results.tables import Column, Line, Result, Summary, Table, data_fra
 from sizing.station import FASTEST, StationKeeping, station_keeping
 from sizing.sunlight import SolarModel
 from sizing.validity.checks import design_checks
+from sizing.validity.extrapolations import together, told
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import together, told
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar

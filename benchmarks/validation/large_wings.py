@@ -7,7 +7,7 @@ from typing import Any
 
 from benchmarks.validation.structures import PublishedStructure, published_structures
 from sizing.results.tables import Column, Table
-from sizing.structures.agreement import RIB_WING_CALIBRATION
+from sizing.structures.models import RIB_WING_CALIBRATION
 from sizing.structures.rib_wing import RibWingStructure
 
 AIRCRAFT = ("atlantiksolar", "zephyr-7", "zephyr-8", "phasa-35", "heliplat", "helios")

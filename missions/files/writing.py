@@ -18,22 +18,6 @@ from missions.files.errors import printable
 from missions.files.yaml import add_resolvers
 from solar.versions import FORMAT_KEY, FORMAT_VERSION
 
-__all__ = [
-    "OutputError",
-    "check_writable_file",
-    "check_writable_folder",
-    "file_text",
-    "names_a_device",
-    "probe",
-    "to_json",
-    "to_yaml",
-    "write_bytes_atomically",
-    "write_files_atomically",
-    "write_folder",
-    "write_text_atomically",
-    "writing_trouble",
-]
-
 
 class OutputError(OSError):
     """A file could not be written; the text says which one and why."""

@@ -8,7 +8,7 @@ import os
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from missions.files.plain_file import read_plain_file
+from missions.files.texts import read_plain_file
 from missions.files.writing import write_files_atomically
 from missions.mission import Mission
 from sizing.performance import performance

@@ -223,7 +223,8 @@ class Session:
         notes = [one.text for one in analysis.extrapolations]
         if record["airspeed_above_wind"] is False:
             airspeed, wind = record["airspeed_m_per_s"], analysis.mission.strongest_wind_m_per_s
-            notes.insert(0, f"airspeed {airspeed:.1f} m/s is below the wind of {wind:g} m/s")
+            held = "is raised to" if analysis.mission.holds_station else "is below"
+            notes.insert(0, f"airspeed {airspeed:.1f} m/s {held} the wind of {wind:g} m/s")
         slow = settling_line(analysis)
         charge = perf.cycle.energy_wh[0] / float(perf.design.battery_energy_wh)
         view: dict[str, Any] = {

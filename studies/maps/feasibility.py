@@ -26,9 +26,8 @@ from sizing.validity.checks import (
     design_checks,
     wind_check,
 )
+from sizing.validity.extrapolations import level_flight_at, of_level_flight, told, with_worth
 from sizing.validity.ranges import Check, Extrapolation
-from sizing.validity.told import told
-from sizing.validity.worth import level_flight_at, of_level_flight, with_worth
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from studies.engine.run import compute
@@ -128,7 +127,7 @@ def prepare(
     """Check a map and divide it into chunks."""
     climbs = mission.climb is not None
     grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance or climbs)
-    if solar.needs_path:
+    if solar.needs_path or mission.holds_station:
         grid.check_winds(mission)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     cell_s += _CLIMB_S if climbs else 0.0

@@ -13,8 +13,8 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.sunlight import SolarModel
+from sizing.validity.extrapolations import with_worth
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import compute
 from studies.engine.workers import Cell, Job

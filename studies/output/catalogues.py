@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from sizing.catalogues.choice import Kind, entries
 from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
-from sizing.catalogues.files import Kind, entries
 from sizing.results.tables import Column, Table
 
 _TITLES: dict[Kind, str] = {

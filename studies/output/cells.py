@@ -46,6 +46,7 @@ _REQUIREMENTS = {
     "excess_time": "excess time too short",
     "mass_budget": "mass: cannot be lifted",
     "module_coverage": "modules: larger than the wing",
+    "static_margin": "static margin: not by any tail",
     "airspeed_above_wind": "wind: above the airspeed",
     "bus_voltage": "propulsion: voltage too low",
     "tip_mach": "propulsion: tips too fast",

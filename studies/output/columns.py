@@ -18,8 +18,8 @@ from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from sizing.sunlight import SolarModel
+from sizing.validity.extrapolations import from_text, together
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import from_text, together
 from solar._version import __version__
 from solar.versions import FORMAT_VERSION
 from studies.output.gridded import Labelled, OnGrid

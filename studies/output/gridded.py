@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from missions.files.writing import to_json
 from sizing.results.tables import data_frame
-from sizing.validity.told import from_text
+from sizing.validity.extrapolations import from_text
 from studies.output.formats import csv_bytes, table_bytes, workbook_bytes
 
 if TYPE_CHECKING:

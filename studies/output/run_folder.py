@@ -29,8 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from missions.files.errors import InputError, Problem, file_error
-from missions.files.plain_file import read_plain_file
-from missions.files.texts import read_folder
+from missions.files.texts import read_folder, read_plain_file
 from missions.files.writing import file_text, to_json, write_folder
 from missions.files.yaml import PATH_SUFFIXES
 from sizing.aerodynamics.polar_table import POLAR_SUFFIXES

@@ -29,7 +29,7 @@ from sizing.validity.checks import (
     correction_check,
     design_checks,
 )
-from sizing.validity.told import as_text, cell_texts, extrapolations
+from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from studies.output.columns import BLANKS, SIZED
 
 

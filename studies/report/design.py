@@ -6,15 +6,23 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.balance.in_design import with_horizontal_tail
 from sizing.design import Design, FlightConditions
 from sizing.limits import DesignInFlight
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results import quantities as q
-from sizing.results.balance import balance_lines, balance_table, drag_table
-from sizing.results.constraint_words import constraint_words
-from sizing.results.requirement_margins import requirement_margins, requirement_table
+from sizing.results.conditions import wind_rows
+from sizing.results.parts import (
+    balance_lines,
+    balance_table,
+    cells_lines,
+    drag_table,
+    loss_line,
+    neighbour_table,
+)
+from sizing.results.requirements import constraint_words, requirement_margins, requirement_table
 from sizing.results.sizing_summary import (
     cross_check_line,
     margin_table,
@@ -23,7 +31,6 @@ from sizing.results.sizing_summary import (
     with_unit,
 )
 from sizing.results.tables import Table, facts
-from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table
 from sizing.sunlight import SolarModel
 from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text
 from studies.report.geometry import aircraft_drawing
@@ -36,8 +43,9 @@ _WIDE, _NARROW = 940.0, 350.0
 def aircraft_section(subject: Subject) -> Section:
     """Three views to scale, and the quantities of the design."""
     aircraft = subject.aircraft
-    drawing = aircraft_drawing(aircraft)
     balance = subject.analysis.balance
+    drawn = None if balance is None else balance.sized_volume
+    drawing = aircraft_drawing(with_horizontal_tail(aircraft, drawn))
     points = {}
     if balance is not None:
         points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.found.x_m)}
@@ -83,6 +91,7 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
             _fact(q.AIR_DENSITY, flown),
             *([_fact(q.REYNOLDS_NUMBER, flown)] if speed_known else []),
             *(_fact(one, flown) for one in q.MODELLED_FLIGHT if modelled),
+            *(wind_rows(mission) if mission.holds_station else []),
         ],
     )
     share = 100.0 * aircraft.battery.mass_kg / design.total_mass_kg

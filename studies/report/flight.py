@@ -127,7 +127,8 @@ def season_section(subject: Subject) -> Section:
     if subject.mission.climb is not None and not solar.needs_path:
         rows, columns = CLIMBING_CELLS
     farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
-    latitudes = np.linspace(-farthest, farthest, rows)
+    south, north = solar.flown_latitudes_deg(subject.mission)
+    latitudes = np.unique(np.linspace(max(-farthest, south), min(farthest, north), rows))
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
     study = prepare(subject.aircraft, subject.mission, latitudes, days, solar)
     data = study.gridded(compute(study.job))
@@ -145,6 +146,8 @@ def season_section(subject: Subject) -> Section:
         "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
         "line: edge of perpetual flight; ring: the mission's scenarios."
     )
+    if subject.mission.holds_station:
+        caption = f"{caption[:-1]}; flown as fast as the wind, at the latitudes where it is known."
     if subject.mission.climb is not None:
         caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
     return Section("season", "The season", [*texts, Figure(markup, caption, scrolls=True)])

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.files.errors import did_you_mean
-from sizing.catalogues.files import Kind, entry_names
+from sizing.catalogues.choice import Kind, entry_names
 from sizing.parameters import catalogue, design_keys
 
 SampleName = Literal["grid", "lhs", "sobol", "one-at-a-time"]

@@ -27,7 +27,7 @@ from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
 from sizing.validity.checks import record_check
-from sizing.validity.told import told
+from sizing.validity.extrapolations import told
 from solar.types import IntArray
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT

@@ -89,11 +89,8 @@ def _check(case: Case, options: Size) -> None:
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)
     checks.require_path(case)
-    for option in ("reliability", "survive", "report_file"):
-        if getattr(options, option):
-            checks.refuse_held_station(
-                case, f"size --{option.removesuffix('_file').replace('_', '-')}"
-            )
+    if options.survive is not None:
+        checks.refuse_held_station(case, "size --survive")
     if options.whole_cells:
         checks.require_whole_cells(case)
     least = options.reliability

@@ -11,7 +11,7 @@ from studies.cli.command import Command, argument, option
 from studies.cli.options import completes, json_option
 
 if TYPE_CHECKING:
-    from sizing.catalogues.files import Kind
+    from sizing.catalogues.choice import Kind
 
 
 @dataclass(frozen=True)
