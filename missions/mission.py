@@ -306,8 +306,11 @@ class Mission(FileRecord):
     @model_validator(mode="before")
     @classmethod
     def _altitude_of_floor(cls, data: Any) -> Any:
-        """The night's floor is the mission's altitude, where the file gives that instead."""
-        if not isinstance(data, Mapping) or "altitude_m" in data:
+        """The night's floor is the mission's altitude, where the file gives that instead.
+
+        An altitude of null leaves that of a file to the floor.
+        """
+        if not isinstance(data, Mapping) or data.get("altitude_m") is not None:
             return data
         climb = data.get("climb")
         if isinstance(climb, Climb):
@@ -476,6 +479,14 @@ class Mission(FileRecord):
     def holds_station(self) -> bool:
         """Whether the aircraft flies faster where the wind is faster than its own airspeed."""
         return self.wind_statistics is not None and self.wind_statistics.hold_station
+
+    @property
+    def wind_latitudes_deg(self) -> tuple[float, float]:
+        """Latitudes between which the wind is known [deg]."""
+        if self.wind_statistics is None:
+            return -90.0, 90.0
+        known = self.wind_statistics.table(self.longitude_deg).latitude_deg
+        return float(np.min(known)), float(np.max(known))
 
     def in_wind(self, wind_m_per_s: float) -> Mission:
         """Same mission in a wind that is the same everywhere and all year."""

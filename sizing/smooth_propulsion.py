@@ -10,7 +10,6 @@ from sizing.aircraft import Aircraft, Range
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design import (
     Design,
-    DesignVariables,
     FlightConditions,
     ImpossibleDesignError,
     closed_design,
@@ -136,8 +135,13 @@ def with_propulsion(
     return aircraft.model_copy(update={"airframe": airframe})
 
 
-def put_parts_in(data: dict[str, Any], aircraft: Aircraft, variables: DesignVariables) -> None:
-    """Put the chosen propeller and gear into an aircraft's file as data, in place."""
+def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> None:
+    """Put the chosen propeller, gear and tail into an aircraft's file as data, in place."""
+    variables, volume = design.variables, design.horizontal_volume
+    if volume is not None:
+        tail = data["airframe"]["tail"]
+        tail.pop("horizontal_area_m2", None)
+        tail["horizontal_volume"] = float(volume)
     if all(one is None for one in variables.of_propulsion):
         return
     propulsion = aircraft.propulsion_by_parts

@@ -69,6 +69,11 @@ class SolarModel:
         """Whether module surfaces and a flight path are needed: VM, FM, loiter correction."""
         return self.model in ATTITUDE_MODELS or self.correction == "loiter"
 
+    def flown_latitudes_deg(self, mission: Mission) -> tuple[float, float]:
+        """Latitudes whose wind is known, where the flight depends on the wind [deg]."""
+        in_wind = self.needs_path or mission.holds_station
+        return mission.wind_latitudes_deg if in_wind else (-90.0, 90.0)
+
     @property
     def rms_relative(self) -> float:
         """RMS error of the model relative to the mean measured power [-]."""

@@ -31,19 +31,6 @@ from studies.output.gridded import Gridded, Labelled
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "DAYS",
-    "LATITUDES_DEG",
-    "SLOW_DAYS",
-    "SLOW_LATITUDES_DEG",
-    "VARIED",
-    "Grid",
-    "GridStudy",
-    "MapConfiguration",
-    "cell_time_s",
-    "chunks_of",
-]
-
 VARIED = "varied"  # a coordinate that no cell has a value of
 
 

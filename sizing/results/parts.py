@@ -106,6 +106,10 @@ def balance_lines(balance: BalanceAssessment) -> list[str]:
     if (moved := balance.moved) is not None:
         where = f"{abs(moved.x_m):.3f} m {'behind' if moved.x_m >= 0.0 else 'ahead of'}"
         lines[0] += f" For it {moved.mass_kg:.3f} kg ({moved.name}) lie {where} the leading edge."
+    if balance.sized_volume is not None:
+        lines[0] += (
+            f" For it the horizontal tail has a volume coefficient of {balance.sized_volume:.3f}."
+        )
     off = balance.mass_kg / balance.design_mass_kg - 1.0
     if abs(off) > _CLOSE:
         lines.append(

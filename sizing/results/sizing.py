@@ -198,7 +198,7 @@ class SizingStudy(Result):
             data[section][key] = one.of(self.result.design)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
-        put_parts_in(data, self.aircraft, variables)
+        put_parts_in(data, self.aircraft, self._optimum())
         return data if self.whole_cells is not None else self._without_cells(data)
 
     def _without_cells(self, data: dict[str, Any]) -> dict[str, Any]:

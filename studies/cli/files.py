@@ -329,7 +329,7 @@ def refuse_climb(case: Case, command: str) -> None:
 def refuse_held_station(case: Case, command: str) -> None:
     """Refuse a mission that holds its place where one power is flown in all scenarios."""
     if case.mission.holds_station:
-        message = f"{command} flies at the design's airspeed; leave it out"
+        message = f"{command} has one power of level flight for all places and days; leave it out"
         raise located_error(case.where.document, ("wind", "hold_station"), message)
 
 

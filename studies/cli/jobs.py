@@ -17,10 +17,9 @@ from studies.cli.options import EXIT_FAILED, WorkOptions
 from studies.cli.start import let_dask_in
 from studies.cli.telling import progress_of, tell_error
 from studies.engine.chunk_store import ChunkStore, parts_folder
-from studies.engine.run import Outcome, Stopped, pool_of, run
+from studies.engine.run import Outcome, pool_of, run
+from studies.engine.signals import Stopped
 from studies.engine.workers import Job, WorkersUnavailableError
-
-__all__ = ["completed"]
 
 
 @contextmanager

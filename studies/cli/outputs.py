@@ -154,15 +154,15 @@ def table_of(frame: Callable[[], pd.DataFrame], title: str) -> Content:
 
 def figure_of(draw: Callable[[], Figure]) -> Content:
     """Figure in the format that its file name asks for, which was checked before."""
-    return lambda path: figure_bytes(draw(), path)
 
+    def content(path: str) -> bytes:
+        figure = draw()
+        data = to_bytes(figure, image_format(path) or "png")
+        if getattr(figure.get_layout_engine(), "collapsed", False):
+            what = "the figure is too small for its axes and texts"
+            tell_error(f"solar-uav: {path}: {what}: give a larger --figure-size, or --no-title")
+        return data
 
-def figure_bytes(figure: Figure, path: str) -> bytes:
-    """Figure in the format that its file name asks for, which was checked before."""
-    content = to_bytes(figure, image_format(path) or "png")
-    if getattr(figure.get_layout_engine(), "collapsed", False):
-        remedy = "give a larger --figure-size, or --no-title"
-        tell_error(f"solar-uav: {path}: the figure is too small for its axes and texts: {remedy}")
     return content
 
 

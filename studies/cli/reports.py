@@ -26,8 +26,6 @@ from studies.report.subject import Subject
 if TYPE_CHECKING:
     from studies.flight_logs.verification import Verification
 
-__all__ = ["report_on_log", "report_on_sizing", "sizing_of_folder", "subject_of", "write_report"]
-
 _MOST_BYTES = 10_000_000  # of a record of results
 # A sizing is that of an aircraft if it has the excess time that was written down, to this [h].
 _SAME_H = 1e-6

@@ -15,8 +15,6 @@ import click
 
 from missions.files.errors import printable
 
-__all__ = ["brief", "progress_of", "tell_error"]
-
 # Elsewhere than on a terminal: silence for what is quick, then a line at this pace [s].
 _FIRST_LINE_S = 5.0
 _EVERY_S = 15.0

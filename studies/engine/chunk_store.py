@@ -27,8 +27,6 @@ import numpy as np
 from missions.files.errors import printable
 from missions.files.writing import OutputError, probe, writing_trouble
 
-__all__ = ["ChunkStore", "Part", "parts_folder"]
-
 _KEY = "[0-9a-f]" * 40
 _LOCK = ".solar-uav.lock"
 _FAILURES = "failures as JSON"  # no column has a name with spaces
@@ -105,7 +103,7 @@ class ChunkStore:
             if not path.is_file() or path.stat().st_size > most:
                 return None
             head, _, body = path.read_bytes().partition(b"\n")
-            return _part(body, blanks, cells) if head == _head(key, body) else None
+            return _part_in(body, blanks, cells) if head == _head(key, body) else None
         except Exception:
             return None  # whatever breaks a file that cannot be read, or was made up
 
@@ -144,7 +142,7 @@ class ChunkStore:
             self.folder.rmdir()
 
 
-def _part(body: bytes, blanks: Mapping[str, Any], cells: int) -> Part | None:
+def _part_in(body: bytes, blanks: Mapping[str, Any], cells: int) -> Part | None:
     """Part that an archive holds; none if it has other columns, kinds or lengths."""
     with np.load(io.BytesIO(body), allow_pickle=False) as archive:
         if sorted(archive.files) != sorted([*blanks, _FAILURES]):

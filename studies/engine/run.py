@@ -30,7 +30,7 @@ from typing import TypeAlias
 import numpy as np
 
 from studies.engine.chunk_store import ChunkStore, Part
-from studies.engine.signals import Signals, Stopped, interruptible
+from studies.engine.signals import Signals, interruptible
 from studies.engine.workers import (
     Cell,
     Columns,
@@ -42,8 +42,6 @@ from studies.engine.workers import (
     failed_chunk,
     joined,
 )
-
-__all__ = ["Outcome", "Stopped", "compute", "pieces", "pool_of", "run"]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -179,7 +177,7 @@ class _Run:
                 self.flying[self._submitted(self.job.chunks[number])] = number
             for future in self._finished(self.flying):
                 number = self.flying.pop(future)
-                part = self._part(future)
+                part = self._part_of(future)
                 if part is None:
                     self.retry.append(number)
                 else:
@@ -230,7 +228,7 @@ class _Run:
             self.pool.check()
         return finished
 
-    def _part(self, future: Future[Part]) -> Part | None:
+    def _part_of(self, future: Future[Part]) -> Part | None:
         """Result of a task; none if its worker died."""
         try:
             return self.pool.result(future)
@@ -242,7 +240,7 @@ class _Run:
         future = self._submitted(cells)
         while not self._finished([future]):
             pass
-        part = self._part(future)
+        part = self._part_of(future)
         if part is not None:
             return part
         if len(cells) == 1:

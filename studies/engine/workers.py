@@ -31,21 +31,6 @@ from pydantic_core import to_json
 from solar._version import __version__
 from studies.engine.chunk_store import Part
 
-__all__ = [
-    "Cell",
-    "Columns",
-    "Job",
-    "LocalPool",
-    "Pool",
-    "WorkersUnavailableError",
-    "available_cores",
-    "code_digest",
-    "compute_task",
-    "failed_chunk",
-    "for_children",
-    "joined",
-]
-
 T = TypeVar("T")
 Cell: TypeAlias = tuple[float, ...]
 Columns: TypeAlias = dict[str, NDArray[Any]]

@@ -18,8 +18,6 @@ from studies.explorer.app import Explorer
 from studies.explorer.security import new_token
 from studies.explorer.session import Session
 
-__all__ = ["ADDRESS", "bound_socket", "configured", "serve"]
-
 ADDRESS = "127.0.0.1"
 REQUEST_S = 10.0  # for the head of a request, and for its body
 MOST_CONNECTIONS = 64

@@ -26,16 +26,6 @@ from sizing.sunlight import SolarModel
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
 
-__all__ = [
-    "ReportTask",
-    "SizingTask",
-    "Worker",
-    "WorkerBusyError",
-    "WorkerEndedError",
-    "report_page",
-    "sizing_record",
-]
-
 if TYPE_CHECKING:
     from sizing.results.sizing import SizingStudy
 

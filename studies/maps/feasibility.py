@@ -39,14 +39,6 @@ from studies.output.gridded import OnGrid, can_be_result
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "feasibility_map",
-    "map_block",
-    "perpetual_cells",
-    "prepare",
-    "season_length",
-]
-
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
 _CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at all levels
@@ -135,7 +127,7 @@ def prepare(
     """Check a map and divide it into chunks."""
     climbs = mission.climb is not None
     grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance or climbs)
-    if solar.needs_path:
+    if solar.needs_path or mission.holds_station:
         grid.check_winds(mission)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     cell_s += _CLIMB_S if climbs else 0.0

@@ -9,8 +9,6 @@ from sizing.catalogues.choice import Kind, entries
 from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
 from sizing.results.tables import Column, Table
 
-__all__ = ["catalogue_record", "catalogue_table", "sources_table"]
-
 _TITLES: dict[Kind, str] = {
     "cells": "solar cells: modules.cell",
     "batteries": "batteries: battery.cell",

@@ -24,24 +24,6 @@ from solar._version import __version__
 from solar.versions import FORMAT_VERSION
 from studies.output.gridded import Labelled, OnGrid
 
-__all__ = [
-    "BLANKS",
-    "CLIMB",
-    "DESCRIBED",
-    "HATCHES",
-    "SIZED",
-    "SizingStatus",
-    "attributes",
-    "extrapolation_attribute",
-    "extrapolations_of",
-    "failed_count",
-    "flown_caption",
-    "resize_objective",
-    "told_of_cells",
-    "variables",
-]
-
-
 CLIMB = "climb"  # attribute of results with climbs, in words
 # There is a design.
 SIZED = tuple(status for status in SizingStatus if status.sized)

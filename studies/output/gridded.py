@@ -25,18 +25,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = [
-    "Gridded",
-    "Labelled",
-    "OnGrid",
-    "can_be_result",
-    "dataset",
-    "status_names",
-    "to_bytes",
-    "to_netcdf_bytes",
-    "to_table",
-]
-
 
 class Labelled(NamedTuple):
     """Values with their dimensions and attributes, in the order in which xarray takes them."""
@@ -150,7 +138,9 @@ def to_bytes(data: OnGrid, file_format: str | None, cells: str) -> bytes:
     if file_format == "csv":
         return f"# {to_json(table.attrs)}\n".encode() + csv_bytes(table)
     if file_format == "xlsx":
-        return workbook_bytes({cells: table, "configuration": _configuration(table.attrs)})
+        texts = [v if isinstance(v, str) else to_json(v) for v in table.attrs.values()]
+        configuration = data_frame({"key": [str(key) for key in table.attrs], "value": texts})
+        return workbook_bytes({cells: table, "configuration": configuration})
     return table_bytes(table, f"table.{file_format}")
 
 
@@ -178,9 +168,3 @@ def to_table(data: OnGrid) -> pd.DataFrame:
     table = table[[*first, "status", *rest]]
     table.attrs = {str(key): value for key, value in data.attrs.items()}
     return table
-
-
-def _configuration(attrs: dict[Any, Any]) -> pd.DataFrame:
-    """Whole configuration as keys and values."""
-    texts = [value if isinstance(value, str) else to_json(value) for value in attrs.values()]
-    return data_frame({"key": [str(key) for key in attrs], "value": texts})

@@ -47,8 +47,6 @@ from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.ranking import MORE_IS_BETTER, pareto_table
 from studies.sweeps.study import feasible
 
-__all__ = ["plot_pareto", "plot_sweep"]
-
 MAXIMUM_PANELS = 12
 # How lines mark points without a result.
 _MARKERS = {"infeasible": "x", "invalid": "+", "not_converged": "*", "failed": "v"}

@@ -14,15 +14,6 @@ from sizing.optimisation.objectives import Objective
 from studies.output.gridded import to_table
 from studies.sweeps.study import feasible
 
-__all__ = [
-    "MORE_IS_BETTER",
-    "best_first",
-    "pareto_front",
-    "pareto_table",
-    "point_names",
-    "sorted_by",
-]
-
 # Of everything else less is better.
 MORE_IS_BETTER = {
     "excess_time",

@@ -61,7 +61,7 @@ def faults() -> Iterator[Fault]:
 @functools.cache
 def _study(sized: bool) -> GridStudy:
     """Return a map of a few short chunks."""
-    from studies.maps import grid
+    from studies import grid
 
     before, grid._CHUNK_S = grid._CHUNK_S, 1e-4
     try:

@@ -25,11 +25,11 @@ from studies.output.terminal import tell_line
 def explore(options: Explore) -> None:
     """Serve the page of a design, or write it."""
     case = load(options.case)
-    refuse_held_station(case, "explore")
     require_path(case)
     require_climber(case)
     if options.static_file is not None:
         refuse_climb(case, "explore --static")
+        refuse_held_station(case, "explore --static")
     where, overrides = case.where.document.source.removesuffix(" (shipped)"), options.case.overrides
     words = [options.case.aircraft, "-m", where, *(w for one in overrides for w in ("--set", one))]
     session = Session(case.craft.document, case.where.document, case.solar, command=words)

@@ -20,7 +20,7 @@ from studies.cli import files as checks
 from studies.cli.commands.size import Size
 from studies.cli.files import Case, load
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import check_report, told
+from studies.cli.outputs import check_report, figure_of, told
 from studies.cli.telling import progress_of
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
@@ -47,15 +47,16 @@ def size(options: Size) -> None:
     with told(
         case,
         record,
-        lambda: _shown(study, options),
+        lambda: _summary(study, options),
         out_dir=folder,
         files=(report,),
         next_step=step,
     ):
         if folder is not None:
             inputs = sized_inputs(study, case.inputs(options.weather_file))
-            contents = sizing_tables(study), sizing_figures(study, options.figure)
-            write_run_folder(Path(folder), inputs, record, *contents)
+            figures = sizing_figures(study, options.figure)
+            drawn = {name: figure_of(draw) for name, draw in figures.items()}
+            write_run_folder(Path(folder), inputs, record, sizing_tables(study), drawn)
         if report is not None:
             from studies.cli.reports import report_on_sizing  # with all that a page has
 
@@ -64,7 +65,7 @@ def size(options: Size) -> None:
         sys.exit(EXIT_FAILED)
 
 
-def _shown(study: SizingStudy, options: Size) -> Summary:
+def _summary(study: SizingStudy, options: Size) -> Summary:
     """Summary of a sizing, and what the other solar power models say of the optimum."""
     found = study.summary()
     if not study.feasible or options.weather_file is not None:
@@ -90,11 +91,8 @@ def _check(case: Case, options: Size) -> None:
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)
     checks.require_path(case)
-    for option in ("reliability", "survive", "report_file"):
-        if getattr(options, option):
-            checks.refuse_held_station(
-                case, f"size --{option.removesuffix('_file').replace('_', '-')}"
-            )
+    if options.survive is not None:
+        checks.refuse_held_station(case, "size --survive")
     if options.whole_cells:
         checks.require_whole_cells(case)
     least = options.reliability

@@ -16,7 +16,7 @@ from studies.cli.commands.sweep import Sweep
 from studies.cli.files import Case, load, require_climb_power, require_climber, require_path
 from studies.cli.jobs import completed
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import call, figure_bytes, told
+from studies.cli.outputs import call, figure_of, told
 from studies.cli.telling import tell_error
 from studies.output.formats import grid_format
 from studies.output.gridded import to_bytes
@@ -55,7 +55,7 @@ def sweep(options: Sweep) -> None:
                 contents[out_file] = to_bytes(data, grid_format(out_file), "points")
             if plot_file is not None:
                 try:
-                    contents[plot_file] = figure_bytes(_chart(data, options), plot_file)
+                    contents[plot_file] = figure_of(lambda: _chart(data, options))(plot_file)
                 except ValueError as error:
                     # The points are worth keeping even where there is nothing to draw.
                     trouble = str(error)

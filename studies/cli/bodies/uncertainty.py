@@ -6,7 +6,6 @@ from sizing.results.uncertainty import analyse_uncertainty
 from studies.cli.commands.uncertainty import Uncertainty
 from studies.cli.files import (
     load,
-    refuse_held_station,
     require_climber,
     require_path,
     uncertain_inputs_of,
@@ -18,7 +17,6 @@ from studies.uncertainty.plots import plot_uncertainty
 def uncertainty(options: Uncertainty) -> None:
     """Draw uncertain inputs, and tell what becomes of the flight."""
     case = load(options.case)
-    refuse_held_station(case, "uncertainty")
     require_path(case)
     require_climber(case)
     with uncertain_inputs_of(case):

@@ -25,7 +25,8 @@ from studies.engine import chunk_store
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore, Part, parts_folder
 from studies.engine.dask_pool import DaskPool
-from studies.engine.run import Outcome, Stopped
+from studies.engine.run import Outcome
+from studies.engine.signals import Stopped
 from studies.engine.workers import Job, LocalPool, Pool, WorkersUnavailableError
 
 KEY = "0123456789abcdef" * 2 + "01234567"
@@ -468,6 +469,7 @@ import chunk_functions
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.run import pool_of
+from studies.engine.signals import Stopped
 
 if __name__ == "__main__":
     folder, log, workers, scheduler = sys.argv[1:]
@@ -477,7 +479,7 @@ if __name__ == "__main__":
         print("begin", flush=True)
         try:
             outcome = engine.run(job, pool, store)
-        except engine.Stopped as stopped:
+        except Stopped as stopped:
             sys.exit(128 + stopped.signum)
         print(outcome.columns["root"].tobytes().hex(), outcome.kept_chunks)
 """
