@@ -213,13 +213,16 @@ class DesignLoads:
 
         Flight as fast as the wind of a scenario has the efficiency of that airspeed.
         """
-        if not mission.holds_station:
-            return cls(design, mission, day, part_load_of(aircraft, mission, design), paired)
-        loads = cls(design, mission, day, paired=paired)
-        winds = mission.scenario_winds_m_per_s(day.scenarios)
-        spread = design.mapped(loads._over_scenarios)
-        power_w = power_against_wind_w(aircraft, mission, spread, winds)
-        return replace(loads, own_propulsion_w=power_w)
+        if mission.holds_station:
+            return cls(design, mission, day, paired=paired).against_wind(aircraft)
+        return cls(design, mission, day, part_load_of(aircraft, mission, design), paired)
+
+    def against_wind(self, aircraft: Aircraft) -> DesignLoads:
+        """Same flight, as fast as the wind of each scenario."""
+        winds = self.mission.scenario_winds_m_per_s(self.day.scenarios)
+        spread = self.design.mapped(self._over_scenarios)
+        power_w = power_against_wind_w(aircraft, self.mission, spread, winds)
+        return replace(self, own_propulsion_w=power_w)
 
     @cached_property
     def solar_w(self) -> FloatArray:

@@ -10,8 +10,6 @@ from pydantic_core import PydanticCustomError
 from solar.schema import PositiveInteger, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
 
-__all__ = ["CHARGE_SHARES", "FIRST_CHARGE", "BatteryVoltage"]
-
 # State of charge whose voltage the first march of a day has.
 FIRST_CHARGE = 0.5
 # Shares of the charge over whose voltages a nominal load is averaged, in the middle of equal steps.
