@@ -43,6 +43,7 @@ __all__ = [
     "interpolation_error",
     "load_shape",
     "part_load_of",
+    "powers_of_loads_w",
     "smooth_loads_w",
 ]
 
@@ -167,19 +168,30 @@ def smooth_loads_w(
     Of numbers, arrays or symbols. The efficiency of parts is that of the turbulence of all hours at
     the voltage of a half charged battery; in thermals the load is a straight line from there.
     """
+    steady = 1.0 + conditions.turbulence
+    found = powers_of_loads_w(aircraft, design, conditions, (steady, steady + _THERMAL))
+    if found is None:
+        return design.load_in_turbulence_w(conditions.turbulence), design.propulsion_power_w
+    calm_w, rough_w = found
+    return calm_w + design.constant_power_w, (rough_w - calm_w) / _THERMAL
+
+
+def powers_of_loads_w(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions, loads: Sequence[Value]
+) -> list[Value] | None:
+    """Electric power of thrust powers over that of level flight, with a half charged battery [W].
+
+    Of numbers, arrays or symbols; None for constant efficiencies.
+    """
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion):
-        return design.load_in_turbulence_w(conditions.turbulence), design.propulsion_power_w
+        return None
     assert design.chain is not None
     thrust_w = design.propulsion_power_w * design.chain.efficiency
     own = propulsion.sized(*design.variables.of_propulsion)
     bus_v = float(aircraft.battery.bus_voltage_v(np.array(FIRST_CHARGE)))
-    steady = 1.0 + conditions.turbulence
-    calm_w, rough_w = (
-        own.bus_power_w(thrust_w * load, design.airspeed_m_per_s, conditions.air, bus_v)
-        for load in (steady, steady + _THERMAL)
-    )
-    return calm_w + design.constant_power_w, (rough_w - calm_w) / _THERMAL
+    speed, air = design.airspeed_m_per_s, conditions.air
+    return [own.bus_power_w(thrust_w * load, speed, air, bus_v) for load in loads]
 
 
 @dataclass(frozen=True)
