@@ -48,12 +48,11 @@ from sizing.propulsion.chain import (
     air_of,
 )
 from sizing.smooth import Value
-from sizing.structures.agreement import CALIBRATIONS, other_model
-from sizing.structures.assessment import StructureAssessment, assess
-from sizing.structures.flight_envelope import flight_envelope
+from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
-from sizing.structures.parts import StructureParts
+from sizing.structures.models import CALIBRATIONS, other_model
 from sizing.structures.rib_wing import RibWingStructure
+from sizing.structures.rib_wing_keys import StructureParts
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.types import FloatArray, IntArray
 
@@ -201,11 +200,13 @@ class FlightConditions(NamedTuple):
         return air_of(self.density_kg_per_m3, self.dynamic_viscosity, self.temperature_k)
 
     @classmethod
-    def of(cls, mission: Mission, aircraft: Aircraft) -> FlightConditions:
+    def of(cls, mission: Mission | FlightConditions, aircraft: Aircraft) -> FlightConditions:
         """Conditions of a mission, and what its air and age leave of an aircraft's battery.
 
-        Returns numbers, or arrays where inputs are.
+        Returns numbers, or arrays where inputs are; conditions themselves as they are.
         """
+        if isinstance(mission, FlightConditions):
+            return mission
         air = mission.air_state()
         battery, air_c = aircraft.battery, _scalar(air.temperature_c)
         fixed_w, at_1_kg_w = battery.heater_parts_w(air_c, mission.altitude_m)
@@ -282,10 +283,7 @@ def parametric_design(
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    given = (
-        mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
-    )
-    air = given.with_payload_of(variables)
+    air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
 
     def with_tail(volume: Value | None) -> Design:
         own = with_horizontal_tail(aircraft, volume)
@@ -313,25 +311,30 @@ def _with_own_tail(
     airframe = aircraft.airframe
     assert isinstance(airframe, ParametricAirframe)
     found, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
+    weight_n = total_mass_kg * GRAVITY_M_PER_S2
+    propulsion_kg = found.mass_kg(found.rated_power_w(electric_w, weight_n=weight_n))
+    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
+    inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed, propulsion_kg)
+    modules, battery_kg = aircraft.modules, variables.battery_mass_kg
+    rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
+    grown, specific_energy = 1.0 + airframe.mass_growth, aircraft.battery.specific_energy_wh_per_kg
+    masses = Masses(
+        structure=grown * structure.mass_kg(inputs),
+        propulsion=propulsion_kg,
+        battery=battery_kg,
+        modules=modules.mass_kg_per_m2 * variables.module_area_m2,
+        mppt=modules.mppt_mass_kg_per_w * rated_w,
+        avionics=airframe.avionics_mass_kg,
+        payload=air.payload_mass_kg,
+        other=grown * airframe.other_mass_kg,
+    )
     return Design(
         variables=variables,
         total_mass_kg=total_mass_kg,
-        masses=_masses(
-            aircraft,
-            airframe,
-            air,
-            variables,
-            found,
-            total_mass_kg=total_mass_kg,
-            electric_w=electric_w,
-            airspeed_m_per_s=airspeed,
-        ),
-        battery_energy_wh=variables.battery_mass_kg
-        * aircraft.battery.specific_energy_wh_per_kg
-        * air.battery_capacity_fraction,
+        masses=masses,
+        battery_energy_wh=battery_kg * specific_energy * air.battery_capacity_fraction,
         propulsion_power_w=electric_w,
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w)
-        + air.heater_w(variables.battery_mass_kg),
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
         chain=found,
         horizontal_volume=horizontal_volume,
@@ -405,7 +408,7 @@ def level_flight(
     )
     found = airframe.propulsion if chain is None else chain
     if isinstance(found, OperatingPointPropulsion):
-        found = _of_its_size(found, variables)
+        found = found.sized(*variables.of_propulsion)
         found = found.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
     elif found.efficiency_model is not None:
         found = found.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
@@ -416,8 +419,8 @@ def propulsion_margins(
     aircraft: Aircraft, design: Design, conditions: FlightConditions
 ) -> dict[str, Value]:
     """How far a propulsion by formulas is from the limits of its parts; empty for others."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion) or propulsion.is_exact:
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None or propulsion.is_exact:
         return {}
     from sizing.propulsion.smooth_chain import SmoothPropulsion
 
@@ -428,13 +431,6 @@ def propulsion_margins(
     own = propulsion.sized(*design.variables.of_propulsion)
     speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(aircraft)
     return own.margins(thrust_w, speed, conditions.air, bus_v)
-
-
-def _of_its_size(
-    propulsion: OperatingPointPropulsion, variables: DesignVariables
-) -> OperatingPointPropulsion:
-    """Propulsion with the propeller and the gear of a design."""
-    return propulsion.sized(*variables.of_propulsion)
 
 
 def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
@@ -455,40 +451,6 @@ def flown_at(
     if lift_coefficient is None:
         return aerodynamics
     return replaced(aerodynamics, ["lift_coefficient"], lift_coefficient)
-
-
-def _masses(
-    aircraft: Aircraft,
-    airframe: ParametricAirframe,
-    air: FlightConditions,
-    variables: DesignVariables,
-    propulsion: Propulsion,
-    *,
-    total_mass_kg: Value,
-    electric_w: Value,
-    airspeed_m_per_s: Value,
-) -> Masses:
-    modules = aircraft.modules
-    modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
-    rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
-    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
-    grown = 1.0 + airframe.mass_growth
-    propulsion_kg = propulsion.mass_kg(
-        propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
-    )
-    inputs = structure_inputs(
-        aircraft, variables, air, total_mass_kg, airspeed_m_per_s, propulsion_kg
-    )
-    return Masses(
-        structure=grown * structure.mass_kg(inputs),
-        propulsion=propulsion_kg,
-        battery=variables.battery_mass_kg,
-        modules=modules_kg,
-        mppt=modules.mppt_mass_kg_per_w * rated_w,
-        avionics=airframe.avionics_mass_kg,
-        payload=air.payload_mass_kg,
-        other=grown * airframe.other_mass_kg,
-    )
 
 
 def _with_wires(
@@ -601,10 +563,7 @@ def structure_by_both(
         return None
     structure, inputs = sized
     factor = structure.calibration / CALIBRATIONS[structure.model]
-    return {
-        structure.model: structure.mass_kg(inputs),
-        other.model: factor * other.mass_kg(inputs),
-    }
+    return {structure.model: structure.mass_kg(inputs), other.model: factor * other.mass_kg(inputs)}
 
 
 def _sized_rib_wing(
@@ -703,9 +662,7 @@ def closed_design(
     even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
     arrays = DesignVariables(**dict(zip(given, even, strict=True)))
     flat = arrays.mapped(np.ravel)
-    conditions = (
-        mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
-    )
+    conditions = FlightConditions.of(mission, aircraft)
 
     def closed(chain: Propulsion | None) -> Design:
         def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
@@ -726,8 +683,8 @@ def closed_design(
                 volume = assumed.horizontal_volume
             return parametric_design(aircraft, conditions, arrays, total, horizontal_volume=volume)
 
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None or not propulsion.is_exact:
         design = closed(None)
     else:
         chain = _links_of(first_chain(propulsion), lambda one: np.full(np.shape(arrays[0]), one))
@@ -934,8 +891,8 @@ def operating_reason(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
 ) -> str:
     """What the propulsors cannot do in level flight, with what would do; empty where they can."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None:
         return ""
     variables = variables_of(aircraft) if variables is None else variables
     chain, reason = first_chain(propulsion), ""
@@ -948,7 +905,7 @@ def operating_reason(
         point = level_point(aircraft, mission, design)
         reason = str(point.reason)
         links = {name: _link(chain, name) for name in LINKS}
-        own = _of_its_size(propulsion, variables)
+        own = propulsion.sized(*variables.of_propulsion)
         if own.gear.mass_kg is not None:
             break
         chain = own.with_links(links, point.propeller_torque_nm, design.propulsion_power_w)
@@ -957,15 +914,15 @@ def operating_reason(
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
     """Operating point of one propulsor of a design of known mass in level flight."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    assert isinstance(propulsion, OperatingPointPropulsion)
+    propulsion = aircraft.propulsion_by_parts
+    assert propulsion is not None
     usual, mass_kg = first_chain(propulsion), design.total_mass_kg
     flown = parametric_design(
         aircraft, mission, design.variables, mass_kg, usual, design.horizontal_volume
     )
     power_w = flown.propulsion_power_w * usual.efficiency
     air = FlightConditions.of(mission, aircraft).air
-    own = _of_its_size(propulsion, design.variables.mapped(float))
+    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     return own.point(power_w, flown.airspeed_m_per_s, air, bus_voltage_v(aircraft))
 
 

@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from sizing.balance.surfaces import Wing
 from sizing.smooth import Value
-from sizing.structures.parts import StructureParts
+from sizing.structures.rib_wing_keys import StructureParts
 from solar.schema import Name, PositiveReal, Real, Record
 
 __all__ = ["Balance", "Item", "Movable", "Positions", "WeighedMass", "centre_of_gravity"]

@@ -32,12 +32,16 @@ from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
-from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.smooth_propulsion import with_propulsion
 from sizing.sunlight import SolarModel, solar_day
-from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs, uncertain_inputs
+from sizing.uncertainty.inputs import (
+    SOLAR_MODEL,
+    Proportion,
+    UncertainInputs,
+    sobol_points,
+    uncertain_inputs,
+)
 from sizing.uncertainty.propagation import Propagation, check_inputs
-from sizing.uncertainty.samples import Proportion, sobol_points
 from solar.types import BoolArray, FloatArray
 
 _NORMAL = NormalDist()
@@ -186,7 +190,7 @@ class _ReliableSizing(MarginSearch):
     # --- margins ---------------------------------------------------------------------------
 
     @cached_property
-    def _spread(self) -> tuple[tuple[float, float], tuple[float, float]]:
+    def _margin_spread(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Median over the nominal value, and standard deviation of the logarithm's lower half."""
         study, inputs = self._study(self.nominal.design)
         worst = int(np.argmin(self.nominal.performance.cycle.excess_time_h[self.telling]))
@@ -205,7 +209,7 @@ class _ReliableSizing(MarginSearch):
         parts = (share * failures, (1.0 - share) * failures)
         return [
             median + sigma * _NORMAL.inv_cdf(part)
-            for (median, sigma), part in zip(self._spread, parts, strict=True)
+            for (median, sigma), part in zip(self._margin_spread, parts, strict=True)
         ]
 
     def _search(self) -> Trial:
@@ -248,7 +252,7 @@ class _ReliableSizing(MarginSearch):
         """
         from scipy.optimize import minimize_scalar
 
-        (median, sigma), _ = self._spread
+        (median, sigma), _ = self._margin_spread
         trials: dict[float, Trial] = {}
 
         def failing(deviations: float) -> float:
@@ -326,8 +330,7 @@ class _ReliableSizing(MarginSearch):
         """Flights of the draws of a design, and its uncertain inputs."""
         aircraft, mission = self.aircraft, self.mission
         chosen = design.variables.chosen()
-        propulsion = getattr(aircraft.airframe, "propulsion", None)
-        if isinstance(propulsion, OperatingPointPropulsion):
+        if (propulsion := aircraft.propulsion_by_parts) is not None:
             aircraft = with_propulsion(aircraft, propulsion.sized(*design.variables.of_propulsion))
         for key, name in variable_keys().items():
             if name in chosen and name not in PROPULSION_VARIABLES:

@@ -29,21 +29,15 @@ from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
-from sizing.held_station import refuse_held_station
 from sizing.parameters import parameter_value, with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.part_load import PartLoad
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
-from sizing.validity.checks import (
-    at_highest,
-    charge_rate_check,
-    correction_check,
-    design_checks,
-)
+from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
+from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import told, worst_of
 from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
 from solar.types import FloatArray, IntArray
 
@@ -101,7 +95,6 @@ _PARTS = tuple(f"{_PROPULSION}{part}." for part in ("propeller", "gear", "motor"
 
 def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -> None:
     """Refuse inputs that a propagation cannot vary."""
-    refuse_held_station(mission, "a propagation of uncertain inputs")
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
@@ -175,10 +168,7 @@ class Propagation:
         if mission.climb is not None:
             highest_m = flights.maximum_altitude_m
             of_design = at_highest(of_design, aircraft, mission, self.solar, highest_m)
-        checks = [
-            *of_design,
-            *charge_rate_check(aircraft, mission, design, flights.peak_solar_w),
-        ]
+        checks = [*of_design, *charge_rate_check(aircraft, mission, design, flights.peak_solar_w)]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
         return worst_of(
             [*told(checks, of=case.count, what="draws"), *told(of_sun, self.day.scenarios)]
@@ -311,7 +301,7 @@ class Propagation:
             store,
             mass_kg=each(design.total_mass_kg),
             propulsion_w=power_w,
-            part_load=part_load_of(aircraft, mission, design),
+            part_load=None if mission.holds_station else part_load_of(aircraft, mission, design),
             solar_factor=each(values.get(SOLAR_MODEL, 1.0)),
             count=count,
         )
@@ -330,6 +320,8 @@ class Propagation:
         loads = DesignLoads(
             *(case.design, case.mission, day, case.part_load), paired=True, own_solar_w=solar_w
         )
+        if case.mission.holds_station:
+            loads = loads.against_wind(case.aircraft)
         battery = self.aircraft.battery
         cycle, load_w, _ = flown_cycle(loads, case.store, battery, keep_trajectory=False)
         return cycle, solar_w, load_w

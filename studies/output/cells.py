@@ -22,12 +22,12 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from sizing.parameters import label
-from studies.output.columns import HATCHES, status_names
+from solar.types import FloatArray
+from studies.output.columns import HATCHES
 from studies.output.figures.drawing import DARK_GREY, VERMILLION, night
 from studies.output.figures.options import LEVELS
-from studies.output.gridded import OnGrid
+from studies.output.gridded import OnGrid, status_names
 
-FloatArray = NDArray[np.float64]
 # Hatches that are told apart in small cells.
 _HATCHES = ("///", "\\\\\\", "xx", "..", "++", "oo", "--", "||", "**")
 # Why a cell has no result.

@@ -29,7 +29,7 @@ from sizing.design import (
 )
 from sizing.energy.cycle import Status
 from sizing.limits import EQUATIONS, MASS_BUDGET, design_requirements
-from sizing.optimisation.objectives import Objective
+from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.parameters import all_replaced
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.results.quantities import (
@@ -44,29 +44,12 @@ from sizing.results.quantities import (
 from sizing.smooth import Value
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
-from sizing.validity.told import as_text, cell_texts, extrapolations
+from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from solar.schema import Record
 from solar.types import FloatArray
-from studies.engine.run import Cell
+from studies.engine.workers import Cell
 from studies.output import columns as sizing_columns
-from studies.output.columns import SizingStatus
 from studies.sweeps.axes import DESIGN_KEYS, design_variable
-
-__all__ = [
-    "BLANKS",
-    "CLIMBING_BLANKS",
-    "DESCRIBED",
-    "MISSION_PREFIX",
-    "SIZED_BLANKS",
-    "SIZED_DESCRIBED",
-    "SweepConfiguration",
-    "held",
-    "judge_points",
-    "plain_data",
-    "size_points",
-    "varied_files",
-    "varies_climb",
-]
 
 MISSION_PREFIX = "mission."
 
