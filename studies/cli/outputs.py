@@ -56,9 +56,9 @@ def told(
     try:
         yield
     except BaseException:  # a signal, too: a report takes seconds
-        _tell(case, record, shown)
+        _print_result(case, record, shown)
         raise
-    _tell(case, record, shown)
+    _print_result(case, record, shown)
     if not case.as_json:
         for place in files:
             if place is not None:
@@ -66,7 +66,7 @@ def told(
         suggest(next_step)
 
 
-def _tell(case: Case, record: Any, shown: Shown | Callable[[], Shown]) -> None:
+def _print_result(case: Case, record: Any, shown: Shown | Callable[[], Shown]) -> None:
     if case.as_json:
         print_json(record)
         return
