@@ -7,15 +7,15 @@ day is marched with the voltages of the march before, until they stay.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import Air
+from missions.air import ZERO_CELSIUS_K, Air, air_at
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import (
@@ -38,6 +38,8 @@ from solar.types import FloatArray
 
 __all__ = [
     "DesignLoads",
+    "LoadInAir",
+    "by_own_charge",
     "flight_of",
     "flown_cycle",
     "interpolation_error",
@@ -53,6 +55,8 @@ _SETTLED, _ROUNDS = 1e-6, 6
 # Extra thrust power by thermals for which a program's straight line is exact: the power bends from
 # it by a few thousandths between none and half of level flight's.
 _THERMAL = 0.25
+
+Flown = TypeVar("Flown")
 
 
 def part_load_of(
@@ -89,6 +93,81 @@ def part_load_of(
             f"flight, in turbulence and thermals of {mission.name}: {reason}"
         )
     return found
+
+
+@dataclass(frozen=True)
+class LoadInAir:
+    """Electric power of a design in air that changes its temperature, relative to its own.
+
+    ``part_load``: at some temperatures, ``temperatures_k``, between which a parabola passes.
+    """
+
+    part_load: PartLoad
+    temperatures_k: FloatArray
+
+    @classmethod
+    def of(
+        cls, aircraft: Aircraft, mission: Mission, design: Design, air_c: ArrayLike
+    ) -> LoadInAir | None:
+        """Power between the ends of temperatures [C]; None for constant efficiencies.
+
+        At the pressure of an altitude airspeed and drag times airspeed go with the square root of
+        the absolute temperature. Raises :class:`ImpossibleDesignError` where the propeller's data
+        end before the greatest load.
+        """
+        if part_load_of(aircraft, mission, design) is None:
+            return None
+        own, flight = flight_of(aircraft, mission, design)
+        least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
+        warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
+        faster = np.sqrt(warm_k / flight.air.temperature_k)
+        there = Flight(
+            np.asarray(flight.thrust_w * faster),
+            flight.airspeed_m_per_s * faster,
+            air_at(warm_k, flight.air.pressure_pa),
+        )
+        turbulence = mission.turbulence
+        loads = load_range(turbulence.all_day, turbulence.thermal)
+        level_w = np.full(warm_k.shape, float(design.propulsion_power_w))
+        part = _part_load(own, there, level_w, loads, bus_voltage_v(aircraft))
+        if np.any(part.beyond):
+            raise ImpossibleDesignError(
+                f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
+                f"power of level flight in air of {least_c:.0f} to {most_c:.0f} C"
+            )
+        return cls(part, warm_k)
+
+    def at(self, load: FloatArray, air_c: FloatArray, bus_v: FloatArray) -> FloatArray:
+        """Power over that of level flight in the mission's air [-]; arguments broadcast."""
+        wide = np.broadcast_arrays(load, air_c, bus_v)
+        powers = self.part_load.spread(wide[0].ndim).at(wide[0], wide[2])
+        known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
+        total = np.zeros(wide[0].shape)
+        for k, one in enumerate(powers):
+            others = np.delete(known_k, k)
+            weight = np.ones(warm_k.shape)
+            for other in others:
+                weight = weight * (warm_k - other) / (known_k[k] - other)
+            total += weight * one
+        return total
+
+
+def by_own_charge(
+    load_w: Callable[[FloatArray], FloatArray],
+    fly: Callable[[FloatArray], tuple[Flown, FloatArray]],
+    battery: Battery,
+) -> Flown:
+    """Flight whose load has the voltages of its own charge.
+
+    ``load_w``: of voltages; ``fly``: flight of a load, and its state of charge where that is.
+    """
+    load = load_w(battery.bus_voltage_v(np.array(FIRST_CHARGE)))
+    for _ in range(_ROUNDS):
+        flown, charge = fly(load)
+        before, load = load, load_w(battery.bus_voltage_v(charge))
+        if np.all(np.abs(load - before) <= _SETTLED * before):
+            break
+    return flown
 
 
 def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
