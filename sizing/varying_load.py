@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import ZERO_CELSIUS_K, Air, air_at
+from missions.air import Air
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import (
@@ -29,7 +29,7 @@ from sizing.design import (
 from sizing.energy.battery import Battery, Store
 from sizing.energy.battery_voltage import CHARGE_SHARES, FIRST_CHARGE
 from sizing.energy.cycle import Cycle, simulate_cycle
-from sizing.held_station import power_against_wind_w
+from sizing.held_station import flight_against_wind
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.smooth import Value
@@ -38,13 +38,14 @@ from solar.types import FloatArray
 
 __all__ = [
     "DesignLoads",
-    "LoadInAir",
+    "Flight",
     "by_own_charge",
     "flight_of",
     "flown_cycle",
     "interpolation_error",
     "load_shape",
     "part_load_of",
+    "part_load_over",
     "powers_of_loads_w",
     "smooth_loads_w",
 ]
@@ -78,7 +79,7 @@ def part_load_of(
     own, flight = flight_of(aircraft, mission, design)
     volts, flies = bus_voltage_v(aircraft), np.isfinite(level_w)
     if not (own.is_exact and level_w.ndim == 0 and flies):
-        return _part_load(own, flight, np.where(flies, level_w, np.inf), ends, volts)
+        return part_load_over(own, flight, np.where(flies, level_w, np.inf), ends, volts)
     numbers = Flight(
         float(flight.thrust_w),
         float(flight.airspeed_m_per_s),
@@ -93,63 +94,6 @@ def part_load_of(
             f"flight, in turbulence and thermals of {mission.name}: {reason}"
         )
     return found
-
-
-@dataclass(frozen=True)
-class LoadInAir:
-    """Electric power of a design in air that changes its temperature, relative to its own.
-
-    ``part_load``: at some temperatures, ``temperatures_k``, between which a parabola passes.
-    """
-
-    part_load: PartLoad
-    temperatures_k: FloatArray
-
-    @classmethod
-    def of(
-        cls, aircraft: Aircraft, mission: Mission, design: Design, air_c: ArrayLike
-    ) -> LoadInAir | None:
-        """Power between the ends of temperatures [C]; None for constant efficiencies.
-
-        At the pressure of an altitude airspeed and drag times airspeed go with the square root of
-        the absolute temperature. Raises :class:`ImpossibleDesignError` where the propeller's data
-        end before the greatest load.
-        """
-        if part_load_of(aircraft, mission, design) is None:
-            return None
-        own, flight = flight_of(aircraft, mission, design)
-        least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
-        warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
-        faster = np.sqrt(warm_k / flight.air.temperature_k)
-        there = Flight(
-            np.asarray(flight.thrust_w * faster),
-            flight.airspeed_m_per_s * faster,
-            air_at(warm_k, flight.air.pressure_pa),
-        )
-        turbulence = mission.turbulence
-        loads = load_range(turbulence.all_day, turbulence.thermal)
-        level_w = np.full(warm_k.shape, float(design.propulsion_power_w))
-        part = _part_load(own, there, level_w, loads, bus_voltage_v(aircraft))
-        if np.any(part.beyond):
-            raise ImpossibleDesignError(
-                f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
-                f"power of level flight in air of {least_c:.0f} to {most_c:.0f} C"
-            )
-        return cls(part, warm_k)
-
-    def at(self, load: FloatArray, air_c: FloatArray, bus_v: FloatArray) -> FloatArray:
-        """Power over that of level flight in the mission's air [-]; arguments broadcast."""
-        wide = np.broadcast_arrays(load, air_c, bus_v)
-        powers = self.part_load.spread(wide[0].ndim).at(wide[0], wide[2])
-        known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
-        total = np.zeros(wide[0].shape)
-        for k, one in enumerate(powers):
-            others = np.delete(known_k, k)
-            weight = np.ones(warm_k.shape)
-            for other in others:
-                weight = weight * (warm_k - other) / (known_k[k] - other)
-            total += weight * one
-        return total
 
 
 def by_own_charge(
@@ -213,17 +157,44 @@ def load_shape(mission: Mission, day: SolarDay) -> FloatArray:
     return np.asarray(1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal)
 
 
-def _part_load(
+def part_load_over(
     own: OperatingPointPropulsion,
     flight: Flight,
     level_w: FloatArray,
     loads: tuple[FloatArray, FloatArray],
     volts: tuple[float, float],
 ) -> PartLoad:
+    """Power of a propulsion over loads and voltages, relative to that of a level flight.
+
+    ``level_w``: electric power of that flight [W], of the shape of what ``flight`` has.
+    """
+
     def power_w(load: FloatArray, bus_v: FloatArray) -> Any:
         return own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
 
     return PartLoad.of(power_w, level_w, loads, volts)
+
+
+def _part_load_against_wind(
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+    power_w: FloatArray,
+    thrust_w: FloatArray,
+    airspeed_m_per_s: FloatArray,
+) -> PartLoad | None:
+    """Power over load and voltage of flight at airspeeds of its own; None by constants.
+
+    ``power_w``: of level flight at them; of scenarios, ``design`` with an axis for them.
+    """
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return None
+    own, flies = propulsion.sized(*design.variables.of_propulsion), np.isfinite(power_w)
+    air = FlightConditions.of(mission, aircraft).air
+    flight = Flight(np.where(flies, thrust_w, 1.0), np.where(flies, airspeed_m_per_s, 1.0), air)
+    loads = load_range(mission.turbulence.all_day, mission.turbulence.thermal)
+    return part_load_over(own, flight, power_w, loads, bus_voltage_v(aircraft))
 
 
 @lru_cache(maxsize=16)
@@ -236,7 +207,7 @@ def _part_load_of_one(
 ) -> PartLoad:
     """Table of one design, which several flights share: its rotations are searched for once."""
     ends = np.asarray(loads[0]), np.asarray(loads[1])
-    return _part_load(own, flight, np.asarray(level_w), ends, volts)
+    return part_load_over(own, flight, np.asarray(level_w), ends, volts)
 
 
 def smooth_loads_w(
@@ -312,8 +283,9 @@ class DesignLoads:
         """Same flight, as fast as the wind of each scenario."""
         winds = self.mission.scenario_winds_m_per_s(self.day.scenarios)
         spread = self.design.mapped(self._over_scenarios)
-        power_w = power_against_wind_w(aircraft, self.mission, spread, winds)
-        return replace(self, own_propulsion_w=power_w)
+        flown = flight_against_wind(aircraft, self.mission, spread, winds)
+        power_w, part = flown[0], _part_load_against_wind(aircraft, self.mission, spread, *flown)
+        return replace(self, own_propulsion_w=power_w, part_load=part)
 
     @cached_property
     def solar_w(self) -> FloatArray:
@@ -366,7 +338,10 @@ class DesignLoads:
     @cached_property
     def _part(self) -> PartLoad | None:
         """Part load with axes for scenarios and time."""
-        return None if self.part_load is None else self.part_load.spread(2 - self.paired)
+        if self.part_load is None:
+            return None
+        # As fast as the wind every scenario has its own already.
+        return self.part_load.spread(1 if self.own_propulsion_w is not None else 2 - self.paired)
 
     def _over_scenarios(self, value: ArrayLike) -> FloatArray:
         return np.asarray(value) if self.paired else np.asarray(value)[..., np.newaxis]

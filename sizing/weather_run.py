@@ -11,20 +11,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from missions.air import ZERO_CELSIUS_K
+from missions.air import ZERO_CELSIUS_K, air_at
 from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, runs_of
 from sizing.aircraft import Aircraft
-from sizing.design import Design, design_of, thermal_shape
+from sizing.design import (
+    Design,
+    ImpossibleDesignError,
+    bus_voltage_v,
+    design_of,
+    thermal_shape,
+)
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import CarriedDays, carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
+from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.sunlight import UNCORRECTED_CAM, Lit, SolarModel, power_in_light
-from sizing.varying_load import LoadInAir, by_own_charge
+from sizing.varying_load import Flight, by_own_charge, flight_of, part_load_of, part_load_over
 from solar.clearsky import Irradiance
 from solar.sun import declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
@@ -92,6 +99,63 @@ class DayAxis:
             day_of_year=day_of_year(date.astype("datetime64[s]").astype(float)).astype(int),
             time_s=light.time_s[first],
         )
+
+
+@dataclass(frozen=True)
+class LoadInAir:
+    """Electric power of a design in air that changes its temperature, relative to its own.
+
+    ``part_load``: at some temperatures, ``temperatures_k``, between which a parabola passes.
+    """
+
+    part_load: PartLoad
+    temperatures_k: FloatArray
+
+    @classmethod
+    def of(
+        cls, aircraft: Aircraft, mission: Mission, design: Design, air_c: ArrayLike
+    ) -> LoadInAir | None:
+        """Power between the ends of temperatures [C]; None for constant efficiencies.
+
+        At the pressure of an altitude airspeed and drag times airspeed go with the square root of
+        the absolute temperature. Raises :class:`ImpossibleDesignError` where the propeller's data
+        end before the greatest load.
+        """
+        if part_load_of(aircraft, mission, design) is None:
+            return None
+        own, flight = flight_of(aircraft, mission, design)
+        least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
+        warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
+        faster = np.sqrt(warm_k / flight.air.temperature_k)
+        there = Flight(
+            np.asarray(flight.thrust_w * faster),
+            flight.airspeed_m_per_s * faster,
+            air_at(warm_k, flight.air.pressure_pa),
+        )
+        turbulence = mission.turbulence
+        loads = load_range(turbulence.all_day, turbulence.thermal)
+        level_w = np.full(warm_k.shape, float(design.propulsion_power_w))
+        part = part_load_over(own, there, level_w, loads, bus_voltage_v(aircraft))
+        if np.any(part.beyond):
+            raise ImpossibleDesignError(
+                f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
+                f"power of level flight in air of {least_c:.0f} to {most_c:.0f} C"
+            )
+        return cls(part, warm_k)
+
+    def at(self, load: FloatArray, air_c: FloatArray, bus_v: FloatArray) -> FloatArray:
+        """Power over that of level flight in the mission's air [-]; arguments broadcast."""
+        wide = np.broadcast_arrays(load, air_c, bus_v)
+        powers = self.part_load.spread(wide[0].ndim).at(wide[0], wide[2])
+        known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
+        total = np.zeros(wide[0].shape)
+        for k, one in enumerate(powers):
+            others = np.delete(known_k, k)
+            weight = np.ones(warm_k.shape)
+            for other in others:
+                weight = weight * (warm_k - other) / (known_k[k] - other)
+            total += weight * one
+        return total
 
 
 @dataclass(frozen=True)
