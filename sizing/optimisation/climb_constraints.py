@@ -1,9 +1,9 @@
 """Energy constraints of one scenario with climbs by day and glides in the evening, as symbols.
 
 The program's counterpart of :mod:`sizing.altitude.climb_march`: battery and potential energy over
-the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling,
-sunlight and the power of level flight are parabolas of the potential energy; those of the simulator
-are linear between levels at most 500 m apart.
+the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling, sunlight
+and the logarithm of the power of level flight are parabolas of the potential energy, since density
+falls exponentially; the simulator's are linear between levels at most 500 m apart.
 
 The days close where the night leaves at least the potential energy that the day begins with, which
 is a variable of the program. What parabolas and longer steps do to an excess time is taken back by
@@ -195,7 +195,8 @@ class _Day:
     ) -> None:
         self.values, self.rate = values, charge_efficiency / capacity_wh
         place = values.middle_wh / values.ceiling_wh
-        self.motor_w = _Parabola(values.floor_w, values.middle_w, values.ceiling_w, place)
+        powers_w = (values.floor_w, values.middle_w, values.ceiling_w)
+        self._log_power = _Parabola(*map(ca.log, powers_w), place)
         floor, middle, top = (area * sun[n * NODES : (n + 1) * NODES] for n in (0, 2, 3))
         self.solar_w = [_Parabola(floor[k], middle[k], top[k], place) for k in range(NODES)]
         self.factor = values.steady + sun[NODES : 2 * NODES]
@@ -203,9 +204,13 @@ class _Day:
         # Electric energy that the height of the ceiling stands for.
         self.store_wh = values.ceiling_wh / values.efficiency
 
+    def motor_w(self, at: Any) -> Any:
+        """Power of level flight in calm air at a share of the height [W]."""
+        return ca.exp(self._log_power.at(at))
+
     def balance(self, k: int, at: Any) -> _Balance:
         """What the sun leaves over and lacks between two nodes, at a share of the height."""
-        v, motor_w = self.values, self.motor_w.at(at)
+        v, motor_w = self.values, self.motor_w(at)
         first, last = (self.solar_w[n].at(at) for n in (k, k + 1))
         left = first - motor_w * self.factor[k] - v.constant_w
         right = last - motor_w * self.factor[k + 1] - v.constant_w
@@ -229,7 +234,7 @@ class _Day:
             if not always:
                 full = ca.fmin(ca.fmax((charged - 1.0) / (charged - soc + _NOTHING), 0.0), 1.0)
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
-            mean_w = self.motor_w.at(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
+            mean_w = self.motor_w(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
             reached = reached + self.lifted(ca.fmax(ca.fmin(usable_wh, room_wh), 0.0))
             soc = charged
@@ -258,8 +263,8 @@ class _Day:
         hours = self.dark_h / _DARK_STEPS
         for _ in range(_DARK_STEPS):
             sinks = v.steady * hours / self.store_wh
-            at = ca.fmax(share - sinks * self.motor_w.at(share) / 2.0, 0.0)
-            wanted_wh = self.motor_w.at(at) * v.steady * hours
+            at = ca.fmax(share - sinks * self.motor_w(share) / 2.0, 0.0)
+            wanted_wh = self.motor_w(at) * v.steady * hours
             glide_wh = ca.fmin(wanted_wh, share * self.store_wh)
             share = share - glide_wh / self.store_wh
             deficit_wh = deficit_wh + wanted_wh + v.constant_w * hours - glide_wh
@@ -267,7 +272,7 @@ class _Day:
             one = self.balance(k, share)
             glide_wh, share = self.glided(k, ca.fmax(one.of_motor_wh, 0.0), share)
             deficit_wh = deficit_wh + one.lacking_wh - glide_wh
-        sinking_w = v.efficiency * self.motor_w.at(share / 2.0) * v.steady
+        sinking_w = v.efficiency * self.motor_w(share / 2.0) * v.steady
         return deficit_wh, share * v.ceiling_wh / sinking_w
 
 
