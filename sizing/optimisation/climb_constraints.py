@@ -43,6 +43,9 @@ CLIMB_SUN_PARAMETERS = 4 * NODES + 3
 ALOFT_PARAMETERS = 2 * (len(FlightConditions._fields) + 1)
 _DARK_STEPS = 12
 _NOTHING = 1e-9
+# Of the battery, about what an interval charges: over this it becomes full, and climbs begin. With a
+# kink there, at every node another one, optima between two heights are seldom found.
+_FILLING = 0.005
 
 
 class ClimbValues(NamedTuple):
@@ -197,10 +200,10 @@ class _Day:
             one, before = self.balance(k, at), reached
             rates = (self.rate * one.left_w, self.rate * one.right_w)
             charged = charge(soc, self.rate * one.surplus_wh, *rates, self.step_h)
-            stored = ca.fmin(charged, 1.0) - ca.fmin(soc, 1.0)
+            stored = _held(charged) - _held(soc)
             usable_wh = one.surplus_wh - stored / self.rate
             if not always:
-                full = ca.fmin(ca.fmax((charged - 1.0) / (charged - soc + _NOTHING), 0.0), 1.0)
+                full = 1.0 - (stored + _NOTHING) / (charged - soc + _NOTHING)
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
             mean_w = self.motor_w.at(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
@@ -234,3 +237,9 @@ class _Day:
             deficit_wh = deficit_wh + one.lacking_wh - glide_wh
         sinking_w = v.efficiency * self.motor_w.at(share / 2.0) * v.steady
         return deficit_wh, share * v.ceiling_wh / sinking_w
+
+
+def _held(charged: Any) -> Any:
+    """State of charge of a battery that can hold no more than 1, without a kink there."""
+    beyond = charged - 1.0
+    return charged - (beyond + ca.sqrt(beyond * beyond + _FILLING * _FILLING)) / 2.0
