@@ -25,11 +25,11 @@ from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError, operating_reason, operating_trouble
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from sizing.validity.extrapolations import extrapolations
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import extrapolations
 from solar.types import FloatArray
 
-# End of a search whose end is not given: that of aircraft which start near the ground, or of the air.
+# End of a search whose end is not given: for a start near the ground, and that of the air.
 _HIGHEST_M, _NEAR_M = 20000.0, 5000.0
 DEFAULT_STEP_M = 250.0
 _RESOLUTION_M = 0.1

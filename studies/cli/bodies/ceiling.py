@@ -8,12 +8,11 @@ import click
 
 from missions.files.validation import located_error
 from studies.ceiling import perpetual_ceiling, plot_ceiling
-from studies.cli.checks import refuse_polar_night, require_climber, require_path
 from studies.cli.commands.ceiling import Ceiling
-from studies.cli.files import load
+from studies.cli.files import load, refuse_polar_night, require_climber, require_path
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import deliver, figure_of, table_of
-from studies.cli.progress import progress_of
+from studies.cli.telling import progress_of
 
 
 def ceiling(options: Ceiling) -> None:
@@ -32,13 +31,7 @@ def ceiling(options: Ceiling) -> None:
         raise click.BadParameter(message, param_hint="--highest")
     with progress_of("altitudes", lines=False) as progress:
         result = perpetual_ceiling(
-            case.aircraft,
-            case.mission,
-            model=case.solar.model,
-            correction=case.solar.correction,
-            highest_m=highest_m,
-            step_m=options.step_m,
-            progress=progress,
+            **case.arguments, highest_m=highest_m, step_m=options.step_m, progress=progress
         )
     files = {
         options.table_file: table_of(result.to_frame, "altitudes"),

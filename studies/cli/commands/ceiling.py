@@ -44,8 +44,5 @@ class Ceiling:
 
 
 ceiling = Command(
-    "ceiling",
-    Ceiling,
-    "studies.cli.bodies.ceiling:ceiling",
-    "solar-uav ceiling atlantiksolar-as2 --plot ceiling.png",
+    "ceiling", Ceiling, "ceiling:ceiling", "solar-uav ceiling atlantiksolar-as2 --plot ceiling.png"
 )
