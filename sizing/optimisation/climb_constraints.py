@@ -46,6 +46,9 @@ _DARK_STEPS = 12
 # Thrust powers over level flight's by which the efficiency of a propulsion by parts is known.
 _LEVEL, _CLIMB, _GLIDE = (1.0,), (2.0,), (0.5, 0.25)
 _NOTHING = 1e-9
+# Of the battery, about what an interval charges: over this it becomes full, and climbs begin. With a
+# kink there, at every node another one, optima between two heights are seldom found.
+_FILLING = 0.005
 
 
 class ClimbValues(NamedTuple):
@@ -229,10 +232,10 @@ class _Day:
             one, before = self.balance(k, at), reached
             rates = (self.rate * one.left_w, self.rate * one.right_w)
             charged = charge(soc, self.rate * one.surplus_wh, *rates, self.step_h)
-            stored = ca.fmin(charged, 1.0) - ca.fmin(soc, 1.0)
+            stored = _held(charged) - _held(soc)
             usable_wh = one.surplus_wh - stored / self.rate
             if not always:
-                full = ca.fmin(ca.fmax((charged - 1.0) / (charged - soc + _NOTHING), 0.0), 1.0)
+                full = 1.0 - (stored + _NOTHING) / (charged - soc + _NOTHING)
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
             mean_w = self.motor_w(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
@@ -290,8 +293,14 @@ class _DayByParts(_Day):
     def glided(self, k: int, saved_wh: Any, share: Any) -> tuple[Any, Any]:
         """As by constants, with that of the power that is left for the motor."""
         v, factor = self.values, (self.factor[k] + self.factor[k + 1]) / 2.0
-        level_wh = self.motor_w.at(share) * factor * self.step_h
+        level_wh = self.motor_w(share) * factor * self.step_h
         off_wh = v.efficiency * level_wh - v.intermittent * ca.fmax(level_wh - saved_wh, 0.0)
         sunk = ca.fmin(v.gliding * saved_wh, off_wh) / v.ceiling_wh
         flown = ca.fmin(share / (sunk + _NOTHING), 1.0)
         return flown * saved_wh, share - flown * sunk
+
+
+def _held(charged: Any) -> Any:
+    """State of charge of a battery that can hold no more than 1, without a kink there."""
+    beyond = charged - 1.0
+    return charged - (beyond + ca.sqrt(beyond * beyond + _FILLING * _FILLING)) / 2.0
