@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from missions.air import ZERO_CELSIUS_K
 from missions.files.errors import file_error
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, runs_of
 from sizing.aircraft import Aircraft
@@ -23,12 +23,14 @@ from sizing.design import Design, design_of, thermal_shape
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import CarriedDays, carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
+from sizing.held_station import power_against_wind_w
 from sizing.sunlight import UNCORRECTED_CAM, Lit, SolarModel, power_in_light
 from solar.clearsky import Irradiance
 from solar.sun import declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
 
 HOURS_PER_DAY = 24.0
+_NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself, or be as fast as the wind
 # A record that begins this near to midnight begins a day.
 _NEAR_MIDNIGHT_H = 3.0
 
@@ -100,9 +102,10 @@ class WeatherDays:
     ``aircraft``, ``mission``, ``solar``: technology; altitude, air and turbulence at the record's
     site; solar power model. ``light``: along the record. ``ambient_c``, ``module_c``: temperature
     of the air and of the modules along the record [C]. ``propulsion_ratio``: propulsion power over
-    that of level flight in the mission's air [-]. ``more_heater_w``: heater of the battery beyond
-    that of the mission's air [W]. ``capacity_ratio``: capacity of the battery over that in the
-    mission's air [-].
+    that of level flight in the mission's air [-]. ``wind_m_per_s``: of each day as the airspeed of
+    the same lift coefficient in the mission's air [m/s]; None unless the mission holds its place.
+    ``more_heater_w``: heater of the battery beyond that of the mission's air [W].
+    ``capacity_ratio``: capacity of the battery over that in the mission's air [-].
     """
 
     aircraft: Aircraft
@@ -113,6 +116,7 @@ class WeatherDays:
     ambient_c: FloatArray
     module_c: FloatArray
     propulsion_ratio: FloatArray
+    wind_m_per_s: FloatArray | None
     more_heater_w: FloatArray
     capacity_ratio: FloatArray
 
@@ -137,6 +141,7 @@ class WeatherDays:
         return cls(
             *(aircraft, mission, solar, light, axis, ambient_c, module_c),
             propulsion_ratio=_propulsion_ratio(mission, axis, air_c),
+            wind_m_per_s=_wind_m_per_s(mission, axis, air_c),
             more_heater_w=_more_heater_w(aircraft, mission, air_c),
             capacity_ratio=_capacity_of_days(aircraft, mission, air_c),
         )
@@ -153,8 +158,20 @@ class WeatherDays:
 
     def load_w(self, design: Design) -> FloatArray:
         """Load of a design at the nodes [W], shape ``(day, node)``."""
-        level_w, constant_w = float(design.propulsion_power_w), float(design.constant_power_w)
-        return np.asarray(level_w * self.propulsion_ratio + constant_w + self.more_heater_w)
+        level_w, constant_w = self.level_w(design)[0], float(design.constant_power_w)
+        propulsion_w = level_w[:, np.newaxis] * self.propulsion_ratio
+        return np.asarray(propulsion_w + constant_w + self.more_heater_w)
+
+    def level_w(self, design: Design) -> FloatArray:
+        """Propulsion power of designs in level flight in the mission's air [W], ``(design, day)``.
+
+        A single day for all, unless the mission holds its place: then as fast as each day's wind.
+        """
+        power_w = np.atleast_1d(np.asarray(design.propulsion_power_w, float))[:, np.newaxis]
+        if self.wind_m_per_s is not None:
+            each = design.mapped(lambda one: np.atleast_1d(np.asarray(one))[:, np.newaxis])
+            power_w = power_against_wind_w(self.aircraft, self.mission, each, self.wind_m_per_s)
+        return np.where(np.isfinite(power_w), power_w, _NO_FLIGHT_W)
 
     def store(self, battery_energy_wh: float) -> Store:
         """Battery of each day, of an energy at full charge in the mission's air [Wh]."""
@@ -292,6 +309,21 @@ def _propulsion_ratio(mission: Mission, axis: DayAxis, ambient_c: FloatArray) ->
     profile = 1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal
     assumed_k = float(mission.air_state().temperature_k)
     return np.asarray(profile * np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k))
+
+
+def _wind_m_per_s(mission: Mission, axis: DayAxis, air_c: FloatArray) -> FloatArray | None:
+    """Wind of each day's month where the mission holds its place, for the mission's air [m/s].
+
+    With the wind ``v`` in air of the density ``rho`` the lift coefficient is that at
+    ``v (rho / rho_0)^0.5`` in the mission's, and the power that at this airspeed times
+    ``(rho_0 / rho)^0.5``, which :func:`_propulsion_ratio` has.
+    """
+    if not mission.holds_station:
+        return None
+    latitude_deg = np.full(len(axis), mission.latitudes()[0])
+    wind = mission.scenario_winds_m_per_s(Scenarios(latitude_deg, axis.day_of_year))
+    assumed_k = float(mission.air_state().temperature_k)
+    return np.asarray(wind / np.sqrt((np.mean(air_c, axis=1) + ZERO_CELSIUS_K) / assumed_k))
 
 
 def _more_heater_w(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:

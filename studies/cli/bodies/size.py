@@ -91,8 +91,6 @@ def _check(case: Case, options: Size) -> None:
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)
     checks.require_path(case)
-    if options.survive is not None:
-        checks.refuse_held_station(case, "size --survive")
     if options.whole_cells:
         checks.require_whole_cells(case)
     least = options.reliability
