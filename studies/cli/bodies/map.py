@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from studies.cli.checks import (
+    IN_WEATHER,
     refuse_climb,
     require_climb_power,
     require_climber,
@@ -37,7 +38,7 @@ def map_(options: Map) -> None:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
         require_climb_power(case)
     if options.weather_file is not None:
-        refuse_climb(case, "map --weather")
+        refuse_climb(case, "map --weather", IN_WEATHER)
         from studies.cli.bodies.weather import map_in_weather
 
         map_in_weather(case, options, options.weather_file)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from studies.cli.checks import refuse_climb, require_parametric, require_path
+from studies.cli.checks import IN_WINDS, refuse_climb, require_parametric, require_path
 from studies.cli.commands.station import Station
 from studies.cli.files import load
 from studies.cli.outputs import deliver, figure_of
@@ -15,7 +15,7 @@ from studies.station import station as station_by_month
 def station(options: Station) -> None:
     """Compute the time on station of each month, and tell it."""
     case = load(options.case)
-    refuse_climb(case, "station")
+    refuse_climb(case, "station", IN_WINDS)
     require_path(case)
     require_parametric(case, "station needs a parametric aircraft, this one is measured")
     result = station_by_month(
