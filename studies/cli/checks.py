@@ -16,7 +16,6 @@ from sizing.design import design_of
 from solar.names import ATTITUDE_MODELS
 from studies.cli.files import Case
 
-
 # Why a study cannot fly climbs.
 IN_WEATHER = "a weather record does not tell how high its clouds are"
 IN_WINDS = "the percentiles of the winds at several heights have none in common"
