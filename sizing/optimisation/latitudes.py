@@ -9,7 +9,7 @@ import numpy as np
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.performance import Performance, performance_of_designs
-from sizing.relaxation import Direction
+from sizing.relaxed_flight import Direction
 from sizing.sunlight import SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
 

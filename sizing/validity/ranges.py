@@ -70,9 +70,9 @@ class Extrapolation:
         """In a line: quantity, value, and the range in which the model holds."""
         unit = "" if self.unit == "1" else f" {unit_text(self.unit)}"
         both = (self.minimum, self.maximum)
-        ends = [_number(end, unit=self.unit) for end in both if end is not None]
+        ends = [_readable(end, unit=self.unit) for end in both if end is not None]
         digits = 3
-        while (value := _number(self.value, digits, self.unit)) in ends and digits < _MOST_DIGITS:
+        while (value := _readable(self.value, digits, self.unit)) in ends and digits < _MOST_DIGITS:
             digits += 1
         held = range_text(self.minimum, self.maximum, self.unit)
         among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
@@ -122,7 +122,7 @@ def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
 
     Empty without any end.
     """
-    low, high = (None if end is None else _number(end, unit=unit) for end in (minimum, maximum))
+    low, high = (None if end is None else _readable(end, unit=unit) for end in (minimum, maximum))
     if low is None and high is None:
         return ""
     text = f"up to {high}" if low is None else f"from {low}" if high is None else f"{low} to {high}"
@@ -240,7 +240,7 @@ class Check(NamedTuple):
             name: float(np.broadcast_to(mass, shape)[place])
             for name, mass in (self.beside or {}).items()
         }
-        worth = ", ".join(f"{_number(mass)} kg by {name}" for name, mass in masses.items())
+        worth = ", ".join(f"{_readable(mass)} kg by {name}" for name, mass in masses.items())
         return replace(extrapolation(self.range, value, low, high), at=at, worth=worth)
 
 
@@ -262,7 +262,7 @@ def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapol
     )
 
 
-def _number(value: float, digits: int = 3, unit: str = "") -> str:
+def _readable(value: float, digits: int = 3, unit: str = "") -> str:
     """Number as people read it, of so many digits and no fewer than its integer part.
 
     Thousands are set apart, but not in metres, as wherever altitudes are printed.

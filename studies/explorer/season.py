@@ -24,15 +24,6 @@ from sizing.results.quantities import EXCESS_TIME
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-__all__ = [
-    "COARSE_DAYS",
-    "COARSE_LATITUDES_DEG",
-    "COARSE_STEP_H",
-    "DAYS",
-    "LATITUDES_DEG",
-    "SeasonMaps",
-]
-
 # Excess times are then within 0.05 h in 99 of 100 cells: see docs/explorer.md.
 COARSE_STEP_H = 0.25
 # Evenly spaced: the page interpolates. A coarse map has every second row and column.

@@ -26,27 +26,18 @@ from sizing.validity.checks import (
     design_checks,
     wind_check,
 )
+from sizing.validity.extrapolations import told, with_worth
 from sizing.validity.ranges import Check, Extrapolation
-from sizing.validity.told import told
-from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
-from studies.engine.run import Cell, Job, compute
-from studies.grid import GridStudy, chunks_of
-from studies.maps.grid import Grid, MapConfiguration, cell_time_s
+from studies.engine.run import compute
+from studies.engine.workers import Cell, Job
+from studies.grid import Grid, GridStudy, MapConfiguration, cell_time_s, chunks_of
 from studies.output.columns import attributes
 from studies.output.gridded import OnGrid, can_be_result
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = [
-    "feasibility_map",
-    "map_block",
-    "perpetual_cells",
-    "prepare",
-    "season_length",
-]
 
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192

@@ -6,14 +6,12 @@ from typing import Any
 
 from missions.files.writing import to_yaml
 from sizing.results.analysis_summary import settling_line, uncertainty_line
-from sizing.results.battery import battery_line
+from sizing.results.conditions import battery_line
 from sizing.results.tables import Column, Table, facts
 from solar.systematic_errors import REPORTED_ERRORS
 from studies.report.blocks import Block, Items, Listing, Section, Tables, Text
 from studies.report.margins import margin_table
 from studies.report.subject import Subject
-
-__all__ = ["belief_section", "inputs_section", "margins_section", "provenance_section"]
 
 
 def margins_section(subject: Subject) -> Section:

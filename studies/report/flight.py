@@ -29,15 +29,6 @@ from studies.weather.plots import plot_weather
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Plot
 
-__all__ = [
-    "day_section",
-    "models_section",
-    "season_section",
-    "uncertainty_section",
-    "verification_section",
-    "weather_section",
-]
-
 _MOST_SCENARIOS = 20  # rows of the table
 _WIDTH_IN = 7.4
 # Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.
@@ -142,7 +133,7 @@ def season_section(subject: Subject) -> Section:
     study = prepare(subject.aircraft, subject.mission, latitudes, days, solar)
     data = study.gridded(compute(study.job))
     plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
-    _mark(plot, scenarios.latitude_deg, scenarios.day_of_year)
+    _ring_places(plot, scenarios.latitude_deg, scenarios.day_of_year)
     season = _season_text(subject)
     markup = figure_markup(
         plot,
@@ -162,7 +153,7 @@ def season_section(subject: Subject) -> Section:
     return Section("season", "The season", [*texts, Figure(markup, caption, scrolls=True)])
 
 
-def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
+def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:
     """Rings at the places of a mission: of many, at the corners of what they cover."""
     if len(day) > _MOST_RINGS:
         days, latitudes = ((min(v), max(v)) for v in (day, latitude_deg))

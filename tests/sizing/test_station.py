@@ -198,9 +198,7 @@ def test_the_rated_power_ends_the_airspeed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "flown", [DESIGN, pytest.param("twin-boom-design", marks=pytest.mark.long)], ids=str
 )
-def test_draws_without_scatter_fly_as_the_analysis_does(
-    tmp_path: Path, flown: Aircraft | str
-) -> None:
+def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, flown: Aircraft | str) -> None:
     craft = aircraft(flown) if isinstance(flown, str) else flown
     own = float(design_of(craft, mission()).airspeed_m_per_s)
     where = holding(in_winds(tmp_path, 4.0, 1.2 * own))

@@ -7,15 +7,15 @@ import sys
 import click
 
 from missions.files.writing import write_text_atomically
-from studies.cli.checks import (
+from studies.cli.commands.explore import Explore
+from studies.cli.files import (
     OFFLINE,
+    load,
     refuse_climb,
     refuse_held_station,
     require_climber,
     require_path,
 )
-from studies.cli.commands.explore import Explore
-from studies.cli.files import load
 from studies.cli.options import EXIT_FAILED
 from studies.cli.telling import tell_error
 from studies.explorer.offline.page import offline_page

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from missions.weather.files import load_weather
-from studies.cli.checks import require_climber, require_path
 from studies.cli.commands.report import Report
-from studies.cli.files import load
-from studies.cli.outputs import print_json
-from studies.cli.targets import check_report
+from studies.cli.files import load, require_climber, require_path
+from studies.cli.outputs import check_report, print_json
 from studies.output.terminal import tell_line
 
 
