@@ -1,9 +1,9 @@
 """Energy constraints of one scenario with climbs by day and glides in the evening, as symbols.
 
 The program's counterpart of :mod:`sizing.altitude.climb_march`: battery and potential energy over
-the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling, sunlight
-and the logarithm of the power of level flight are parabolas of the potential energy, since density
-falls exponentially; the simulator's are linear between levels at most 500 m apart.
+the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling,
+sunlight and the logarithm of the power of level flight are parabolas of the potential energy, since
+density falls exponentially; the simulator's are linear between levels at most 500 m apart.
 
 The days close where the night leaves at least the potential energy that the day begins with, which
 is a variable of the program. What parabolas and longer steps do to an excess time is taken back by
@@ -46,8 +46,8 @@ _DARK_STEPS = 12
 # Thrust powers over level flight's by which the efficiency of a propulsion by parts is known.
 _LEVEL, _CLIMB, _GLIDE = (1.0,), (2.0,), (0.5, 0.25)
 _NOTHING = 1e-9
-# Of the battery, about what an interval charges: over this it becomes full, and climbs begin. With a
-# kink there, at every node another one, optima between two heights are seldom found.
+# Of the battery, about what an interval charges: over this it becomes full, and climbs begin. With
+# a kink there, at every node another one, optima between two heights are seldom found.
 _FILLING = 0.005
 
 
@@ -198,8 +198,8 @@ class _Day:
     ) -> None:
         self.values, self.rate = values, charge_efficiency / capacity_wh
         place = values.middle_wh / values.ceiling_wh
-        powers_w = (values.floor_w, values.middle_w, values.ceiling_w)
-        self._log_power = _Parabola(*map(ca.log, powers_w), place)
+        low, half, high = map(ca.log, (values.floor_w, values.middle_w, values.ceiling_w))
+        self._log_power = _Parabola(low, half, high, place)
         floor, middle, top = (area * sun[n * NODES : (n + 1) * NODES] for n in (0, 2, 3))
         self.solar_w = [_Parabola(floor[k], middle[k], top[k], place) for k in range(NODES)]
         self.factor = values.steady + sun[NODES : 2 * NODES]
