@@ -12,7 +12,7 @@ from sizing.results.analysis import Analysis, analyse
 from studies.cli.command import check_outputs
 from studies.cli.commands.exchange import Diff, Export, Schema
 from studies.cli.files import load, require_climber, require_path
-from studies.cli.options import EXIT_FAILED, CaseOptions, check_table
+from studies.cli.options import EXIT_FAILED, CaseOptions, check_format
 from studies.cli.outputs import print_json, table_of, write_results
 from studies.cli.telling import tell_error
 from studies.exchange import files
@@ -31,7 +31,7 @@ def export(options: Export) -> None:
             troubles[path] = error
         known = files.design_format(path)
         try:
-            check_table(path, known, files.DESIGN_FORMATS, "--out")
+            check_format(path, known, files.DESIGN_FORMATS, "--out")
         except click.BadParameter as error:
             if known is None:
                 raise
