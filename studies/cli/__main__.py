@@ -16,6 +16,7 @@ from click.shell_completion import CompletionItem
 from missions.files.errors import InputError
 from solar._version import __version__
 from solar.versions import DeprecatedKeyWarning
+from studies.cli.command import Command
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
 from studies.cli.telling import tell_error
 from studies.engine.signals import Signals, interruptible
@@ -24,13 +25,9 @@ _SHOW_WARNING = warnings.showwarning
 
 
 class _Lazy(NamedTuple):
-    """A command that is imported when it is called.
-
-    Its module, its name there, its summary, and what it is for, of :data:`_TASKS`.
-    """
+    """A command that is imported when it is called: its module, its summary, and what it is for."""
 
     module: str
-    name: str
     summary: str
     task: str
 
@@ -38,43 +35,36 @@ class _Lazy(NamedTuple):
 # What one does with the command, in the order in which one does it.
 _TASKS = ("Start", "Design", "Analyse", "Verify")
 _COMMANDS = {
-    "list": _Lazy("files", "list_", "Shipped aircraft, missions and weather records.", "Start"),
-    "show": _Lazy("files", "show", "The file of a shipped aircraft, mission or record.", "Start"),
-    "init": _Lazy("files", "init", "Commented files to start your own aircraft from.", "Start"),
-    "validate": _Lazy("files", "validate", "Everything that is wrong with files.", "Start"),
-    "schema": _Lazy("exchange", "schema", "Completion of files in an editor.", "Start"),
-    "size": _Lazy("size", "size", "The best design for a mission.", "Design"),
-    "sweep": _Lazy("sweep", "sweep", "Trade study: vary keys, judge or size.", "Design"),
-    "explore": _Lazy("explore", "explore", "Sliders for a design, on a local page.", "Design"),
-    "analyse": _Lazy("analyse", "analyse", "How long it flies, there and then.", "Analyse"),
-    "map": _Lazy("map", "map_", "Where and when it flies perpetually.", "Analyse"),
-    "ceiling": _Lazy("ceiling", "ceiling", "How high it flies perpetually.", "Analyse"),
-    "station": _Lazy("station", "station", "How often it holds its place in the wind.", "Analyse"),
+    "list": _Lazy("files", "Shipped aircraft, missions and weather records.", "Start"),
+    "show": _Lazy("files", "The file of a shipped aircraft, mission or record.", "Start"),
+    "init": _Lazy("files", "Commented files to start your own aircraft from.", "Start"),
+    "validate": _Lazy("files", "Everything that is wrong with files.", "Start"),
+    "schema": _Lazy("exchange", "Completion of files in an editor.", "Start"),
+    "size": _Lazy("size", "The best design for a mission.", "Design"),
+    "sweep": _Lazy("sweep", "Trade study: vary keys, judge or size.", "Design"),
+    "explore": _Lazy("explore", "Sliders for a design, on a local page.", "Design"),
+    "analyse": _Lazy("analyse", "How long it flies, there and then.", "Analyse"),
+    "map": _Lazy("map", "Where and when it flies perpetually.", "Analyse"),
+    "ceiling": _Lazy("ceiling", "How high it flies perpetually.", "Analyse"),
+    "station": _Lazy("station", "How often it holds its place in the wind.", "Analyse"),
     "uncertainty": _Lazy(
-        *("uncertainty", "uncertainty", "How likely it flies perpetually when inputs scatter."),
-        task="Analyse",
+        "uncertainty", "How likely it flies perpetually when inputs scatter.", "Analyse"
     ),
-    "export": _Lazy("exchange", "export", "A design for other tools, papers and sheets.", "Design"),
-    "diff": _Lazy("exchange", "diff", "Two designs side by side.", "Design"),
-    "report": _Lazy("report", "report", "A page on a design, to be read or printed.", "Analyse"),
-    "compare": _Lazy("compare", "compare", "All solar power models side by side.", "Verify"),
-    "verify": _Lazy("verify", "verify", "The solar power models against a flight log.", "Verify"),
-    "fit": _Lazy("fit", "fit", "Parameters of an aircraft, fitted to flight logs.", "Verify"),
-    "bench": _Lazy("bench", "bench", "Values of an aircraft from bench tests.", "Verify"),
-    "calibrate": _Lazy("fit", "calibrate", "A measured aircraft made parametric.", "Design"),
-    "efficiencies": _Lazy(
-        *("validation", "efficiencies", "What drives the power of the Full Model."), task="Verify"
-    ),
+    "export": _Lazy("exchange", "A design for other tools, papers and sheets.", "Design"),
+    "diff": _Lazy("exchange", "Two designs side by side.", "Design"),
+    "report": _Lazy("report", "A page on a design, to be read or printed.", "Analyse"),
+    "compare": _Lazy("compare", "All solar power models side by side.", "Verify"),
+    "verify": _Lazy("verify", "The solar power models against a flight log.", "Verify"),
+    "fit": _Lazy("fit", "Parameters of an aircraft, fitted to flight logs.", "Verify"),
+    "bench": _Lazy("bench", "Values of an aircraft from bench tests.", "Verify"),
+    "calibrate": _Lazy("fit", "A measured aircraft made parametric.", "Design"),
+    "efficiencies": _Lazy("validation", "What drives the power of the Full Model.", "Verify"),
     "loiter-correction": _Lazy(
-        *("validation", "loiter_correction"),
-        summary="Errors of CDM and CAM by latitude, season and wind.",
-        task="Verify",
+        "validation", "Errors of CDM and CAM by latitude, season and wind.", "Verify"
     ),
-    "published": _Lazy("validation", "published", "Published beside computed numbers.", "Verify"),
+    "published": _Lazy("validation", "Published beside computed numbers.", "Verify"),
     "reproduce-report": _Lazy(
-        *("validation", "reproduce_report"),
-        summary="The four models on the morning they were published with.",
-        task="Verify",
+        "validation", "The four models on the morning they were published with.", "Verify"
     ),
 }
 
@@ -95,12 +85,12 @@ class _LazyGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Command of a name, in either spelling; None where there is none."""
-        lazy = _COMMANDS.get(_SPELLED.get(cmd_name, cmd_name))
-        if lazy is None:
+        name = _SPELLED.get(cmd_name, cmd_name)
+        if name not in _COMMANDS:
             return None
-        module = importlib.import_module(f"studies.cli.commands.{lazy.module}")
-        command: click.Command = getattr(module, lazy.name)
-        return command
+        module = importlib.import_module(f"studies.cli.commands.{_COMMANDS[name].module}")
+        commands = (one for one in vars(module).values() if isinstance(one, Command))
+        return next(one for one in commands if one.name == name)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[str]]:
         """Commands with their summaries, and options; no command is imported."""

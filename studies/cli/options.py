@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import click
 
@@ -33,6 +33,9 @@ from studies.output.formats import (
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 _MAXIMUM_WORKERS = 1000
+
+# Format that the name of a file asks for; None where it is none of those allowed.
+FormatOf: TypeAlias = Callable[[str], str | None]
 
 
 @dataclass(frozen=True)
@@ -244,65 +247,50 @@ def out_option(contents: str) -> Any:
     return option("--out", type=OutputFolder(), help=text)
 
 
+def _written(
+    *spelled: str, text: str, formats: Sequence[str], chosen: FormatOf, **settings: Any
+) -> Any:
+    """Option of a file that is written in a format that its name asks for."""
+
+    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
+        if path:
+            check_format(path, chosen(path), formats, spelled[0])
+        return path
+
+    text = f"{text} ({', '.join(formats)})."
+    return option(*spelled, type=OutputFile(), callback=checked, help=text, **settings)
+
+
 def table_option(contents: str, name: str = "--table", *, older: str = "--csv") -> Any:
     """Option ``--table FILE`` of commands that write a table.
 
     ``older``: what the option was called when CSV was all that it wrote.
     """
-
-    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
-        if path:
-            check_table(path, table_format(path), TABLE_FORMATS, name)
-        return path
-
-    return option(
-        *(name, older),
-        type=OutputFile(),
-        metavar="FILE",
-        callback=checked,
-        help=f"Write {contents} ({', '.join(TABLE_FORMATS)}).",
-    )
+    kinds: dict[str, Any] = {"formats": TABLE_FORMATS, "chosen": table_format, "metavar": "FILE"}
+    return _written(name, older, text=f"Write {contents}", **kinds)
 
 
 def grid_option(contents: str) -> Any:
     """Option ``--out FILE`` of commands whose result lies on a grid."""
-
-    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
-        if path is not None:
-            check_table(path, grid_format(path), GRID_FORMATS, "--out")
-        return path
-
-    return option(
-        *("--out",),
-        type=OutputFile(),
-        callback=checked,
-        help=f"Write {contents} ({', '.join(GRID_FORMATS)}).",
-    )
-
-
-def check_table(path: str, table: str | None, allowed: Iterable[str], option: str) -> None:
-    """Refuse the name of a table's file if its format is not one that can be written.
-
-    ``table``: its format, none where it is not one of the allowed.
-    """
-    missing = missing_writer(table)
-    if table is None:
-        endings = ", ".join(f".{name}" for name in allowed)
-        missing = f"{path!r} must end in {endings}"
-    if missing is not None:
-        raise click.BadParameter(missing, param_hint=option)
+    text = f"Write {contents}"
+    return _written("--out", text=text, formats=GRID_FORMATS, chosen=grid_format)
 
 
 def plot_option(text: str) -> Any:
     """Option ``--plot FILE`` of commands that draw."""
+    return _written("--plot", text=text, formats=IMAGE_FORMATS, chosen=image_format)
 
-    def checked(_: click.Context, option: click.Parameter, path: str | None) -> str | None:
-        if path is not None and image_format(path) is None:
-            allowed = ", ".join(f".{name}" for name in IMAGE_FORMATS)
-            raise click.BadParameter(f"{path!r} must end in {allowed}", param_hint="--plot")
-        return path
 
-    return option("--plot", type=OutputFile(), callback=checked, help=f"{text} (png, svg, pdf).")
+def check_format(path: str, found: str | None, allowed: Iterable[str], option: str) -> None:
+    """Refuse the name of a file if its format is not one that can be written.
+
+    ``found``: its format, none where it is not one of the allowed.
+    """
+    missing = missing_writer(found)
+    if found is None:
+        missing = f"{path!r} must end in {', '.join(f'.{name}' for name in allowed)}"
+    if missing is not None:
+        raise click.BadParameter(missing, param_hint=option)
 
 
 def markdown_option() -> Any:

@@ -60,9 +60,7 @@ def told(
         raise
     _print_result(case, record, shown)
     if not case.as_json:
-        for place in files:
-            if place is not None:
-                tell_line(f"written to {place}")
+        name_written(files)
         suggest(next_step)
 
 
@@ -72,6 +70,22 @@ def _print_result(case: Case, record: Any, shown: Shown | Callable[[], Shown]) -
         return
     result = shown if isinstance(shown, Result | Summary | Table) else shown()
     show(_headed(result.summary() if isinstance(result, Result) else result, case))
+
+
+def answer(record: Any, shown: Result, files: Iterable[str | None] = (), *, as_json: bool) -> None:
+    """Print a result that has no mission, and name the files that were written."""
+    if as_json:
+        print_json(record)
+    else:
+        show(shown)
+        name_written(files)
+
+
+def name_written(places: Iterable[str | os.PathLike[str] | None]) -> None:
+    """Name files and folders that were written; None where one was not asked for."""
+    for place in places:
+        if place is not None:
+            tell_line(f"written to {place}")
 
 
 def suggest(step: str | None) -> None:

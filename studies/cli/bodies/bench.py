@@ -11,10 +11,9 @@ from sizing.aircraft import Aircraft
 from studies.bench.result import evaluate_bench
 from studies.cli.commands.bench import Bench
 from studies.cli.files import open_aircraft
-from studies.cli.outputs import print_json, refuse_to_overwrite
+from studies.cli.outputs import answer, refuse_to_overwrite
 from studies.fitting.files import changed_document, file_text, provenance, value_lines
 from studies.output.run_folder import InputFile
-from studies.output.terminal import show, tell_line
 
 
 def bench(options: Bench) -> None:
@@ -32,9 +31,4 @@ def bench(options: Bench) -> None:
         document = changed_document(craft.document, found.fitted, block, "tested")
         lines = ["bench tests", *value_lines(found.fitted)]
         write_text_atomically(options.write_file, file_text(document, lines))
-    if options.as_json:
-        print_json(found.to_dict())
-        return
-    show(found.summary())
-    if options.write_file is not None:
-        tell_line(f"written to {options.write_file}")
+    answer(found.to_dict(), found, (options.write_file,), as_json=options.as_json)

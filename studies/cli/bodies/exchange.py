@@ -12,13 +12,13 @@ from sizing.results.analysis import Analysis, analyse
 from studies.cli.command import check_outputs
 from studies.cli.commands.exchange import Diff, Export, Schema
 from studies.cli.files import load, require_climber, require_path
-from studies.cli.options import EXIT_FAILED, CaseOptions, check_table
-from studies.cli.outputs import print_json, table_of, write_results
+from studies.cli.options import EXIT_FAILED, CaseOptions, check_format
+from studies.cli.outputs import answer, print_json, table_of, write_results
 from studies.cli.telling import tell_error
 from studies.exchange import files
 from studies.exchange.difference import compare_designs
 from studies.exchange.schema import file_schema
-from studies.output.terminal import show, tell_line
+from studies.output.terminal import tell_line
 
 
 def export(options: Export) -> None:
@@ -31,7 +31,7 @@ def export(options: Export) -> None:
             troubles[path] = error
         known = files.design_format(path)
         try:
-            check_table(path, known, files.DESIGN_FORMATS, "--out")
+            check_format(path, known, files.DESIGN_FORMATS, "--out")
         except click.BadParameter as error:
             if known is None:
                 raise
@@ -63,12 +63,8 @@ def diff(options: Diff) -> None:
     first, second = options.case, replace(options.case, aircraft=options.other)
     difference = compare_designs(_analysed(first), _analysed(second))
     write_results({options.table_file: table_of(difference.to_frame, "designs")})
-    if options.case.as_json:
-        print_json(difference.to_dict())
-        return
-    show(difference)
-    if options.table_file is not None:
-        tell_line(f"written to {options.table_file}")
+    files = (options.table_file,)
+    answer(difference.to_dict(), difference, files, as_json=options.case.as_json)
 
 
 def _analysed(options: CaseOptions) -> Analysis:

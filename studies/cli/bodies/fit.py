@@ -17,7 +17,7 @@ from studies.cli.commands.fit import Calibrate, Fit
 from studies.cli.files import Case, load, open_aircraft
 from studies.cli.logs import read_log, refuse_swapped_log
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import figure_of, print_json, refuse_to_overwrite, told
+from studies.cli.outputs import answer, figure_of, refuse_to_overwrite, told
 from studies.fitting import calibration
 from studies.fitting.files import file_text, fitted_document, fitted_lines
 from studies.fitting.flight import FlightFit, fit_flight
@@ -25,7 +25,6 @@ from studies.fitting.parameters import chosen
 from studies.fitting.plots import plot_fit
 from studies.fitting.prediction import predict_flight
 from studies.output.run_folder import InputFile, write_run_folder
-from studies.output.terminal import show, tell_line
 
 
 def fit(options: Fit) -> None:
@@ -95,9 +94,4 @@ def calibrate(options: Calibrate) -> None:
     if options.write_file is not None:
         lines = [f"  {one.key}: {one.after:.5g}, from {one.source}" for one in estimated.factors]
         write_text_atomically(options.write_file, file_text(estimated.document, lines))
-    if options.as_json:
-        print_json(estimated.to_dict())
-        return
-    show(estimated.summary())
-    if options.write_file is not None:
-        tell_line(f"written to {options.write_file}")
+    answer(estimated.to_dict(), estimated, (options.write_file,), as_json=options.as_json)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from missions.weather.files import load_weather
 from studies.cli.commands.report import Report
 from studies.cli.files import load, require_climber, require_path
-from studies.cli.outputs import check_report, print_json
-from studies.output.terminal import tell_line
+from studies.cli.outputs import check_report, name_written, print_json
 
 
 def report(options: Report) -> None:
@@ -30,6 +29,5 @@ def report(options: Report) -> None:
     written = write_report(case, subject, options.out_file, with_pdf=options.with_pdf)
     if case.as_json:
         print_json(subject.results())
-        return
-    for path in written:
-        tell_line(f"written to {path}")
+    else:
+        name_written(written)

@@ -27,6 +27,7 @@ from studies.output.figures.options import LEVELS, NAMES, ROWS, FigureOptions
 
 _ROUNDS = 3
 _LEAST_TYPE = 0.5  # of the size that a style asks for
+_HIGHEST_HEADING = 0.9  # of the figure
 _HIGHEST_LEGEND = 0.28  # of the figure: what is higher gets smaller type, for more columns
 _LEGEND_TYPES = (1.0, 0.9, 0.8, 0.7)  # of the size of a legend's type
 _GAP = 0.25  # between texts, in sizes of type
@@ -54,7 +55,8 @@ class FittedLayout(ConstrainedLayoutEngine):
         for restore in reversed(self._undo):
             restore()
         self._undo.clear()
-        self.set(rect=(0.0, 0.0, 1.0, 1.0 - self._draw_heading(fig)))
+        # Of a figure that its heading fills, axes keep a little: constraints must have a solution.
+        self.set(rect=(0.0, 0.0, 1.0, 1.0 - min(self._draw_heading(fig), _HIGHEST_HEADING)))
         # What leaves no room for axes at all, before they are asked how large they are.
         self._fit_legends(fig)
         for axes in fig.axes:

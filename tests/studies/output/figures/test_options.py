@@ -209,6 +209,14 @@ def test_a_figure_too_small_for_its_axes_is_told(run: Run) -> None:
     assert "Warning" not in outcome.err
 
 
+def test_a_figure_that_its_heading_fills_is_told_and_written(run: Run, tmp_path: Path) -> None:
+    size = ("--figure-size", "41x40mm", "--style", "slides")
+    outcome = run("analyse", "atlantiksolar-as2", "--plot", "cycle.png", *size)
+    assert outcome.code == 0
+    assert "the figure is too small for its axes and texts" in outcome.err
+    assert (tmp_path / "cycle.png").exists()
+
+
 @pytest.mark.long
 def test_settings_of_the_user_change_nothing_of_a_figure_that_is_shown() -> None:
     """Drawn by a canvas, as a notebook does; on the user's own figure they hold throughout."""
