@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -186,13 +185,9 @@ def shipped_curve(name: str) -> Curve:
         If there is no curve of that name.
     """
     text = resources.files("solar").joinpath("data", f"{name}.csv").read_text(encoding="utf-8")
-    table = np.loadtxt(io.StringIO(_without_header(text)), delimiter=",")
-    return Curve(x=tuple(table[:, 0].tolist()), y=tuple(table[:, 1].tolist()))
-
-
-def _without_header(text: str) -> str:
-    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
-    return "\n".join(lines[1:])
+    _, *rows = (line for line in text.splitlines() if line and not line.startswith("#"))
+    x, y = np.loadtxt(rows, delimiter=",", unpack=True)
+    return Curve(x=tuple(x.tolist()), y=tuple(y.tolist()))
 
 
 class ModuleHeat(Record):

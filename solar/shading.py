@@ -435,7 +435,9 @@ def _module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> _ModuleFr
         raise ValueError(f"module surface {surface.name} needs an outline for its shading")
     side = {"left": -1.0, "centre": 0.0, "right": 1.0}[surface.side]
     dihedral = np.radians(surface.dihedral_deg)
-    hinge = _start_of_dihedral_m(geometry)
+    # The wing's kink is the outer edge of the central modules.
+    central = [s.outline for s in geometry.surfaces if s.side == "centre"]
+    hinge = max((one.outboard_m for one in central if one is not None), default=0.0)
     incidence = np.radians(geometry.wing_incidence_deg)
     in_panel = direction_cosines(0.0, np.radians(surface.pitch_deg), 0.0)
     module_to_body = direction_cosines(-side * dihedral, incidence, 0.0) @ in_panel
@@ -456,12 +458,6 @@ def _middle(outline: ModuleOutline, side: float, dihedral: float, hinge: float) 
     bent = along - hinge
     y = side * (hinge + bent * np.cos(dihedral))
     return np.array((-aft, y, -bent * np.sin(dihedral)))
-
-
-def _start_of_dihedral_m(geometry: ModuleGeometry) -> float:
-    """Distance of the wing's kink from the symmetry plane: outer edge of the central modules."""
-    central = [s.outline for s in geometry.surfaces if s.side == "centre"]
-    return max((outline.outboard_m for outline in central if outline is not None), default=0.0)
 
 
 def _clipped(polygons: FloatArray, heights: FloatArray) -> FloatArray:

@@ -126,10 +126,8 @@ class CellEntry(Entry):
             efficiency, power, area = getattr(self, key), self.mpp_power_w, self.area_m2
             if efficiency is None or irradiance is None or power is None or area is None:
                 continue
-            light_w = area * irradiance
-            _disagree(
-                key, "efficiency, and power over light on the area", efficiency, power / light_w
-            )
+            text = "efficiency, and power over light on the area"
+            _disagree(key, text, efficiency, power / (area * irradiance))
         return self
 
     def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -192,20 +190,14 @@ class BatteryEntry(Entry):
                 key = f"{prefix}energy_wh"
                 _disagree(key, "energy, and voltage times capacity", energy, product)
         # Makers state the typical value, or the guaranteed one.
-        stated, ratios = self.specific_energy_wh_per_kg, self._energies_over_mass
+        key, stated = "specific_energy_wh_per_kg", self.specific_energy_wh_per_kg
+        ratios = self._energies_over_mass
         if ratios and stated is not None:
             nearest = min(ratios, key=lambda ratio: abs(ratio - stated))
-            _disagree(
-                "specific_energy_wh_per_kg",
-                "specific energy, and energy over mass",
-                stated,
-                nearest,
-            )
+            _disagree(key, "specific energy, and energy over mass", stated, nearest)
         if not ratios and stated is None:
-            raise wrong_value(
-                "specific_energy_wh_per_kg",
-                "or mass_kg with energy_wh (or with nominal_voltage_v and capacity_ah) is needed",
-            )
+            text = "or mass_kg with energy_wh (or with nominal_voltage_v and capacity_ah) is needed"
+            raise wrong_value(key, text)
         return self
 
     def _times_voltage(self, capacity_ah: float | None) -> float | None:

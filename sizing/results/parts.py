@@ -36,7 +36,12 @@ def balance_blocks(shares: DragShares | None, balance: BalanceAssessment | None)
     """Tables and lines of an analysis; none where the file has no such keys."""
     blocks: list[Any] = []
     if shares is not None:
-        blocks += [drag_table(shares), Line(_parasitic(shares))]
+        share = 100.0 * float(shares.parasitic / shares.total)
+        text = (
+            f"Parasitic drag, all but the wing and the trim: C_D {float(shares.parasitic):.5f}, "
+            f"{share:.1f} % of the drag."
+        )
+        blocks += [drag_table(shares), Line(text)]
     if balance is not None:
         blocks.append(balance_table(balance))
         blocks += [Line(text) for text in balance_lines(balance)]
@@ -56,14 +61,6 @@ def drag_table(shares: DragShares) -> Table:
         if one != 0.0
     ]
     return Table("drag budget of level flight", columns, tuple(rows))
-
-
-def _parasitic(shares: DragShares) -> str:
-    share = 100.0 * float(shares.parasitic / shares.total)
-    return (
-        f"Parasitic drag, all but the wing and the trim: C_D {float(shares.parasitic):.5f}, "
-        f"{share:.1f} % of the drag."
-    )
 
 
 def drag_record(shares: DragShares) -> dict[str, float]:

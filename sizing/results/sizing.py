@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -72,6 +72,8 @@ from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -277,53 +279,40 @@ class SizingStudy(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """All of it, JSON-ready; what only an optimum has is null without one."""
-        result = self.result
+        result, infeasible = self.result, self.status is SizingStatus.infeasible
         record = _result_record(result, self.aircraft, self.mission) | {
             "quantities": self.quantities,
             "margins": margin_records(self.margins),
             **_design_record(result.design),
             **_simulated_record(result.simulated),
         }
-        budget, structure = self.power_budget, self.structure
-        record["power_budget"] = None if budget is None else budget.to_dict()
-        if self.part_masses is not None:
-            record["part_masses"] = self.part_masses.to_dict()
-        record["structure"] = None if structure is None else structure.to_dict()
-        if self.balance is not None:
-            record["balance"] = self.balance.to_dict()
-        record |= {"model": self.solar.model, "correction": self.solar.correction}
-        if self.mission.holds_station:
-            record["wind"] = wind_record(self.mission)
-        record["uncertainty"] = None
-        if self.low is not None and self.high is not None and self.result.simulated is not None:
-            record["uncertainty"] = uncertainty_record(self.low, self.high)
-        record["extrapolations"] = extrapolation_records(self.extrapolations)
-        record |= catalogue_records(self.aircraft)
-        if self.coverage is not None:
-            record["range"] = _range_record(self.coverage)
-        if self.status is SizingStatus.infeasible:
-            record["relaxations"] = relaxation_records(self.relaxations)
-        if self.sensitivities is not None:
-            record["sensitivities"] = sensitivity_records(self.sensitivities)
-        if self.multipliers is not None:
-            record["constraint_multipliers"] = [dict(one.__dict__) for one in self.multipliers]
-        if self.cross_check is not None:
-            record["cross_check"] = finite_values(self.cross_check.__dict__)
-        if self.with_margin is not None:
-            record["with_margin"] = _margin_record(self.with_margin)
-        if self.without_margins is not None:
-            record["as_assumed"] = q.worst_record(self.without_margins, q.REACHED)
-        if self.reliability is not None:
-            record["reliability"] = finite_values(self.reliability.to_dict())
-        if self.survival is not None:
-            record["weather"] = self.survival.to_dict()
-        if self.whole_cells is not None:
-            record["whole_cells"] = sizing_record(self.whole_cells, self.aircraft)
-        if self.climbs is not None:
-            record["climb"] = climbs_record(self.climbs, self.mission)
-        if self.without_climbs is not None:
-            record["without_climbs"] = level_record(self.without_climbs)
-        return record
+        low, high = (None, None) if result.simulated is None else (self.low, self.high)
+        parts = {
+            "power_budget": _of(self.power_budget, PowerBudget.to_dict),
+            "part_masses": _of(self.part_masses, PartMasses.to_dict),
+            "structure": _of(self.structure, StructureAssessment.to_dict),
+            "balance": _of(self.balance, BalanceAssessment.to_dict),
+            "model": self.solar.model,
+            "correction": self.solar.correction,
+            "wind": wind_record(self.mission) if self.mission.holds_station else None,
+            "uncertainty": None if low is None or high is None else uncertainty_record(low, high),
+            "extrapolations": extrapolation_records(self.extrapolations),
+            **catalogue_records(self.aircraft),
+            "range": _of(self.coverage, _range_record),
+            "relaxations": _of(self.relaxations if infeasible else None, relaxation_records),
+            "sensitivities": _of(self.sensitivities, sensitivity_records),
+            "constraint_multipliers": _of(self.multipliers, lambda m: [dict(vars(o)) for o in m]),
+            "cross_check": _of(self.cross_check, lambda check: finite_values(vars(check))),
+            "with_margin": _of(self.with_margin, _margin_record),
+            "as_assumed": _of(self.without_margins, lambda p: q.worst_record(p, q.REACHED)),
+            "reliability": _of(self.reliability, lambda one: finite_values(one.to_dict())),
+            "weather": _of(self.survival, Survival.to_dict),
+            "whole_cells": _of(self.whole_cells, lambda o: sizing_record(o, self.aircraft)),
+            "climb": _of(self.climbs, lambda one: climbs_record(one, self.mission)),
+            "without_climbs": _of(self.without_climbs, level_record),
+        }
+        always = ("power_budget", "structure", "uncertainty")
+        return record | {k: one for k, one in parts.items() if one is not None or k in always}
 
     @cached_property
     def quantities(self) -> dict[str, float] | None:
@@ -458,6 +447,7 @@ def size(
     check_subjects(aircraft, mission)
     solar, original = SolarModel(model, correction), aircraft
     aircraft, wanted = _with_own(aircraft, mission, objective, constraints)
+    other = mission
     if required_excess_time_h is not None:
         # The mission's rules for its own requirement hold for another one, too.
         other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
@@ -468,9 +458,9 @@ def size(
             raise ValueError(
                 "whole cells have no sensitivities, cross-check or reliability: leave them out"
             )
-        study = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
-        if study is not None:
-            return study
+        laid = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
+        if laid is not None:
+            return laid
     aircraft, start = with_smooth_chain(aircraft, mission, wanted, solar, **options)
     aircraft, start = with_flow_of_optimum(
         *(aircraft, mission, wanted, solar), start=start, **options
@@ -479,8 +469,8 @@ def size(
     if reliability is not None:
         if with_sensitivities or with_cross_check:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
-        wish = _Wish(wanted, required_excess_time_h, reliability)
-        return replace(_reliable(aircraft, mission, solar, wish, problems), aircraft=original)
+        case = (aircraft, other, wanted, solar)
+        return replace(_reliable(*case, least=reliability, problems=problems), aircraft=original)
     coverage = None
     if wanted.of_range:
         coverage = widest_range(aircraft, mission, wanted, solar, **options)
@@ -495,23 +485,32 @@ def size(
     guarded = None
     if with_margin and result.feasible and coverage is None:
         guarded = _with_margin(aircraft, mission, result, solar, problems)
-    low, high = under_model_error(*asked)
     level = None
     if mission.climb is not None and coverage is None:
-        level = size_aircraft(
-            *(aircraft, mission.at_altitude(mission.altitude_m), wanted, solar),
-            start=start,
-            explain=False,
-            **options,
-        )
-    return SizingStudy(
-        *(original, mission, solar, result, low, high, coverage, relaxed),
+        low_flight = (aircraft, mission.at_altitude(mission.altitude_m), wanted, solar)
+        level = size_aircraft(*low_flight, start=start, explain=False, **options)
+    study = study_of(
+        *asked,
+        coverage=coverage,
+        relaxations=relaxed,
         without_climbs=level,
         sensitivities=sensitivities(*asked) if worth else None,
         multipliers=constraint_multipliers(result) if worth else None,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
-        without_margins=without_margins_of(*asked),
         with_margin=guarded,
+    )
+    return replace(study, aircraft=original)
+
+
+def study_of(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel, **asked: Any
+) -> SizingStudy:
+    """Sizing with its optimum under the model's error, and without the mission's margins."""
+    given = (aircraft, mission, result, solar)
+    low, high = _under_model_error(*given)
+    plain = _without_margins_of(*given)
+    return SizingStudy(
+        *(aircraft, mission, solar, result, low, high), without_margins=plain, **asked
     )
 
 
@@ -529,12 +528,7 @@ def _of_whole_cells(
     if not cells.relaxed.feasible:
         return None
     laid = aircraft if cells.aircraft is None else cells.aircraft
-    asked = (laid, mission, result, solar)
-    low, high = under_model_error(*asked)
-    plain = without_margins_of(*asked)
-    return SizingStudy(
-        *(laid, mission, solar, result, low, high), without_margins=plain, whole_cells=cells
-    )
+    return study_of(laid, mission, result, solar, whole_cells=cells)
 
 
 def _with_margin(
@@ -554,7 +548,7 @@ def _with_margin(
         problems=problems,
         start=optimum.design.variables,
     )
-    plain = without_margins_of(aircraft, guarded, result, solar)
+    plain = _without_margins_of(aircraft, guarded, result, solar)
     return SizingStudy(aircraft, guarded, solar, result, without_margins=plain)
 
 
@@ -575,35 +569,24 @@ def _with_own(
     return aircraft, named if minimised is None else cast(Objective, minimised)
 
 
-class _Wish(NamedTuple):
-    """What a reliable design is sized for."""
-
-    objective: Objective
-    required_excess_time_h: float | None
-    reliability: float
-
-
 def _reliable(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel, wish: _Wish, problems: SizingProblems
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    *,
+    least: float,
+    problems: SizingProblems,
 ) -> SizingStudy:
-    """Sizing for a probability."""
-    if wish.required_excess_time_h is not None:
-        update = {"required_excess_time_h": wish.required_excess_time_h}
-        mission = with_values(mission, update)
-    check_reliability(aircraft, mission, wish.objective, solar, wish.reliability)
-    result, reliability = size_reliably(
-        *(aircraft, mission, wish.objective, solar), reliability=wish.reliability, problems=problems
-    )
+    """Sizing for a probability of the mission's required excess time."""
+    case = (aircraft, mission, objective, solar)
+    check_reliability(*case, least)
+    result, reliability = size_reliably(*case, reliability=least, problems=problems)
     asked = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.
     failed = result.status is SizingStatus.infeasible and reliability is None
-    low, high = under_model_error(*asked)
-    return SizingStudy(
-        *(aircraft, mission, solar, result, low, high),
-        relaxations=tuple(relaxations(*asked, problems=problems)) if failed else (),
-        without_margins=without_margins_of(*asked),
-        reliability=reliability,
-    )
+    relaxed = tuple(relaxations(*asked, problems=problems)) if failed else ()
+    return study_of(*asked, relaxations=relaxed, reliability=reliability)
 
 
 def checked_objective(objective: Objective | str) -> Objective:
@@ -615,7 +598,7 @@ def checked_objective(objective: Objective | str) -> Objective:
         raise ValueError(f"objective must be one of {allowed} (got {objective!r})") from None
 
 
-def under_model_error(
+def _under_model_error(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> tuple[Performance | None, Performance | None]:
     """Optimum with the solar power one RMS error of the model lower and higher."""
@@ -634,7 +617,7 @@ def under_model_error(
     return low, high
 
 
-def without_margins_of(
+def _without_margins_of(
     aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
 ) -> Performance | None:
     """Optimum without the mission's uncertainty margins; None where the mission has none."""
@@ -752,3 +735,8 @@ def _range_record(coverage: WidestRange) -> dict[str, Any]:
 def sensitivity_records(rows: list[Sensitivity]) -> list[dict[str, Any]]:
     """Sensitivities, JSON-ready, most important first."""
     return [finite_values({**one.__dict__, "per_percent": one.per_percent}) for one in rows]
+
+
+def _of(one: T | None, record: Callable[[T], Any]) -> Any:
+    """Record of what there is; None of what there is not."""
+    return None if one is None else record(one)

@@ -277,6 +277,8 @@ class WeatherAnalysis(Result):
         """What the terminal shows."""
         run, clear = self.performance.recorded, self.performance.clear
         days, solar = len(run.closes), self.performance.solar
+        dawn_h = run.dawn_h + run.axis.midnight_h
+        dawns = ", ".join(clock_label(float(h)) for h in (dawn_h.min(), dawn_h.max()))
         rows = [
             ("days that close", f"{int(run.closes.sum())} of {days}"),
             ("the same under a clear sky", f"{int(clear.closes.sum())} of {days}"),
@@ -288,7 +290,7 @@ class WeatherAnalysis(Result):
                 ", ".join(map(hours, self.endurance_h.values())),
             ),
             ("light, share of the clear sky's", f"{100 * self.share_of_clear_light():.0f} %"),
-            ("dawn: earliest, latest (solar time)", _dawns(run)),
+            ("dawn: earliest, latest (solar time)", dawns),
             ("flight altitude", f"{self.mission.altitude_m:.0f} m"),
             *(wind_rows(self.mission) if self.mission.holds_station else []),
         ]
@@ -405,8 +407,3 @@ def analyse_weather(
 
 def _daily_wh(run: WeatherRun) -> Any:
     return np.trapezoid(run.solar_power_w, run.axis.time_h, axis=1)
-
-
-def _dawns(run: WeatherRun) -> str:
-    solar_h = run.dawn_h + run.axis.midnight_h
-    return f"{clock_label(float(solar_h.min()))}, {clock_label(float(solar_h.max()))}"

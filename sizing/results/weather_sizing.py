@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from missions.mission import Mission
 from missions.weather.record import Weather
@@ -12,12 +13,7 @@ from sizing.margins.survival import check_survival, in_the_record, size_survivin
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.results.records import check_subjects
-from sizing.results.sizing import (
-    SizingStudy,
-    checked_objective,
-    under_model_error,
-    without_margins_of,
-)
+from sizing.results.sizing import SizingStudy, checked_objective, study_of
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 
@@ -100,11 +96,9 @@ def size_in_weather(
         notes=notes,
         progress=progress,
     )
-    request = (fixed, in_the_record(moved), survived.result, solar)
-    low, high = under_model_error(*request)
-    return SizingStudy(
-        *(aircraft, in_the_record(moved), solar, survived.result, low, high),
+    study = study_of(
+        *(fixed, in_the_record(moved), survived.result, solar),
         relaxations=survived.relaxations,
-        without_margins=without_margins_of(*request),
         survival=survived.survival,
     )
+    return replace(study, aircraft=aircraft)

@@ -24,7 +24,6 @@ from sizing.validity.ranges import (
     EXPERIENCE,
     Check,
     Extrapolation,
-    Range,
     experience,
     extrapolation,
     ranges,
@@ -138,15 +137,10 @@ def from_text(text: str) -> tuple[Extrapolation, ...]:
             raise ValueError(f"names no model: {part[:80]!r}")
         model, quantity, *numbers = match.groups()
         value, low, high = map(float, numbers)
-        outside.append(extrapolation(_range_of(quantity, model), value, low, high))
+        # A technology parameter has the range of experience with it.
+        own = experience(parameter(quantity)) if model == EXPERIENCE else ranges()[quantity, model]
+        outside.append(extrapolation(own, value, low, high))
     return tuple(outside)
-
-
-def _range_of(quantity: str, model: str) -> Range:
-    """Range of a model, or of the experience with a technology parameter."""
-    if model != EXPERIENCE:
-        return ranges()[quantity, model]
-    return experience(parameter(quantity))
 
 
 _MODULES = ("altitude_m", "module_temperature")
