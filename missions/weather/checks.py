@@ -69,7 +69,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
     share = float(np.sum(light["ghi"]) / max(np.sum(sun.clear["ghi"]), 1.0))
     if share < _DARKEST:
-        message = f"has {100.0 * share:.2g} % of the light of a clear sky: is the unit wrong? W/m² are needed"
+        percent = f"{100.0 * share:.2g} %"
+        message = f"has {percent} of the light of a clear sky: is the unit wrong? W/m² are needed"
         raise file_error(source, message)
     temperature_c, left_out = checked_air(TEMPERATURE, grid.values, grid.lines, source)
     repairs += left_out

@@ -1,9 +1,9 @@
 """Energy constraints of one scenario with climbs by day and glides in the evening, as symbols.
 
 The program's counterpart of :mod:`sizing.altitude.climb_march`: battery and potential energy over
-the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling, sunlight
-and the logarithm of the power of level flight are parabolas of the potential energy, since density
-falls exponentially; the simulator's are linear between levels at most 500 m apart.
+the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling,
+sunlight and the logarithm of the power of level flight are parabolas of the potential energy, since
+density falls exponentially; the simulator's are linear between levels at most 500 m apart.
 
 The days close where the night leaves at least the potential energy that the day begins with, which
 is a variable of the program. What parabolas and longer steps do to an excess time is taken back by
