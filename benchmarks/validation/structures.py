@@ -73,7 +73,6 @@ class PublishedStructure:
     along_the_span: Mapping[str, float]
     models: tuple[RibWingStructure, ...]
     calibrates: bool = False
-    known_miss: str = ""
 
     @property
     def total_kg(self) -> Interval:
@@ -164,7 +163,6 @@ def _from_record(record: Mapping[str, Any]) -> PublishedStructure:
             for keys in _combinations(record.get("structure", {}))
         ),
         calibrates=record.get("calibrates", False),
-        known_miss=record.get("known_miss", ""),
     )
 
 

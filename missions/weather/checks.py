@@ -37,6 +37,7 @@ MAXIMUM_DAYS = 366 * 60
 EARLIEST_YEAR, LATEST_YEAR = 1900, 2200
 LIGHT = ("ghi", "dni", "dhi")
 _NIGHT_NOISE = 20.0  # light in darkness up to here is the noise of an instrument [W/m2]
+_DARKEST = 0.01  # of a clear sky's light: no record of a day or more is darker
 _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
 
 
@@ -66,6 +67,11 @@ def checked_record(raw: RawTable, source: str) -> Weather:
     repairs += _filled(light, sun, interval_s, source, grid.start_s)
     if sum(float(np.sum(part)) for part in light.values()) <= 0.0:
         raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
+    share = float(np.sum(light["ghi"]) / max(np.sum(sun.clear["ghi"]), 1.0))
+    if share < _DARKEST:
+        percent = f"{100.0 * share:.2g} %"
+        message = f"has {percent} of the light of a clear sky: is the unit wrong? W/m² are needed"
+        raise file_error(source, message)
     temperature_c, left_out = checked_air(TEMPERATURE, grid.values, grid.lines, source)
     repairs += left_out
     wind_m_per_s, left_out = checked_air(WIND, grid.values, grid.lines, source)

@@ -53,6 +53,9 @@ _NAMES = {
 }
 _ERA5 = {*_NAMES["ghi"][:3], *_NAMES["direct"]}
 _MISSING = -900.0  # of NASA POWER: -999
+_POWER_UNITS = {"temp_air": "C", "wind_speed": "m/s"} | dict.fromkeys(("ghi", "dni", "dhi"), "W/m2")
+_MOST_DIRECT = 1.01  # of global light; the two are rounded
+_LEAST_GROUND_PA = 40000.0  # 7.2 km
 _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 
@@ -87,15 +90,14 @@ def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
         time = _axis_name(data, "time", source)
         index = pd.DatetimeIndex(data[time].to_numpy(), tz="UTC")
         passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
-    return _record("NetCDF", columns, index, (latitude, longitude), passed)._replace(
-        air_altitude_m=air_m
-    )
+    found = _record("NetCDF", columns, index, (latitude, longitude), passed, source=source)
+    return found._replace(air_altitude_m=air_m)
 
 
 def read_era5_csv(path: Path, source: str) -> RawTable:
     """Table of ERA5 hourly time series, as the Climate Data Store returns CSV."""
     data = _csv(path, 0)
-    ends = [float(data[name].iloc[0]) for name in ("latitude", "longitude") if name in data]
+    ends = [float(data[name].mean()) for name in ("latitude", "longitude") if name in data]
     if len(ends) < 2:
         raise file_error(source, "does not name its place: latitude and longitude are needed")
     columns = _known(data)
@@ -104,7 +106,8 @@ def read_era5_csv(path: Path, source: str) -> RawTable:
         key: _in_units(columns[key], units[key], key, source) for key in units & columns.keys()
     }
     index = pd.DatetimeIndex(pd.to_datetime(data["valid_time"], utc=True))
-    return _record("ERA5", columns, index, (ends[0], east_deg(ends[1])), END)._replace(first_line=2)
+    place = (ends[0], east_deg(ends[1]))
+    return _record("ERA5", columns, index, place, END, source=source)._replace(first_line=2)
 
 
 def read_power_csv(path: Path, source: str) -> RawTable:
@@ -117,17 +120,27 @@ def read_power_csv(path: Path, source: str) -> RawTable:
     latitude, longitude = float(place[1]), float(place[2])
     data = _csv(path, head.count("\n") + 1)
     columns = {
-        key: np.where(values <= _MISSING, np.nan, values) for key, values in _known(data).items()
+        key: np.where(
+            values <= _MISSING, np.nan, _in_units(values, _unit_of(head, key), key, source)
+        )
+        for key, values in _known(data).items()
     }
     parts = {"year": data["YEAR"], "month": data["MO"], "day": data["DY"], "hour": data["HR"]}
     local = re.search(r"\bin\s+LST\b", head) is not None
     index = pd.DatetimeIndex(pd.to_datetime(pd.DataFrame(parts), utc=True))
     if local:  # mean solar time, by NASA's definition
         index -= pd.Timedelta(hours=longitude / 15.0)
-    if ground is not None:
+    if ground is not None and float(ground[1]) > _MISSING:
         columns["ground"] = np.array([float(ground[1])])
-    found = _record("NASA POWER", columns, index, (latitude, longitude), START)
+    found = _record("NASA POWER", columns, index, (latitude, longitude), START, source=source)
     return found._replace(first_line=head.count("\n") + 3)
+
+
+def _unit_of(head: str, key: str) -> str:
+    """Unit of a quantity in the head of NASA POWER's file; its community decides which one."""
+    names = "|".join(map(re.escape, _NAMES[key]))
+    found = re.search(rf"^(?:{names})\s.*\(([^()]+)\)\s*$", head, re.MULTILINE)
+    return _POWER_UNITS.get(key, "m") if found is None else found[1].strip()
 
 
 def _csv(path: Path, skip: int) -> pd.DataFrame:
@@ -150,16 +163,23 @@ def _record(
     index: pd.DatetimeIndex,
     place: tuple[float, float],
     passed: float,
+    *,
+    source: str,
 ) -> RawTable:
     """Table of a file's columns; diffuse light from the direct light on a level surface."""
     if {"direct", "ghi"} <= columns.keys() and "dhi" not in columns:
+        if np.nansum(columns["direct"]) > _MOST_DIRECT * np.nansum(columns["ghi"]):
+            raise file_error(source, "has more direct than global light: is the unit wrong?")
         columns["dhi"] = np.maximum(columns["ghi"] - columns["direct"], 0.0)
     if "u" in columns and "v" in columns and "wind_speed" not in columns:
         columns["wind_speed"] = np.hypot(columns["u"], columns["v"])
     if "ground" in columns:
         ground_m = float(np.mean(columns["ground"]))
     elif "pressure" in columns:
-        ground_m = _height_of(float(np.mean(columns["pressure"])))
+        pressure_pa = float(np.mean(columns["pressure"]))
+        if pressure_pa < _LEAST_GROUND_PA:
+            raise file_error(source, f"has a pressure at the ground of {pressure_pa:g} Pa")
+        ground_m = _height_of(pressure_pa)
     else:
         ground_m = np.nan
     kept = ("ghi", "dni", "dhi", "temp_air", "wind_speed")

@@ -53,6 +53,7 @@ def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawT
                 raw = read_plain(path, source)
             else:
                 raw = read(path, source, _iotools(source))
+        _check_place(raw.site, source)
         return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
     except InputError:
         raise
@@ -79,6 +80,18 @@ def _iotools(source: str) -> Any:
         message = "needs pvlib to be read: pip install 'solar-uav-sizing[weather]'"
         raise file_error(source, message) from None
     return pvlib.iotools
+
+
+def _check_place(site: Site, source: str) -> None:
+    """Refuse a place that is none."""
+    for name, value, lowest, highest in (
+        ("latitude", site.latitude_deg, -90.0, 90.0),
+        ("longitude", site.longitude_deg, -180.0, 360.0),
+        ("altitude", site.altitude_m, -500.0, 9000.0),
+    ):
+        if not lowest <= value <= highest:
+            allowed = f"allowed: {lowest:g} to {highest:g}"
+            raise file_error(source, f"has its site at the {name} {value:g}; {allowed}")
 
 
 def layout_of(path: Path, source: str) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, standard_air
 from missions.files.errors import file_error, printable
-from missions.winds.table import WindTable
+from missions.winds.table import STRONGEST_M_PER_S, WindTable
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
@@ -36,6 +36,11 @@ _COMPONENTS = {
 }
 _PASCALS = {"hpa": 100.0, "millibars": 100.0, "millibar": 100.0, "mbar": 100.0, "pa": 1.0}
 _METRES = {"m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0, "km": 1000.0}
+_SPEEDS = {
+    ("m/s", "ms-1", "meters/second", "metres/second", "metersecond-1"): 1.0,
+    ("km/h", "kmh-1", "kmhr-1", "kph"): 1.0 / 3.6,
+    ("knots", "knot", "kt", "kts", "kn"): 1852.0 / 3600.0,
+}
 _STEP_M = 50.0
 
 
@@ -47,6 +52,7 @@ def wind_table_from_netcdf(
     with opened(path, source) as data:
         u, v = (_component(data, name, source) for name in _COMPONENTS)
         u, v = (_arranged(one, source) for one in (u, v))
+        factors = [_factor(one, source) for one in (u, v)]
         if u.shape != v.shape:
             raise file_error(source, "has components of the wind on different axes")
         u, v, at = _at_longitude(u, v, longitude_deg, source)
@@ -62,7 +68,10 @@ def wind_table_from_netcdf(
         north = np.argsort(latitudes)
         winds = np.stack(
             [
-                _of_latitude(u[:, i, levels], v[:, i, levels], months, known, percentiles)
+                _of_latitude(
+                    _speed_m_per_s(u[:, i, levels], v[:, i, levels], factors, source),
+                    *(months, known, percentiles),
+                )
                 for i in north.tolist()
             ]
         )
@@ -106,6 +115,17 @@ def _component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArra
     raise file_error(source, f"has no {standard_name} (variables named {', '.join(names)})")
 
 
+def _factor(one: xr.DataArray, source: str) -> float:
+    """Factor from a component's unit to m/s; without a unit it is taken as that."""
+    unit = str(one.attrs.get("units", "m/s"))
+    plain = unit.lower().replace(" ", "").replace("*", "").replace("^", "")
+    for names, factor in _SPEEDS.items():
+        if plain in names:
+            return factor
+    allowed = ", ".join(names[0] for names in _SPEEDS)
+    raise file_error(source, f"has {one.name} in {printable(unit)} (known: {allowed})")
+
+
 def _arranged(one: xr.DataArray, source: str) -> xr.DataArray:
     """Component with the axes time, latitude, level and longitude, in this order."""
     for axis, names in AXES.items():
@@ -129,7 +149,7 @@ def _at_longitude(
     """Components at the longitude nearest to one, and that in words; all of them without one."""
     longitudes = u["longitude"].to_numpy().astype(float)
     if longitude_deg is None:
-        return u, v, f"all {len(longitudes)} longitudes"
+        return u, v, f"all {len(longitudes)} longitudes" if len(longitudes) > 1 else "one longitude"
     nearest = nearest_longitude(longitudes, longitude_deg, source)
     east = east_deg(longitudes[nearest])
     some = slice(nearest, nearest + 1)
@@ -155,7 +175,7 @@ def nearest_longitude(longitudes: FloatArray, wanted_deg: float, source: str) ->
     nearest = int(np.argmin(away))
     spacing = float(np.min(np.diff(np.sort(longitudes)))) if len(longitudes) > 1 else 0.0
     if away[nearest] > max(spacing, 1e-6):
-        ends = f"{longitudes.min():g} to {longitudes.max():g}"
+        ends = " to ".join(dict.fromkeys(f"{f(longitudes):g}" for f in (np.min, np.max)))
         raise file_error(source, f"has longitudes {ends}, not {wanted_deg:g} of the mission")
     return nearest
 
@@ -178,17 +198,29 @@ def altitudes_m(level: Any, source: str) -> FloatArray:
     heights = np.arange(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M + _STEP_M, _STEP_M)
     logs = np.log(standard_air(heights).pressure_pa)
     # Straight in the logarithm between heights 50 m apart, within 0.1 m of the formula.
-    wanted = np.log(values * _PASCALS[unit])
+    # No pressure at all, or one below zero, is as high as one without a height.
+    wanted = np.log(np.maximum(values * _PASCALS[unit], 1e-9))
     altitude = np.interp(-wanted, -logs, heights)
     outside = (wanted < logs[-1]) | (wanted > logs[0] + 1e-12)
     return np.where(outside, np.inf, altitude)
 
 
-def _of_latitude(
-    u: xr.DataArray, v: xr.DataArray, months: FloatArray, known: list[int], percentiles: FloatArray
+def _speed_m_per_s(
+    u: xr.DataArray, v: xr.DataArray, factors: list[float], source: str
 ) -> FloatArray:
-    """Percentiles at one latitude, shape ``(level, month, percentile)``; one is read at a time."""
-    speed = np.hypot(u.to_numpy(), v.to_numpy()).astype(float)
+    """Wind speed at one latitude; one is read at a time."""
+    components = [f * one.to_numpy().astype(float) for f, one in zip(factors, (u, v), strict=True)]
+    speed = np.hypot(*components)
+    if np.any(speed > STRONGEST_M_PER_S):
+        fastest = f"{np.nanmax(speed):.4g} m/s"
+        raise file_error(source, f"has a wind of {fastest}: a code of missing values or its unit")
+    return np.asarray(speed)
+
+
+def _of_latitude(
+    speed: FloatArray, months: FloatArray, known: list[int], percentiles: FloatArray
+) -> FloatArray:
+    """Percentiles at one latitude, shape ``(level, month, percentile)``."""
     of_months = [
         np.percentile(speed[months == month], percentiles, axis=(0, 2)).T for month in known
     ]

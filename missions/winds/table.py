@@ -24,13 +24,13 @@ COLUMNS = ("latitude_deg", "altitude_m", "month", "percentile", "wind_m_per_s")
 SHIPPED_SOURCE = "the shipped table"
 _SHIPPED = "zonal-p95.csv.gz"
 # Strongest wind of a table: that of the stratosphere's polar night jet is some 200 m/s.
-_STRONGEST_M_PER_S = 400.0
+STRONGEST_M_PER_S = 400.0
 _ENDS = {
     "latitude_deg": (-90.0, 90.0),
     "altitude_m": (-500.0, 80000.0),
     "month": (1.0, 12.0),
     "percentile": (0.0, 100.0),
-    "wind_m_per_s": (0.0, _STRONGEST_M_PER_S),
+    "wind_m_per_s": (0.0, STRONGEST_M_PER_S),
 }
 
 

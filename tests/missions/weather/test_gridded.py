@@ -136,6 +136,21 @@ def test_nasa_power_begins_its_hours_at_their_number(tmp_path: Path) -> None:
     same(found, record)
     assert found.layout == "NASA POWER"
     assert found.site.altitude_m == 491.0
+    in_mj = [
+        ",".join([*r[:4], *(f"{float(v) * 0.0036:.7f}" for v in r[4:7]), *r[7:]])
+        for r in (row.split(",") for row in rows)
+    ]
+    units = [f"{name}  CERES SYN1deg (MJ/hr)" for name in head[-1].split(",")[4:7]]
+    path.write_text("\n".join([*head[:-2], *units, *head[-2:], *in_mj]) + "\n")
+    same(load_weather(path), record)
+    path.write_text("\n".join([*head, *in_mj]) + "\n")
+    with pytest.raises(InputError, match="of the light of a clear sky: is the unit wrong"):
+        load_weather(path)
+    path.write_text("\n".join([*head, *rows]).replace("= 491.0", "= -999") + "\n")
+    assert load_weather(path).site.altitude_m == 0.0
+    path.write_text("\n".join([*head, *rows]).replace("= 491.0", "= 49100") + "\n")
+    with pytest.raises(InputError, match="site at the altitude 49100; allowed: -500 to 9000"):
+        load_weather(path)
     rows[30] = ",".join([*rows[30].split(",")[:4], *["-999"] * 5])
     path.write_text("\n".join([*head, *rows]) + "\n")
     (repair,) = load_weather(path).repairs
@@ -153,6 +168,15 @@ def test_era5_time_series_end_their_hours_at_their_time(tmp_path: Path) -> None:
     found = load_weather(path)
     same(found, record)
     assert found.site.altitude_m == pytest.approx(491.0, abs=3.0)
+    text = path.read_text()
+    for old, new, message in (
+        (",46.8,", ",nan,", "has its site at the latitude nan; allowed: -90 to 90"),
+        (",95560,", ",0,", "has a pressure at the ground of 0 Pa"),
+        ("ssrd,fdir", "fdir,ssrd", "has more direct than global light"),
+    ):
+        path.write_text(text.replace(old, new))
+        with pytest.raises(InputError, match=message):
+            load_weather(path)
 
 
 def test_what_a_grid_does_not_have_is_told(tmp_path: Path) -> None:

@@ -118,6 +118,33 @@ def with_gap(data: xr.Dataset) -> xr.Dataset:
     return data
 
 
+def in_kelvin(data: xr.Dataset) -> xr.Dataset:
+    data["u"].attrs["units"] = "K"
+    return data
+
+
+def coded(data: xr.Dataset) -> xr.Dataset:
+    data["u"][3, 1, 1, 1] = -999.0
+    return data
+
+
+def test_components_in_knots_are_winds_in_m_per_s(tmp_path: Path) -> None:
+    data = era5()
+    plain = wind_table_from_netcdf(written(data, tmp_path))
+    for name in ("u", "v"):
+        data[name] = (data[name] * 3600.0 / 1852.0).assign_attrs(units="knots")
+    knots = wind_table_from_netcdf(written(data, tmp_path, "knots.nc"))
+    assert knots.wind_m_per_s == pytest.approx(plain.wind_m_per_s)
+
+
+def test_the_level_without_pressure_is_left_out(tmp_path: Path) -> None:
+    data = era5().assign_coords(
+        pressure_level=("pressure_level", [0.0, *LEVELS[1:]], {"units": "hPa"})
+    )
+    winds = wind_table_from_netcdf(written(data, tmp_path))
+    assert len(winds.altitude_m) == len(LEVELS) - 1
+
+
 @pytest.mark.parametrize(
     ("change", "longitude", "message"),
     [
@@ -128,6 +155,9 @@ def with_gap(data: xr.Dataset) -> xr.Dataset:
         (lambda data: data.drop_vars("latitude"), 5.0, "has no latitude for u"),
         (lambda data: data.expand_dims(member=[0, 1]), 5.0, "has the axis member beside"),
         (lambda data: data.isel(valid_time=slice(0, 10)), 5.0, "10 values in a month, too few"),
+        (in_kelvin, 5.0, "has u in K (known: m/s, km/h, knots)"),
+        (coded, 5.0, "has a wind of 999 m/s: a code of missing values or its unit"),
+        (lambda data: data.isel(longitude=[0]), 5.0, "has longitudes 0, not 5 of the mission"),
         (lambda data: data, 120.0, "has longitudes 0 to 355, not 120 of the mission"),
     ],
 )
