@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission
 
+from missions.library import load_mission
 from missions.mission import Mission
 from sizing.design import closed_design, variables_of
 from sizing.energy.battery_condition import BatteryTemperature, Insulation
@@ -14,7 +17,8 @@ from sizing.module_power import convection_in_flight
 from sizing.performance import performance, performance_of_designs
 from sizing.results.analysis import analyse
 from sizing.results.sizing import size
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import SolarDay, SolarModel, solar_day
+from solar.types import FloatArray
 
 HIGH = mission(altitude_m=18000.0, dates={"on": "06-21"}, latitude_deg=30.0)
 STRATOSPHERE = load_aircraft("stratosphere-design")
@@ -143,7 +147,7 @@ def test_a_climbing_design_is_cooled_as_in_its_own_file() -> None:
         "modules.area_m2": 14.0,
         "battery.mass_kg": 45.0,
     }
-    file, own = load_aircraft("stratosphere-design"), load_aircraft("stratosphere-design", sizes)
+    file, own = STRATOSPHERE, load_aircraft("stratosphere-design", sizes)
     day = solar_day(file, where)
 
     def energy_wh(given: SolarDay) -> FloatArray:
