@@ -2,5 +2,6 @@
 
 * ``ceiling``: highest altitude of perpetual flight
 * ``climb_cycle``: one aircraft with climbs beside its level flight; ``climb_day``: days of many,
-  with ``climb_levels``, ``climb_march`` and ``climb_repetition`` behind it
+  with ``climb_levels``, ``climb_chain``, ``climb_march``, ``climb_run`` and ``climb_repetition``
+  behind it
 """

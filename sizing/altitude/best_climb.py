@@ -20,6 +20,7 @@ level flight takes more power is worse at all times.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -27,6 +28,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.altitude.climb_chain import ClimbChain, Place
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.altitude.climb_day import ClimbCycle
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
@@ -37,6 +39,7 @@ from sizing.energy.battery import (
     Store,
     charge_rate_per_h,
 )
+from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from solar.types import FloatArray
 
@@ -174,13 +177,12 @@ class _Day:
         self.nodes_h = np.linspace(0.0, 24.0, _STEPS + 1)
         self.energies_wh = levels.potential_energy_wh[:, 0]
         self.level_w = levels.propulsion_power_w[:, 0]
-        area = levels.module_area_m2[0]
-        self.sun_w = np.stack(
-            [
-                np.interp(self.nodes_h, time_h, area * row)
-                for row in levels.specific_power_w_per_m2[:, 0]
-            ]
-        )
+        rows = []
+        for number, light in enumerate(levels.specific_power_w_per_m2[:, 0]):
+            cooled = levels.cooling_factor(number)
+            power_w = levels.module_area_m2[0] * (light if cooled is None else light * cooled[0])
+            rows.append(np.interp(self.nodes_h, time_h, power_w))
+        self.sun_w = np.stack(rows)
         self.factor = np.interp(self.nodes_h, time_h, levels.turbulence_factor[0])
         self.constant_w = float(levels.constant_power_w[0])
         self.eta, self.most_w = float(levels.efficiency[0]), float(levels.maximum_power_w[0])
@@ -190,6 +192,46 @@ class _Day:
             float(np.ravel(one)[0]) for one in (store.charge_efficiency, store.discharge_efficiency)
         )
         self.nominal_w = float(levels.nominal_load_w[0])
+        self.chain, self.bend = levels.chain, 0.0
+        if levels.chain is not None:
+            self._take_half_charge(levels, levels.chain)
+
+    def _take_half_charge(self, levels: FlightLevels, chain: ClimbChain) -> None:
+        """Propulsion by parts for the program: a parabola through level flight and most power."""
+        rows, one = np.arange(len(self.level_w)), np.ones(len(self.level_w))
+        volts = chain.places(chain.voltage_of(np.full(len(rows), FIRST_CHARGE)))
+        self.level_w = chain.power_w(rows, volts, one)
+        floor = chain.power_w(rows[:1], volts.at(slice(0, 1)), levels.nominal_factor[:1])
+        self.nominal_w = float(floor[0]) + self.constant_w
+        self.eta = float(chain.thrust_w[0, 0]) / float(self.level_w[0])
+        most_w = min(self.most_w, float(chain.most_w(rows, volts)[0]))
+        ratio = max(most_w / float(self.level_w[0]), 1.1)
+        load = chain.load(rows[:1], volts.at(slice(0, 1)), ratio * self.level_w[:1])
+        self.bend = (float(load[0]) - ratio) / (ratio * (ratio - 1.0))
+
+    def _flight(
+        self, potential: float, battery: float, factor: float
+    ) -> tuple[float, Callable[[float], float], float]:
+        """Power of level flight [W], what a motor's power beyond it lifts by, and the most [W]."""
+        if self.chain is None:
+            level_w = float(np.interp(potential, self.energies_wh, self.level_w)) * factor
+            return level_w, lambda _: self.eta, self.most_w
+        chain, last = self.chain, len(self.energies_wh) - 2
+        below = min(max(int(np.searchsorted(self.energies_wh, potential)) - 1, 0), last)
+        ends = self.energies_wh[below : below + 2]
+        upper = np.array([(potential - ends[0]) / (ends[1] - ends[0])])
+        volts = chain.places(chain.voltage_of(np.array([battery / self.full_wh])))
+        rows = np.array([[below], [below + 1]])
+        weights = np.array([1.0 - upper, upper])
+        motor_w = (weights * chain.power_w(rows, volts, np.full((2, 1), factor))).sum(axis=0)
+        thrust_w = (weights * chain.thrust_w[rows, 0]).sum(axis=0) * factor
+        place = Place(chain, rows[0], rows[1], upper, volts, motor_w, thrust_w)
+        most_w = float((weights * chain.most_w(rows, volts)).sum())
+        return (
+            float(motor_w[0]),
+            lambda more_w: float(place.gain(np.array([more_w]))[0]),
+            max(min(self.most_w, most_w), float(motor_w[0])),
+        )
 
     def solved(self, rule: _Start) -> FloatArray:
         """Motor power of each step [W], and what is stored at midnight [Wh]: the last two."""
@@ -205,7 +247,10 @@ class _Day:
         level_w = self._polynomial(middle, self.level_w[:, np.newaxis]) * self._means(self.factor)
         sun_w = self._polynomial(middle, (self.sun_w[:, :-1] + self.sun_w[:, 1:]) / 2.0)
         gained_wh = step_h * (self.charge * into - out / self.discharge) * scale
-        lifted_wh = step_h * self.eta * (scale * (motor + missing) - level_w)
+        power_w = scale * (motor + missing)
+        lifted_wh = step_h * self.eta * (power_w - level_w)
+        if self.bend:
+            lifted_wh += step_h * self.eta * self.bend * power_w * (power_w / level_w - 1.0)
         reserve = self.discharge * self.full_wh * energy
         worth_wh = 24.0 * self.nominal_w
         rows = [
@@ -277,18 +322,17 @@ class _Day:
                 rows, missing_wh = [], 0.0
             step, part = divmod(number % (_STEPS * _FINE), _FINE)
             share = part / _FINE + half
-            level = np.interp(potential, self.energies_wh, self.level_w)
-            level_w = float(
-                level * (self.factor[step] + share * (self.factor[step + 1] - self.factor[step]))
-            )
+            factor = self.factor[step] + share * (self.factor[step + 1] - self.factor[step])
+            level_w, gain, able_w = self._flight(potential, battery, float(factor))
             sun = self.sun_w[:, step] + share * (self.sun_w[:, step + 1] - self.sun_w[:, step])
             sun_w = float(np.interp(potential, self.energies_wh, sun))
             # At the floor the motor gives what level flight takes, at the ceiling no more.
-            least_w = level_w - potential / (self.eta * step_h)
-            most_w = min(level_w + (self.top_wh - potential) / (self.eta * step_h), self.most_w)
+            eta = gain(min(max(float(motor_w[step]), 0.0), able_w) - level_w)
+            least_w = level_w - potential / (eta * step_h)
+            most_w = min(level_w + (self.top_wh - potential) / (eta * step_h), able_w)
             power_w = min(max(float(motor_w[step]), least_w, 0.0), most_w)
             rows.append((step * 24.0 / _STEPS + part * step_h, potential, battery, power_w, sun_w))
-            potential = potential + self.eta * step_h * (power_w - level_w)
+            potential = potential + eta * step_h * (power_w - level_w)
             net_w = sun_w - power_w - self.constant_w
             if net_w >= 0.0:
                 battery = float(

@@ -14,7 +14,8 @@ the altitude of the moment, and ``eta`` the efficiency of the propulsion:
 
 This is the energy-height method: Rutowski, E. S. (1954), Energy Approach to the General Aircraft
 Performance Problem, J. Aeronaut. Sci. 21 (3). Drag is that of level flight, which shallow paths
-keep to (1 - cos of 3 degrees is 0.1 %); efficiencies do not depend on the load.
+keep to (1 - cos of 3 degrees is 0.1 %). Constant efficiencies do not depend on the load; those of
+parts at their operating point do (:mod:`sizing.altitude.climb_chain`).
 
 Solar power and load are piecewise linear in time between the nodes of the day and linear in the
 potential energy between levels. A step takes both at the altitude extrapolated to its middle, so

@@ -22,9 +22,9 @@ from sizing.energy.power_balance import blocks
 from solar.types import FloatArray
 
 _ELEMENTS_AT_ONCE = 512  # so that the arrays of a day stay near the processor
-# A day is marched again until its voltages and its nominal load stay within this, relative: the
-# load, which follows them with a tenth at the most, then does within a hundred thousandth.
-_SETTLED, _ROUNDS = 1e-5, 6
+# A day is marched again until its voltages stay within the first, relative, and its nominal load
+# within the second: the load follows the voltage with a tenth at the most.
+_SETTLED_VOLTS, _SETTLED, _ROUNDS = 1e-4, 1e-5, 6
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def _settled_day(march: March) -> _Day:
     for _ in range(_ROUNDS):
         next_v, next_w = day.voltages(), day.nominal_over_night_w()
         # Element by element: what becomes of one does not depend on the others.
-        moved = np.any(np.abs(next_v - bus_v) > _SETTLED * bus_v, axis=0)
+        moved = np.any(np.abs(next_v - bus_v) > _SETTLED_VOLTS * bus_v, axis=0)
         moved |= np.abs(next_w - nominal_w) > _SETTLED * nominal_w
         if not np.any(moved):
             break

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from builders import AS2, DESIGN, aircraft, mission
 
+from missions.library import load_mission
 from missions.mission import Mission
 from sizing.design import closed_design, variables_of
 from sizing.energy.battery_condition import BatteryTemperature, Insulation
@@ -14,7 +17,8 @@ from sizing.module_power import convection_in_flight
 from sizing.performance import performance, performance_of_designs
 from sizing.results.analysis import analyse
 from sizing.results.sizing import size
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import SolarDay, SolarModel, solar_day
+from solar.types import FloatArray
 
 HIGH = mission(altitude_m=18000.0, dates={"on": "06-21"}, latitude_deg=30.0)
 STRATOSPHERE = load_aircraft("stratosphere-design")
@@ -133,3 +137,25 @@ def test_a_sized_battery_has_the_heater_of_its_mass() -> None:
     told_w = study.to_dict()["battery_condition"]["heater_power_w"]
     loads_w = float(design.constant_power_w) - 50.0 - 50.0
     assert told_w == pytest.approx(loads_w, rel=1e-9)
+
+
+def test_a_climbing_design_is_cooled_as_in_its_own_file() -> None:
+    where = load_mission("stratosphere-mission", {"climb": {"ceiling_m": 22000.0}})
+    sizes = {
+        "airframe.wingspan_m": 34.0,
+        "airframe.aspect_ratio": 12.0,
+        "modules.area_m2": 14.0,
+        "battery.mass_kg": 45.0,
+    }
+    file, own = STRATOSPHERE, load_aircraft("stratosphere-design", sizes)
+    day = solar_day(file, where)
+
+    def energy_wh(given: SolarDay) -> FloatArray:
+        variables = variables_of(own).mapped(np.array)
+        found = performance_of_designs(file, where, variables, day=given)
+        return found.cycle.energy_budget.solar_wh
+
+    expected_wh = performance(own, where).cycle.energy_budget.solar_wh
+    # Between the flows that are known the loss is a curve through three of them.
+    assert energy_wh(day) == pytest.approx(expected_wh, rel=1e-4)
+    assert np.all(energy_wh(replace(day, aloft_cooling=())) > 1.02 * expected_wh)
