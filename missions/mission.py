@@ -488,6 +488,10 @@ class Mission(FileRecord):
         known = self.wind_statistics.table(self.longitude_deg).latitude_deg
         return float(np.min(known)), float(np.max(known))
 
+    def wind_to_beat_m_per_s(self, wind_m_per_s: FloatArray | float) -> FloatArray | float:
+        """Part of a wind that the design's own airspeed must exceed: none where a place is held."""
+        return 0.0 * wind_m_per_s if self.holds_station else wind_m_per_s
+
     def in_wind(self, wind_m_per_s: float) -> Mission:
         """Same mission in a wind that is the same everywhere and all year."""
         update = {"wind_m_per_s": wind_m_per_s, "wind_statistics": None}

@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from missions.air import GRAVITY_M_PER_S2, standard_air
+from missions.air import GRAVITY_M_PER_S2, pressure_altitude_m
 from missions.files.errors import file_error
 from missions.mission import Mission
+from missions.weather.air import MISSING
 from missions.weather.raw import END, START, RawTable, text_of
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds.netcdf import (
@@ -52,7 +53,6 @@ _NAMES = {
     "pressure": ("sp", "surface_air_pressure"),
 }
 _ERA5 = {*_NAMES["ghi"][:3], *_NAMES["direct"]}
-_MISSING = -900.0  # of NASA POWER: -999
 _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 
@@ -117,7 +117,8 @@ def read_power_csv(path: Path, source: str) -> RawTable:
     latitude, longitude = float(place[1]), float(place[2])
     data = _csv(path, head.count("\n") + 1)
     columns = {
-        key: np.where(values <= _MISSING, np.nan, values) for key, values in _known(data).items()
+        key: np.where(np.isin(values, MISSING) & (values < 0.0), np.nan, values)
+        for key, values in _known(data).items()
     }
     parts = {"year": data["YEAR"], "month": data["MO"], "day": data["DY"], "hour": data["HR"]}
     local = re.search(r"\bin\s+LST\b", head) is not None
@@ -159,12 +160,12 @@ def _record(
     if "ground" in columns:
         ground_m = float(np.mean(columns["ground"]))
     elif "pressure" in columns:
-        ground_m = _height_of(float(np.mean(columns["pressure"])))
+        ground_m = float(pressure_altitude_m(np.mean(columns["pressure"])))
     else:
         ground_m = np.nan
     kept = ("ghi", "dni", "dhi", "temp_air", "wind_speed")
     table = pd.DataFrame({k: columns[k] for k in kept if k in columns}, index=index)
-    notes = (_SEA_LEVEL,) if np.isnan(ground_m) else ()
+    notes = () if np.isfinite(ground_m) else (_SEA_LEVEL,)
     site = Site("", *place, 0.0 if notes else ground_m, 0.0)
     return RawTable(layout, site, table, passed, notes=notes)
 
@@ -278,9 +279,3 @@ _UNITS: dict[tuple[str, ...], tuple[tuple[tuple[str, ...], _Change], ...]] = {
     ),
     ("pressure",): ((("pa",), lambda v: v), (("hpa", "mbar"), lambda v: 100.0 * v)),
 }
-
-
-def _height_of(pressure_pa: float) -> float:
-    """Height of a pressure in the standard atmosphere, for the ground [m]."""
-    heights = np.linspace(-400.0, 6000.0, 641)
-    return float(np.interp(-pressure_pa, -standard_air(heights).pressure_pa, heights))
