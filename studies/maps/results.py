@@ -172,7 +172,7 @@ def _table(
     columns: Sequence[Column],
     rows: Sequence[tuple[Any, ...]],
 ) -> Table:
-    """Table of one row for each latitude; days without a result have columns where there are any."""
+    """Table of one row for each latitude; days without a result have columns if there are any."""
     without = {"failed_days": "failed", "too_windy_days": "too windy for the path"}
     lacking = {head: record[key] for key, head in without.items() if any(record.get(key, ()))}
     latitude_deg = record["latitude_deg"]
