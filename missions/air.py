@@ -81,6 +81,27 @@ def standard_air(altitude_m: ArrayLike, temperature_offset_k: ArrayLike = 0.0) -
     return air_at(standard_k + np.asarray(temperature_offset_k, float), pressure)
 
 
+def pressure_altitude_m(pressure_pa: ArrayLike) -> FloatArray:
+    """Altitude at which the standard atmosphere has a pressure [m]; infinite outside of its table.
+
+    Parameters
+    ----------
+    pressure_pa : array_like
+        Static pressure [Pa].
+
+    Returns
+    -------
+    ndarray
+        Geometric altitude from -500 m to 32 km, within 0.1 m: straight in the logarithm of the
+        pressure between altitudes 50 m apart.
+    """
+    heights = np.arange(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M + 50.0, 50.0)
+    logs = np.log(standard_air(heights).pressure_pa)
+    wanted = np.log(np.asarray(pressure_pa, float))
+    outside = (wanted < logs[-1]) | (wanted > logs[0] + 1e-12)
+    return np.where(outside, np.inf, np.interp(-wanted, -logs, heights))
+
+
 def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
     """Air of a given temperature [K] and pressure [Pa]: ideal gas, Sutherland viscosity.
 

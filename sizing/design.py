@@ -217,7 +217,7 @@ class FlightConditions(NamedTuple):
             payload_mass_kg=mission.payload.mass_kg,
             payload_power_w=mission.payload.power_w,
             turbulence=mission.turbulence.all_day,
-            wind_m_per_s=0.0 if mission.holds_station else mission.strongest_wind_m_per_s,
+            wind_m_per_s=mission.wind_to_beat_m_per_s(mission.strongest_wind_m_per_s),
             battery_capacity_fraction=_scalar(mission.uncertainty_margins.battery_capacity * left),
             battery_heater_w=_scalar(fixed_w),
             gust_fraction=_scalar(gust_speed_fraction(mission.altitude_m)),

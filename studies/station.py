@@ -80,6 +80,8 @@ class Station(Result):
     def summary(self) -> Summary:
         """Headline and table."""
         notes = [Line(f"{self.solar.label}; winds from {self.source}", "faint")]
+        if not np.all(np.isfinite(self.airspeed_m_per_s)):
+            notes.insert(0, Line("-: no perpetual flight", "faint"))
         if self.at_end:
             text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
             notes.insert(0, Line(text, "faint"))

@@ -13,7 +13,7 @@ from solar.types import FloatArray, IntArray
 MAXIMUM_IMPOSSIBLE = 0.01  # share of a record whose values cannot be true, which are taken out
 _LEAST_KNOWN = 0.8  # share of a record without which a quantity is not used
 # What stands for "missing": EPW (99.9 C, 999 m/s), TMY3 (-9900), BSRN (-99.9, -999) and others.
-_MISSING = (99.9, 99.99, 999.0, 999.9, 9999.0, 99999.0, -99.0, -99.9, -999.0, -9999.0, -9900.0)
+MISSING = (99.9, 99.99, 999.0, 999.9, 9999.0, 99999.0, -99.0, -99.9, -999.0, -9999.0, -9900.0)
 
 
 class Quantity(NamedTuple):
@@ -47,7 +47,7 @@ def checked_air(
     lowest, highest, notes = quantity.lowest, quantity.highest, []
     with np.errstate(invalid="ignore"):
         possible = (values >= lowest) & (values <= highest)
-    wrong = np.flatnonzero(~possible & ~np.isnan(values) & ~np.isin(values, _MISSING))
+    wrong = np.flatnonzero(~possible & ~np.isnan(values) & ~np.isin(values, MISSING))
     what = f"a {quantity.name} outside of {lowest:g} to {highest:g} {quantity.unit}"
     if len(wrong) > MAXIMUM_IMPOSSIBLE * len(values):
         first = int(wrong[0])

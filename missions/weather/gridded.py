@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from missions.air import GRAVITY_M_PER_S2, standard_air
+from missions.air import GRAVITY_M_PER_S2, pressure_altitude_m
 from missions.files.errors import file_error
 from missions.mission import Mission
+from missions.weather.air import MISSING
 from missions.weather.raw import END, START, RawTable, text_of
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds.netcdf import (
@@ -52,7 +53,6 @@ _NAMES = {
     "pressure": ("sp", "surface_air_pressure"),
 }
 _ERA5 = {*_NAMES["ghi"][:3], *_NAMES["direct"]}
-_MISSING = -900.0  # of NASA POWER: -999
 _POWER_UNITS = {"temp_air": "C", "wind_speed": "m/s"} | dict.fromkeys(("ghi", "dni", "dhi"), "W/m2")
 _MOST_DIRECT = 1.01  # of global light; the two are rounded
 _LEAST_GROUND_PA = 40000.0  # 7.2 km
@@ -121,7 +121,9 @@ def read_power_csv(path: Path, source: str) -> RawTable:
     data = _csv(path, head.count("\n") + 1)
     columns = {
         key: np.where(
-            values <= _MISSING, np.nan, _in_units(values, _unit_of(head, key), key, source)
+            np.isin(values, MISSING) & (values < 0.0),
+            np.nan,
+            _in_units(values, _unit_of(head, key), key, source),
         )
         for key, values in _known(data).items()
     }
@@ -179,12 +181,12 @@ def _record(
         pressure_pa = float(np.mean(columns["pressure"]))
         if pressure_pa < _LEAST_GROUND_PA:
             raise file_error(source, f"has a pressure at the ground of {pressure_pa:g} Pa")
-        ground_m = _height_of(pressure_pa)
+        ground_m = float(pressure_altitude_m(pressure_pa))
     else:
         ground_m = np.nan
     kept = ("ghi", "dni", "dhi", "temp_air", "wind_speed")
     table = pd.DataFrame({k: columns[k] for k in kept if k in columns}, index=index)
-    notes = (_SEA_LEVEL,) if np.isnan(ground_m) else ()
+    notes = () if np.isfinite(ground_m) else (_SEA_LEVEL,)
     site = Site("", *place, 0.0 if notes else ground_m, 0.0)
     return RawTable(layout, site, table, passed, notes=notes)
 
@@ -298,9 +300,3 @@ _UNITS: dict[tuple[str, ...], tuple[tuple[tuple[str, ...], _Change], ...]] = {
     ),
     ("pressure",): ((("pa",), lambda v: v), (("hpa", "mbar"), lambda v: 100.0 * v)),
 }
-
-
-def _height_of(pressure_pa: float) -> float:
-    """Height of a pressure in the standard atmosphere, for the ground [m]."""
-    heights = np.linspace(-400.0, 6000.0, 641)
-    return float(np.interp(-pressure_pa, -standard_air(heights).pressure_pa, heights))

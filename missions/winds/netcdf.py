@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, standard_air
+from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, pressure_altitude_m
 from missions.files.errors import file_error, printable
 from missions.winds.table import STRONGEST_M_PER_S, WindTable
 from solar.types import FloatArray
@@ -41,7 +41,6 @@ _SPEEDS = {
     ("km/h", "kmh-1", "kmhr-1", "kph"): 1.0 / 3.6,
     ("knots", "knot", "kt", "kts", "kn"): 1852.0 / 3600.0,
 }
-_STEP_M = 50.0
 
 
 def wind_table_from_netcdf(
@@ -195,14 +194,8 @@ def altitudes_m(level: Any, source: str) -> FloatArray:
     if unit not in _PASCALS:
         known = ", ".join([*_PASCALS, *_METRES])
         raise file_error(source, f"has levels in {unit or 'no unit'} (known: {known})")
-    heights = np.arange(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M + _STEP_M, _STEP_M)
-    logs = np.log(standard_air(heights).pressure_pa)
-    # Straight in the logarithm between heights 50 m apart, within 0.1 m of the formula.
     # No pressure at all, or one below zero, is as high as one without a height.
-    wanted = np.log(np.maximum(values * _PASCALS[unit], 1e-9))
-    altitude = np.interp(-wanted, -logs, heights)
-    outside = (wanted < logs[-1]) | (wanted > logs[0] + 1e-12)
-    return np.where(outside, np.inf, altitude)
+    return pressure_altitude_m(np.maximum(values * _PASCALS[unit], 1e-9))
 
 
 def _speed_m_per_s(

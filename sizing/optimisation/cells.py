@@ -192,9 +192,8 @@ class _Cells:
         self.each = each
         self.count = len(self.day.scenarios) // each
         winds = solver.mission.scenario_winds_m_per_s(self.day.scenarios)
-        self.wind_m_per_s = winds.reshape(-1, each).max(axis=-1)
-        if solver.mission.holds_station:
-            self.wind_m_per_s[:] = 0.0  # each scenario is flown as fast as its wind
+        strongest = winds.reshape(-1, each).max(axis=-1)
+        self.wind_m_per_s = np.asarray(solver.mission.wind_to_beat_m_per_s(strongest))
         self.own = variables_of(solver.aircraft)
         self.last: Solution | None = None
 

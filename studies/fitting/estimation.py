@@ -251,5 +251,5 @@ def _undetermined(problem: Problem, solution: Solution) -> tuple[int, str] | Non
         open_by = half / one.widest(value)
         if open_by > most:
             worst, most = place, open_by
-            reason = f"the interval is as wide as {value:.3g} +- {half:.2g} {one.unit}".rstrip()
+            reason = f"the interval is as wide as {value:.3g} ± {half:.2g} {one.unit}".rstrip()
     return None if worst is None else (worst, reason)

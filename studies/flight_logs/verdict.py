@@ -48,7 +48,7 @@ def model_sentence(model: ModelName, errors: ModelErrors | None, filter_s: float
 def words_of(candidate: Candidate, aircraft: Aircraft) -> str:
     """What a cause says, with its size."""
     size, sigma, row, name = candidate.size, candidate.sigma, candidate.row, candidate.name
-    share = f"{100.0 * abs(size):.0f} +- {100.0 * sigma:.0f} %"
+    share = f"{100.0 * abs(size):.0f} ± {100.0 * sigma:.0f} %"
     if row.signs:
         return f"{name} wrong"
     if row.form == "modules":
@@ -63,7 +63,7 @@ def words_of(candidate: Candidate, aircraft: Aircraft) -> str:
         "mppt at low light": f"MPPT not tracking below {LOW_LIGHT_W_PER_M2:g} W/m²: {share} of the "
         f"power missing {when}",
         "shading": f"shadow of the tail: costs {share} of what it would in proportion to its area",
-        "gain": f"power {100.0 * (1.0 + size):.0f} +- {100.0 * sigma:.0f} % of what the modules "
+        "gain": f"power {100.0 * (1.0 + size):.0f} ± {100.0 * sigma:.0f} % of what the modules "
         "should give: gain of the sensor, or efficiency of the modules",
         "sky": _sky_words(size),
     }
@@ -75,7 +75,7 @@ def words_of(candidate: Candidate, aircraft: Aircraft) -> str:
     if name == "clock and heading":
         return f"{clock}, and heading off by {_degrees(candidate.fit.error.heading):+.1f} deg"
     way = {"heading": "clockwise", "roll": "right wing down", "pitch": "nose up"}[name]
-    return f"{name} off by {_degrees(size):+.1f} +- {np.degrees(sigma):.1f} deg ({way} is positive)"
+    return f"{name} off by {_degrees(size):+.1f} ± {np.degrees(sigma):.1f} deg ({way} is positive)"
 
 
 def _sky_words(haze: float) -> str:
@@ -94,7 +94,7 @@ def _modules_words(candidate: Candidate, aircraft: Aircraft) -> str:
     loss = candidate.fit.hypothesis.losses[-1]
     names = [s.name for s, on in zip(geometry.surfaces, loss.surfaces, strict=True) if on]
     gone = abs(1.0 - candidate.size) < max(3.0 * candidate.sigma, 0.05)
-    share = f"{100.0 * candidate.size:.0f} +- {100.0 * candidate.sigma:.0f} %"
+    share = f"{100.0 * candidate.size:.0f} ± {100.0 * candidate.sigma:.0f} %"
     lost = "give nothing" if gone else f"give {share} less than they should"
     return (
         f"modules {', '.join(names)} {lost} {_period(loss) if candidate.jumps else 'all the time'}"
@@ -119,7 +119,7 @@ def _clock_words(ahead_s: float, sigma_s: float) -> str:
         if zone == ahead_s or not zone
         else (f", as a clock of UTC{sign}{hours:02d}:{minutes:02d} is")
     )
-    return f"{abs(ahead_s) / 60.0:.1f} +- {sigma_s / 60.0:.1f} min {word} universal time{known}"
+    return f"{abs(ahead_s) / 60.0:.1f} ± {sigma_s / 60.0:.1f} min {word} universal time{known}"
 
 
 # What flight would tell causes of two families apart.
@@ -184,7 +184,7 @@ def _offset_sentence(
     value, sigma = offset
     if not sigma < unknown:
         return f"{name} not checked: the power does not tell it on this flight"
-    size = f"{value / scale:+.1f} +- {sigma / scale:.1f} {unit}"
+    size = f"{value / scale:+.1f} ± {sigma / scale:.1f} {unit}"
     if abs(value) < 3.0 * sigma:
         return f"{name} of the log: right within its uncertainty ({size})"
     return f"{name} of the log: {size}, which errors of model and sky explain about as well"

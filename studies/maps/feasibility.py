@@ -139,13 +139,15 @@ def prepare(
     blanks["status"] = np.int8(Status.failed)
     configuration = MapConfiguration(aircraft, mission, solar, endurance)
     numbers = grid.chunks(cell_s)
-    chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(ENDS, ENDS)
+    windy = solar.needs_path and mission.wind_statistics is not None
+    ends = (*ENDS, Status.infeasible) if windy else ENDS
+    chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(ends, ENDS)
     return GridStudy(
         Job(_map_chunk, configuration, chunks, blanks, possible),
         np.concatenate(numbers),
         grid.coordinates(),
         described | _STATUS,
-        (Status.failed, *ENDS),
+        (Status.failed, *ends),
         attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
         lambda columns: _extrapolations_of_map(configuration, grid, columns),
     )
@@ -155,7 +157,9 @@ def _extrapolations_of_map(
     configuration: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
     """What the map takes from outside the range of a model: one design in all cells."""
-    known = columns["status"] != Status.failed
+    known = np.isin(columns["status"], ENDS)
+    if not known.any():
+        return ()
     latitude, day = np.meshgrid(grid.latitudes_deg, grid.days, indexing="ij")
     design = design_of(configuration.aircraft, configuration.mission)
     where, in_wind = configuration.mission, []
@@ -237,6 +241,32 @@ def map_block(
 
 
 def _cells(
+    aircraft: Aircraft, mission: Mission, cells: Scenarios, solar: SolarModel, endurance: bool
+) -> dict[str, NDArray[Any]]:
+    """Metrics of cells; none where the wind is too strong for a path that the model needs."""
+    able = np.ones(len(cells), bool)
+    if solar.needs_path:
+        able = mission.keeps_path(cells)
+    if able.all():
+        return _flown_cells(aircraft, mission, cells, solar, endurance)
+    some = Scenarios(cells.latitude_deg[able], cells.day_of_year[able])
+    if len(some):
+        flown = _flown_cells(aircraft, mission, some, solar, endurance)
+    else:  # any flight, for the names of its columns
+        one = Scenarios(cells.latitude_deg[:1], cells.day_of_year[:1])
+        still = _flown_cells(aircraft, mission.in_wind(0.0), one, solar, endurance)
+        flown = {name: values[:0] for name, values in still.items()}
+    columns: dict[str, NDArray[Any]] = {}
+    for name, values in flown.items():
+        columns[name] = np.full(len(cells), np.nan)
+        columns[name][able] = values
+    columns["wind"] = _known_winds(mission, cells)
+    columns["status"] = np.full(len(cells), Status.infeasible, np.int8)
+    columns["status"][able] = flown["status"]
+    return columns
+
+
+def _flown_cells(
     aircraft: Aircraft, mission: Mission, cells: Scenarios, solar: SolarModel, endurance: bool
 ) -> dict[str, NDArray[Any]]:
     sunlit = solar_day(aircraft, mission, solar, scenarios=cells)

@@ -23,7 +23,7 @@ from sizing.results.tables import Column, Table
 from solar.types import BoolArray, IntArray
 from studies.maps.feasibility import perpetual_cells
 from studies.output.columns import SIZED, extrapolations_of, flown_caption
-from studies.output.gridded import OnGrid
+from studies.output.gridded import OnGrid, status_names
 
 _ROWS = 16  # latitudes of a table
 _DAYS = 365
@@ -35,9 +35,16 @@ def seasons_record(data: OnGrid) -> dict[str, Any]:
     return _places(data) | {
         "perpetual_days": perpetual_cells(data).sum(axis=1).tolist(),
         "failed_days": _days_of(data, Status.failed),
+        **_windy(data),
         **_endurances(data),
         "extrapolations": extrapolation_records(extrapolations_of(data)),
     }
+
+
+def _windy(data: OnGrid) -> dict[str, Any]:
+    """Days on which the wind is too strong for the flight path, if a model needs one in winds."""
+    known = Status.infeasible in status_names(data)
+    return {"too_windy_days": _days_of(data, Status.infeasible)} if known else {}
 
 
 def _endurances(data: OnGrid) -> dict[str, Any]:
@@ -165,15 +172,16 @@ def _table(
     columns: Sequence[Column],
     rows: Sequence[tuple[Any, ...]],
 ) -> Table:
-    """Table of one row for each latitude; failed days have a column where there are any."""
-    failed = record["failed_days"] if any(record["failed_days"]) else None
+    """Table of one row for each latitude; days without a result have columns if there are any."""
+    without = {"failed_days": "failed", "too_windy_days": "too windy for the path"}
+    lacking = {head: record[key] for key, head in without.items() if any(record.get(key, ()))}
     latitude_deg = record["latitude_deg"]
     shown = _shown_latitudes(latitude_deg)
     every = [
-        (latitude_label(latitude_deg[i]), *rows[i], *([] if failed is None else [failed[i]]))
+        (latitude_label(latitude_deg[i]), *rows[i], *(days[i] for days in lacking.values()))
         for i in shown
     ]
-    heads = (Column("latitude"), *columns, *([] if failed is None else [Column("failed")]))
+    heads = (Column("latitude"), *columns, *map(Column, lacking))
     days = data["day"].to_numpy()
     flown = f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"
     notes = (flown, *extrapolation_lines(extrapolations_of(data)))

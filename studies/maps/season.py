@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.dates import DAYS_PER_YEAR
-from missions.flight_path import path_trouble
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.module_power import modelled_power
@@ -157,11 +156,7 @@ class _SomeDays(Sunlight):
 
     def _with_a_path(self, days: Sequence[int]) -> list[int]:
         """Days whose wind lets the aircraft keep its path; the others have no power."""
-        path, mission = self.mission.flight_path, self.mission
-        if path is None or mission.wind_statistics is None:
-            return list(days)
-        winds = mission.scenario_winds_m_per_s(self._year.scenarios(days)).tolist()
-        able = [path_trouble(path, mission.in_wind(wind).wind) is None for wind in winds]
+        able = self.mission.keeps_path(self._year.scenarios(days)).tolist()
         return [day for day, one in zip(days, able, strict=True) if one]
 
 

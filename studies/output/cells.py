@@ -36,6 +36,7 @@ _REASONS = {
     "not_converged": "solver did not converge",
     "failed": "could not be computed",
     "never_lit": "polar night",
+    "infeasible": "wind too strong for the path",  # unless a sizing tells the requirement
 }
 # Requirement that no design meets, in words.
 _REQUIREMENTS = {

@@ -16,6 +16,7 @@ from missions.air import (
     air_at,
     geopotential_altitude_m,
     plate_convection_w_per_m2k,
+    pressure_altitude_m,
     standard_air,
     thin_air_share,
 )
@@ -176,3 +177,12 @@ def test_balances_of_thin_air_count_from_3_to_4_km() -> None:
     assert np.all(np.diff(share) >= 0.0)
     # Without a kink: no step of the slope beyond that of the cubic, 6 per 100 steps squared.
     assert np.max(np.abs(np.diff(share, 2))) <= 6.01e-4
+
+
+def test_a_pressure_leads_back_to_its_altitude() -> None:
+    altitude_m = np.linspace(-450.0, 31900.0, 401)
+    found_m = pressure_altitude_m(standard_air(altitude_m).pressure_pa)
+    assert np.max(np.abs(found_m - altitude_m)) < 0.1
+    assert np.all(np.isinf(pressure_altitude_m([120000.0, 100.0])))
+    # U.S. Standard Atmosphere 1976, table I: 226.32 hPa at 11 000 m of geopotential altitude.
+    assert geopotential_altitude_m(pressure_altitude_m(22632.1)) == pytest.approx(11000.0, abs=0.5)

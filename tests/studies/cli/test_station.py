@@ -88,6 +88,34 @@ def test_what_has_no_answer_is_refused_in_a_line(
     assert not outcome.out
 
 
+def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(
+    run: Run, tmp_path: Path
+) -> None:
+    aloft = ("altitude_m=20000", "flight_path.airspeed_m_per_s=25", "flight_path.radius_m=600")
+    where = [word for one in aloft for word in ("--set", f"mission.{one}")]
+    where += ["--set", "mission.wind={percentile: 95}", "--model", "VM"]
+    cells = ("--latitudes", "20:60:40", "--days", "1:181:180")
+    out = str(tmp_path / "m.nc")
+    record = run("map", "atlantiksolar-as2", *where, *cells, "--json", "--out", out).json()
+    assert record["failed_days"] == [0, 0]
+    assert record["too_windy_days"] == [1, 1]
+    with xr.open_dataset(out) as data:
+        # A wind as fast as the airspeed is too fast; the calm cell is flown as alone.
+        names = data["status"].attrs["flag_meanings"].split()
+        values = dict(zip(names, np.atleast_1d(data["status"].attrs["flag_values"]), strict=True))
+        gone = data["status"].to_numpy() == values["infeasible"]
+        assert np.array_equal(gone, data["wind"].to_numpy() >= 25.0)
+        assert np.array_equal(gone, np.isnan(data["excess_time"].to_numpy()))
+        alone = float(data["excess_time"].sel(latitude=60.0, day=181))
+    there = ("--set", "mission.latitude_deg=60", "--set", "mission.dates.on=06-30")
+    flown = run("analyse", "atlantiksolar-as2", *where, *there, "--json").json()
+    assert alone == pytest.approx(flown["excess_time_h"], abs=1e-6)
+    shown = run("map", "atlantiksolar-as2", *where, *cells)
+    assert "too windy for the path" in shown.out
+    every = run("map", "atlantiksolar-as2", *where, "--latitudes", "60:70:10", "--days", "1:31:30")
+    assert every.code == 0
+
+
 HOLDING = (*GOOD, "--set", "mission.wind.hold_station=true", "--set", "mission.dates.on=07-01")
 
 
