@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
 from solar.attitude import direction_cosines
-from solar.schema import Name, PositiveReal, Real, Record
+from solar.schema import Name, PositiveInteger, PositiveReal, Real, Record
 from solar.types import BoolArray, FloatArray
 
 _Angle = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
@@ -42,7 +42,8 @@ class ModuleSurface(Record):
     """One flat, module-covered surface of the wing; ``facing`` is ``down`` on its lower face.
 
     ``pitch_deg`` is relative to the chord line, positive where the surface faces aft (nose up).
-    The dihedral of a left or right surface raises its outer end.
+    The dihedral of a left or right surface raises its outer end. ``mppt`` is the number of the MPPT
+    that it is connected to.
     """
 
     name: Name
@@ -52,6 +53,7 @@ class ModuleSurface(Record):
     pitch_deg: _Angle = 0.0
     facing: Literal["up", "down"] = "up"
     outline: ModuleOutline | None = None
+    mppt: PositiveInteger | None = None
 
     @model_validator(mode="after")
     def _check_side(self) -> ModuleSurface:
