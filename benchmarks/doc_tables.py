@@ -16,11 +16,12 @@ from benchmarks.validation import altitude_tables, clear_sky_comparison, found_d
 from benchmarks.validation.large_wings import large_wings_table
 from benchmarks.validation.slender_wings import aspect_ratio_table, structure_table
 from benchmarks.validation.structure_comparison import gust_table, structure_tables
+from benchmarks.validation.structures import structures_table
 from benchmarks.validation.zephyr import zephyr_table
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from missions.weather.files import load_weather
-from sizing.catalogues.files import KINDS, Kind
+from sizing.catalogues.choice import KINDS, Kind
 from sizing.energy.battery_condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
 from sizing.performance import performance
@@ -36,7 +37,6 @@ from studies.validation.flights.season import seasons
 from studies.validation.flights.single_inputs import explain
 from studies.validation.published import published
 from studies.validation.report_reproduction import reference, reproduce
-from studies.validation.structures.comparison import structures_table
 
 
 def _markdown(*tables: Table) -> str:

@@ -17,8 +17,8 @@ from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.sunlight import SolarModel
 from studies.engine.dask_pool import DaskPool
-from studies.engine.run import Columns, run
-from studies.engine.workers import LocalPool, Pool, available_cores
+from studies.engine.run import run
+from studies.engine.workers import Columns, LocalPool, Pool, available_cores
 from studies.maps.resized import prepare
 
 _REPEATS = 2

@@ -37,9 +37,8 @@ from sizing.parameters import MISSION_PREFIX
 from sizing.results.analysis import analyse
 from sizing.results.uncertainty import DEFAULT_SAMPLES
 from sizing.sunlight import SolarModel
-from sizing.uncertainty.inputs import uncertain_inputs
+from sizing.uncertainty.inputs import sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Propagation
-from sizing.uncertainty.samples import sobol_points
 from sizing.weather_run import HOURS_PER_DAY, WeatherDays, weather_performance
 from solar.types import BoolArray, FloatArray
 

@@ -26,7 +26,7 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance
-from sizing.relaxation import Relaxation
+from sizing.relaxed_flight import Relaxation
 from sizing.sunlight import DEFAULT_STEP_H
 
 _EDGE = 0.999  # of the largest excess time

@@ -10,11 +10,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 DAYS_PER_YEAR = 365
-_MONTH_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
+MONTH_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 _MONTHS = (
     *("January", "February", "March", "April", "May", "June"),
     *("July", "August", "September", "October", "November", "December"),
 )
+# Day of the year with which each month begins.
+MONTH_STARTS = tuple(1 + sum(MONTH_LENGTHS[:month]) for month in range(12))
 MONTH_NAMES = tuple(name[:3] for name in _MONTHS)
 _FORM = re.compile(r"(?:[0-9]{4}-)?([0-9]{1,2})-([0-9]{1,2})")
 _WORDS = re.compile(r"([0-9]{1,2})\.?[ -]*([a-z]{3,9})|([a-z]{3,9}) *([0-9]{1,2})", re.IGNORECASE)
@@ -36,10 +38,10 @@ def day_of_year(date: str) -> int:
     month, day = written
     if not 1 <= month <= 12:
         raise ValueError(f"the month must be 01 to 12 (got {date!r})")
-    length = _MONTH_LENGTHS[month - 1]
+    length = MONTH_LENGTHS[month - 1]
     if not 1 <= day <= length:
         raise ValueError(f"month {month:02d} has days 01 to {length} (got {date!r})")
-    return sum(_MONTH_LENGTHS[: month - 1]) + day
+    return sum(MONTH_LENGTHS[: month - 1]) + day
 
 
 def days_of_year(days: Any) -> NDArray[Any]:
@@ -80,7 +82,7 @@ def _month_and_day_written(date: str) -> tuple[int, int] | None:
 def month_and_day(day: int) -> tuple[int, int]:
     """Month and day of month of a day of year; days beyond a year's end wrap."""
     rest = (int(day) - 1) % DAYS_PER_YEAR
-    for month, length in enumerate(_MONTH_LENGTHS, start=1):
+    for month, length in enumerate(MONTH_LENGTHS, start=1):
         if rest < length:
             return month, rest + 1
         rest -= length

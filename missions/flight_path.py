@@ -15,11 +15,10 @@ from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 from pydantic import Field, Strict, model_validator
-from pydantic_core import PydanticCustomError
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.ground_track import Leg, Motion, Track, Turn
-from solar.schema import NonNegativeReal, PositiveReal, Record
+from solar.schema import NonNegativeReal, PositiveReal, Record, wrong_value
 from solar.types import FloatArray
 
 MAXIMUM_BANK_DEG = 60.0
@@ -227,11 +226,10 @@ def _rounded_up(value: float) -> str:
 def _check_calm_bank(key: str, radius: float, airspeed: float) -> None:
     least = _least_radius_m(airspeed)
     if radius < least:
-        raise PydanticCustomError(
-            "tight_turn",
+        raise wrong_value(
+            key,
             f"must be at least {_rounded_up(least)} m: at {airspeed:g} m/s a smaller turn needs "
             f"more than {MAXIMUM_BANK_DEG:g} deg of bank (got {radius:g})",
-            {"key": key},
         )
 
 

@@ -17,8 +17,6 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from solar.types import FloatArray
 
-__all__ = ["Leg", "Motion", "Track", "Turn"]
-
 
 @dataclass(frozen=True)
 class Motion:

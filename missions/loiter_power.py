@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.flight_path import FlightPath, Orbit, Wind, orbit
-from solar.attitude import direction_cosines
 from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import ClearSky, Irradiance, clear_sky
-from solar.geometry import ModuleGeometry
+from solar.geometry import ModuleGeometry, direction_cosines
 from solar.heat_balance import Surroundings
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName

@@ -9,7 +9,6 @@ from typing import Annotated, Any, ClassVar, Literal, cast
 
 import numpy as np
 from pydantic import Field, Strict, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from missions import dates
 from missions.air import (
@@ -34,6 +33,7 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
+    wrong_value,
 )
 from solar.sun import declination, sun_times
 from solar.systematic_errors import correction
@@ -57,7 +57,7 @@ LEVEL_SPACING_M = 500.0
 MAXIMUM_LEVELS = 21
 
 
-def _number(value: Any) -> float:
+def _plain_number(value: Any) -> float:
     """Plain number; draws of uncertain inputs are arrays, and stay so."""
     return float(value) if np.ndim(value) == 0 else cast("float", value)
 
@@ -158,7 +158,7 @@ class AirConditions(Record):
     albedo: UnitInterval | None = None
 
     @model_validator(mode="after")
-    def _check_choice(self) -> AirConditions:
+    def _check_temperatures(self) -> AirConditions:
         if self.temperature_offset_k is not None and self.ambient_temperature_c is not None:
             raise ValueError("give temperature_offset_k or ambient_temperature_c, not both")
         return self
@@ -306,8 +306,11 @@ class Mission(FileRecord):
     @model_validator(mode="before")
     @classmethod
     def _altitude_of_floor(cls, data: Any) -> Any:
-        """The night's floor is the mission's altitude, where the file gives that instead."""
-        if not isinstance(data, Mapping) or "altitude_m" in data:
+        """The night's floor is the mission's altitude, where the file gives that instead.
+
+        An altitude of null leaves that of a file to the floor.
+        """
+        if not isinstance(data, Mapping) or data.get("altitude_m") is not None:
             return data
         climb = data.get("climb")
         if isinstance(climb, Climb):
@@ -326,51 +329,34 @@ class Mission(FileRecord):
             return self
         floor_m = self.climb.minimum_altitude_m
         if floor_m is not None and floor_m > self.climb.ceiling_m:
-            raise PydanticCustomError(
-                "high_floor",
-                "must be at most climb.ceiling_m of {ceiling} (got {floor})",
-                {
-                    "key": "climb.minimum_altitude_m",
-                    "ceiling": f"{self.climb.ceiling_m:g}",
-                    "floor": f"{floor_m:g}",
-                },
+            raise wrong_value(
+                "climb.minimum_altitude_m",
+                f"must be at most climb.ceiling_m of {self.climb.ceiling_m:g} (got {floor_m:g})",
             )
         if floor_m is not None and floor_m != self.altitude_m:
-            raise PydanticCustomError(
-                "two_floors",
-                "is the mission's altitude_m by another name: leave one of them out "
-                "(got {floor}, altitude_m is {altitude})",
-                {
-                    "key": "climb.minimum_altitude_m",
-                    "altitude": f"{self.altitude_m:g}",
-                    "floor": f"{floor_m:g}",
-                },
+            raise wrong_value(
+                "climb.minimum_altitude_m",
+                "is the mission's altitude_m by another name: leave one of them out (got "
+                f"{floor_m:g}, altitude_m is {self.altitude_m:g})",
             )
         if floor_m is not None:
             # Not a value of its own, or a study that varies the one would contradict the other.
             self.model_fields_set.discard("altitude_m")
         if self.climb.ceiling_m < self.altitude_m:
-            raise PydanticCustomError(
-                "low_ceiling",
-                "must be at least the mission's altitude_m of {altitude} (got {ceiling})",
-                {
-                    "key": "climb.ceiling_m",
-                    "altitude": f"{self.altitude_m:g}",
-                    "ceiling": f"{self.climb.ceiling_m:g}",
-                },
+            raise wrong_value(
+                "climb.ceiling_m",
+                f"must be at least the mission's altitude_m of {self.altitude_m:g} (got "
+                f"{self.climb.ceiling_m:g})",
             )
         if self.holds_station:
-            raise PydanticCustomError(
-                "climb_and_station",
-                "an aircraft that holds its place keeps its altitude: give wind.hold_station or "
-                "climb, not both",
-                {"key": "climb"},
+            raise wrong_value(
+                "climb",
+                "an aircraft that holds its place keeps its altitude: give "
+                "wind.hold_station or climb, not both",
             )
         if self.launch is not None:
-            raise PydanticCustomError(
-                "climb_and_launch",
-                "a replayed flight keeps its altitude: give launch or climb, not both",
-                {"key": "climb"},
+            raise wrong_value(
+                "climb", "a replayed flight keeps its altitude: give launch or climb, not both"
             )
         return self
 
@@ -379,25 +365,18 @@ class Mission(FileRecord):
         if self.launch is None:
             return self
         if self.longitude_deg is None:
-            raise PydanticCustomError(
-                "missing_longitude",
-                "a launch by clock time needs longitude_deg on the mission",
-                {"key": "launch"},
-            )
+            raise wrong_value("launch", "a launch by clock time needs longitude_deg on the mission")
         if isinstance(self.latitude_deg, LatitudeRange):
-            raise PydanticCustomError(
-                "latitude_range", "a launch needs a single latitude", {"key": "latitude_deg"}
-            )
+            raise wrong_value("latitude_deg", "a launch needs a single latitude")
         return self
 
     @model_validator(mode="after")
     def _check_scenario_count(self) -> Mission:
         count = len(self.latitudes()) * len(self.dates.days())
         if count > MAXIMUM_SCENARIOS:
-            raise PydanticCustomError(
-                "too_many_scenarios",
-                "latitudes times days must be at most {limit} scenarios (got {count})",
-                {"key": "latitude_deg", "limit": MAXIMUM_SCENARIOS, "count": count},
+            raise wrong_value(
+                "latitude_deg",
+                f"latitudes times days must be at most {MAXIMUM_SCENARIOS} scenarios (got {count})",
             )
         return self
 
@@ -405,14 +384,9 @@ class Mission(FileRecord):
     def _check_margins(self) -> Mission:
         lowest = self.uncertainty_margins.clearness_minimum
         if lowest is not None and lowest > self.clearness:
-            raise PydanticCustomError(
-                "clearness_margin",
-                "must be at most the mission's clearness of {clearness} (got {lowest})",
-                {
-                    "key": "uncertainty_margins.clearness_minimum",
-                    "clearness": f"{self.clearness:g}",
-                    "lowest": f"{lowest:g}",
-                },
+            raise wrong_value(
+                "uncertainty_margins.clearness_minimum",
+                f"must be at most the mission's clearness of {self.clearness:g} (got {lowest:g})",
             )
         return self
 
@@ -422,7 +396,6 @@ class Mission(FileRecord):
         given = self.wind_statistics
         if given is None:
             return self
-        trouble: dict[str, Any] = {}
         try:
             if self.wind_m_per_s:
                 raise ValueError(f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s)")
@@ -434,15 +407,15 @@ class Mission(FileRecord):
                 )
         except InputError as error:
             first = error.problems[0]
-            trouble = {"why": f"{first.source} {first.message}"}
-            if first.line is not None:
-                trouble = {"why": "the table has a mistake", "problems": error.problems}
+            if first.line is None:
+                raise wrong_value("wind", f"{first.source} {first.message}") from error
+            why = "the table has a mistake"
+            raise wrong_value("wind", why, problems=error.problems) from error
         except OSError as error:
-            trouble = {"why": f"cannot read {given.file!r}: {error.strerror or error}"}
+            why = f"cannot read {given.file!r}: {error.strerror or error}"
+            raise wrong_value("wind", why) from error
         except ValueError as error:
-            trouble = {"why": str(error)}
-        if trouble:
-            raise PydanticCustomError("wind", "{why}", {"key": "wind", **trouble})
+            raise wrong_value("wind", str(error)) from error
         return self
 
     @property
@@ -491,7 +464,7 @@ class Mission(FileRecord):
         """Wind that an aircraft must be faster than in all scenarios [m/s]."""
         if self.wind_statistics is None:
             return self.wind_m_per_s
-        return _number(self.scenario_winds_m_per_s().max(axis=0))
+        return _plain_number(self.scenario_winds_m_per_s().max(axis=0))
 
     def scenario_winds_m_per_s(self, scenarios: Scenarios | None = None) -> FloatArray:
         """Wind of each scenario, by default of the mission's own [m/s]."""
@@ -506,6 +479,14 @@ class Mission(FileRecord):
     def holds_station(self) -> bool:
         """Whether the aircraft flies faster where the wind is faster than its own airspeed."""
         return self.wind_statistics is not None and self.wind_statistics.hold_station
+
+    @property
+    def wind_latitudes_deg(self) -> tuple[float, float]:
+        """Latitudes between which the wind is known [deg]."""
+        if self.wind_statistics is None:
+            return -90.0, 90.0
+        known = self.wind_statistics.table(self.longitude_deg).latitude_deg
+        return float(np.min(known)), float(np.max(known))
 
     def in_wind(self, wind_m_per_s: float) -> Mission:
         """Same mission in a wind that is the same everywhere and all year."""
@@ -555,15 +536,15 @@ class Mission(FileRecord):
         """
         here = self.air_state()
         standard = standard_air(self.altitude_m)
-        offset_k = _number(here.temperature_k - standard.temperature_k)
+        offset_k = _plain_number(here.temperature_k - standard.temperature_k)
         update: dict[str, float | None] = {
             "temperature_offset_k": offset_k,
             "ambient_temperature_c": None,
         }
         if self.air.module_temperature_c is not None:
-            warmer_k = self.air.module_temperature_c - _number(here.temperature_c)
+            warmer_k = self.air.module_temperature_c - _plain_number(here.temperature_c)
             there = standard_air(altitude_m, offset_k)
-            update["module_temperature_c"] = _number(there.temperature_c) + warmer_k
+            update["module_temperature_c"] = _plain_number(there.temperature_c) + warmer_k
         air = self.air.model_copy(update=update)
         return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
 
@@ -579,7 +560,7 @@ class Mission(FileRecord):
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
         if self.air.module_temperature_c is not None:
             return self.air.module_temperature_c
-        return _number(self.air_state().temperature_c)
+        return _plain_number(self.air_state().temperature_c)
 
     def scenarios(self) -> Scenarios:
         """Every latitude on every day that stands for the dates, latitude by latitude."""

@@ -17,9 +17,8 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Field, Strict, model_validator
-from pydantic_core import PydanticCustomError
 
-from solar.schema import PositiveReal, Real, Record, Text
+from solar.schema import PositiveReal, Real, Record, Text, wrong_value
 from solar.types import FloatArray
 
 Quantile = Callable[[FloatArray], FloatArray]
@@ -159,17 +158,13 @@ class Uncertainty(Record):
         pairs: set[frozenset[str]] = set()
         for number, correlation in enumerate(self.correlations):
             first, second = correlation.between
+            key = f"correlations.{number}.between"
             if first == second:
-                raise PydanticCustomError(
-                    "correlation",
-                    "needs two different inputs (got {name} twice)",
-                    {"key": f"correlations.{number}.between", "name": first},
-                )
+                raise wrong_value(key, f"needs two different inputs (got {first} twice)")
             if frozenset(correlation.between) in pairs:
-                raise PydanticCustomError(
-                    "correlation",
-                    "is the second correlation of {first} and {second}; allowed: one of each pair",
-                    {"key": f"correlations.{number}.between", "first": first, "second": second},
+                text = (
+                    f"is the second correlation of {first} and {second}; allowed: one of each pair"
                 )
+                raise wrong_value(key, text)
             pairs.add(frozenset(correlation.between))
         return self

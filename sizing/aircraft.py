@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, ModelWrapValidatorHandler, Strict, model_validator
-from pydantic_core import PydanticCustomError
 
 from missions.files.errors import shown
 from missions.files.yaml import ENTRY_KEYS
@@ -29,8 +28,7 @@ from sizing.energy.battery import Battery
 from sizing.layout.cells import CellLayout, PlacedCell, Wing
 from sizing.layout.filling import check_layout, laid_out, mppt_mass_kg
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
-from sizing.structures.models import Structure
-from sizing.structures.spar import SparStructure
+from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
 from solar.modules import STC_IRRADIANCE_W_PER_M2, SolarCell
 from solar.schema import (
@@ -184,15 +182,10 @@ class ParametricAirframe(Record):
             return data
         value, span_m = data[keys[-1]], data.get("wingspan_m", 0.0)
         if len(keys) > 1:
-            said = {"key": keys[-1], "keys": " and ".join(keys)}
-            raise PydanticCustomError(
-                "chordwise", "give one of aspect_ratio, chord_m, wing_area_m2 (got {keys})", said
-            )
+            text = f"give one of aspect_ratio, chord_m, wing_area_m2 (got {' and '.join(keys)})"
+            raise wrong_value(keys[-1], text)
         if not is_positive(value):
-            said = {"key": keys[0], "value": shown(value)}
-            raise PydanticCustomError(
-                "chordwise", "must be a number greater than 0 (got {value})", said
-            )
+            raise wrong_value(keys[0], f"must be a number greater than 0 (got {shown(value)})")
         # Of a wingspan that is none, its own error says so.
         ratio = span_m ** _CHORDWISE[keys[0]] / value if is_positive(span_m) else 1.0
         rest = {key: one for key, one in data.items() if key not in _CHORDWISE}
@@ -245,19 +238,12 @@ class SolarModules(OfCatalogue, SolarCell):
     def _check_shading(self) -> SolarModules:
         if self.shading_loss not in LOSS_MODELS:
             allowed = ", ".join(LOSS_MODELS)
-            raise PydanticCustomError(
-                "shading_loss",
-                "must be one of {allowed} (got {name})",
-                {"key": "shading_loss", "allowed": allowed, "name": self.shading_loss},
-            )
+            raise wrong_value("shading_loss", f"must be one of {allowed} (got {self.shading_loss})")
         if self.tail is not None and self.geometry is not None:
             bare = [s.name for s in self.geometry.surfaces if s.outline is None]
             if bare:
-                raise PydanticCustomError(
-                    "no_outline",
-                    "with a tail every surface needs an outline; missing on {names}",
-                    {"key": "geometry.surfaces", "names": ", ".join(bare)},
-                )
+                text = f"with a tail every surface needs an outline; missing on {', '.join(bare)}"
+                raise wrong_value("geometry.surfaces", text)
         return self
 
     @property
@@ -493,6 +479,12 @@ class Aircraft(FileRecord):
             texts[polar.airfoil] = text
         return texts
 
+    @property
+    def propulsion_by_parts(self) -> OperatingPointPropulsion | None:
+        """Propulsion that has an operating point; None for constants and measured aircraft."""
+        propulsion = getattr(self.airframe, "propulsion", None)
+        return propulsion if isinstance(propulsion, OperatingPointPropulsion) else None
+
     def from_catalogues(self) -> list[Taken]:
         """Values that catalogues gave, with their sources."""
         entries = taken(self.modules, "modules.") + taken(self.battery, "battery.")
@@ -527,40 +519,31 @@ class Aircraft(FileRecord):
             highest, allowed = polar.maximum_lift_coefficient, "below the maximum lift coefficient"
             wrong = lift.maximum >= highest
         if wrong:
-            raise PydanticCustomError(
-                "lift_range",
-                "must be {allowed}, {highest} (got {maximum})",
-                {
-                    "key": "design_space.lift_coefficient.maximum",
-                    "allowed": allowed,
-                    "highest": f"{highest:.4g}",
-                    "maximum": f"{lift.maximum:g}",
-                },
+            raise wrong_value(
+                "design_space.lift_coefficient.maximum",
+                f"must be {allowed}, {highest:.4g} (got {lift.maximum:g})",
             )
         return self
 
     @model_validator(mode="after")
     def _check_propeller_space(self) -> Aircraft:
-        chain, space = getattr(self.airframe, "propulsion", None), self.design_space
-        if isinstance(chain, OperatingPointPropulsion) and chain.propeller.table is None:
+        chain = self.propulsion_by_parts
+        if chain is not None and chain.propeller.table is None:
             return self
         for key in PROPULSION_VARIABLES:
-            if getattr(space, key) is not None:
-                raise PydanticCustomError(
-                    "no_propeller",
+            if getattr(self.design_space, key) is not None:
+                raise wrong_value(
+                    f"design_space.{key}",
                     "goes with airframe.propulsion.kind: operating_point, without propeller.table",
-                    {"key": f"design_space.{key}"},
                 )
         return self
 
     @model_validator(mode="after")
     def _check_bus(self) -> Aircraft:
-        chain = getattr(self.airframe, "propulsion", None)
-        if isinstance(chain, OperatingPointPropulsion) and self.battery.voltage is None:
-            raise PydanticCustomError(
-                "no_voltage",
+        if self.propulsion_by_parts is not None and self.battery.voltage is None:
+            raise wrong_value(
+                "battery.voltage",
                 "required key is missing: airframe.propulsion.kind is operating_point",
-                {"key": "battery.voltage"},
             )
         return self
 
@@ -589,14 +572,10 @@ class Aircraft(FileRecord):
         if self.modules.layout is not None:
             return self  # every cell has its place
         if self.modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
-            raise PydanticCustomError(
-                "module_area",
-                "must not exceed the wing area of {wing_area} m², wingspan squared over "
-                "aspect_ratio or wingspan times chord_m (got {area})",
-                {
-                    "key": "modules.area_m2",
-                    "wing_area": f"{wing_area_m2:.3g}",
-                    "area": f"{self.modules.area_m2:g}",
-                },
+            raise wrong_value(
+                "modules.area_m2",
+                f"must not exceed the wing area of {wing_area_m2:.3g} m², wingspan "
+                "squared over aspect_ratio or wingspan times chord_m (got "
+                f"{self.modules.area_m2:g})",
             )
         return self

@@ -8,8 +8,6 @@ from sizing.design import ImpossibleDesignError, design_of
 from sizing.propulsion.chain import LINKS, Propulsion
 from sizing.propulsion.operating_point import OperatingPoint, Propulsor, operating_point
 
-__all__ = ["with_operating_point"]
-
 _ROUNDS, _TOLERANCE = 50, 1e-10
 
 

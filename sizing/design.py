@@ -28,8 +28,13 @@ from sizing.aerodynamics.parabolic import (
 )
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
-from sizing.balance.in_design import polar_with_tail, structure_with_tail
-from sizing.parameters import catalogue, replaced
+from sizing.balance.in_design import (
+    polar_with_tail,
+    structure_with_tail,
+    with_horizontal_tail,
+)
+from sizing.balance.placing import balance_rows, margin_error, sizes_tail, tail_volume
+from sizing.parameters import all_replaced, catalogue, replaced
 from sizing.propulsion.chain import (
     LINKS,
     ChainOfParts,
@@ -38,12 +43,11 @@ from sizing.propulsion.chain import (
     air_of,
 )
 from sizing.smooth import Value
-from sizing.structures.agreement import CALIBRATIONS, other_model
-from sizing.structures.assessment import StructureAssessment, assess
-from sizing.structures.flight_envelope import flight_envelope
+from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
-from sizing.structures.parts import StructureParts
+from sizing.structures.models import CALIBRATIONS, other_model
 from sizing.structures.rib_wing import RibWingStructure
+from sizing.structures.rib_wing_keys import StructureParts
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.types import FloatArray, IntArray
 
@@ -124,7 +128,8 @@ class Design(NamedTuple):
     ``propulsion_power_w`` is electric, of level flight in calm air; ``constant_power_w`` is what
     avionics, payload and the battery's heater draw; ``airspeed_m_per_s`` may be unknown (None) for
     a measured aircraft. ``chain``: efficiencies of the propulsion in level flight; None for a
-    measured aircraft.
+    measured aircraft. ``horizontal_volume``: volume coefficient of the horizontal tail, where its
+    size follows from the static margin; None leaves the file's.
     """
 
     variables: DesignVariables
@@ -135,6 +140,7 @@ class Design(NamedTuple):
     constant_power_w: Value
     airspeed_m_per_s: Value
     chain: Propulsion | None = None
+    horizontal_volume: Value | None = None
 
     @property
     def wing_area_m2(self) -> Value:
@@ -149,6 +155,9 @@ class Design(NamedTuple):
             propulsion_power_w=function(self.propulsion_power_w),
             airspeed_m_per_s=function(self.airspeed_m_per_s),
             chain=None if self.chain is None else _links_of(self.chain, function),
+            horizontal_volume=(
+                None if self.horizontal_volume is None else function(self.horizontal_volume)
+            ),
         )
 
     def nominal_load_w(self, mission: Mission) -> Value:
@@ -185,11 +194,13 @@ class FlightConditions(NamedTuple):
         return air_of(self.density_kg_per_m3, self.dynamic_viscosity, self.temperature_k)
 
     @classmethod
-    def of(cls, mission: Mission, aircraft: Aircraft) -> FlightConditions:
+    def of(cls, mission: Mission | FlightConditions, aircraft: Aircraft) -> FlightConditions:
         """Conditions of a mission, and what its air and age leave of an aircraft's battery.
 
-        Returns numbers, or arrays where inputs are.
+        Returns numbers, or arrays where inputs are; conditions themselves as they are.
         """
+        if isinstance(mission, FlightConditions):
+            return mission
         air = mission.air_state()
         battery, air_c = aircraft.battery, _scalar(air.temperature_c)
         fixed_w, at_1_kg_w = battery.heater_parts_w(air_c, mission.altitude_m)
@@ -253,44 +264,110 @@ def parametric_design(
     variables: DesignVariables,
     total_mass_kg: Value,
     chain: Propulsion | None = None,
+    horizontal_volume: Value | None = None,
 ) -> Design:
     """Masses and power of a parametric aircraft for an assumed total mass.
 
     The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``. ``chain``: assumed
-    efficiencies of the propulsion, instead of those of the aircraft.
+    efficiencies of the propulsion, instead of those of the aircraft. ``horizontal_volume``: of the
+    tail, by default that of the file, or the one that the static margin asks for (numbers only).
 
     Returns of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
     """
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    given = (
-        mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
-    )
-    air = given.with_payload_of(variables)
+    air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
+
+    def with_tail(volume: Value | None) -> Design:
+        own = with_horizontal_tail(aircraft, volume)
+        return _with_own_tail(own, air, variables, total_mass_kg, chain, volume)
+
+    if horizontal_volume is None and airframe.balance is not None and sizes_tail(aircraft):
+
+        def error(volume: FloatArray) -> FloatArray:
+            design = with_tail(volume)
+            return np.asarray(margin_error(*_margin_of(aircraft, air, design)), float)
+
+        horizontal_volume = _scalar(tail_volume(airframe.balance, error))
+    return with_tail(horizontal_volume)
+
+
+def _with_own_tail(
+    aircraft: Aircraft,
+    air: FlightConditions,
+    variables: DesignVariables,
+    total_mass_kg: Value,
+    chain: Propulsion | None,
+    horizontal_volume: Value | None,
+) -> Design:
+    """Design of an aircraft whose file has its tail, and the payload that it carries."""
+    airframe = aircraft.airframe
+    assert isinstance(airframe, ParametricAirframe)
     found, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
+    weight_n = total_mass_kg * GRAVITY_M_PER_S2
+    propulsion_kg = found.mass_kg(found.rated_power_w(electric_w, weight_n=weight_n))
+    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
+    inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed, propulsion_kg)
+    modules, battery_kg = aircraft.modules, variables.battery_mass_kg
+    rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
+    grown, specific_energy = 1.0 + airframe.mass_growth, aircraft.battery.specific_energy_wh_per_kg
+    masses = Masses(
+        structure=grown * structure.mass_kg(inputs),
+        propulsion=propulsion_kg,
+        battery=battery_kg,
+        modules=modules.mass_kg_per_m2 * variables.module_area_m2,
+        mppt=modules.mppt_mass_kg_per_w * rated_w,
+        avionics=airframe.avionics_mass_kg,
+        payload=air.payload_mass_kg,
+        other=grown * airframe.other_mass_kg,
+    )
     return Design(
         variables=variables,
         total_mass_kg=total_mass_kg,
-        masses=_masses(
-            aircraft,
-            airframe,
-            air,
-            variables,
-            found,
-            total_mass_kg=total_mass_kg,
-            electric_w=electric_w,
-            airspeed_m_per_s=airspeed,
-        ),
-        battery_energy_wh=variables.battery_mass_kg
-        * aircraft.battery.specific_energy_wh_per_kg
-        * air.battery_capacity_fraction,
+        masses=masses,
+        battery_energy_wh=battery_kg * specific_energy * air.battery_capacity_fraction,
         propulsion_power_w=electric_w,
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w)
-        + air.heater_w(variables.battery_mass_kg),
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
         chain=found,
+        horizontal_volume=horizontal_volume,
     )
+
+
+def balance_inputs(
+    aircraft: Aircraft, conditions: FlightConditions, design: Design
+) -> tuple[ParametricAirframe, StructureInputs]:
+    """Airframe with the tail of a design, and what its structure is sized from."""
+    airframe = with_horizontal_tail(aircraft, design.horizontal_volume).airframe
+    assert isinstance(airframe, ParametricAirframe)
+    inputs = structure_inputs(
+        aircraft,
+        design.variables,
+        conditions.with_payload_of(design.variables),
+        design.total_mass_kg,
+        design.airspeed_m_per_s,
+        design.masses.propulsion,
+    )
+    return airframe, inputs
+
+
+def margin_rows(
+    aircraft: Aircraft, conditions: FlightConditions, design: Design
+) -> dict[str, Value]:
+    """Rows of the static margin that the file asks for, see :func:`balance_rows`."""
+    balance = getattr(aircraft.airframe, "balance", None)
+    if balance is None or balance.static_margin is None:
+        return {}
+    return balance_rows(*_margin_of(aircraft, conditions, design))
+
+
+def _margin_of(
+    aircraft: Aircraft, conditions: FlightConditions, design: Design
+) -> tuple[ParametricAirframe, Masses, StructureInputs]:
+    """Airframe, masses and inputs of the structure, which the static margin follows from."""
+    airframe, inputs = balance_inputs(aircraft, conditions, design)
+    return airframe, design.masses, inputs
 
 
 def level_flight(
@@ -325,7 +402,7 @@ def level_flight(
     )
     found = airframe.propulsion if chain is None else chain
     if isinstance(found, OperatingPointPropulsion):
-        found = _of_its_size(found, variables)
+        found = found.sized(*variables.of_propulsion)
         found = found.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
     elif found.efficiency_model is not None:
         found = found.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
@@ -336,8 +413,8 @@ def propulsion_margins(
     aircraft: Aircraft, design: Design, conditions: FlightConditions
 ) -> dict[str, Value]:
     """How far a propulsion by formulas is from the limits of its parts; empty for others."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion) or propulsion.is_exact:
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None or propulsion.is_exact:
         return {}
     from sizing.propulsion.smooth_chain import SmoothPropulsion
 
@@ -348,13 +425,6 @@ def propulsion_margins(
     own = propulsion.sized(*design.variables.of_propulsion)
     speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(aircraft)
     return own.margins(thrust_w, speed, conditions.air, bus_v)
-
-
-def _of_its_size(
-    propulsion: OperatingPointPropulsion, variables: DesignVariables
-) -> OperatingPointPropulsion:
-    """Propulsion with the propeller and the gear of a design."""
-    return propulsion.sized(*variables.of_propulsion)
 
 
 def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
@@ -375,40 +445,6 @@ def flown_at(
     if lift_coefficient is None:
         return aerodynamics
     return replaced(aerodynamics, ["lift_coefficient"], lift_coefficient)
-
-
-def _masses(
-    aircraft: Aircraft,
-    airframe: ParametricAirframe,
-    air: FlightConditions,
-    variables: DesignVariables,
-    propulsion: Propulsion,
-    *,
-    total_mass_kg: Value,
-    electric_w: Value,
-    airspeed_m_per_s: Value,
-) -> Masses:
-    modules = aircraft.modules
-    modules_kg = modules.mass_kg_per_m2 * variables.module_area_m2
-    rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
-    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
-    grown = 1.0 + airframe.mass_growth
-    propulsion_kg = propulsion.mass_kg(
-        propulsion.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
-    )
-    inputs = structure_inputs(
-        aircraft, variables, air, total_mass_kg, airspeed_m_per_s, propulsion_kg
-    )
-    return Masses(
-        structure=grown * structure.mass_kg(inputs),
-        propulsion=propulsion_kg,
-        battery=variables.battery_mass_kg,
-        modules=modules_kg,
-        mppt=modules.mppt_mass_kg_per_w * rated_w,
-        avionics=airframe.avionics_mass_kg,
-        payload=air.payload_mass_kg,
-        other=grown * airframe.other_mass_kg,
-    )
 
 
 def _with_wires(
@@ -521,10 +557,7 @@ def structure_by_both(
         return None
     structure, inputs = sized
     factor = structure.calibration / CALIBRATIONS[structure.model]
-    return {
-        structure.model: structure.mass_kg(inputs),
-        other.model: factor * other.mass_kg(inputs),
-    }
+    return {structure.model: structure.mass_kg(inputs), other.model: factor * other.mass_kg(inputs)}
 
 
 def _sized_rib_wing(
@@ -541,15 +574,10 @@ def _sized_structure(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> tuple[Any, StructureInputs] | None:
     """Model of an aircraft's structure and what it is sized from; None of a measured aircraft."""
-    airframe = aircraft.airframe
-    if not isinstance(airframe, ParametricAirframe):
+    if not isinstance(aircraft.airframe, ParametricAirframe):
         return None
-    variables = design.variables
-    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
-    air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
-    mass_kg, airspeed = design.total_mass_kg, design.airspeed_m_per_s
-    propulsion_kg = design.masses.propulsion
-    return structure, structure_inputs(aircraft, variables, air, mass_kg, airspeed, propulsion_kg)
+    airframe, inputs = balance_inputs(aircraft, FlightConditions.of(mission, aircraft), design)
+    return structure_with_tail(airframe, inputs.wingspan_m, inputs.aspect_ratio), inputs
 
 
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
@@ -602,8 +630,8 @@ def closed_design(
 ) -> Design:
     """Design whose mass budget adds up, for variables that may be arrays.
 
-    The lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
-    infinite. See :func:`lightest_mass_kg`.
+    The lightest solution; where there is none (the aircraft cannot carry itself, or no tail has the
+    static margin asked for) mass and power are infinite. See :func:`lightest_mass_kg`.
 
     Parameters
     ----------
@@ -628,9 +656,7 @@ def closed_design(
     even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
     arrays = DesignVariables(**dict(zip(given, even, strict=True)))
     flat = arrays.mapped(np.ravel)
-    conditions = (
-        mission if isinstance(mission, FlightConditions) else FlightConditions.of(mission, aircraft)
-    )
+    conditions = FlightConditions.of(mission, aircraft)
 
     def closed(chain: Propulsion | None) -> Design:
         def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
@@ -644,13 +670,33 @@ def closed_design(
         )
         with np.errstate(over="ignore", invalid="ignore"):
             total = mass.reshape(np.shape(arrays.wingspan_m))
-            return parametric_design(aircraft, conditions, arrays, total)
+            volume = None
+            if chain is not None and sizes_tail(aircraft):
+                # With the chain of the budget, as its own one takes long to compute.
+                assumed = parametric_design(aircraft, conditions, arrays, total, chain)
+                volume = assumed.horizontal_volume
+            return parametric_design(aircraft, conditions, arrays, total, horizontal_volume=volume)
 
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
-        return closed(None)
-    chain = _links_of(first_chain(propulsion), lambda one: np.full(np.shape(arrays[0]), one))
-    return _settled(closed, chain)
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None or not propulsion.is_exact:
+        design = closed(None)
+    else:
+        chain = _links_of(first_chain(propulsion), lambda one: np.full(np.shape(arrays[0]), one))
+        design = _settled(closed, chain)
+    if not sizes_tail(aircraft):
+        return design
+    with np.errstate(invalid="ignore"):
+        off = np.abs(margin_rows(aircraft, conditions, design)["static_margin"])
+    return _impossible_where(design, ~(off <= MARGIN_TOLERANCE))
+
+
+def _impossible_where(design: Design, missing: Value) -> Design:
+    """Design of arrays with infinite mass and power where something is missing."""
+    return design._replace(
+        total_mass_kg=np.where(missing, np.inf, design.total_mass_kg),
+        masses=Masses(*(np.where(missing, np.inf, one) for one in design.masses)),
+        propulsion_power_w=np.where(missing, np.inf, design.propulsion_power_w),
+    )
 
 
 def first_chain(propulsion: OperatingPointPropulsion) -> Propulsion:
@@ -682,13 +728,7 @@ def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -
             open_share = np.abs(design.masses.total_kg / design.total_mass_kg - 1.0)
         if not np.any(open_share > _SETTLED):
             break
-    missing = ~np.isfinite(np.asarray(chain.efficiency))
-    masses = Masses(*(np.where(missing, np.inf, one) for one in design.masses))
-    return design._replace(
-        total_mass_kg=np.where(missing, np.inf, design.total_mass_kg),
-        masses=masses,
-        propulsion_power_w=np.where(missing, np.inf, design.propulsion_power_w),
-    )
+    return _impossible_where(design, ~np.isfinite(np.asarray(chain.efficiency)))
 
 
 def _link(chain: Propulsion, name: str) -> Value:
@@ -704,6 +744,8 @@ def _links_of(chain: Propulsion, function: Callable[[Value], Value]) -> Propulsi
     return mapped.mapped(function) if isinstance(mapped, ChainOfParts) else mapped
 
 
+# What a static margin may be off by that the size of the tail holds.
+MARGIN_TOLERANCE = 1e-7
 # Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
 _ROUNDS, _SETTLED = 30, 1e-10
 # In these an estimated mass of a gear is found with usual efficiencies, well within a gram.
@@ -780,16 +822,48 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
     if not np.isfinite(design.total_mass_kg):
         raise ImpossibleDesignError(
             operating_trouble(aircraft, mission)
+            or _tail_trouble(aircraft, mission)
             or f"{aircraft.name} cannot carry its own mass on mission {mission.name}: structure "
             "and propulsion grow faster than the lift they add"
         )
-    return design._replace(
-        variables=variables_of(aircraft),
-        total_mass_kg=float(design.total_mass_kg),
-        masses=Masses(*(float(m) for m in design.masses)),
-        battery_energy_wh=float(design.battery_energy_wh),
-        propulsion_power_w=float(design.propulsion_power_w),
-        airspeed_m_per_s=float(design.airspeed_m_per_s),
+    return plain_design(design)
+
+
+def plain_design(design: Design) -> Design:
+    """Turn a design of zero-dimensional arrays into one of floats."""
+    numbers = {
+        name: float(value)
+        for name, value in design._asdict().items()
+        if name not in ("variables", "masses", "chain") and value is not None
+    }
+    masses = Masses(*(float(mass) for mass in design.masses))
+    variables = design.variables.mapped(float)
+    return Design(variables=variables, masses=masses, chain=design.chain, **numbers)
+
+
+def _tail_trouble(aircraft: Aircraft, mission: Mission) -> str:
+    """Why no horizontal tail has the static margin asked for, as a sentence; empty where one has.
+
+    The static margins of the smallest and of the largest tail are those that would do.
+    """
+    balance = getattr(aircraft.airframe, "balance", None)
+    if balance is None or not balance.sizes_tail:
+        return ""
+    kept, ends = {"static_margin": None, "held_by": "moved_mass"}, []
+    for volume in (balance.minimum_horizontal_volume, balance.maximum_horizontal_volume):
+        own = with_horizontal_tail(aircraft, volume)
+        free = all_replaced(own, {f"airframe.balance.{key}": one for key, one in kept.items()})
+        conditions = FlightConditions.of(mission, aircraft)
+        design = closed_design(free, conditions, variables_of(aircraft))
+        error = margin_error(*_margin_of(own, conditions, design))
+        ends.append(float(error) + balance.static_margin)
+    if not np.isfinite(ends).all():
+        return ""
+    return (
+        f"no horizontal tail gives {aircraft.name} the static margin of {balance.static_margin:g} "
+        f"on {mission.name}: it is {ends[0]:.3f} with the smallest volume coefficient, "
+        f"{balance.minimum_horizontal_volume:g}, and {ends[1]:.3f} with the largest, "
+        f"{balance.maximum_horizontal_volume:g}"
     )
 
 
@@ -811,8 +885,8 @@ def operating_reason(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
 ) -> str:
     """What the propulsors cannot do in level flight, with what would do; empty where they can."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None:
         return ""
     variables = variables_of(aircraft) if variables is None else variables
     chain, reason = first_chain(propulsion), ""
@@ -825,7 +899,7 @@ def operating_reason(
         point = level_point(aircraft, mission, design)
         reason = str(point.reason)
         links = {name: _link(chain, name) for name in LINKS}
-        own = _of_its_size(propulsion, variables)
+        own = propulsion.sized(*variables.of_propulsion)
         if own.gear.mass_kg is not None:
             break
         chain = own.with_links(links, point.propeller_torque_nm, design.propulsion_power_w)
@@ -834,13 +908,15 @@ def operating_reason(
 
 def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
     """Operating point of one propulsor of a design of known mass in level flight."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    assert isinstance(propulsion, OperatingPointPropulsion)
+    propulsion = aircraft.propulsion_by_parts
+    assert propulsion is not None
     usual, mass_kg = first_chain(propulsion), design.total_mass_kg
-    flown = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
+    flown = parametric_design(
+        aircraft, mission, design.variables, mass_kg, usual, design.horizontal_volume
+    )
     power_w = flown.propulsion_power_w * usual.efficiency
     air = FlightConditions.of(mission, aircraft).air
-    own = _of_its_size(propulsion, design.variables.mapped(float))
+    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     return own.point(power_w, flown.airspeed_m_per_s, air, bus_voltage_v(aircraft))
 
 

@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import PROPULSION_VARIABLES, Aircraft, LimitedQuantity, ParametricAirframe
-from sizing.balance.placing import moved_ends
-from sizing.design import Design, FlightConditions, flown_at, propulsion_margins
+from sizing.design import Design, FlightConditions, flown_at, margin_rows, propulsion_margins
 from sizing.parameters import label, unit
 from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
 
+MASS_BUDGET, STATIC_MARGIN = "mass_budget", "static_margin"
+# Requirements that are met where their value is 0; closed designs meet the first.
+EQUATIONS = (MASS_BUDGET, STATIC_MARGIN)
 # What is missed by less, relative to its limit, is met: the solver meets its rows to about 1e-8.
 ROW_TOLERANCE = 1e-5
 
@@ -140,6 +142,13 @@ class Requirement(NamedTuple):
     text: str
 
 
+_MOVED = "the mass that is moved for the static margin lies {missed} of a chord beyond its end"
+_OF_MARGIN = {
+    "moved_mass_foremost": _MOVED,
+    "moved_mass_rearmost": _MOVED,
+    STATIC_MARGIN: "the static margin is off by {missed} of a chord with the horizontal tail at an "
+    "end of its volume coefficients",
+}
 # Limits of the propulsion's parts.
 _OF_PROPULSION = {
     "bus_voltage": "the empty battery's voltage falls short of the motor's need by {missed}",
@@ -160,7 +169,7 @@ def design_requirements(
     covered = it.airframe.maximum_module_coverage * design.wing_area_m2
     rows = [
         Requirement(
-            "mass_budget",
+            MASS_BUDGET,
             1.0 - design.masses.total_kg / design.total_mass_kg,
             "no design carries its own mass: {missed} of it cannot be lifted",
         ),
@@ -185,9 +194,8 @@ def design_requirements(
         if limit.maximum is not None:
             text = f"{label(name)} exceeds its maximum {limit.maximum:g}{of} by {{missed}}"
             rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
-    moved = "the mass that is moved for the static margin lies {missed} of a chord beyond its end"
-    ends = moved_ends(aircraft, conditions, design)
-    rows += [Requirement(end, value, moved) for end, value in ends.items()]
+    margin = margin_rows(aircraft, conditions, design)
+    rows += [Requirement(name, value, _OF_MARGIN[name]) for name, value in margin.items()]
     if aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES):
         margins = propulsion_margins(aircraft, design, conditions)
         rows += [Requirement(name, one, _OF_PROPULSION[name]) for name, one in margins.items()]
@@ -210,6 +218,6 @@ def meets_requirements(
     met = np.isfinite(mass) & (mass <= heaviest * (1.0 + ROW_TOLERANCE))
     with np.errstate(invalid="ignore"):
         for row in design_requirements(aircraft, design, carried):
-            if row.name != "mass_budget":  # closed
+            if row.name not in EQUATIONS:  # closed
                 met = met & (np.asarray(row.value) >= -ROW_TOLERANCE)
     return np.asarray(met)

@@ -1,22 +1,151 @@
-"""Specific power of an aircraft's modules over scenarios and time, by any solar power model."""
+"""Specific power of an aircraft's modules over scenarios and time, by any solar power model.
+
+And the air around them: what cools modules, and what another flow makes of their power.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from missions.air import GRAVITY_M_PER_S2, plate_convection_w_per_m2k, thin_air_share
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
-from sizing.aircraft import Aircraft
-from sizing.module_heat import balances_heat, convection_in_flight, surroundings
-from solar.heat_balance import Surroundings
-from solar.horizontal_models import (
-    HORIZONTAL_MODELS,
-    horizontal_specific_power,
-    in_surroundings,
-)
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import Design, closed_design, first_chain, measured_design, variables_of
+from sizing.propulsion.chain import OperatingPointPropulsion
+from solar.clearsky import pressure_ratio
+from solar.heat_balance import EARTH_ALBEDO, Surroundings
+from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power, in_surroundings
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.types import FloatArray
+
+# Of flights whose airspeed nobody measured, and of first guesses that cannot fly: lift coefficient
+# of level flight (Noth 2008, Design of solar powered airplanes for continuous flight) and wing
+# loading [kg/m2], in the middle of what has been built.
+_LIFT_COEFFICIENT, _WING_LOADING = 0.8, 4.0
+
+
+# Flows between which the temperature is known, over the own one: all sizes of one aircraft.
+FLOWS = (0.5, 1.0, 2.0)
+
+
+class Cooling(NamedTuple):
+    """How the power of modules changes with the flow that cools them.
+
+    The power that warmth takes, relative to the known power, is ``d`` with ``d (h + g + s d) = q``
+    in a convection ``h``: radiation carries away ``g + s d`` for each part of it, as the fourth
+    power of the temperature does nearly. ``convection``: that of the known power [W/(m2 K)].
+    ``lost``: ``d`` there. ``heat``, ``radiation``, ``growth``: ``q``, ``g`` and ``s``; all arrays
+    of the shape of the power. ``transition_reynolds``: of the modules' flow.
+    """
+
+    convection: float
+    lost: FloatArray
+    heat: FloatArray
+    radiation: FloatArray
+    growth: FloatArray
+    transition_reynolds: float
+
+    @classmethod
+    def through(
+        cls,
+        cold: FloatArray,
+        powers: Sequence[FloatArray],
+        convection: float,
+        transition_reynolds: float,
+    ) -> Cooling:
+        """Cooling from the power of cold modules and that in the ``FLOWS``, the own one second."""
+        known = np.where(powers[1] > 0.0, powers[1], 1.0)
+        first, second, third = ((cold - power) / known for power in powers)
+        warm = (first > second) & (second > third) & (third > _LEAST_LOST)
+        # A parabola through three points: h d = q - g d - s d^2.
+        x1, x2, x3 = (np.where(warm, one, n) for n, one in ((3, first), (2, second), (1, third)))
+        y1, y2, y3 = (f * convection * x for f, x in zip(FLOWS, (x1, x2, x3), strict=True))
+        upper, lower = (y1 - y2) / (x1 - x2), (y2 - y3) / (x2 - x3)
+        bend = (upper - lower) / (x1 - x3)
+        slope = upper - bend * (x1 + x2)
+        heat = y1 - slope * x1 - bend * x1**2
+        lost, heat, radiation, growth = (
+            np.where(warm, one, 0.0) for one in (second, heat, -slope, -bend)
+        )
+        return cls(convection, lost, heat, radiation, growth, transition_reynolds)
+
+    def arrays(self) -> tuple[FloatArray, ...]:
+        """Arrays of the shape of the power."""
+        return self[1:5]
+
+    def with_arrays(self, arrays: Sequence[FloatArray]) -> Cooling:
+        """Same flow with other arrays."""
+        lost, heat, radiation, growth = arrays
+        return self._replace(lost=lost, heat=heat, radiation=radiation, growth=growth)
+
+    def factor(self, convection: ArrayLike) -> FloatArray:
+        """Factor on the known power in another flow [W/(m2 K)]."""
+        linear = np.asarray(convection, float) + self.radiation
+        # The root of the quadratic that stays finite without growth.
+        root = np.sqrt(np.maximum(linear**2 + 4.0 * self.growth * self.heat, 0.0))
+        lost = 2.0 * self.heat / (linear + root)
+        return np.asarray(1.0 + self.lost - lost)
+
+
+# Part of the power below which the warmth of a module is rounding.
+_LEAST_LOST = 1e-6
+
+
+def balances_heat(mission: Mission) -> bool:
+    """Whether the modules find their own temperature on a mission."""
+    return mission.air.module_temperature_c is None and bool(
+        np.any(thin_air_share(mission.altitude_m) > 0.0)
+    )
+
+
+def convection_of(
+    design: Design, mission: Mission, transition_reynolds: float, unknown: float
+) -> FloatArray:
+    """Convection of designs in level flight on a mission, ``unknown`` where none is known."""
+    speed = design.airspeed_m_per_s
+    if speed is None:
+        return np.asarray(unknown)
+    chord = np.asarray(design.variables.wingspan_m, float) / design.variables.aspect_ratio
+    with np.errstate(invalid="ignore"):
+        found = plate_convection_w_per_m2k(mission.air_state(), speed, chord, transition_reynolds)
+    return np.where(np.isfinite(found), found, unknown)
+
+
+def convection_in_flight(aircraft: Aircraft, mission: Mission) -> float:
+    """Convection of an aircraft as its file describes it, in level flight [W/(m2 K)]."""
+    airframe, air = aircraft.airframe, mission.air_state()
+    chord = airframe.wingspan_m / airframe.aspect_ratio
+    transition = aircraft.modules.thermal.transition_reynolds
+    loading = _WING_LOADING
+    if isinstance(airframe, MeasuredAirframe):
+        design = measured_design(aircraft, mission)
+        loading = float(design.total_mass_kg) / (airframe.wingspan_m * chord)
+    else:
+        if isinstance(airframe.propulsion, OperatingPointPropulsion):
+            usual = airframe.model_copy(update={"propulsion": first_chain(airframe.propulsion)})
+            aircraft = aircraft.model_copy(update={"airframe": usual})
+        design = closed_design(aircraft, mission, variables_of(aircraft))
+    weight = 2.0 * loading * GRAVITY_M_PER_S2
+    speed = np.sqrt(weight / (air.density_kg_per_m3 * _LIFT_COEFFICIENT))
+    unknown = float(plate_convection_w_per_m2k(air, speed, chord, transition))
+    return float(convection_of(design, mission, transition, unknown))
+
+
+def surroundings(mission: Mission, convection: float) -> Surroundings:
+    """What heats and cools modules on a mission in a flow."""
+    albedo = mission.air.albedo
+    return Surroundings(
+        float(mission.air_state().temperature_c),
+        convection,
+        float(pressure_ratio(mission.altitude_m)),
+        EARTH_ALBEDO if albedo is None else albedo,
+        float(thin_air_share(mission.altitude_m)),
+    )
 
 
 def modelled_power(

@@ -23,19 +23,6 @@ if TYPE_CHECKING:
 
     M = TypeVar("M", bound=BaseModel)
 
-__all__ = [
-    "MISSION_PREFIX",
-    "Kind",
-    "Parameter",
-    "catalogue",
-    "design_keys",
-    "label",
-    "parameter",
-    "parameter_value",
-    "replaced",
-    "unit",
-    "with_parameter",
-]
 
 MISSION_PREFIX = "mission."
 

@@ -244,13 +244,7 @@ def performance_after_days(
     solar_w, load_w = ([one.solar_w for one in loads], [one.load_w() for one in loads])
     nominal = loads[-1].nominal_w()
     store = Store.of(aircraft.battery, np.asarray(design.battery_energy_wh)[..., np.newaxis])
-    cycle = simulate_days(
-        dates[-1].time_h,
-        solar_w,
-        load_w,
-        store,
-        nominal_load_w=nominal,
-    )
+    cycle = simulate_days(dates[-1].time_h, solar_w, load_w, store, nominal_load_w=nominal)
     day = replace(dates[-1], scenarios=dates[0].scenarios)
     last = (solar_w[-1], load_w[-1], nominal)
     return Performance(design, mission, solar, day, *last, store, cycle)

@@ -1,4 +1,4 @@
-"""What alone would make a limited flight perpetual: more battery, more modules, or a smaller load.
+"""What suffices of one parameter; of a limited flight: more battery, more modules, a smaller load.
 
 Battery and modules weigh what their file says, and the load grows with the mass as the aircraft's
 model has it. Each change is the smallest on a scan whose value the simulator flies.
@@ -6,7 +6,10 @@ model has it. Each change is the smallest on a scan whose value the simulator fl
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -14,8 +17,51 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, closed_design, measured_design, variables_of
 from sizing.parameters import all_replaced, parameter
 from sizing.performance import Performance, performance
-from sizing.relaxation import Direction, Relaxation, rounded
 from solar.types import FloatArray
+
+Direction = Literal["at least", "at most"]
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """A parameter, and the value from which on the mission is feasible, all else unchanged.
+
+    ``parameter``: key of the aircraft's or, behind ``mission.``, of the mission's file, or the
+    whole load, ``load_w``. ``unit``: of the values. ``direction``: ``at least`` or ``at most``.
+    ``value``: value that suffices, rounded to three digits away from the edge. ``excess_time_h``:
+    worst excess time that the simulator finds there.
+    """
+
+    parameter: str
+    unit: str
+    present: float
+    direction: Direction
+    value: float
+    excess_time_h: float
+
+    @property
+    def text(self) -> str:
+        """Relaxation in words, for instance ``battery.specific_energy_wh_per_kg >= 287 Wh/kg``."""
+        sign = ">=" if self.direction == "at least" else "<="
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.parameter} {sign} {self.value:g}{unit} (now {self.present:g})"
+
+    @property
+    def relative_change(self) -> float:
+        """Size of the change relative to the present value, to compare relaxations."""
+        return abs(self.value - self.present) / max(abs(self.present), 1e-12)
+
+
+def rounded(value: float, direction: Direction) -> float:
+    """Value with three digits, on the safe side."""
+    if value <= 0.0:
+        return 0.0
+    digits = 10.0 ** (math.floor(math.log10(value)) - 2)
+    steps = value / digits
+    return float(
+        f"{(math.ceil(steps) if direction == 'at least' else math.floor(steps)) * digits:.6g}"
+    )
+
 
 LOAD = "load_w"
 _BATTERY, _MODULES = "battery.mass_kg", "modules.area_m2"
@@ -34,11 +80,11 @@ def relaxed_flight(aircraft: Aircraft, flown: Performance) -> tuple[Relaxation, 
     """
     if flown.cycle.perpetual.all():
         return ()
-    relaxations = [one for key in _UNITS for one in _relaxed(aircraft, flown, key)]
+    relaxations = [one for key in _UNITS for one in _smallest_change(aircraft, flown, key)]
     return tuple(sorted(relaxations, key=lambda one: one.relative_change))
 
 
-def _relaxed(aircraft: Aircraft, flown: Performance, key: str) -> Iterator[Relaxation]:
+def _smallest_change(aircraft: Aircraft, flown: Performance, key: str) -> Iterator[Relaxation]:
     """Relaxation of one quantity, if there is one."""
     present = _present(flown, key)
     if not present:

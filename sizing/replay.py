@@ -16,8 +16,8 @@ from sizing.energy.march import empty_after_h, full_after_h, march
 from sizing.energy.power_balance import PowerBalance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
+from sizing.validity.extrapolations import told
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import told
 from solar.sun import declination, solar_time_h, sun_times
 from solar.types import FloatArray
 
@@ -110,7 +110,7 @@ def calendar_run(
         (solar_clock % 24.0)[:, np.newaxis], design, mission, times.sunrise_h, times.sunset_h
     )[:, 0]
     store = Store.of(aircraft.battery, design.battery_energy_wh)
-    stored, full, empty = _battery(PowerBalance.of(clock, power, load), store, launch)
+    stored, full, empty = _charge_until_empty(PowerBalance.of(clock, power, load), store, launch)
     flown = slice(len(stored))
     return CalendarRun(
         launch=launch,
@@ -124,11 +124,11 @@ def calendar_run(
         state_of_charge=stored / float(store.battery_energy_wh),
         full_charge_clock_h=full,
         empty_clock_h=empty,
-        extrapolations=_extrapolations(aircraft, mission, solar, design, day, power),
+        extrapolations=_outside_ranges(aircraft, mission, solar, design, day, power),
     )
 
 
-def _extrapolations(
+def _outside_ranges(
     aircraft: Aircraft,
     mission: Mission,
     solar: SolarModel,
@@ -147,7 +147,7 @@ def _extrapolations(
     return told(checks, scenarios)
 
 
-def _battery(
+def _charge_until_empty(
     balance: PowerBalance, store: Store, launch: Launch
 ) -> tuple[FloatArray, tuple[float, ...], float | None]:
     """Energy at the nodes until the battery is empty [Wh], instants of full and of empty [h]."""

@@ -10,7 +10,6 @@ from sizing.aircraft import Aircraft, Range
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design import (
     Design,
-    DesignVariables,
     FlightConditions,
     ImpossibleDesignError,
     closed_design,
@@ -24,8 +23,6 @@ from sizing.design import (
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.propulsion.smooth_chain import SmoothPropulsion, fitted_surface
 
-__all__ = ["corrected", "put_parts_in", "smooth_at", "smooth_propulsion", "with_propulsion"]
-
 # Logarithms within which a search moves from the design that is fitted around: loading of the
 # propeller, Reynolds number, pitch over diameter. Centres are rounded: alike cases share a surface.
 _HALF_WIDTHS, _ROUNDED_TO = (log(6.0), log(4.0), 0.25), 0.25
@@ -37,8 +34,8 @@ def smooth_at(aircraft: Aircraft, mission: Mission) -> Aircraft:
     One with constants or formulas is returned as it is, one with a propeller by tables gets the
     constant efficiencies of level flight. Raises :class:`ImpossibleDesignError` if it cannot fly.
     """
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None or not propulsion.is_exact:
         return aircraft
     design = design_of(aircraft, mission)
     if propulsion.propeller.table is not None:
@@ -138,12 +135,17 @@ def with_propulsion(
     return aircraft.model_copy(update={"airframe": airframe})
 
 
-def put_parts_in(data: dict[str, Any], aircraft: Aircraft, variables: DesignVariables) -> None:
-    """Put the chosen propeller and gear into an aircraft's file as data, in place."""
+def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> None:
+    """Put the chosen propeller, gear and tail into an aircraft's file as data, in place."""
+    variables, volume = design.variables, design.horizontal_volume
+    if volume is not None:
+        tail = data["airframe"]["tail"]
+        tail.pop("horizontal_area_m2", None)
+        tail["horizontal_volume"] = float(volume)
     if all(one is None for one in variables.of_propulsion):
         return
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    assert isinstance(propulsion, OperatingPointPropulsion)
+    propulsion = aircraft.propulsion_by_parts
+    assert propulsion is not None
     places = (("propeller", "diameter_m"), ("propeller", "pitch_m"), ("gear", "ratio"))
     parts = data["airframe"]["propulsion"]
     for (part, key), value in zip(places, variables.of_propulsion, strict=True):

@@ -21,8 +21,6 @@ from sizing.performance import performance_in_pairs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
 
-__all__ = ["FASTEST", "StationKeeping", "faster_flight", "station_keeping"]
-
 # Airspeed over that of the design: more takes over 20 times the power.
 FASTEST = 3.0
 _SPEEDS = 201

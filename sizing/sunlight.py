@@ -19,19 +19,17 @@ from missions.loiter_power import Daylight, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design
-from sizing.module_heat import (
+from sizing.module_power import (
     FLOWS,
     Cooling,
     balances_heat,
     convection_in_flight,
     convection_of,
-    surroundings,
-)
-from sizing.module_power import (
     flown_modules,
     own_surroundings,
     power_in_surroundings,
     specific_power,
+    surroundings,
 )
 from solar.clearsky import Irradiance
 from solar.horizontal_models import HORIZONTAL_MODELS, in_surroundings
@@ -70,6 +68,11 @@ class SolarModel:
     def needs_path(self) -> bool:
         """Whether module surfaces and a flight path are needed: VM, FM, loiter correction."""
         return self.model in ATTITUDE_MODELS or self.correction == "loiter"
+
+    def flown_latitudes_deg(self, mission: Mission) -> tuple[float, float]:
+        """Latitudes whose wind is known, where the flight depends on the wind [deg]."""
+        in_wind = self.needs_path or mission.holds_station
+        return mission.wind_latitudes_deg if in_wind else (-90.0, 90.0)
 
     @property
     def rms_relative(self) -> float:
@@ -293,9 +296,11 @@ class Sunlight:
 
     @cached_property
     def _levels(self) -> list[Sunlight]:
-        return [self._at(self.mission.at_altitude(h)) for h in self.mission.climb_levels_m[1:]]
+        return [
+            self._sunlight_at(self.mission.at_altitude(h)) for h in self.mission.climb_levels_m[1:]
+        ]
 
-    def _at(self, there: Mission) -> Sunlight:
+    def _sunlight_at(self, there: Mission) -> Sunlight:
         """Sunlight of the same scenarios at another altitude."""
         step_h = float(self.time_h[1])
         return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h)

@@ -27,6 +27,7 @@ from sizing.design import (
     thermal_shape,
 )
 from sizing.energy.battery import Battery, Store
+from sizing.energy.battery_voltage import CHARGE_SHARES, FIRST_CHARGE
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.held_station import power_against_wind_w
 from sizing.propulsion.chain import OperatingPointPropulsion
@@ -48,13 +49,9 @@ __all__ = [
 # A day is marched again until load and nominal load stay within this, relative, which is 1e-5 h of
 # excess time. Each march leaves less than a hundredth of the error of the one before.
 _SETTLED, _ROUNDS = 1e-6, 6
-# State of charge whose voltage the first march has.
-_FIRST_CHARGE = 0.5
 # Extra thrust power by thermals for which a program's straight line is exact: the power bends from
 # it by a few thousandths between none and half of level flight's.
 _THERMAL = 0.25
-# Shares of the charge over whose voltages a nominal load is averaged, in the middle of equal steps.
-_SHARES = (np.arange(32) + 0.5) / 32.0
 
 
 def part_load_of(
@@ -176,7 +173,7 @@ def smooth_loads_w(
     assert design.chain is not None
     thrust_w = design.propulsion_power_w * design.chain.efficiency
     own = propulsion.sized(*design.variables.of_propulsion)
-    bus_v = float(aircraft.battery.bus_voltage_v(np.array(_FIRST_CHARGE)))
+    bus_v = float(aircraft.battery.bus_voltage_v(np.array(FIRST_CHARGE)))
     steady = 1.0 + conditions.turbulence
     calm_w, rough_w = (
         own.bus_power_w(thrust_w * load, design.airspeed_m_per_s, conditions.air, bus_v)
@@ -216,13 +213,16 @@ class DesignLoads:
 
         Flight as fast as the wind of a scenario has the efficiency of that airspeed.
         """
-        if not mission.holds_station:
-            return cls(design, mission, day, part_load_of(aircraft, mission, design), paired)
-        loads = cls(design, mission, day, paired=paired)
-        winds = mission.scenario_winds_m_per_s(day.scenarios)
-        spread = design.mapped(loads._over_scenarios)
-        power_w = power_against_wind_w(aircraft, mission, spread, winds)
-        return replace(loads, own_propulsion_w=power_w)
+        if mission.holds_station:
+            return cls(design, mission, day, paired=paired).against_wind(aircraft)
+        return cls(design, mission, day, part_load_of(aircraft, mission, design), paired)
+
+    def against_wind(self, aircraft: Aircraft) -> DesignLoads:
+        """Same flight, as fast as the wind of each scenario."""
+        winds = self.mission.scenario_winds_m_per_s(self.day.scenarios)
+        spread = self.design.mapped(self._over_scenarios)
+        power_w = power_against_wind_w(aircraft, self.mission, spread, winds)
+        return replace(self, own_propulsion_w=power_w)
 
     @cached_property
     def solar_w(self) -> FloatArray:
@@ -314,13 +314,13 @@ def flown_cycle(
         load_w = joined([one.load_w() for one in variants])
         nominal_w = joined([one.nominal_w() for one in variants])
         return flown(load_w, nominal_w, keep=keep_trajectory), load_w, nominal_w
-    first_v = battery.bus_voltage_v(np.array([_FIRST_CHARGE]))
+    first_v = battery.bus_voltage_v(np.array([FIRST_CHARGE]))
     load_w = joined([one.load_w(first_v) for one in variants])
     nominal_w = joined([one.nominal_w(first_v)[..., 0] for one in variants])
     for _ in range(_ROUNDS):
         cycle = flown(load_w, nominal_w, keep=True)
         charge = cycle.energy_wh / np.asarray(store.battery_energy_wh)[..., np.newaxis]
-        by_night = _charge_at_dawn(cycle, nominal_w, store)[..., np.newaxis] * _SHARES
+        by_night = _charge_at_dawn(cycle, nominal_w, store)[..., np.newaxis] * CHARGE_SHARES
         here, later = (battery.bus_voltage_v(one) for one in (charge, by_night))
         next_w = joined([one.load_w(bus_v) for one, bus_v in each(here)])
         over_night = joined([one.nominal_w(bus_v) for one, bus_v in each(later)])

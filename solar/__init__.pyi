@@ -1,5 +1,4 @@
 from ._version import __version__ as __version__
-from .attitude import direction_cosines as direction_cosines
 from .attitude_models import full_model as full_model
 from .attitude_models import verification_model as verification_model
 from .clearsky import Irradiance as Irradiance
@@ -7,6 +6,7 @@ from .clearsky import clear_sky as clear_sky
 from .clearsky import register_clear_sky as register_clear_sky
 from .geometry import ModuleGeometry as ModuleGeometry
 from .geometry import ModuleSurface as ModuleSurface
+from .geometry import direction_cosines as direction_cosines
 from .horizontal_models import conceptual_analysis_model as conceptual_analysis_model
 from .horizontal_models import conceptual_design_model as conceptual_design_model
 from .horizontal_models import horizontal_specific_power as horizontal_specific_power

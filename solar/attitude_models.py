@@ -67,7 +67,7 @@ def verification_model(
     sun_vector : array_like, shape (..., 3)
         Unit vector to the sun, North-East-Down.
     to_ned : array_like, shape (..., 3, 3)
-        Rotation from body axes to North-East-Down, see :func:`solar.attitude.direction_cosines`.
+        Rotation from body axes to North-East-Down, see :func:`solar.geometry.direction_cosines`.
     geometry : ModuleGeometry
         Module surfaces; the central wing's mean normal is used.
     cell : SolarCell
@@ -120,7 +120,7 @@ def full_model(
     sun_vector : array_like, shape (..., 3)
         Unit vector to the sun, North-East-Down.
     to_ned : array_like, shape (..., 3, 3)
-        Rotation from body axes to North-East-Down, see :func:`solar.attitude.direction_cosines`.
+        Rotation from body axes to North-East-Down, see :func:`solar.geometry.direction_cosines`.
     geometry : ModuleGeometry
         Module surfaces.
     cell : SolarCell
@@ -176,8 +176,8 @@ def full_model(
     return ModulePower(
         specific_power_w_per_m2=power,
         irradiance_w_per_m2=falling,
-        module_efficiency=_ratio(before_mppt, falling),
-        mppt_efficiency=_ratio(power, before_mppt),
+        module_efficiency=_quotient(before_mppt, falling),
+        mppt_efficiency=_quotient(power, before_mppt),
         temperature_efficiency=cell.temperature_efficiency(temperature),
         module_temperature_c=temperature,
         cos_aoi_by_surface=cosine,
@@ -220,7 +220,7 @@ def _balanced_power(
     return power, np.asarray(ambient_c + cell.temperature_rise_k * power / rated)
 
 
-def _ratio(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
+def _quotient(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
     """Quotient, zero where there is no light at all."""
     sunlit = denominator > 0.0
     return np.where(sunlit, numerator / np.where(sunlit, denominator, 1.0), 0.0)

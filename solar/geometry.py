@@ -1,4 +1,4 @@
-"""Solar module surfaces of an aircraft: orientation, and the angle at which light meets them.
+"""Attitude of the aircraft, its solar module surfaces, and the angle at which light meets them.
 
 Body axes are x forward, y right, z down; the inertial frame is North-East-Down. Source:
 Oettershagen's report, eq. 2 and 3 and table 1.
@@ -12,9 +12,52 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
-from solar.attitude import direction_cosines
 from solar.schema import Name, PositiveInteger, PositiveReal, Real, Record
 from solar.types import BoolArray, FloatArray
+
+
+def direction_cosines(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
+    """Rotation matrix that takes a vector from body axes to North-East-Down.
+
+    Its columns are the body axes x, y and z seen in North-East-Down. Its transpose takes a vector
+    the other way, for instance the one to the sun.
+
+    Parameters
+    ----------
+    roll, pitch, yaw : array_like
+        Euler angles of the sequence 3-2-1 [rad]: yaw from north, clockwise seen from above, then
+        nose up, then right wing down. They broadcast against each other.
+
+    Returns
+    -------
+    ndarray
+        Matrices on the last two axes: the broadcast shape of the angles plus ``(3, 3)``.
+
+    Notes
+    -----
+    Source: Beard & McLain, Small Unmanned Aircraft: Theory and Practice (2012), section 2.2,
+    transpose of the rotation from vehicle to body frame.
+    """
+    phi, theta, psi = np.broadcast_arrays(
+        np.asarray(roll, float), np.asarray(pitch, float), np.asarray(yaw, float)
+    )
+    s_phi, c_phi = np.sin(phi), np.cos(phi)
+    s_theta, c_theta = np.sin(theta), np.cos(theta)
+    s_psi, c_psi = np.sin(psi), np.cos(psi)
+    forward = (c_theta * c_psi, c_theta * s_psi, -s_theta)
+    right = (
+        s_phi * s_theta * c_psi - c_phi * s_psi,
+        s_phi * s_theta * s_psi + c_phi * c_psi,
+        s_phi * c_theta,
+    )
+    down = (
+        c_phi * s_theta * c_psi + s_phi * s_psi,
+        c_phi * s_theta * s_psi - s_phi * c_psi,
+        c_phi * c_theta,
+    )
+    axes = [np.stack(axis, axis=-1) for axis in (forward, right, down)]
+    return np.stack(axes, axis=-1)
+
 
 _Angle = Annotated[float, Strict(), Field(ge=-60.0, le=60.0, allow_inf_nan=False)]
 

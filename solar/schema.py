@@ -13,28 +13,6 @@ from pydantic_core import PydanticCustomError
 
 from solar.versions import FORMAT_VERSION, format_trouble
 
-__all__ = [
-    "CellCount",
-    "FileRecord",
-    "Flag",
-    "Fraction",
-    "Integer",
-    "LiftCoefficient",
-    "Name",
-    "NonNegativeInteger",
-    "NonNegativeReal",
-    "PositiveInteger",
-    "PositiveReal",
-    "Real",
-    "Record",
-    "Text",
-    "UnitInterval",
-    "check_order",
-    "is_positive",
-    "wrong_value",
-]
-
-
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
 else:
@@ -155,9 +133,7 @@ class FileRecord(Record):
         if isinstance(data, Mapping) and "format_version" in data:
             trouble = format_trouble(data["format_version"])
             if trouble is not None:
-                raise PydanticCustomError(
-                    "format_version", "{trouble}", {"key": "format_version", "trouble": trouble}
-                )
+                raise wrong_value("format_version", trouble)
         return data
 
 
@@ -167,9 +143,12 @@ def is_positive(value: Any) -> TypeGuard[float]:
     return number and 0.0 < value <= 1e12
 
 
-def wrong_value(key: str, message: str) -> PydanticCustomError:
-    """Error of a validator at a key below its record; braces in the message are text."""
-    return PydanticCustomError("wrong_value", "{why}", {"key": key, "why": message})
+def wrong_value(key: str, message: str, **context: Any) -> PydanticCustomError:
+    """Error of a validator at a key below its record; braces in the message are text.
+
+    ``context``: such as ``problems``, those of a file that the key names.
+    """
+    return PydanticCustomError("wrong_value", "{why}", {"key": key, "why": message, **context})
 
 
 def check_order(record: Record, first: str, second: str, *, equal: bool = False) -> None:

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import field_validator
 
-from solar.attitude import direction_cosines
-from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface
+from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface, direction_cosines
 from solar.schema import PositiveReal, Real, Record
 from solar.types import FloatArray, IntArray
 

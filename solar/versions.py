@@ -11,15 +11,6 @@ from typing import Any
 
 from solar._version import __version__
 
-__all__ = [
-    "FORMAT_KEY",
-    "FORMAT_VERSION",
-    "DeprecatedKeyWarning",
-    "deprecation",
-    "format_trouble",
-    "software_record",
-]
-
 FORMAT_KEY, FORMAT_VERSION = "format_version", 1
 
 

@@ -34,7 +34,7 @@ from .output.cycle_plots import plot_sensitivities as plot_sensitivities
 from .output.envelope_plot import plot_flight_envelope as plot_flight_envelope
 from .output.figures.drawing import save_figure as save_figure
 from .output.figures.options import FigureOptions as FigureOptions
-from .output.grid_files import to_table as to_table
+from .output.gridded import to_table as to_table
 from .report.document import make_report as make_report
 from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.ceiling import (
-    DEFAULT_HIGHEST_M,
     DEFAULT_STEP_M,
     AltitudeFlight,
     PerpetualCeiling,
@@ -21,8 +20,8 @@ from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME, MAXIMUM_ALTIT
 from sizing.results.records import finite, finite_values, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
 from sizing.sunlight import SolarModel
+from sizing.validity.extrapolations import together
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import together
 from solar.names import CorrectionName, ModelName
 from studies.output.figures.drawing import (
     CHARGE,
@@ -106,7 +105,7 @@ class Ceiling(Result):
     def table(self) -> Table:
         """Both ends, some altitudes between them, and the ceiling."""
         scenarios = self.mission.scenarios()
-        several, shown = len(scenarios) > 1, _shown(self.found)
+        several, shown = len(scenarios) > 1, _printed_flights(self.found)
         climbs = self.mission.climb is not None
         reasons = any(flight.reason for flight in shown)
         rows = [
@@ -143,12 +142,12 @@ class Ceiling(Result):
             "best_altitude_m": ceiling.best.altitude_m,
             "best_excess_time_h": finite(ceiling.best.excess_time_h),
             "extrapolations": extrapolation_records(self.extrapolations),
-            "altitudes": [finite_values(_numbers(flight)) for flight in ceiling.flights],
+            "altitudes": [finite_values(_flight_numbers(flight)) for flight in ceiling.flights],
         }
 
     def to_frame(self) -> pd.DataFrame:
         """All altitudes, one row each."""
-        return data_frame([_numbers(flight) for flight in self.found.flights])
+        return data_frame([_flight_numbers(flight) for flight in self.found.flights])
 
 
 def perpetual_ceiling(
@@ -157,7 +156,7 @@ def perpetual_ceiling(
     *,
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
-    highest_m: float = DEFAULT_HIGHEST_M,
+    highest_m: float | None = None,
     step_m: float = DEFAULT_STEP_M,
     progress: Callable[[int, int], None] | None = None,
 ) -> Ceiling:
@@ -171,7 +170,8 @@ def perpetual_ceiling(
     model, correction : str
         Solar power model and its correction.
     highest_m, step_m : float
-        End of the search and spacing of its altitudes [m].
+        End of the search and spacing of its altitudes [m]. Without an end it is 20,000 m, or 32,000
+        m for missions above 15,000 m.
     progress : callable, optional
         Told after every altitude how many are done, and of how many.
 
@@ -193,14 +193,14 @@ def perpetual_ceiling(
     return Ceiling(aircraft, mission, solar, ceiling)
 
 
-def _numbers(flight: AltitudeFlight) -> dict[str, Any]:
+def _flight_numbers(flight: AltitudeFlight) -> dict[str, Any]:
     numbers = {name: value for name, value in vars(flight).items() if name != "extrapolations"}
     if flight.maximum_altitude_m is None:
         del numbers["maximum_altitude_m"]
     return numbers
 
 
-def _shown(ceiling: PerpetualCeiling) -> list[AltitudeFlight]:
+def _printed_flights(ceiling: PerpetualCeiling) -> list[AltitudeFlight]:
     ends, between = (ceiling.flights[0], ceiling.flights[-1]), ceiling.flights[1:-1]
     altitudes = [flight.altitude_m for flight in between]
     step = altitudes[1] - altitudes[0] if len(altitudes) > 1 else 1.0

@@ -20,8 +20,8 @@ from sizing.results.tables import Column, Line, Result, Summary, Table, data_fra
 from sizing.station import FASTEST, StationKeeping, station_keeping
 from sizing.sunlight import SolarModel
 from sizing.validity.checks import design_checks
+from sizing.validity.extrapolations import together, told
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import together, told
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
@@ -33,8 +33,6 @@ from studies.output.gridded import Gridded, Labelled
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
-
-__all__ = ["LATITUDES_DEG", "Station", "plot_station", "station"]
 
 LATITUDES_DEG = np.arange(-70.0, 71.0, 5.0)
 _MIDDLE = 15  # day of a month that stands for it
@@ -86,16 +84,15 @@ class Station(Result):
             text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
             notes.insert(0, Line(text, "faint"))
         outside = extrapolation_blocks(self.extrapolations)
-        heights = () if self.altitude_m is None else (self._table_of_altitudes(self.altitude_m),)
-        tables = (self.table(), *heights)
+        tables = [self.table()]
+        if self.altitude_m is not None:
+            title, altitude_km = "altitude of that share [km]", self.altitude_m / 1000.0
+            tables.append(self._by_month(title, altitude_km, ".1f"))
         return Summary((Line(self.headline(), "strong"), *tables, *outside, *notes))
 
     def table(self) -> Table:
         """Share of the time [%] by row and month; empty where no day is perpetual."""
         return self._by_month("share of the time on station [%]", 100.0 * self.share, ".0f")
-
-    def _table_of_altitudes(self, altitude_m: FloatArray) -> Table:
-        return self._by_month("altitude of that share [km]", altitude_m / 1000.0, ".1f")
 
     def _by_month(self, title: str, values: FloatArray, form: str) -> Table:
         """Values by row and month; empty where no day is perpetual."""

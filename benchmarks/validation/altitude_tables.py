@@ -11,7 +11,7 @@ from missions.mission import Scenarios
 from sizing.altitude.ceiling import highest_perpetual_altitude
 from sizing.altitude.climb_cycle import climb_performance
 from sizing.library import load_aircraft
-from sizing.module_heat import convection_in_flight
+from sizing.module_power import convection_in_flight
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.objectives import Objective
 from sizing.performance import performance

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from benchmarks.validation.structures import PublishedStructure, published_structures
 from sizing.results.tables import Column, Table
-from sizing.structures.agreement import RIB_WING_CALIBRATION
+from sizing.structures.models import RIB_WING_CALIBRATION
 from sizing.structures.rib_wing import RibWingStructure
-from studies.validation.structures.comparison import PublishedStructure, published_structures
 
 AIRCRAFT = ("atlantiksolar", "zephyr-7", "zephyr-8", "phasa-35", "heliplat", "helios")
 _CARBON = {"cloth_shear_modulus_pa": 33e9, "cloth_density_kg_per_m3": 1600.0}

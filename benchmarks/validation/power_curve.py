@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from benchmarks.validation.figure_script import write_figure
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.polar_table import shipped_airfoils
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
 from solar.types import FloatArray
-from studies.output.figure_script import write_figure
 from studies.output.figures.drawing import (
     BLUE,
     GREEN,

@@ -13,16 +13,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.validation.figure_script import write_figure
 from missions.air import standard_air
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
-from sizing.structures.agreement import SPAR_CALIBRATION
 from sizing.structures.loads import gust_speed_fraction
-from sizing.structures.models import AllPowerLawStructure, PowerLawStructure, StructureModel
-from sizing.structures.parts import StructureParts
+from sizing.structures.models import (
+    SPAR_CALIBRATION,
+    AllPowerLawStructure,
+    PowerLawStructure,
+    SparStructure,
+    StructureModel,
+)
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.spar import SparStructure
-from studies.output.figure_script import write_figure
+from sizing.structures.rib_wing_keys import StructureParts
 from studies.output.figures.drawing import (
     CHARGE,
     LOAD,

@@ -7,19 +7,6 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TypeAlias
 
-__all__ = [
-    "OVERRIDE",
-    "InputError",
-    "KeyPath",
-    "Problem",
-    "did_you_mean",
-    "dotted",
-    "file_error",
-    "printable",
-    "shortened",
-    "shown",
-]
-
 KeyPath: TypeAlias = tuple[str | int, ...]
 
 OVERRIDE = "--set "  # begins the source of a problem of a value given on the command line

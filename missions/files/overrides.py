@@ -25,8 +25,6 @@ from missions.files.errors import (
 from missions.files.validation import validate
 from missions.files.yaml import ENTRY_KEYS, Document, parse_value, set_absolute_paths
 
-__all__ = ["Overrides", "with_overrides", "with_values"]
-
 T = TypeVar("T")
 R = TypeVar("R", bound=BaseModel)
 

@@ -1,15 +1,17 @@
-"""Texts of files that a record names, such as tables: of bounded size, and as they were read."""
+"""Reading files of unknown origin: plain files of a bounded size, nothing else.
+
+Texts of files that a record names, such as tables, are those that were read first.
+"""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 
 from missions.files.errors import InputError, Problem, file_error, printable
-
-__all__ = ["FILE_MARK", "read_folder", "read_text", "texts_as_read"]
 
 # Begins a line that names the file of the lines below it, in the text of a whole folder.
 FILE_MARK = "#file "
@@ -92,3 +94,27 @@ def _decoded(raw: bytes, path: str) -> str:
         line = raw.count(b"\n", 0, error.start) + 1
         message = f"is not UTF-8 text (byte 0x{raw[error.start]:02x})"
         raise InputError([Problem(printable(path), line, None, "", message)]) from error
+
+
+def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
+    """Read a file whole, if it is one.
+
+    A pipe would keep its reader waiting, and a device may never end.
+    """
+    source = printable(os.fspath(path))
+    if "\0" in os.fspath(path):
+        raise file_error(source, "cannot be read: is no name of a file")
+    try:
+        place = Path(path)
+        if place.is_dir():
+            raise file_error(source, "cannot be read: is a folder")
+        if place.exists() and not place.is_file():
+            raise file_error(source, "cannot be read: is not a plain file")
+        with place.open("rb") as file:
+            content = file.read(most_bytes + 1)
+    except OSError as error:
+        reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
+        raise file_error(source, f"cannot be read: {str(reason).lower()}") from error
+    if len(content) > most_bytes:
+        raise file_error(source, f"is larger than {most_bytes / 1e6:g} MB")
+    return content

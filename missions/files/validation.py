@@ -30,8 +30,6 @@ from missions.files.errors import OVERRIDE, InputError, KeyPath, Problem, dotted
 from missions.files.yaml import Document
 from solar.versions import DeprecatedKeyWarning, deprecation
 
-__all__ = ["located_error", "unknown_key", "validate"]
-
 M = TypeVar("M", bound=BaseModel)
 V = TypeVar("V")
 

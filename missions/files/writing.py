@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import stat
+import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,19 +17,6 @@ import yaml
 from missions.files.errors import printable
 from missions.files.yaml import add_resolvers
 from solar.versions import FORMAT_KEY, FORMAT_VERSION
-
-__all__ = [
-    "OutputError",
-    "check_writable_folder",
-    "file_text",
-    "names_a_device",
-    "to_json",
-    "to_yaml",
-    "write_bytes_atomically",
-    "write_files_atomically",
-    "write_folder",
-    "write_text_atomically",
-]
 
 
 class OutputError(OSError):
@@ -174,7 +162,7 @@ def _write_all(contents: Mapping[str | os.PathLike[str], bytes], *, named: bool)
             file.commit()
     except (OSError, ValueError) as error:
         name = printable(os.fspath(path))
-        raise OutputError(f"cannot write {name}: {_writing_trouble(error)}") from error
+        raise OutputError(f"cannot write {name}: {writing_trouble(error)}") from error
     finally:
         for file in staged:
             file.discard()
@@ -191,7 +179,7 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         name = printable(os.fspath(folder))
-        raise OutputError(f"cannot write to {name}: {_writing_trouble(error)}") from error
+        raise OutputError(f"cannot write to {name}: {writing_trouble(error)}") from error
     try:
         _write_all({folder / file: data for file, data in contents.items()}, named=False)
     except BaseException:  # a signal, too, leaves no empty folder
@@ -199,6 +187,24 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
             with suppress(OSError):  # not empty: somebody else's by now
                 path.rmdir()
         raise
+
+
+def check_writable_file(path: str | os.PathLike[str]) -> None:
+    """Refuse a file that cannot be written, before any work is done for it."""
+    target, name = Path(path), printable(os.fspath(path))
+    if target.is_dir():
+        raise OutputError(f"cannot write {name}: it is a folder")
+    if target.is_file() or not target.exists():  # else a device or a pipe
+        probe(target.parent, name)
+
+
+def probe(folder: Path, name: str) -> None:
+    """Put a file into a folder and take it away again: permissions alone do not tell everything."""
+    try:
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=".", suffix=".tmp") as scratch:
+            scratch.write(b"probe")
+    except OSError as error:
+        raise OutputError(f"cannot write {name}: {writing_trouble(error)}") from error
 
 
 def check_writable_folder(folder: Path) -> None:
@@ -266,7 +272,8 @@ def _temporary_copy(target: Path, data: bytes, mode: int | None) -> _Staged:
     return staged
 
 
-def _writing_trouble(error: OSError | ValueError) -> str:
+def writing_trouble(error: OSError | ValueError) -> str:
+    """Why a file cannot be written, in words."""
     if isinstance(error, FileNotFoundError):
         return "its folder does not exist"
     if isinstance(error, NotADirectoryError):

@@ -29,17 +29,6 @@ from missions.files.errors import (
     shown,
 )
 
-__all__ = [
-    "ENTRY_KEYS",
-    "PATH_SUFFIXES",
-    "Document",
-    "add_resolvers",
-    "parse_value",
-    "parse_yaml",
-    "read_yaml",
-    "set_absolute_paths",
-]
-
 Mark: TypeAlias = tuple[int, int]
 
 # Keys whose text is a name or, as its end shows, the path of a file or a folder, in any record, and
@@ -143,7 +132,7 @@ def parse_yaml(text: str, source: str) -> Document:
     if not isinstance(read.data, dict):
         kind = "a list" if isinstance(read.data, list) else f"the single value {shown(read.data)}"
         message = f"the top level must be a mapping (key: value), not {kind}"
-        raise InputError([Problem(source, *_mark(root), "", message)])
+        raise InputError([Problem(source, *_place_in_file(root), "", message)])
     return Document(source, read.data, read.keys, read.values)
 
 
@@ -210,7 +199,7 @@ def _checked_aliases(text: str, source: str) -> list[Mark]:
     aliases: list[Mark] = []
     for count, event in enumerate(yaml.parse(text, Loader=_Loader)):
         documents += isinstance(event, yaml.DocumentStartEvent)
-        aliases += [_mark(event)] if isinstance(event, yaml.AliasEvent) else []
+        aliases += [_place_in_file(event)] if isinstance(event, yaml.AliasEvent) else []
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if tag := getattr(event, "tag", None):
@@ -226,7 +215,7 @@ def _checked_aliases(text: str, source: str) -> list[Mark]:
             message = f"too many aliases (at most {_MAX_ALIASES})"
         else:
             continue
-        raise InputError([Problem(source, *_mark(event), "", message)])
+        raise InputError([Problem(source, *_place_in_file(event), "", message)])
     return aliases
 
 
@@ -249,7 +238,7 @@ def _place_of(text: str, offset: int) -> Mark:
     return before.count("\n") + 1, len(before) - before.rfind("\n")
 
 
-def _mark(item: Any) -> Mark:
+def _place_in_file(item: Any) -> Mark:
     return item.start_mark.line + 1, item.start_mark.column + 1
 
 
@@ -278,7 +267,7 @@ class _Reader:
             return alias, alias
         self._seen.add(id(node))
         self._copied += alias is not None
-        return _mark(node), alias
+        return _place_in_file(node), alias
 
     def _plain(
         self, node: Any, path: KeyPath, around: tuple[Any, ...], alias: Mark | None = None

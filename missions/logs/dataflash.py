@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.files.errors import file_error
-from missions.files.plain_file import read_plain_file
+from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.nearest import Series
 from missions.logs.streams import (

@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error, printable
-from missions.files.plain_file import read_plain_file
+from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import MAXIMUM_DROPPED, first_few
 from missions.logs.units import UNITS

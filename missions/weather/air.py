@@ -10,8 +10,6 @@ import numpy as np
 from missions.files.errors import InputError, Problem
 from solar.types import FloatArray, IntArray
 
-__all__ = ["MAXIMUM_IMPOSSIBLE", "TEMPERATURE", "WIND", "Quantity", "checked_air"]
-
 MAXIMUM_IMPOSSIBLE = 0.01  # share of a record whose values cannot be true, which are taken out
 _LEAST_KNOWN = 0.8  # share of a record without which a quantity is not used
 # What stands for "missing": EPW (99.9 C, 999 m/s), TMY3 (-9900), BSRN (-99.9, -999) and others.

@@ -34,7 +34,6 @@ from solar.types import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["is_netcdf", "read_era5_csv", "read_netcdf", "read_power_csv"]
 
 _MAGIC = (b"CDF", b"\x89HDF")
 _SHORTWAVE = "surface_downwelling_shortwave_flux_in_air"
@@ -76,7 +75,7 @@ def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
         if first is None or (known["ghi"] is None and known["dni"] is None):
             names = ", ".join(_NAMES["ghi"][:4])
             raise file_error(source, f"has no light (variables named {names}, ...)")
-        place, latitude, longitude = _point(data, mission, source)
+        place, latitude, longitude = _nearest_point(data, mission, source)
         columns = {}
         air_m = None
         for key, one in known.items():
@@ -85,7 +84,7 @@ def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
             values, height = _at_point(one, place, mission, source)
             air_m = height if key == "temp_air" and height is not None else air_m
             columns[key] = _in_units(values, str(one.attrs.get("units", "")), key, source)
-        time = _axis(data, "time", source)
+        time = _axis_name(data, "time", source)
         index = pd.DatetimeIndex(data[time].to_numpy(), tz="UTC")
         passed = END if known["ghi"] is not None and known["ghi"].name in _ERA5 else START
     return _record("NetCDF", columns, index, (latitude, longitude), passed)._replace(
@@ -179,7 +178,7 @@ def _variable(data: xr.Dataset, names: tuple[str, ...]) -> xr.DataArray | None:
     return None
 
 
-def _axis(data: Any, axis: str, source: str) -> str:
+def _axis_name(data: Any, axis: str, source: str) -> str:
     names = AXES[axis]
     found = next((name for name in names if name in data.coords), None)
     if found is None:
@@ -187,11 +186,11 @@ def _axis(data: Any, axis: str, source: str) -> str:
     return found
 
 
-def _point(
+def _nearest_point(
     data: xr.Dataset, mission: Mission | None, source: str
 ) -> tuple[dict[str, int], float, float]:
     """Place of the nearest grid point on the axes, its latitude and its longitude."""
-    names = {axis: _axis(data, axis, source) for axis in ("latitude", "longitude")}
+    names = {axis: _axis_name(data, axis, source) for axis in ("latitude", "longitude")}
     north = latitudes_deg(data[names["latitude"]], source)
     east = np.atleast_1d(data[names["longitude"]].to_numpy()).astype(float)
     for name, values in zip(names.values(), (north, east), strict=True):

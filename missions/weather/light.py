@@ -74,7 +74,7 @@ def light_at_altitude(
     diffuse = _shared(weather.dhi, low.dhi.reshape(shape), cosine.reshape(shape)).reshape(-1)
     most = extraterrestrial_irradiance(day)
     recorded = Irradiance(
-        np.minimum(direct * _ratio(high.dni, low.dni), most), diffuse * _ratio(high.dhi, low.dhi)
+        np.minimum(direct * _gain(high.dni, low.dni), most), diffuse * _gain(high.dhi, low.dhi)
     )
     temperature, wind = weather.temperature_c, weather.wind_m_per_s
     own_m, ratio = weather.air_altitude_m, 1.0
@@ -129,7 +129,7 @@ def _shared(mean: FloatArray, clear: FloatArray, cosine: FloatArray) -> FloatArr
     return mean[:, np.newaxis] * shape
 
 
-def _ratio(high: FloatArray, low: FloatArray) -> FloatArray:
+def _gain(high: FloatArray, low: FloatArray) -> FloatArray:
     """Clear light at flight altitude over that at the ground; 1 where there is next to none."""
     usable = low > _LEAST_MEAN
     return np.where(usable, high / np.where(usable, low, 1.0), 1.0)

@@ -20,16 +20,6 @@ from solar.types import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "AXES",
-    "PERCENTILES",
-    "altitudes_m",
-    "east_deg",
-    "latitudes_deg",
-    "nearest_longitude",
-    "opened",
-    "wind_table_from_netcdf",
-]
 
 # What a file is reduced to, beside the percentile that is asked for.
 PERCENTILES = (5.0, 10.0, 25.0, 50.0, 75.0, 90.0, 95.0, 99.0)
@@ -195,11 +185,7 @@ def altitudes_m(level: Any, source: str) -> FloatArray:
 
 
 def _of_latitude(
-    u: xr.DataArray,
-    v: xr.DataArray,
-    months: FloatArray,
-    known: list[int],
-    percentiles: FloatArray,
+    u: xr.DataArray, v: xr.DataArray, months: FloatArray, known: list[int], percentiles: FloatArray
 ) -> FloatArray:
     """Percentiles at one latitude, shape ``(level, month, percentile)``; one is read at a time."""
     speed = np.hypot(u.to_numpy(), v.to_numpy()).astype(float)

@@ -20,8 +20,6 @@ from missions.dates import MONTH_NAMES
 from missions.files.errors import InputError, Problem, file_error
 from solar.types import FloatArray
 
-__all__ = ["COLUMNS", "SHIPPED_SOURCE", "WindTable", "shipped_winds", "wind_table_from_text"]
-
 COLUMNS = ("latitude_deg", "altitude_m", "month", "percentile", "wind_m_per_s")
 SHIPPED_SOURCE = "the shipped table"
 _SHIPPED = "zonal-p95.csv.gz"
@@ -95,11 +93,7 @@ class WindTable:
         return None
 
     def at(
-        self,
-        latitude_deg: ArrayLike,
-        altitude_m: ArrayLike,
-        month: ArrayLike,
-        percentile: float,
+        self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike, percentile: float
     ) -> FloatArray:
         """Wind speed that is not exceeded for ``percentile`` of the time [m/s]."""
         curve = self.curve(latitude_deg, altitude_m, month)
@@ -173,7 +167,7 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
     names = [] if first is None else [name.strip() for name in lines[first].split(",")]
     if first is None or sorted(names) != sorted(COLUMNS):
         raise file_error(source, f"has no line of the columns {', '.join(COLUMNS)}")
-    rows = _numbers(lines[first + 1 :], first + 2, names, source)
+    rows = _number_rows(lines[first + 1 :], first + 2, names, source)
     columns = {name: rows[:, names.index(name)] for name in COLUMNS}
     axes, places = zip(
         *(np.unique(columns[name], return_inverse=True) for name in COLUMNS[:-1]), strict=True
@@ -201,7 +195,7 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
     return WindTable(source, axes[0], axes[1], months, axes[3], values)
 
 
-def _numbers(lines: list[str], first: int, names: list[str], source: str) -> FloatArray:
+def _number_rows(lines: list[str], first: int, names: list[str], source: str) -> FloatArray:
     """Rows of a table as numbers; the first is the line ``first`` of its file."""
     kept = [s for s in lines if s.strip()]
     if not kept:

@@ -16,8 +16,6 @@ from typing import Literal
 from missions.files.errors import InputError, Problem, printable, shortened
 from missions.files.texts import FILE_MARK
 
-__all__ = ["FilePolar", "PolarRow", "is_foreign", "read_polars"]
-
 # Metres per second of the units that XFLR5 offers.
 _SPEED_UNITS = {
     "m/s": 1.0,
@@ -192,7 +190,7 @@ def _read_line(polar: FilePolar, number: int, line: str) -> bool:
         return False
     if _PROGRAM.match(line):  # of the next polar in the same file
         return False
-    row = _row(polar, number, line)
+    row = _polar_row(polar, number, line)
     if row is not None:
         polar.rows.append(row)
     return True
@@ -266,7 +264,7 @@ def _take_columns(polar: FilePolar, line: str) -> None:
     polar.columns = keys
 
 
-def _row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
+def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
     """Row of numbers; None for a point that did not converge."""
     if polar.by_commas:
         texts = [part.strip() for part in line.rstrip(", \t").split(",")]

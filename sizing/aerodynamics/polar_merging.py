@@ -19,8 +19,6 @@ from sizing.aerodynamics.polar_table import (
 )
 from solar.types import FloatArray
 
-__all__ = ["Merged", "merged", "parse_polar"]
-
 # Fixed-lift polars are resampled from the Reynolds number at which lift this share of the greatest
 # is still flown; a branch of attached flow has to begin below half of it.
 _LOW_LIFT_SHARE = 0.35
@@ -211,7 +209,7 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
     for polar, reynolds in pairs:
         for row, re in _level_flight_rows(polar, reynolds):
             by_angle.setdefault(round(row.alpha_deg, 6), []).append((re, row))
-    rows = [one for alpha in sorted(by_angle) for one in _at(targets, alpha, by_angle[alpha])]
+    rows = [one for alpha in sorted(by_angle) for one in _rows_at(targets, alpha, by_angle[alpha])]
     if not rows:
         raise file_error(source, "no angle of attack is in two polars of fixed lift")
     return np.array(rows)
@@ -226,7 +224,7 @@ def _level_flight_rows(
             yield row, re
 
 
-def _at(
+def _rows_at(
     targets: FloatArray, alpha: float, points: Sequence[tuple[float, PolarRow]]
 ) -> Iterator[tuple[float, ...]]:
     """Rows of one angle at those target Reynolds numbers that its points enclose."""

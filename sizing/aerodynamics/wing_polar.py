@@ -18,7 +18,6 @@ from pydantic import (
     field_serializer,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.files.errors import InputError
@@ -31,7 +30,15 @@ from sizing.aerodynamics.polar_table import (
     read_polar_text,
 )
 from sizing.smooth import Value
-from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record, Text
+from solar.schema import (
+    Fraction,
+    LiftCoefficient,
+    NonNegativeReal,
+    PositiveReal,
+    Record,
+    Text,
+    wrong_value,
+)
 
 
 class DragBuildUp(NamedTuple):
@@ -115,16 +122,12 @@ class WingPolar(Record):
         given = [key for key in keys if getattr(self, key) is not None]
         if len(given) == 1:
             other = keys[keys[0] == given[0]]
-            context = {"key": given[0], "other": other}
-            raise PydanticCustomError("wing", "goes with {other}", context)
+            raise wrong_value(given[0], f"goes with {other}")
         if given and not is_table_path(self.airfoil):
-            raise PydanticCustomError("wing", OF_A_SECTION, {"key": "airfoil"})
+            raise wrong_value("airfoil", OF_A_SECTION)
         if given and self.section_lift_ratio != 1.0:
-            raise PydanticCustomError(
-                "wing",
-                "must be 1 with polars of a wing (got {ratio})",
-                {"key": "section_lift_ratio", "ratio": f"{self.section_lift_ratio:g}"},
-            )
+            text = f"must be 1 with polars of a wing (got {self.section_lift_ratio:g})"
+            raise wrong_value("section_lift_ratio", text)
         return self
 
     @model_validator(mode="after")
@@ -133,20 +136,16 @@ class WingPolar(Record):
             highest = self.highest_lift_coefficient
         except InputError as error:
             first, count = str(error.problems[0]), len(error.problems)
-            context: dict[str, Any] = {"key": "airfoil", "why": first}
-            if count > 1:
-                context |= {"why": f"has {count} mistakes", "problems": error.problems}
-            raise PydanticCustomError("polar", "{why}", context) from error
+            if count == 1:
+                raise wrong_value("airfoil", first) from error
+            why = f"has {count} mistakes"
+            raise wrong_value("airfoil", why, problems=error.problems) from error
         except OSError as error:
-            raise PydanticCustomError(
-                "unreadable_polar",
-                "cannot read {file}: {why}",
-                {"key": "airfoil", "file": repr(self.airfoil), "why": str(error.strerror)},
+            raise wrong_value(
+                "airfoil", f"cannot read {self.airfoil!r}: {error.strerror}"
             ) from error
         except ValueError as error:
-            raise PydanticCustomError(
-                "polar", "{why}", {"key": "airfoil", "why": str(error)}
-            ) from error
+            raise wrong_value("airfoil", str(error)) from error
         if self.lift_coefficient is not None and self.lift_coefficient > highest:
             raise ValueError(
                 f"lift_coefficient must be at most {highest:.3g}, which is {self.stall_margin:g} "

@@ -19,16 +19,18 @@ from functools import partial
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from missions.air import MAXIMUM_ALTITUDE_M
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import ImpossibleDesignError, operating_reason, operating_trouble
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from sizing.validity.extrapolations import extrapolations
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import extrapolations
 from solar.types import FloatArray
 
-DEFAULT_HIGHEST_M = 20000.0
+# End of a search whose end is not given: for a start near the ground, and that of the air.
+_HIGHEST_M, _NEAR_M = 20000.0, 5000.0
 DEFAULT_STEP_M = 250.0
 _RESOLUTION_M = 0.1
 # Limits the root finder where excess time is infinite.
@@ -88,7 +90,7 @@ def highest_perpetual_altitude(
     mission: Mission,
     solar: SolarModel = UNCORRECTED_CAM,
     *,
-    highest_m: float = DEFAULT_HIGHEST_M,
+    highest_m: float | None = None,
     step_m: float = DEFAULT_STEP_M,
     progress: Progress | None = None,
 ) -> PerpetualCeiling:
@@ -100,7 +102,8 @@ def highest_perpetual_altitude(
         As for :func:`sizing.performance.performance`. The search starts at the mission's altitude;
         a parametric aircraft's masses are those of a flight at each altitude, or night's floor.
     highest_m : float
-        End of the search [m]; with climbs it ends at their ceiling at the latest.
+        End of the search [m]; if left out 20,000 m, or 32,000 m for missions above 15,000 m. With
+        climbs it ends at their ceiling at the latest.
     step_m : float
         Spacing of the scan [m]; the ceiling itself is found to 0.1 m.
     progress : callable, optional
@@ -119,6 +122,9 @@ def highest_perpetual_altitude(
     ImpossibleDesignError
         If the aircraft cannot carry its own mass at any altitude.
     """
+    if highest_m is None:
+        high_up = mission.altitude_m > _HIGHEST_M - _NEAR_M
+        highest_m = MAXIMUM_ALTITUDE_M if high_up else _HIGHEST_M
     if mission.climb is not None:
         highest_m = min(highest_m, mission.climb.ceiling_m)
     if not highest_m > mission.altitude_m:

@@ -16,11 +16,15 @@ from sizing.altitude.climb_levels import FlightLevels
 from sizing.altitude.climb_march import March, Strategy
 from sizing.altitude.climb_repetition import repeated_day
 from sizing.energy.battery import Store
-from sizing.energy.cycle import Cycle, EnergyBudget, equal_power, excess_and_status
+from sizing.energy.battery_voltage import CHARGE_SHARES
+from sizing.energy.cycle import Cycle, EnergyBudget, EqualPower, cycle_of, equal_power
 from sizing.energy.power_balance import blocks
 from solar.types import FloatArray
 
 _ELEMENTS_AT_ONCE = 512  # so that the arrays of a day stay near the processor
+# A day is marched again until its voltages and its nominal load stay within this, relative: the
+# load, which follows them with a tenth at the most, then does within a hundred thousandth.
+_SETTLED, _ROUNDS = 1e-5, 6
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,7 @@ def simulate_climb(
     Returns arrays of the elements.
     """
     steps = climb_march.STEPS_PER_NODE if steps_per_node is None else steps_per_node
-    return _Day(March(time_h, levels, store, strategy, steps)).result()
+    return _settled_day(March(time_h, levels, store, strategy, steps)).result()
 
 
 def cycles_with_climb(
@@ -113,8 +117,7 @@ def cycles_with_climb(
     """
     parts, highest_m = [], []
     for some in blocks(len(levels.scenario), _ELEMENTS_AT_ONCE):
-        march = March(time_h, levels.select(some), store.select(some), strategy, 1)
-        day = _Day(march)
+        day = _settled_day(March(time_h, levels.select(some), store.select(some), strategy, 1))
         parts.append(day.cycle())
         highest_m.append(day.maximum_altitude_m())
     return _joined(parts), np.concatenate(highest_m)
@@ -134,6 +137,25 @@ def _joined(parts: Sequence[Cycle]) -> Cycle:
         energy_budget=EnergyBudget(**budget),
         **{name: np.concatenate([getattr(one, name) for one in parts]) for name in rest},
     )
+
+
+def _settled_day(march: March) -> _Day:
+    """Day with the voltages of its own charge, where the propulsion follows them."""
+    day, chain = _Day(march), march.levels.chain
+    if chain is None or not chain.follows_voltage:
+        return day
+    bus_v, nominal_w = march.bus_v, march.nominal_w
+    assert bus_v is not None
+    for _ in range(_ROUNDS):
+        next_v, next_w = day.voltages(), day.nominal_over_night_w()
+        # Element by element: what becomes of one does not depend on the others.
+        moved = np.any(np.abs(next_v - bus_v) > _SETTLED * bus_v, axis=0)
+        moved |= np.abs(next_w - nominal_w) > _SETTLED * nominal_w
+        if not np.any(moved):
+            break
+        bus_v, nominal_w = np.where(moved, next_v, bus_v), np.where(moved, next_w, nominal_w)
+        day = _Day(march.at_voltages(bus_v, nominal_w))
+    return day
 
 
 class _Day:
@@ -167,57 +189,51 @@ class _Day:
     def energy_budget(self) -> ClimbEnergyBudget:
         """Where the energy goes."""
         run, march = self.run, self.march
-        eta, charged_wh = march.levels.efficiency, run.charged.sum(axis=0)
+        charged_wh, level_wh, lifted_wh, sunk_wh = (
+            one.sum(axis=0) for one in (run.charged, run.level_thrust_wh, run.lifted, run.sunk)
+        )
         discharge_loss = 1.0 - march.store.discharge_efficiency
         return ClimbEnergyBudget(
             solar_wh=run.solar_wh.sum(axis=0),
             unserved_wh=run.unserved.sum(axis=0),
             constant_load_wh=24.0 * march.levels.constant_power_w,
-            level_flight_wh=eta * run.level_electric_wh.sum(axis=0),
-            propulsion_loss_wh=(1.0 - eta) * run.motor_wh.sum(axis=0),
+            level_flight_wh=level_wh,
+            propulsion_loss_wh=run.motor_wh.sum(axis=0) - level_wh - lifted_wh + sunk_wh,
             stored_wh=self.energy[-1] - self.energy[0],
             stored_potential_wh=self.potential[-1] - self.potential[0],
             charge_loss_wh=charged_wh * (1.0 / march.store.charge_efficiency - 1.0),
             discharge_loss_wh=run.drawn.sum(axis=0) * discharge_loss,
             curtailed_wh=(run.left_over - run.climb).sum(axis=0),
             climb_electric_wh=run.climb.sum(axis=0),
-            glide_potential_wh=eta * run.glide.sum(axis=0),
+            glide_potential_wh=sunk_wh,
         )
+
+    @cached_property
+    def _equal(self) -> EqualPower:
+        """Instants at which the sun at the lowest altitude equals the nominal load."""
+        march = self.march
+        floor_w = march.solar_at[:, : march.count]
+        return equal_power(march.node_h, floor_w - march.nominal_w)
 
     def cycle(self) -> Cycle:
         """Metrics of :mod:`sizing.energy.cycle`, with the altitude that is left at dawn."""
-        march, levels, budget = self.march, self.march.levels, self.energy_budget
-        missing_h = self.run.missing_h
-        battery_energy_wh = march.store.battery_energy_wh
-        floor_w = march.solar_at[:, : march.count]
-        equal = equal_power(march.node_h, floor_w - levels.nominal_load_w)
-        excess, status = excess_and_status(
-            equal,
-            runs_empty=budget.unserved_wh > 1e-9 * battery_energy_wh,
-            sunlit=np.any(floor_w > 0.0, axis=0),
-            missing_h=missing_h,
-            reserve_h=self._reserve_h(equal.morning_h),
+        march, budget = self.march, self.energy_budget
+        battery_energy_wh, missing_h = march.store.battery_energy_wh, self.run.missing_h
+        equal = self._equal
+        of_cycle = EnergyBudget(
+            solar_wh=budget.solar_wh,
+            load_wh=budget.constant_load_wh + self.run.motor_wh.sum(axis=0),
+            unserved_wh=budget.unserved_wh,
+            stored_wh=budget.stored_wh,
+            charge_loss_wh=budget.charge_loss_wh,
+            discharge_loss_wh=budget.discharge_loss_wh,
+            curtailed_wh=budget.curtailed_wh,
         )
-        lowest = self.energy.min(axis=0) / battery_energy_wh
-        first_full, last_full = self._full_h()
-        return Cycle(
-            status=status,
-            excess_time_h=excess,
-            minimum_state_of_charge=np.where(excess > 0.0, lowest, 0.0),
-            charge_margin_h=np.where(np.isnan(first_full), 0.0, last_full - first_full),
-            equal_power_morning_h=equal.morning_h,
-            equal_power_evening_h=equal.evening_h,
-            full_charge_h=first_full,
-            missing_h=missing_h,
-            energy_budget=EnergyBudget(
-                solar_wh=budget.solar_wh,
-                load_wh=budget.constant_load_wh + self.run.motor_wh.sum(axis=0),
-                unserved_wh=budget.unserved_wh,
-                stored_wh=budget.stored_wh,
-                charge_loss_wh=budget.charge_loss_wh,
-                discharge_loss_wh=budget.discharge_loss_wh,
-                curtailed_wh=budget.curtailed_wh,
-            ),
+        return cycle_of(
+            *(equal, of_cycle, missing_h, self._reserve_h(equal.morning_h)),
+            state_of_charge=self.energy.min(axis=0) / battery_energy_wh,
+            full_h=self._full_h(),
+            runs_empty=budget.unserved_wh > 1e-9 * battery_energy_wh,
             time_h=march.node_h,
             energy_wh=self.energy[:: march.steps_per_node].T.copy(),
         )
@@ -233,9 +249,26 @@ class _Day:
         glide_h = levels.glide_h(_at_times(self.time_h, self.potential, at))
         for_avionics = levels.constant_power_w * glide_h
         with np.errstate(divide="ignore", invalid="ignore"):
-            level_h = np.maximum(energy - for_avionics, 0.0) / levels.nominal_load_w
+            level_h = np.maximum(energy - for_avionics, 0.0) / self.march.nominal_w
             shortened = np.where(energy < for_avionics, energy / levels.constant_power_w, glide_h)
         return shortened + level_h
+
+    def voltages(self) -> FloatArray:
+        """Voltage of the bus at the nodes of the steps [V]."""
+        chain = self.march.levels.chain
+        assert chain is not None
+        return chain.voltage_of(self.energy / self.march.store.battery_energy_wh)
+
+    def nominal_over_night_w(self) -> FloatArray:
+        """Nominal load over the voltages from the charge at dawn down to the empty battery [W]."""
+        march, levels, chain = self.march, self.march.levels, self.march.levels.chain
+        assert chain is not None
+        dawn_h = self._equal.morning_h
+        at = np.where(np.isnan(dawn_h), 0.0, dawn_h)
+        charge = _at_times(self.time_h, self.energy, at) / march.store.battery_energy_wh
+        volts = chain.places(chain.voltage_of(charge * CHARGE_SHARES[:, np.newaxis]))
+        power_w = chain.power_w(march.row_at[: march.count], volts, levels.nominal_factor)
+        return np.asarray(1.0 / np.mean(1.0 / (power_w + levels.constant_power_w), axis=0))
 
     def _full_h(self) -> tuple[FloatArray, FloatArray]:
         """First and last instant of full charge [h], NaN without one."""

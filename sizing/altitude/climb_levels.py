@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.altitude.climb_chain import ClimbChain
 from sizing.design import (
     Design,
     ImpossibleDesignError,
@@ -23,10 +25,11 @@ from sizing.sunlight import SolarDay
 from solar.types import BoolArray, FloatArray, IntArray
 
 _GLIDE_POINTS = 2001
+_DESIGNS_AT_ONCE = 512  # whose propulsion is tabulated together
 # Fields of the levels that every element has one of.
 _OF_EACH = (
     *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
-    *("efficiency", "maximum_power_w", "flies"),
+    *("efficiency", "maximum_power_w", "flies", "design"),
 )
 _NO_FLIGHT_W = 1e12  # power of a level flight that there is none of
 
@@ -58,7 +61,8 @@ class FlightLevels:
     ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-]. Of
     every element: ``nominal_factor`` is that without thermals, ``constant_power_w`` of avionics
     and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, and whether it
-    ``flies`` at all levels.
+    ``flies`` at all levels. ``chain``: propulsion of every ``design`` whose efficiency is that of
+    the moment; None where it is the constant ``efficiency``.
     """
 
     altitude_m: FloatArray
@@ -73,6 +77,15 @@ class FlightLevels:
     efficiency: FloatArray
     maximum_power_w: FloatArray
     flies: BoolArray
+    design: IntArray
+    chain: ClimbChain | None = None
+
+    @property
+    def thrust_power_w(self) -> FloatArray:
+        """Drag times airspeed of level flight in calm air [W], ``(level, element)``."""
+        if self.chain is None:
+            return self.efficiency * self.propulsion_power_w
+        return self.chain.thrust_w[:, self.design]
 
     @property
     def nominal_load_w(self) -> FloatArray:
@@ -83,7 +96,12 @@ class FlightLevels:
         """Flights of a part of the elements."""
         by_level = ("potential_energy_wh", "propulsion_power_w")
         rows = {name: getattr(self, name)[:, some] for name in by_level}
-        return replace(self, **rows, **{name: getattr(self, name)[some] for name in _OF_EACH})
+        rows |= {name: getattr(self, name)[some] for name in _OF_EACH}
+        chain = self.chain
+        if chain is not None and chain.count > _DESIGNS_AT_ONCE:
+            designs, rows["design"] = np.unique(rows["design"], return_inverse=True)
+            chain = chain.select(designs)
+        return replace(self, **rows, chain=chain)
 
     @classmethod
     def joined(cls, several: Sequence[FlightLevels]) -> FlightLevels:
@@ -93,13 +111,20 @@ class FlightLevels:
             1: ("potential_energy_wh", "propulsion_power_w", "specific_power_w_per_m2"),
             0: ("turbulence_factor", *_OF_EACH),
         }
-        arrays = {
+        arrays: dict[str, Any] = {
             name: np.concatenate([getattr(one, name) for one in several], axis=axis)
             for axis, names in along.items()
             for name in names
         }
         places = [one.scenario + n for one, n in zip(several, first, strict=False)]
-        return cls(several[0].altitude_m, **arrays | {"scenario": np.concatenate(places)})
+        arrays["scenario"] = np.concatenate(places)
+        chains = [one.chain for one in several if one.chain is not None]
+        if len(chains) < len(several):
+            return cls(several[0].altitude_m, **arrays)
+        before = np.cumsum([0, *(one.count for one in chains)])
+        own = [one.design + n for one, n in zip(several, before, strict=False)]
+        arrays["design"] = np.concatenate(own)
+        return cls(several[0].altitude_m, **arrays, chain=ClimbChain.joined(chains))
 
     def altitude_at(self, potential_energy_wh: FloatArray) -> FloatArray:
         """Altitude of potential energies, elements first [m]."""
@@ -108,12 +133,19 @@ class FlightLevels:
 
     def glide_h(self, potential_energy_wh: FloatArray) -> FloatArray:
         """Hours of gliding from the potential energy of every element with the motor off [h]."""
-        hours = np.zeros(np.shape(potential_energy_wh))
+        hours, scale, power_w = (
+            np.zeros(np.shape(potential_energy_wh)),
+            *(
+                (self.efficiency, self.propulsion_power_w)
+                if self.chain is None
+                else (np.ones(len(self.design)), self.thrust_power_w)
+            ),
+        )
         for place in np.flatnonzero(potential_energy_wh):
             known = self.potential_energy_wh[:, place]
             energies = np.linspace(0.0, known[-1], _GLIDE_POINTS)
-            level_w = np.interp(energies, known, self.propulsion_power_w[:, place])
-            slowness = 1.0 / (self.efficiency[place] * (level_w * self.nominal_factor[place]))
+            level_w = np.interp(energies, known, power_w[:, place])
+            slowness = 1.0 / (scale[place] * (level_w * self.nominal_factor[place]))
             each = np.diff(energies) * (slowness[1:] + slowness[:-1]) / 2.0
             summed = np.concatenate(([0.0], np.cumsum(each)))
             hours[place] = np.interp(potential_energy_wh[place], energies, summed)
@@ -182,7 +214,8 @@ def flight_levels(
         array = np.broadcast_to(np.asarray(value, float), batch)
         return np.broadcast_to(array if paired else array[..., np.newaxis], shape).ravel()
 
-    flown = [_same_aircraft_at(aircraft, mission, design, float(h)) for h in altitudes]
+    missions = [mission.at_altitude(float(h)) for h in altitudes]
+    flown = [_same_aircraft_at(aircraft, there, design) for there in missions]
     height_m = [
         h + np.square(0.0 if d.airspeed_m_per_s is None else d.airspeed_m_per_s) / _TWICE_GRAVITY
         for h, d in zip(altitudes, flown, strict=True)
@@ -213,21 +246,23 @@ def flight_levels(
         efficiency=each(limits.efficiency),
         maximum_power_w=np.where(flies, each(limits.maximum_power_w), 0.0),
         flies=np.asarray(flies),
+        design=np.asarray(each(np.arange(max(math.prod(batch), 1)).reshape(batch)), int),
+        chain=ClimbChain.of(aircraft, missions, flown),
     )
 
 
 _TWICE_GRAVITY = 2.0 * GRAVITY_M_PER_S2
 
 
-def _same_aircraft_at(
-    aircraft: Aircraft, mission: Mission, design: Design, altitude_m: float
-) -> Design:
+def _same_aircraft_at(aircraft: Aircraft, there: Mission, design: Design) -> Design:
     """Level flight of given mass at another altitude, of a batch infinite power without any."""
-    there = mission.at_altitude(altitude_m)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, there)
     with np.errstate(over="ignore", invalid="ignore"):
-        flown = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
+        flown = parametric_design(
+            *(aircraft, there, design.variables, design.total_mass_kg),
+            horizontal_volume=design.horizontal_volume,
+        )
     if np.ndim(design.total_mass_kg) == 0 and not np.isfinite(flown.propulsion_power_w):
         raise ImpossibleDesignError(operating_trouble(aircraft, there))
     return flown

@@ -10,8 +10,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from sizing.altitude.climb_chain import Place
 from sizing.altitude.climb_levels import FlightLevels
+from sizing.altitude.climb_run import DayRun, Drawn, Moves, Power, Stored
 from sizing.energy.battery import Store
+from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.energy.cycle import FULL
 from sizing.energy.power_balance import crossing_fraction, positive_part_wh
 from solar.types import BoolArray, FloatArray, IntArray
@@ -21,91 +24,14 @@ Strategy = Literal["battery_full", "surplus"]
 STEPS_PER_NODE = 5  # of the day's axis: 1 min
 
 
-class Stored(NamedTuple):
-    """Energy in the battery, and potential energy above the lowest level [Wh]; per element."""
-
-    battery_wh: FloatArray
-    potential_wh: FloatArray
-
-
-class Power(NamedTuple):
-    """Power of steps, and what is left over or lacking in them whatever is stored.
-
-    Of sun and motor in level flight at both ends, at the altitude of the middle [W]; surplus and
-    deficit, that of the avionics alone, and what the propulsion could take besides level flight
-    while there is a surplus [Wh]; ``sunlit_h`` is how long there is one. A deficit comes before the
-    surplus of its step where ``early`` is 1, after it where that is 0.
-    """
-
-    solar_left_w: FloatArray
-    solar_right_w: FloatArray
-    motor_left_w: FloatArray
-    motor_right_w: FloatArray
-    surplus_wh: FloatArray
-    deficit_wh: FloatArray
-    of_avionics_wh: FloatArray
-    room_wh: FloatArray
-    sunlit_h: FloatArray
-    early: FloatArray
-
-
-class DayRun:
-    """What a day has done, step by step; time is the first axis, elements the second.
-
-    ``energy_wh`` and ``potential_wh`` are stored at the nodes of the steps. Energy that moves in a
-    step [Wh]: ``charged``, ``drawn``, ``left_over`` of the surplus, of that ``climb``, ``glide``,
-    which is electric energy that sinking has saved, and ``unserved``.
-    """
-
-    def __init__(self, march: March) -> None:
-        # Most steps are at the lowest altitude.
-        self.march, self.power = march, Power(*(values.copy() for values in march.at_floor))
-        steps, elements = self.power.solar_left_w.shape
-        self.energy_wh, self.potential_wh = np.zeros((2, steps + 1, elements))
-        self.charged, self.drawn, self.left_over = np.zeros((3, steps, elements))
-        self.climb, self.glide, self.unserved = np.zeros((3, steps, elements))
-
-    def keep(self, number: int, moves: _Moves, power: Power | None) -> None:
-        """Keep what a step does; ``power`` where it is above the lowest altitude."""
-        self.charged[number], self.left_over[number] = moves.charged_wh, moves.left_over_wh
-        self.climb[number] = moves.climb_wh
-        for drawn in (moves.first, moves.second):
-            if drawn is not None:
-                self.drawn[number] += drawn.drawn_wh
-                self.glide[number] += drawn.glide_wh
-                self.unserved[number] += drawn.unserved_wh
-        self.energy_wh[number + 1], self.potential_wh[number + 1] = moves.end
-        if power is not None:
-            for row, values in zip(self.power, power, strict=True):
-                row[number] = values
-
-    @property
-    def solar_wh(self) -> FloatArray:
-        """Energy of the modules in every step [Wh]."""
-        return (self.power.solar_left_w + self.power.solar_right_w) / 2.0 * self.march.hours
-
-    @property
-    def level_electric_wh(self) -> FloatArray:
-        """Electric energy that level flight takes in every step [Wh]."""
-        return (self.power.motor_left_w + self.power.motor_right_w) / 2.0 * self.march.hours
-
-    @property
-    def motor_wh(self) -> FloatArray:
-        """Electric energy of the propulsion in every step [Wh]."""
-        return self.level_electric_wh + self.climb - self.glide
-
-    @property
-    def missing_h(self) -> FloatArray:
-        """Hours without energy."""
-        lacking = (self.march.hours - self.power.sunlit_h) * self.unserved
-        return np.asarray((lacking / np.maximum(self.power.deficit_wh, 1e-300)).sum(axis=0))
-
-
 class March:
     """Steps through the day of aircraft in scenarios with both storages.
 
     ``levels``: the aircraft between the lowest altitude and the ceiling. ``steps_per_node``: steps
-    in one of the day's axis.
+    in one of the day's axis. ``bus_v``: voltages at the nodes of the steps, ``(node, element)``, by
+    which a propulsion has the efficiency of the moment; by default those of a half charged battery.
+    ``nominal_w``: load that equal power and excess time count by; by default that at the lowest
+    altitude without thermals.
     """
 
     def __init__(
@@ -115,6 +41,9 @@ class March:
         store: Store,
         strategy: Strategy,
         steps_per_node: int,
+        *,
+        bus_v: FloatArray | None = None,
+        nominal_w: FloatArray | None = None,
     ) -> None:
         self.node_h, self.levels, self.store = np.asarray(time_h, float), levels, store
         self.steps_per_node, self.strategy = steps_per_node, strategy
@@ -132,11 +61,32 @@ class March:
         self.counts_as_full_wh = FULL * store.battery_energy_wh
         self.hours = np.repeat(np.diff(self.node_h) / steps_per_node, steps_per_node)[:, np.newaxis]
         self._hours = [float(hours) for hours in self.hours[:, 0]]
+        chain, shape = levels.chain, (len(self._hours) + 1, self.count)
+        if chain is not None:
+            # Rows of the propulsion's tables at the levels, which designs share.
+            rows = np.arange(len(levels.altitude_m))[:, np.newaxis] * chain.count + levels.design
+            self.row_at, self.thrust_at = rows.ravel(), levels.thrust_power_w.ravel()
+            if bus_v is None:
+                bus_v = np.full(shape, float(chain.voltage_of(np.array(FIRST_CHARGE))))
+            self.volts = chain.places(bus_v)
+            if nominal_w is None:
+                at = self.volts.at(0)
+                thrust = chain.power_w(rows[0], at, levels.nominal_factor)
+                nominal_w = thrust + levels.constant_power_w
+        self.bus_v = bus_v
+        self.nominal_w = levels.nominal_load_w if nominal_w is None else nominal_w
 
     def select(self, some: IntArray | BoolArray) -> March:
         """Steps of some of the elements."""
         levels, store = self.levels.select(some), self.store.select(some)
-        return March(self.node_h, levels, store, self.strategy, self.steps_per_node)
+        bus_v = None if self.bus_v is None else self.bus_v[:, some]
+        given = (self.node_h, levels, store, self.strategy, self.steps_per_node)
+        return March(*given, bus_v=bus_v, nominal_w=self.nominal_w[some])
+
+    def at_voltages(self, bus_v: FloatArray, nominal_w: FloatArray) -> March:
+        """Steps of the same flights with other voltages, and with the nominal load by them."""
+        given = (self.node_h, self.levels, self.store, self.strategy, self.steps_per_node)
+        return March(*given, bus_v=bus_v, nominal_w=nominal_w)
 
     @property
     def time_h(self) -> FloatArray:
@@ -144,6 +94,11 @@ class March:
         parts = np.arange(self.steps_per_node) / self.steps_per_node
         fine = self.node_h[:-1, np.newaxis] + np.diff(self.node_h)[:, np.newaxis] * parts
         return np.append(fine.ravel(), self.node_h[-1])
+
+    def empty_run(self) -> DayRun:
+        """Record of a day that has not been flown."""
+        constant = self.levels.efficiency if self.levels.chain is None else None
+        return DayRun(self.at_floor, self.floor_thrust_w, self.hours, constant)
 
     def end_of_day(self, stored: Stored, run: DayRun | None = None) -> Stored:
         """What is stored at the end of the day, from what is at its start; kept in a run."""
@@ -157,15 +112,18 @@ class March:
                 stored = self._discharged(stored, slice(number, until), run)
                 before, number = stored.potential_wh, until
                 continue
+            place = None
             if at_floor:
                 power, phases = self._floor_steps[number]
+                if self.levels.chain is not None:
+                    place = self._floor_place(number, power)
             else:
                 middle = 1.5 * stored.potential_wh - 0.5 * before
-                power = self._power_at(number, middle)
+                power, place = self._power_at(number, middle)
                 phases = _phases(power)
-            moves = self._moves(stored, power, phases, self._hours[number])
+            moves = self._moves(stored, power, place, phases, self._hours[number])
             if run is not None:
-                run.keep(number, moves, None if at_floor else power)
+                run.keep(number, moves, None if at_floor else power, place)
             before, stored, number = stored.potential_wh, moves.end, number + 1
         return stored
 
@@ -182,8 +140,32 @@ class March:
             )
             for share in (part / self.steps_per_node, (part + 1) / self.steps_per_node)
         ]
-        motor_w = self.motor_at[floor]
-        return self._balance(ends[0], ends[1], motor_w * ends[2], motor_w * ends[3], self.hours)
+        chain = self.levels.chain
+        if chain is None:
+            motor_w = self.motor_at[floor]
+            return self._balance(ends[0], ends[1], motor_w * ends[2], motor_w * ends[3], self.hours)
+        row = self.row_at[floor]
+        here, there = self.volts.at(slice(None, -1)), self.volts.at(slice(1, None))
+        motors = chain.power_w(row, here, ends[2]), chain.power_w(row, there, ends[3])
+        return self._balance(ends[0], ends[1], *motors, self.hours, chain.most_w(row, here))
+
+    @cached_property
+    def floor_thrust_w(self) -> FloatArray:
+        """Thrust power of level flight at the lowest altitude in every step [W]; 0 by constants."""
+        if self.levels.chain is None:
+            return np.zeros((len(self._hours), self.count))
+        node, part = np.divmod(np.arange(len(self._hours)), self.steps_per_node)
+        middle = ((part + 0.5) / self.steps_per_node)[:, np.newaxis]
+        factor = self.factor[node] + (self.factor[node + 1] - self.factor[node]) * middle
+        return np.asarray(self.thrust_at[: self.count] * factor)
+
+    def _floor_place(self, number: int, power: Power) -> Place:
+        """Where a step at the lowest altitude is flown."""
+        chain, row, volts = self.levels.chain, self.row_at[: self.count], self.volts.at(number)
+        assert chain is not None
+        thrust_w = self.floor_thrust_w[number]
+        motor_w = (power.motor_left_w + power.motor_right_w) / 2.0
+        return Place(chain, row, row, self._nothing, volts, motor_w, thrust_w)
 
     @cached_property
     def _floor_steps(self) -> list[tuple[Power, _Phases]]:
@@ -221,8 +203,8 @@ class March:
         run.unserved[steps] = np.where(unmet, np.maximum(lacking_wh, 0.0), 0.0)
         return stored._replace(battery_wh=energy_wh[-1])
 
-    def _power_at(self, number: int, potential_wh: FloatArray) -> Power:
-        """Power of one step at a potential energy."""
+    def _power_at(self, number: int, potential_wh: FloatArray) -> tuple[Power, Place | None]:
+        """Power of one step at a potential energy, and its place."""
         node, part = divmod(number, self.steps_per_node)
         potential_wh = np.minimum(np.maximum(potential_wh, 0.0), self.potential_max_wh)
         below = (potential_wh >= self.thresholds_wh).sum(axis=0) * self.count + self.places
@@ -232,13 +214,35 @@ class March:
         here, there = self.solar_at[node], self.solar_at[node + 1]
         left = lower * here[below] + upper * here[above]
         right = lower * there[below] + upper * there[above]
-        motor_w = lower * self.motor_at[below] + upper * self.motor_at[above]
         first, last = self.factor[node], self.factor[node + 1]
         if self.steps_per_node > 1:
             a, b = part / self.steps_per_node, (part + 1) / self.steps_per_node
             left, right = left + (right - left) * a, left + (right - left) * b
             first, last = first + (last - first) * a, first + (last - first) * b
-        return self._balance(left, right, motor_w * first, motor_w * last, self._hours[number])
+        hours, chain = self._hours[number], self.levels.chain
+        if chain is None:
+            motor_w = lower * self.motor_at[below] + upper * self.motor_at[above]
+            return self._balance(left, right, motor_w * first, motor_w * last, hours), None
+        rows = np.array([self.row_at[below], self.row_at[above]])[:, np.newaxis]
+        volts = self.volts.at(slice(number, number + 2))
+        motors = chain.power_w(rows, volts, np.array([first, last]))
+        motor_left, motor_right = lower * motors[0] + upper * motors[1]
+        thrust_w = lower * self.thrust_at[below] + upper * self.thrust_at[above]
+        place = Place(
+            *(chain, self.row_at[below], self.row_at[above], upper, volts.at(0)),
+            motor_w=(motor_left + motor_right) / 2.0,
+            thrust_w=thrust_w * (first + last) / 2.0,
+        )
+        most_w = lower * chain.most_w(place.below, place.volts)
+        most_w = most_w + upper * chain.most_w(place.above, place.volts)
+        return self._balance(left, right, motor_left, motor_right, hours, most_w), place
+
+    def _gain(self, place: Place | None, more_w: FloatArray) -> FloatArray:
+        """Thrust power that the motor's power beyond level flight's gives, over that power [-].
+
+        ``more_w``: below zero for less than level flight's.
+        """
+        return self.levels.efficiency if place is None else place.gain(more_w)
 
     def _balance(
         self,
@@ -247,13 +251,16 @@ class March:
         motor_left: FloatArray,
         motor_right: FloatArray,
         hours: float | FloatArray,
+        most_w: FloatArray | None = None,
     ) -> Power:
         """Surplus and deficit of one step, or of a column of steps."""
         constant = self.levels.constant_power_w
         left = solar_left - motor_left - constant
         right = solar_right - motor_right - constant
         sunlit_h = hours * _surplus_share(left, right)
-        room_w = self.levels.maximum_power_w - (motor_left + motor_right) / 2.0
+        rated_w = self.levels.maximum_power_w
+        most_w = rated_w if most_w is None else np.minimum(rated_w, most_w)
+        room_w = most_w - (motor_left + motor_right) / 2.0
         return Power(
             *(solar_left, solar_right, motor_left, motor_right),
             surplus_wh=positive_part_wh(left, right, hours),
@@ -264,12 +271,14 @@ class March:
             early=np.where(left < 0.0, 1.0, 0.0),
         )
 
-    def _moves(self, stored: Stored, power: Power, phases: _Phases, hours: float) -> _Moves:
+    def _moves(
+        self, stored: Stored, power: Power, place: Place | None, phases: _Phases, hours: float
+    ) -> Moves:
         """Early deficit, surplus (charge, then climb), late deficit; none where there is none."""
         first = second = None
-        climb = charged_wh = left_over = self._nothing
+        climb = charged_wh = left_over = lifted_wh = self._nothing
         if phases.begins_short:
-            first = self._drawn(stored, power, power.early)
+            first = self._drawn(stored, power, place, power.early, hours)
             stored = first.end
         if phases.has_surplus:
             energy, potential = stored
@@ -277,12 +286,16 @@ class March:
             charged_wh = charged - energy
             left_over = power.surplus_wh - charged_wh / self.store.charge_efficiency
             usable = self._usable_wh(energy, charged, power.surplus_wh, left_over, hours)
-            climb = self._climb_wh(potential, usable, power.room_wh)
-            stored = Stored(charged, potential + self.levels.efficiency * climb)
+            # What climbs does so all the time of the surplus, up to the ceiling.
+            wanted = np.minimum(usable, power.room_wh)
+            eta = self._gain(place, _mean_w(np.maximum(wanted, 0.0), power.sunlit_h))
+            climb = self._climb_wh(potential, wanted, eta)
+            lifted_wh = eta * climb
+            stored = Stored(charged, potential + lifted_wh)
         if phases.ends_short:
-            second = self._drawn(stored, power, 1.0 - power.early)
+            second = self._drawn(stored, power, place, 1.0 - power.early, hours)
             stored = second.end
-        return _Moves(first, charged_wh, left_over, climb, second, stored)
+        return Moves(first, charged_wh, left_over, climb, lifted_wh, second, stored)
 
     def _usable_wh(
         self,
@@ -307,26 +320,30 @@ class March:
         return np.where(full, np.minimum(left_over, usable), 0.0)
 
     def _climb_wh(
-        self, potential: FloatArray, usable_wh: FloatArray, room_wh: FloatArray
+        self, potential: FloatArray, wanted_wh: FloatArray, eta: FloatArray
     ) -> FloatArray:
         """Electric energy spent on climbing [Wh]."""
-        to_ceiling = (self.potential_max_wh - potential) / self.levels.efficiency
-        energy = np.minimum(np.minimum(usable_wh, room_wh), to_ceiling)
-        return np.asarray(np.maximum(energy, 0.0))
+        to_ceiling = (self.potential_max_wh - potential) / eta
+        return np.asarray(np.maximum(np.minimum(wanted_wh, to_ceiling), 0.0))
 
-    def _drawn(self, stored: Stored, power: Power, share: FloatArray) -> _Drawn:
+    def _drawn(
+        self, stored: Stored, power: Power, place: Place | None, share: FloatArray, hours: float
+    ) -> Drawn:
         """Meet a deficit: what the motor lacks by sinking first, all else from the battery."""
         energy, potential = stored
         deficit = share * power.deficit_wh
         of_motor = deficit - share * power.of_avionics_wh
-        glide = np.minimum(np.maximum(of_motor, 0.0), potential / self.levels.efficiency)
+        saved = np.maximum(of_motor, 0.0)
+        sinks = self._gain(place, -_mean_w(saved, share * (hours - power.sunlit_h)))
+        glide = np.minimum(saved, potential / sinks)
+        sunk = sinks * glide
         wanted = deficit - glide
         eta = self.store.discharge_efficiency
         drawn = np.minimum(wanted / eta, energy)
         # Rounding must leave no potential energy that is none.
-        lower = np.maximum(potential - self.levels.efficiency * glide, 0.0)
+        lower = np.maximum(potential - sunk, 0.0)
         unserved = np.maximum(wanted - eta * drawn, 0.0)
-        return _Drawn(Stored(energy - drawn, lower), drawn, glide, unserved)
+        return Drawn(Stored(energy - drawn, lower), drawn, glide, sunk, unserved)
 
 
 class _Phases(NamedTuple):
@@ -347,28 +364,13 @@ def _phases(power: Power) -> _Phases:
     )
 
 
-class _Drawn(NamedTuple):
-    """What is stored after a deficit, and what was given [Wh]; ``glide_wh`` is electric, saved."""
-
-    end: Stored
-    drawn_wh: FloatArray
-    glide_wh: FloatArray
-    unserved_wh: FloatArray
-
-
-class _Moves(NamedTuple):
-    """What a step does with what is stored; per element."""
-
-    first: _Drawn | None
-    charged_wh: FloatArray
-    left_over_wh: FloatArray
-    climb_wh: FloatArray
-    second: _Drawn | None
-    end: Stored
-
-
 def _inverse(rises_wh: FloatArray) -> FloatArray:
     return 1.0 / np.where(rises_wh > 0.0, rises_wh, np.inf)
+
+
+def _mean_w(energy_wh: FloatArray, hours: FloatArray) -> FloatArray:
+    """Power of an energy over some hours [W]; none without any."""
+    return np.asarray(energy_wh / np.where(hours > 0.0, hours, np.inf))
 
 
 def _surplus_share(left: FloatArray, right: FloatArray) -> FloatArray:

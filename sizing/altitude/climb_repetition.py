@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from sizing.altitude.climb_march import DayRun, March, Stored
+from sizing.altitude.climb_march import March
+from sizing.altitude.climb_run import DayRun, Stored
 from solar.types import BoolArray, FloatArray, IntArray
 
 _TOLERANCE = 1e-10  # of the battery's energy: gain of a cycle that repeats itself
@@ -24,7 +25,7 @@ def repeated_day(march: March) -> DayRun:
     """
     full = march.store.battery_energy_wh
     scale = np.maximum(full, march.potential_max_wh)
-    run = DayRun(march)
+    run = march.empty_run()
     start = march.end_of_day(Stored(full.copy(), np.zeros_like(full)))
     end = march.end_of_day(start, run)
     changes = [np.abs(a - b) for a, b in zip(start, end, strict=True)]
@@ -34,7 +35,7 @@ def repeated_day(march: March) -> DayRun:
     settled = _periodic_state(march.select(unsettled), scale[unsettled])
     for values, found in zip(start, settled, strict=True):
         values[unsettled] = found
-    run = DayRun(march)
+    run = march.empty_run()
     march.end_of_day(start, run)
     return run
 

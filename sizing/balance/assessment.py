@@ -9,7 +9,7 @@ from typing import Any
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import DragShares
-from sizing.balance.in_design import polar_with_tail
+from sizing.balance.in_design import polar_with_tail, with_horizontal_tail
 from sizing.balance.masses import Item, centre_of_gravity
 from sizing.balance.placing import balance_items, balanced_airframe, body_volume_m3
 from sizing.balance.stability import (
@@ -21,7 +21,7 @@ from sizing.balance.stability import (
     trim,
 )
 from sizing.balance.surfaces import TailPlanes, Wing, wing_of
-from sizing.design import Design, FlightConditions, flown_at
+from sizing.design import Design, FlightConditions, balance_inputs, flown_at
 from sizing.limits import DesignInFlight
 from sizing.smooth import Value
 
@@ -35,14 +35,16 @@ class BalanceAssessment:
     """Balance in level flight, controls at 1.2 times the stall speed.
 
     ``items``: masses with their places. ``moved``: the one that is put where the static margin
-    asks for it; None where none is asked for. ``design_mass_kg``: of the mass budget, which a
-    weighed list need not meet. ``found``: neutral point. ``sideslip_deg``: held by the whole
-    rudder. ``motor_out``: share of the rudder that one of two motors, at the fronts of two booms,
-    needs; None with another number of them.
+    asks for it; None where none is. ``sized_volume``: volume coefficient of a horizontal tail of
+    the size that the static margin asks for; None where the file's holds. ``design_mass_kg``: of
+    the mass budget, which a weighed list need not meet. ``found``: neutral point.
+    ``sideslip_deg``: held by the whole rudder. ``motor_out``: share of the rudder that one of two
+    motors, at the fronts of two booms, needs; None with another number of them.
     """
 
     items: tuple[Item, ...]
     moved: Item | None
+    sized_volume: float | None
     design_mass_kg: float
     wing: Wing
     planes: TailPlanes
@@ -77,6 +79,7 @@ class BalanceAssessment:
         return {
             "items": [item._asdict() for item in self.items],
             "moved": None if self.moved is None else self.moved.name,
+            "sized_horizontal_volume": self.sized_volume,
             "mass_kg": self.mass_kg,
             "centre_of_gravity_m": self.gravity_m,
             "neutral_point_m": float(self.found.x_m),
@@ -102,7 +105,7 @@ class BalanceAssessment:
 def drag_shares(aircraft: Aircraft, mission: Mission, design: Design) -> DragShares | None:
     """Drag of the parts in level flight; None where the file does not build it up."""
     it = DesignInFlight(aircraft, design, FlightConditions.of(mission, aircraft))
-    airframe = aircraft.airframe
+    airframe = with_horizontal_tail(aircraft, design.horizontal_volume).airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
         return None
     polar = _polar(airframe, design, it.lift_coefficient)
@@ -124,7 +127,7 @@ def balance_assessment(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> BalanceAssessment | None:
     """Balance of a design of floats; None where the file has no tail or no balance."""
-    own = balanced_airframe(aircraft)
+    own = balanced_airframe(with_horizontal_tail(aircraft, design.horizontal_volume))
     if own is None:
         return None
     airframe, tail, balance = own
@@ -135,12 +138,14 @@ def balance_assessment(
     wing = Wing(*(float(one) for one in wing))
     planes, body_m3 = tail.planes(wing), body_volume_m3(airframe)
     found = neutral_point(wing, tail, planes, body_m3)
+    _, inputs = balance_inputs(aircraft, conditions, design)
+    own_masses = (airframe, design.masses, inputs)
     items = tuple(
         Item(one.name, float(one.mass_kg), float(one.x_m))
-        for one in balance_items(aircraft, conditions, design)
+        for one in balance_items(*own_masses)
         if float(one.mass_kg) > 0.0
     )
-    asked = None if balance.static_margin is None else balance.moved
+    asked = balance.moved if balance.moves_mass else None
     moved = next((item for item in items if item.name == asked), None)
     gravity_m = float(centre_of_gravity(items))
     lift = float(it.lift_coefficient)
@@ -173,6 +178,7 @@ def balance_assessment(
     return BalanceAssessment(
         items=items,
         moved=moved,
+        sized_volume=design.horizontal_volume,
         design_mass_kg=float(design.total_mass_kg),
         wing=wing,
         planes=planes,

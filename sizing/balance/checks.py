@@ -93,7 +93,7 @@ def check_balance(airframe: Any) -> None:
             if (value := getattr(polar, key)) > 0.0:
                 text = f"must be 0 with airframe.drag, which has that part (got {value:g})"
                 _refuse(f"aerodynamics.{key}", text)
-    if balance is not None and trimmed:
+    if balance is not None and balance.moves_mass:
         _check_moved(airframe)
 
 

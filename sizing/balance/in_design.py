@@ -8,15 +8,24 @@ from sizing.aerodynamics.parabolic import DragPolar, Polar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.balance.drag import Booms, BuiltUpPolar
 from sizing.balance.surfaces import wing_of
-from sizing.parameters import all_replaced
+from sizing.parameters import all_replaced, replaced
 from sizing.smooth import Value
 from sizing.structures.models import StructureModel
 from sizing.structures.rib_wing import RibWingStructure
 
 if TYPE_CHECKING:
-    from sizing.aircraft import ParametricAirframe
+    from sizing.aircraft import Aircraft, ParametricAirframe
 
-__all__ = ["polar_with_tail", "structure_with_tail"]
+__all__ = ["polar_with_tail", "structure_with_tail", "with_horizontal_tail"]
+
+
+def with_horizontal_tail(aircraft: Aircraft, volume: Value | None) -> Aircraft:
+    """Aircraft whose horizontal tail has another volume coefficient; itself with None."""
+    tail = getattr(aircraft.airframe, "tail", None)
+    if volume is None or tail is None:
+        return aircraft
+    airframe = replaced(aircraft.airframe, ["tail"], tail.with_volume(volume))
+    return aircraft.model_copy(update={"airframe": airframe})
 
 
 def structure_with_tail(

@@ -14,13 +14,15 @@ from pydantic_core import PydanticCustomError
 
 from sizing.balance.surfaces import Wing
 from sizing.smooth import Value
-from sizing.structures.parts import StructureParts
+from sizing.structures.rib_wing_keys import StructureParts
 from solar.schema import Name, PositiveReal, Real, Record
 
 __all__ = ["Balance", "Item", "Movable", "Positions", "WeighedMass", "centre_of_gravity"]
 
 # What a static margin may be had by: a mass that is free to lie anywhere.
 Movable = Literal["battery", "avionics", "other"]
+# What a static margin is held by: the place of that mass, or the size of the horizontal tail.
+Holder = Literal["moved_mass", "horizontal_tail"]
 _Margin = Annotated[float, Strict(), Field(gt=-1.0, lt=2.0)]
 # Centroids of the wing's parts over its chord: the spar where the section is thickest; skin of both
 # sides; area of a four-digit section (Abbott and von Doenhoff, Theory of Wing Sections, section
@@ -74,13 +76,17 @@ class Balance(Record):
     """Key ``airframe.balance``: masses with their places, and the static margin that is asked for.
 
     ``weighed``: every mass of the aircraft, instead of the build-up. ``static_margin``: neutral
-    point behind the centre of gravity, over the mean aerodynamic chord; ``moved`` is put where it
-    comes out; a sizing keeps it between ``foremost_chords`` and ``rearmost_chords``.
+    point behind the centre of gravity, over the mean aerodynamic chord. ``held_by``: either
+    ``moved`` is put where it comes out, which a sizing keeps between ``foremost_chords`` and
+    ``rearmost_chords``, or the horizontal tail has the volume coefficient at which it comes out.
     """
 
     positions_chords: Positions = Positions()
     weighed: tuple[WeighedMass, ...] = ()
     static_margin: _Margin | None = None
+    held_by: Holder = "moved_mass"
+    minimum_horizontal_volume: PositiveReal = 0.05
+    maximum_horizontal_volume: PositiveReal = 2.0
     moved: Movable = "battery"
     foremost_chords: Real | None = None
     rearmost_chords: Real | None = None
@@ -97,7 +103,25 @@ class Balance(Record):
             message = "must be above foremost_chords, {fore} (got {rear})"
             context = {"key": "rearmost_chords", "fore": f"{fore:g}", "rear": f"{rear:g}"}
             raise PydanticCustomError("balance", message, context)
+        if self.held_by == "horizontal_tail" and self.static_margin is None:
+            message = "required key is missing: held_by is horizontal_tail"
+            raise PydanticCustomError("balance", message, {"key": "static_margin"})
+        least, most = self.minimum_horizontal_volume, self.maximum_horizontal_volume
+        if least >= most:
+            message = "must be above minimum_horizontal_volume, {least} (got {most})"
+            context = {"key": "maximum_horizontal_volume", "least": f"{least:g}"}
+            raise PydanticCustomError("balance", message, context | {"most": f"{most:g}"})
         return self
+
+    @property
+    def sizes_tail(self) -> bool:
+        """Whether the horizontal tail has the size that the static margin asks for."""
+        return self.static_margin is not None and self.held_by == "horizontal_tail"
+
+    @property
+    def moves_mass(self) -> bool:
+        """Whether a mass lies where the static margin asks for it."""
+        return self.static_margin is not None and self.held_by == "moved_mass"
 
 
 def wing_and_tail_items(

@@ -1,9 +1,15 @@
-"""Places of the masses of a design, and of the one that is moved for a static margin.
+"""Places of the masses of a design, and what gives it the static margin that is asked for.
 
-Arithmetic only: the optimiser passes symbols.
+That is the place of a mass, in closed form, or the size of the horizontal tail, found here for
+numbers; the optimiser has the size among its variables and passes symbols to the rest.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.in_design import structure_with_tail
@@ -17,11 +23,23 @@ from sizing.balance.masses import (
 )
 from sizing.balance.stability import neutral_point
 from sizing.balance.surfaces import Tail, Wing, wing_of
-from sizing.design import Design, FlightConditions, structure_inputs
 from sizing.smooth import Value
+from sizing.structures.loads import StructureInputs
 from sizing.structures.rib_wing import RibWingStructure
+from solar.types import FloatArray
 
-__all__ = ["balance_items", "balanced_airframe", "body_volume_m3", "moved_ends", "moved_x_m"]
+__all__ = [
+    "balance_items",
+    "balance_rows",
+    "balanced_airframe",
+    "body_volume_m3",
+    "margin_error",
+    "sizes_tail",
+    "tail_volume",
+]
+
+# Of the secant search for a tail's size: rounds, and what is left of the volume coefficient.
+_ROUNDS, _SETTLED = 40, 1e-14
 
 
 def balanced_airframe(aircraft: Aircraft) -> tuple[ParametricAirframe, Tail, Balance] | None:
@@ -34,29 +52,30 @@ def balanced_airframe(aircraft: Aircraft) -> tuple[ParametricAirframe, Tail, Bal
     return airframe, airframe.tail, airframe.balance
 
 
+def sizes_tail(aircraft: Aircraft) -> bool:
+    """Whether the horizontal tail has the size that a static margin asks for."""
+    own = balanced_airframe(aircraft)
+    return own is not None and own[2].sizes_tail
+
+
 def body_volume_m3(airframe: ParametricAirframe) -> float:
     """Volume of the pods [m3]; none without drag by components."""
     return 0.0 if airframe.drag is None else airframe.drag.volume_m3
 
 
+def _wing(airframe: ParametricAirframe, inputs: StructureInputs) -> Wing:
+    return wing_of(airframe.planform, inputs.wingspan_m, inputs.aspect_ratio)
+
+
 def _fixed_items(
-    aircraft: Aircraft, conditions: FlightConditions, design: Design, wing: Wing
+    airframe: ParametricAirframe, masses: Any, inputs: StructureInputs
 ) -> dict[str, Item]:
-    """Items of the mass budget by their places in the file; they add up to the total mass."""
-    airframe, masses, variables = aircraft.airframe, design.masses, design.variables
-    assert isinstance(airframe, ParametricAirframe)
+    """Items of a mass budget by their places in the file; they add up to the total mass."""
+    wing = _wing(airframe, inputs)
     assert airframe.balance is not None
     assert airframe.tail is not None
-    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
+    structure = structure_with_tail(airframe, wing.wingspan_m, wing.aspect_ratio)
     assert isinstance(structure, RibWingStructure)  # others are refused at validation
-    inputs = structure_inputs(
-        aircraft,
-        variables,
-        conditions.with_payload_of(variables),
-        design.total_mass_kg,
-        design.airspeed_m_per_s,
-        masses.propulsion,
-    )
     planes = airframe.tail.planes(wing)
     chords = airframe.balance.positions_chords
     places = {name: getattr(chords, name) * wing.mean_chord_m for name in type(chords).model_fields}
@@ -73,53 +92,94 @@ def _fixed_items(
     return {item.name: item for item in items}
 
 
-def moved_x_m(aircraft: Aircraft, conditions: FlightConditions, design: Design) -> Value | None:
+def _wanted_m(airframe: ParametricAirframe, wing: Wing) -> Value:
+    """Centre of gravity that has the static margin of the file [m]."""
+    tail, balance = airframe.tail, airframe.balance
+    assert tail is not None
+    assert balance is not None
+    assert balance.static_margin is not None
+    neutral_m = neutral_point(wing, tail, tail.planes(wing), body_volume_m3(airframe)).x_m
+    return neutral_m - balance.static_margin * wing.aerodynamic_chord_m
+
+
+def _moved_x_m(airframe: ParametricAirframe, wing: Wing, items: dict[str, Item]) -> Value:
     """Where the moved mass has to be for the static margin that is asked for [m].
 
-    ``x = (x_cg sum(m) - sum of the others' m x)/m_moved``. None where the file asks for none.
+    ``x = (x_cg sum(m) - sum of the others' m x)/m_moved``.
     """
-    own = balanced_airframe(aircraft)
-    if own is None or own[2].static_margin is None:
-        return None
-    airframe, tail, balance = own
-    variables = design.variables
-    wing = wing_of(airframe.planform, variables.wingspan_m, variables.aspect_ratio)
-    items = _fixed_items(aircraft, conditions, design, wing)
-    moved = items.pop(balance.moved)
-    rest = list(items.values())
+    assert airframe.balance is not None
+    moved = items[airframe.balance.moved]
+    rest = [item for item in items.values() if item is not moved]
     rest_kg = sum((item.mass_kg for item in rest[1:]), rest[0].mass_kg)
-    neutral_m = neutral_point(wing, tail, tail.planes(wing), body_volume_m3(airframe)).x_m
-    wanted_m = neutral_m - balance.static_margin * wing.aerodynamic_chord_m
+    wanted_m = _wanted_m(airframe, wing)
     return wanted_m + rest_kg * (wanted_m - centre_of_gravity(rest)) / moved.mass_kg
 
 
 def balance_items(
-    aircraft: Aircraft, conditions: FlightConditions, design: Design
+    airframe: ParametricAirframe, masses: Any, inputs: StructureInputs
 ) -> tuple[Item, ...]:
     """Masses with their places: as weighed, or of the mass budget."""
-    own = balanced_airframe(aircraft)
-    assert own is not None
-    airframe, _, balance = own
+    balance = airframe.balance
+    assert balance is not None
     if balance.weighed:
         return tuple(Item(one.name, one.mass_kg, one.x_m) for one in balance.weighed)
-    variables = design.variables
-    wing = wing_of(airframe.planform, variables.wingspan_m, variables.aspect_ratio)
-    items = _fixed_items(aircraft, conditions, design, wing)
-    found_m = moved_x_m(aircraft, conditions, design)
-    if found_m is not None:
+    items = _fixed_items(airframe, masses, inputs)
+    if balance.moves_mass:
+        found_m = _moved_x_m(airframe, _wing(airframe, inputs), items)
         items[balance.moved] = items[balance.moved]._replace(x_m=found_m)
     return tuple(items.values())
 
 
-def moved_ends(
-    aircraft: Aircraft, conditions: FlightConditions, design: Design
+def margin_error(airframe: ParametricAirframe, masses: Any, inputs: StructureInputs) -> Value:
+    """Static margin of a mass budget less that of the file [-]."""
+    wing = _wing(airframe, inputs)
+    gravity_m = centre_of_gravity(list(_fixed_items(airframe, masses, inputs).values()))
+    return (_wanted_m(airframe, wing) - gravity_m) / wing.aerodynamic_chord_m
+
+
+def balance_rows(
+    airframe: ParametricAirframe, masses: Any, inputs: StructureInputs
 ) -> dict[str, Value]:
-    """How far the moved mass lies within its ends, in mean chords, by the name of the row."""
-    found_m = moved_x_m(aircraft, conditions, design)
-    own = balanced_airframe(aircraft)
-    if found_m is None or own is None:
+    """What a design has to meet for its static margin, by the names of the rows.
+
+    How far the moved mass lies within its ends, in mean chords; for a tail whose size is found, by
+    how much its static margin is off.
+    """
+    balance = airframe.balance
+    if balance is None or balance.static_margin is None:
         return {}
-    chords = found_m * design.variables.aspect_ratio / design.variables.wingspan_m
-    fore, rear = own[2].foremost_chords, own[2].rearmost_chords
+    if balance.sizes_tail:
+        return {"static_margin": margin_error(airframe, masses, inputs)}
+    wing = _wing(airframe, inputs)
+    chords = _moved_x_m(airframe, wing, _fixed_items(airframe, masses, inputs)) / wing.mean_chord_m
+    fore, rear = balance.foremost_chords, balance.rearmost_chords
     rows = {} if fore is None else {"moved_mass_foremost": chords - fore}
     return rows if rear is None else rows | {"moved_mass_rearmost": rear - chords}
+
+
+def tail_volume(balance: Balance, error: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Volume coefficient of the horizontal tail that leaves no error of the static margin [-].
+
+    By secants, of numbers or arrays, which converge fast as the neutral point is nearly linear in
+    the size of the tail; at an end of the range where the range has none.
+
+    ``error``: of the static margin, of designs with given volume coefficients [-].
+    """
+    least, most = balance.minimum_horizontal_volume, balance.maximum_horizontal_volume
+    first = np.asarray(error(np.asarray(least)), float)
+    last = np.full(first.shape, least)
+    here = np.full(first.shape, min(2.0 * least + 0.2, most))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for _ in range(_ROUNDS):
+            now = np.asarray(error(here), float)
+            slope = (now - first) / (here - last)
+            # Beyond its best size a tail weighs more than it steadies: no size is enough.
+            step = np.where(slope > 0.0, -now / slope, np.inf)
+            step = np.where((now == 0.0) | (here == last), 0.0, step)
+            moved = np.clip(here + step, least, most)
+            # What a step leaves is less than the product of the last two.
+            settled = np.abs((moved - here) * (here - last)) < _SETTLED
+            last, first, here = here, now, moved
+            if np.all(settled | np.isnan(here)):
+                break
+    return here

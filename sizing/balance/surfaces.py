@@ -12,6 +12,7 @@ from typing import Annotated, NamedTuple
 from pydantic import Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
+from sizing.parameters import all_replaced
 from sizing.smooth import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
 
@@ -149,6 +150,11 @@ class Tail(Record):
                     "tail_size", "give this or {one}, not both (got {value})", context
                 )
         return self
+
+    def with_volume(self, horizontal_volume: Value) -> Tail:
+        """These planes with another volume coefficient of the horizontal one, not validated."""
+        size = {"horizontal_volume": horizontal_volume, "horizontal_area_m2": None}
+        return all_replaced(self, size)
 
     def planes(self, wing: Wing) -> TailPlanes:
         """Tail planes behind a wing."""

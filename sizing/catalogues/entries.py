@@ -8,7 +8,6 @@ from math import sqrt
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from solar.modules import HIGHEST_EFFICIENCY, STC_IRRADIANCE_W_PER_M2
 from solar.schema import (
@@ -19,9 +18,8 @@ from solar.schema import (
     PositiveReal,
     Record,
     Text,
+    wrong_value,
 )
-
-__all__ = ["BatteryEntry", "CellEntry", "Entry", "MotorEntry", "PropellerEntry"]
 
 # Encapsulation and cables of AtlantikSolar's modules, of 0.59 kg/m2 in all (Oettershagen et al.).
 ENCAPSULATION_KG_PER_M2 = 0.20
@@ -53,11 +51,8 @@ class Entry(Record):
     def _check_sources(self) -> Entry:
         odd = [key for key in self.sources if key not in self.numbers()]
         if odd:
-            raise PydanticCustomError(
-                "no_number",
-                "is no number of this entry (it has {numbers})",
-                {"key": f"sources.{odd[0]}", "numbers": ", ".join(self.numbers())},
-            )
+            numbers = ", ".join(self.numbers())
+            raise wrong_value(f"sources.{odd[0]}", f"is no number of this entry (it has {numbers})")
         return self
 
     def numbers(self) -> _Number:
@@ -77,16 +72,9 @@ class Entry(Record):
 def _disagree(key: str, text: str, one: float, other: float) -> None:
     """Refuse two values of one quantity that differ by more than data sheets round."""
     if abs(one / other - 1.0) > _AGREEMENT:
-        raise PydanticCustomError(
-            "disagreement",
-            "{text}: {one} and {other} do not agree within {percent} %",
-            {
-                "key": key,
-                "text": text,
-                "one": f"{one:.4g}",
-                "other": f"{other:.4g}",
-                "percent": f"{100.0 * _AGREEMENT:.0f}",
-            },
+        raise wrong_value(
+            key,
+            f"{text}: {one:.4g} and {other:.4g} do not agree within {100.0 * _AGREEMENT:.0f} %",
         )
 
 
@@ -130,9 +118,7 @@ class CellEntry(Entry):
         ):
             low, high = getattr(self, less), getattr(self, more)
             if low is not None and high is not None and low >= high:
-                raise PydanticCustomError(
-                    "cell", "must be below {more}", {"key": less, "more": more}
-                )
+                raise wrong_value(less, f"must be below {more}")
         for key, irradiance in (
             ("efficiency_stc", STC_IRRADIANCE_W_PER_M2),
             ("efficiency_am0", self.am0_irradiance_w_per_m2),
@@ -149,18 +135,10 @@ class CellEntry(Entry):
     def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Efficiency, temperature coefficient, and mass with AtlantikSolar's encapsulation."""
         if self.efficiency_stc is None and given.get("efficiency_stc") is None:
-            raise PydanticCustomError(
-                "no_efficiency",
-                "the catalogue has no efficiency under AM1.5 of {label} (only {am0}): "
-                "give efficiency_stc",
-                {
-                    "key": "cell",
-                    "label": self.label,
-                    "am0": "none"
-                    if self.efficiency_am0 is None
-                    else f"{self.efficiency_am0:g} outside the atmosphere",
-                },
-            )
+            am0 = self.efficiency_am0
+            only = "none" if am0 is None else f"{am0:g} outside the atmosphere"
+            text = f"the catalogue has no efficiency under AM1.5 of {self.label} (only {only}): "
+            raise wrong_value("cell", f"{text}give efficiency_stc")
         mass = self.mass_kg_per_m2
         values = {
             "efficiency_stc": self.efficiency_stc,
@@ -202,11 +180,7 @@ class BatteryEntry(Entry):
         ):
             low, high = getattr(self, less), getattr(self, more)
             if low is not None and high is not None and low > high:
-                raise PydanticCustomError(
-                    "order",
-                    "must be at most {more}, which is {high} (got {low})",
-                    {"key": less, "more": more, "high": f"{high:g}", "low": f"{low:g}"},
-                )
+                raise wrong_value(less, f"must be at most {more}, which is {high:g} (got {low:g})")
         return self
 
     @model_validator(mode="after")
@@ -228,10 +202,9 @@ class BatteryEntry(Entry):
                 nearest,
             )
         if not ratios and stated is None:
-            raise PydanticCustomError(
-                "no_energy",
+            raise wrong_value(
+                "specific_energy_wh_per_kg",
                 "or mass_kg with energy_wh (or with nominal_voltage_v and capacity_ah) is needed",
-                {"key": "specific_energy_wh_per_kg"},
             )
         return self
 
@@ -311,11 +284,8 @@ class BatteryEntry(Entry):
         """Specific energy of the pack, and the charge limit where its current is known."""
         share = given.get("cell_mass_fraction", 1.0)
         if self.kind == "pack" and "cell_mass_fraction" in given:
-            raise PydanticCustomError(
-                "whole_pack",
-                "is of no use here: {label} is a whole pack, not a cell",
-                {"key": "cell_mass_fraction", "label": self.label},
-            )
+            text = f"is of no use here: {self.label} is a whole pack, not a cell"
+            raise wrong_value("cell_mass_fraction", text)
         number = isinstance(share, float | int) and not isinstance(share, bool)
         energy = self.specific_energy * (share if number else 1.0)
         values: dict[str, Any] = {"specific_energy_wh_per_kg": float(f"{energy:.6g}")}
@@ -346,15 +316,10 @@ class MotorEntry(Entry):
         """
         least = self.no_load_current_a * self.resistance_ohm
         if voltage_v <= least:
-            raise PydanticCustomError(
-                "stalled",
-                "must be above {least} V, at which {label} begins to turn (got {voltage})",
-                {
-                    "key": "motor_voltage_v",
-                    "least": f"{least:.3g}",
-                    "label": self.label,
-                    "voltage": f"{voltage_v:g}",
-                },
+            raise wrong_value(
+                "motor_voltage_v",
+                f"must be above {least:.3g} V, at which {self.label} begins to turn (got "
+                f"{voltage_v:g})",
             )
         return (1.0 - sqrt(least / voltage_v)) ** 2
 
@@ -365,11 +330,8 @@ class MotorEntry(Entry):
         if voltage is None:
             if given.get("motor_efficiency") is not None:
                 return {}
-            raise PydanticCustomError(
-                "no_voltage",
-                "required key is missing: {label} has no nominal voltage",
-                {"key": "motor_voltage_v", "label": self.label},
-            )
+            text = f"required key is missing: {self.label} has no nominal voltage"
+            raise wrong_value("motor_voltage_v", text)
         if not isinstance(voltage, float | int) or isinstance(voltage, bool):
             return {}  # refused by the record
         return {"motor_efficiency": float(f"{self.best_efficiency(voltage):.6g}")}
@@ -397,7 +359,7 @@ class PropellerEntry(Entry):
     def _check_measurement(self) -> PropellerEntry:
         if (self.measured_efficiency is None) != (self.measured_rpm is None):
             message = "goes with measured_efficiency: give both or none"
-            raise PydanticCustomError("propeller", message, {"key": "measured_rpm"})
+            raise wrong_value("measured_rpm", message)
         return self
 
     def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:

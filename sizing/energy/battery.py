@@ -10,7 +10,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
-from pydantic_core import PydanticCustomError
 
 from missions.air import thin_air_share
 from sizing.catalogues.choice import OfCatalogue
@@ -23,7 +22,7 @@ from sizing.energy.battery_condition import (
 from sizing.energy.battery_pack import BatteryPack, packed
 from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.smooth import Value
-from solar.schema import Fraction, PositiveReal, Record, Text, UnitInterval
+from solar.schema import Fraction, PositiveReal, Record, Text, UnitInterval, wrong_value
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Fine enough that integrating 1/rate over it by the trapezoidal rule errs by less than 1e-6 h.
@@ -208,10 +207,8 @@ class Battery(OfCatalogue):
     @model_validator(mode="after")
     def _check_cell(self) -> Battery:
         if self.cell is None and self.cell_mass_fraction != 1.0:
-            raise PydanticCustomError(
-                "no_cell",
-                "goes with cell, an entry of the catalogue of batteries",
-                {"key": "cell_mass_fraction"},
+            raise wrong_value(
+                "cell_mass_fraction", "goes with cell, an entry of the catalogue of batteries"
             )
         return self
 

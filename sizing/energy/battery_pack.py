@@ -18,8 +18,6 @@ from solar.schema import (
     wrong_value,
 )
 
-__all__ = ["BatteryPack", "packed"]
-
 # Masses in files are rounded: a share of a string of cells in parallel that counts as none.
 _ROUNDED = 0.02
 

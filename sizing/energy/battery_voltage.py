@@ -10,7 +10,10 @@ from pydantic_core import PydanticCustomError
 from solar.schema import PositiveInteger, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
 
-__all__ = ["BatteryVoltage"]
+# State of charge whose voltage the first march of a day has.
+FIRST_CHARGE = 0.5
+# Shares of the charge over whose voltages a nominal load is averaged, in the middle of equal steps.
+CHARGE_SHARES = (np.arange(32) + 0.5) / 32.0
 
 
 class BatteryVoltage(Record):

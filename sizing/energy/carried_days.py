@@ -123,13 +123,13 @@ class CarriedDays:
 
     def energy_at_wh(self, hour: FloatArray) -> FloatArray:
         """Stored energy at an hour of each day [Wh], straight lines between the nodes."""
-        return self._at(self.run.energy_at_nodes_wh(), hour)
+        return self._at_hour(self.run.energy_at_nodes_wh(), hour)
 
     def deficit_until_wh(self, hour: FloatArray) -> FloatArray:
         """Cumulative deficit at an hour of each day [Wh], straight lines between the nodes."""
-        return self._at(self.day.cumulative_deficit_wh, hour)
+        return self._at_hour(self.day.cumulative_deficit_wh, hour)
 
-    def _at(self, values: FloatArray, hour: FloatArray) -> FloatArray:
+    def _at_hour(self, values: FloatArray, hour: FloatArray) -> FloatArray:
         """Value at the nodes, taken at an hour of each day."""
         time = self.balance.time_h
         number = np.clip(np.searchsorted(time, hour, side="right") - 1, 0, len(time) - 2)

@@ -256,34 +256,60 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
     equal = equal_power(cells.time_h, cells.above_nominal_w())
     missing_h, unserved = _missing(balance, run)
     budget = _energy_budget(cells, run, unserved)
-    first_full, last_full = _full_charge_h(balance, run)
-    # A last digit of unserved energy may be left by the fixed point's tolerance.
-    runs_empty = unserved > 1e-9 * store.battery_energy_wh
     with np.errstate(divide="ignore", invalid="ignore"):
         left_over = dawn_wh(balance, run, equal) * store.discharge_efficiency
-        surplus_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
+        reserve_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
+    lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
+    nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
+    return cycle_of(
+        *(equal, budget, missing_h, reserve_h),
+        state_of_charge=np.maximum(lowest, 0.0) / store.battery_energy_wh,
+        full_h=_full_charge_h(balance, run),
+        # A last digit of unserved energy may be left by the fixed point's tolerance.
+        runs_empty=unserved > 1e-9 * store.battery_energy_wh,
+        time_h=cells.time_h,
+        energy_wh=nodes.T,
+    )
+
+
+def cycle_of(
+    equal: EqualPower,
+    budget: EnergyBudget,
+    missing_h: FloatArray,
+    reserve_h: FloatArray,
+    *,
+    state_of_charge: FloatArray,
+    full_h: tuple[FloatArray, FloatArray],
+    runs_empty: BoolArray,
+    time_h: FloatArray,
+    energy_wh: FloatArray,
+) -> Cycle:
+    """Metrics of days that repeat themselves, from what a march has found.
+
+    ``missing_h``, ``reserve_h``: time without energy, and how long what is stored would last from
+    the morning's equal power [h]. ``state_of_charge``: the least of the day. ``full_h``: first and
+    last instant of full charge, NaN without one.
+    """
+    first_full, last_full = full_h
     excess, status = excess_and_status(
         equal,
         runs_empty=runs_empty,
         sunlit=budget.solar_wh > 0.0,
         missing_h=missing_h,
-        reserve_h=surplus_h,
+        reserve_h=reserve_h,
     )
-    lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
-    state = np.maximum(lowest, 0.0) / store.battery_energy_wh
-    nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     return Cycle(
         status=status,
         excess_time_h=excess,
-        minimum_state_of_charge=np.where(excess > 0.0, state, 0.0),
+        minimum_state_of_charge=np.where(excess > 0.0, state_of_charge, 0.0),
         charge_margin_h=np.where(np.isnan(first_full), 0.0, last_full - first_full),
         equal_power_morning_h=equal.morning_h,
         equal_power_evening_h=equal.evening_h,
         full_charge_h=first_full,
         missing_h=missing_h,
         energy_budget=budget,
-        time_h=cells.time_h,
-        energy_wh=nodes.T,
+        time_h=time_h,
+        energy_wh=energy_wh,
     )
 
 

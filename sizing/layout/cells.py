@@ -27,8 +27,6 @@ from solar.schema import (
 )
 from solar.shading import TailGeometry
 
-__all__ = ["Bay", "CellLayout", "KeepOut", "LayoutError", "PlacedCell", "Planform", "Wing"]
-
 # A cell that lacks less than this of its own size fits: rounding, far below any gap.
 _ROUNDING = 1e-9
 # The mean of the chords may be off by what a file rounds.
@@ -238,7 +236,7 @@ class CellLayout(Record):
                     f"must be at most {most}, the cells of {self.cell_span_m:g} m with gaps of "
                     f"{self.gap_m:g} m that the row holds (got {wanted})",
                 )
-            yield from islice(self._row(stretches, front_m), wanted)
+            yield from islice(self._laid(stretches, front_m), wanted)
 
     def rows_that_fit(self, bay: Bay, wing: Wing) -> int:
         """Rows of cells that the chord of a bay holds."""
@@ -278,7 +276,7 @@ class CellLayout(Record):
             start_m = max(start_m, high_m)
         return found
 
-    def _row(self, stretches: Iterable[tuple[float, int]], front_m: float) -> Iterator[PlacedCell]:
+    def _laid(self, stretches: Iterable[tuple[float, int]], front_m: float) -> Iterator[PlacedCell]:
         for start_m, count in stretches:
             for number in range(count):
                 left_m = start_m + number * (self.cell_span_m + self.gap_m)
@@ -355,7 +353,7 @@ class CellLayout(Record):
             (cell.right_m, row, number)
             for number, bay in enumerate(self.bays)
             for row, front_m in enumerate(self._fronts(bay, wing, self.rows_that_fit(bay, wing)))
-            for cell in islice(self._row(self._stretches(bay, wing, front_m), front_m), per_half)
+            for cell in islice(self._laid(self._stretches(bay, wing, front_m), front_m), per_half)
         ]
         return [(number, row) for _, row, number in sorted(found)[:per_half]]
 

@@ -14,8 +14,6 @@ from sizing.layout.cells import CellLayout, LayoutError, Wing
 from solar.schema import Record, is_positive, wrong_value
 from solar.shading import TailGeometry
 
-__all__ = ["check_layout", "laid_out", "mppt_mass_kg"]
-
 _OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
 _HALF_A_CELL = 0.5
 

@@ -18,8 +18,6 @@ from solar.schema import (
     wrong_value,
 )
 
-__all__ = ["Mppt", "SeriesWindow", "Strings"]
-
 # Cells in series whose voltage equals a limit stay within it.
 _ROUNDING = 1e-9
 

@@ -9,9 +9,8 @@ sequential optimisation and reliability assessment (SORA: Du, X., Chen, W. (2004
 optimization and reliability assessment method for efficient probabilistic design, J. Mech. Des.
 126, 225-233).
 
-* ``search``: the sizings with factors, their trials, and the verdict
+* ``search``: the sizings with factors, their trials, and the verdict; the edge of enough days
 * ``probability``: draws judge; one factor is the quantile of a share of the permitted failures
 * ``seasons``, ``season_search``: a record judges; the search walks along the edge of enough days
-* ``edge``, ``season_flights``, ``season_days``: that edge, batches of designs through a season, and
-  what a season makes of one
+* ``season_flights``: batches of designs through a season, and what it makes of one
 """

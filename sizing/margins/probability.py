@@ -33,9 +33,14 @@ from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.sunlight import SolarModel, solar_day
-from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs, uncertain_inputs
+from sizing.uncertainty.inputs import (
+    SOLAR_MODEL,
+    Proportion,
+    UncertainInputs,
+    sobol_points,
+    uncertain_inputs,
+)
 from sizing.uncertainty.propagation import Propagation, check_inputs
-from sizing.uncertainty.samples import Proportion, sobol_points
 from solar.types import BoolArray, FloatArray
 
 _NORMAL = NormalDist()
@@ -184,7 +189,7 @@ class _ReliableSizing(MarginSearch):
     # --- margins ---------------------------------------------------------------------------
 
     @cached_property
-    def _spread(self) -> tuple[tuple[float, float], tuple[float, float]]:
+    def _margin_spread(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Median over the nominal value, and standard deviation of the logarithm's lower half."""
         study, inputs = self._study(self.nominal.design)
         worst = int(np.argmin(self.nominal.performance.cycle.excess_time_h[self.telling]))
@@ -203,7 +208,7 @@ class _ReliableSizing(MarginSearch):
         parts = (share * failures, (1.0 - share) * failures)
         return [
             median + sigma * _NORMAL.inv_cdf(part)
-            for (median, sigma), part in zip(self._spread, parts, strict=True)
+            for (median, sigma), part in zip(self._margin_spread, parts, strict=True)
         ]
 
     def _search(self) -> Trial:
@@ -246,7 +251,7 @@ class _ReliableSizing(MarginSearch):
         """
         from scipy.optimize import minimize_scalar
 
-        (median, sigma), _ = self._spread
+        (median, sigma), _ = self._margin_spread
         trials: dict[float, Trial] = {}
 
         def failing(deviations: float) -> float:

@@ -18,8 +18,7 @@ import numpy as np
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design
-from sizing.margins.edge import Count, fitted, least_income, least_step
-from sizing.margins.search import MarginSearch, Trial
+from sizing.margins.search import Count, MarginSearch, Trial, fitted, least_income, least_step
 from sizing.margins.season_flights import Powers, SeasonFlights
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems

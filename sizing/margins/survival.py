@@ -11,10 +11,8 @@ from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
-from sizing.margins.edge import least_step
-from sizing.margins.search import Trial
-from sizing.margins.season_days import SeasonDays, Survival
-from sizing.margins.season_flights import Powers, SeasonFlights
+from sizing.margins.search import Trial, least_step
+from sizing.margins.season_flights import Powers, SeasonDays, SeasonFlights, Survival
 from sizing.margins.season_search import SeasonSearch, Steps
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
@@ -24,7 +22,7 @@ from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import catalogue, parameter_value, with_parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.relaxation import Relaxation, rounded
+from sizing.relaxed_flight import Relaxation, rounded
 from sizing.sunlight import SolarModel
 from solar.types import FloatArray
 
@@ -149,7 +147,7 @@ class _SurvivalSizing:
             notes=notes,
         )
         if best is None:
-            return Survived(self._failed(shown, survival), survival, tuple(self._relaxed(shown)))
+            return Survived(self._failed(shown, survival), survival, tuple(self._changes(shown)))
         return Survived(self._as_asked(best).with_design(self._flown_there(best)), survival, ())
 
     def _best(self) -> Trial | None:
@@ -210,7 +208,7 @@ class _SurvivalSizing:
             relaxations(self.aircraft, self.mission, clear, self.solar, problems=self.problems)
         )
 
-    def _relaxed(self, nearest: Trial) -> list[Relaxation]:
+    def _changes(self, nearest: Trial) -> list[Relaxation]:
         """What would let a design close enough days: found for the program's day, then flown.
 
         The program's day has the factors of the best design of a wider design space; where that has

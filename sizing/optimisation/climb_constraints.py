@@ -88,7 +88,10 @@ def climb_values(
     weight_n = design.total_mass_kg * GRAVITY_M_PER_S2
     for part in (0, size):
         there = FlightConditions(*(aloft[part + i] for i in range(size - 1)))
-        flown = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
+        flown = parametric_design(
+            *(aircraft, there, design.variables, design.total_mass_kg),
+            horizontal_volume=design.horizontal_volume,
+        )
         faster = flown.airspeed_m_per_s**2 - design.airspeed_m_per_s**2
         height_m = aloft[part + size - 1] + faster / (2.0 * GRAVITY_M_PER_S2)
         power_w.append(flown.propulsion_power_w)

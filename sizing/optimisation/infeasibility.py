@@ -72,8 +72,10 @@ def violations(
     """
     worst = nearest.worst_scenario()
     conditions = FlightConditions.of(nearest.mission, aircraft)
+    with np.errstate(invalid="ignore"):  # the nearest design may be impossible
+        rows = design_requirements(aircraft, nearest.design, conditions)
     texts = texts_of_requirements(
-        design_requirements(aircraft, nearest.design, conditions),
+        rows,
         nearest.day.scenarios.label(worst),
         required_h,
         float(nearest.cycle.excess_time_h[worst]),

@@ -9,7 +9,7 @@ import numpy as np
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.performance import Performance, performance_of_designs
-from sizing.relaxation import Direction
+from sizing.relaxed_flight import Direction
 from sizing.sunlight import SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
 
@@ -64,10 +64,7 @@ def _easier_latitudes(
     """Latitudes from the mission's to where the nearest design does best, in steps."""
     latitude = mission.latitudes()[0]
     reach = np.arange(_STEP_DEG, _REACH_DEG, _STEP_DEG)
-    given, ends = mission.wind_statistics, (-90.0, 90.0)
-    if given is not None:  # nothing is known of the wind beyond the table's latitudes
-        known = given.table(mission.longitude_deg).latitude_deg
-        ends = float(np.min(known)), float(np.max(known))
+    ends = mission.wind_latitudes_deg
     sides = [np.clip(latitude + sign * reach, *ends) for sign in (-1.0, 1.0)]
     tried = np.stack(sides)[:, 3::20]
     days = np.asarray(mission.dates.days(), int)

@@ -1,7 +1,7 @@
 """First guesses whose modules are cooled as those of the optimum are.
 
 The program takes the sun from the flow of the aircraft's first guess; the simulator gives each
-design its own (:mod:`sizing.module_heat`). Where the two are far apart, the program weighs modules
+design its own (:mod:`sizing.module_power`). Where the two are far apart, the program weighs modules
 wrongly: its first optimum is the guess of the sizing that counts.
 """
 
@@ -12,7 +12,7 @@ from typing import Any
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
-from sizing.module_heat import balances_heat
+from sizing.module_power import balances_heat
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import SolarModel

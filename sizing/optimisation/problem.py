@@ -35,7 +35,13 @@ from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.held_station import POWER_AGAINST_WIND, faster_flight_w
-from sizing.limits import DesignInFlight, Requirement, design_requirements
+from sizing.limits import (
+    EQUATIONS,
+    STATIC_MARGIN,
+    DesignInFlight,
+    Requirement,
+    design_requirements,
+)
 from sizing.optimisation.climb_constraints import (
     ALOFT_PARAMETERS,
     CLIMB_SUN_PARAMETERS,
@@ -48,6 +54,7 @@ from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_functio
 from sizing.optimisation.solver_options import OPTIONS, TOLERANCE, Effort
 from sizing.optimisation.variables import (
     HEIGHT,
+    HORIZONTAL_VOLUME,
     OWN,
     SOLAR_TECHNOLOGY,
     TOTAL_MASS,
@@ -320,7 +327,14 @@ def _program(
         free, conditions, numbers, aloft
     )
     rows = [
-        (Constraint(one.name, equation=one.name in ("mass_budget", OWN)), values[k])
+        (
+            Constraint(
+                one.name,
+                equation=one.name in (*EQUATIONS, OWN),
+                two_sided=one.name == STATIC_MARGIN,
+            ),
+            values[k],
+        )
         for k, one in enumerate(requirements)
     ]
     for i in range(blocks):
@@ -360,9 +374,12 @@ def _program(
             (excess, (1.0 - sunlit) * reserve + sunlit * spare_sun),
         ]
     constraints = tuple(c for c, _ in rows)
-    slacks = list(dict.fromkeys(c.slack for c in constraints if not c.firm))
+    slacks = list(dict.fromkeys(name for c in constraints for name in c.slacks))
     slack = ca.MX.sym("slack", len(slacks))
-    missed = [0.0 if c.firm else slack[slacks.index(c.slack)] for c in constraints]
+    missed = [
+        sum((sign * slack[slacks.index(name)] for name, sign in c.slacks.items()), 0.0)
+        for c in constraints
+    ]
     x = ca.vertcat(free, dawn_soc, heights, worst_h, slack)
     every = all_variables(chosen, blocks, constraints, climbs=climb is not None)
     names = tuple(v.name for v in every)
@@ -425,7 +442,10 @@ def _design_functions(
     conditions = conditions.with_payload_of(chosen)
     if WIND in values:
         conditions = conditions._replace(wind_m_per_s=values[WIND])
-    design = parametric_design(flown, conditions, chosen, values[TOTAL_MASS])
+    design = parametric_design(
+        *(flown, conditions, chosen, values[TOTAL_MASS]),
+        horizontal_volume=values.get(HORIZONTAL_VOLUME),
+    )
     limits = limit_rows(kind)
     requirements = [
         row._replace(value=eased_row(row.value, limits[row.name][1], values[row.name]))

@@ -60,7 +60,8 @@ class _Request:
         assert result.design is not None
         variables = result.design.variables
         exact = parametric_design(
-            self.aircraft, self.mission, variables, result.design.total_mass_kg
+            *(self.aircraft, self.mission, variables, result.design.total_mass_kg),
+            horizontal_volume=result.design.horizontal_volume,
         )
         assert exact.chain is not None
         if not isfinite(exact.chain.efficiency):

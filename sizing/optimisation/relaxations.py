@@ -43,7 +43,7 @@ from sizing.optimisation.variables import (
 )
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
-from sizing.relaxation import Direction, Relaxation, rounded
+from sizing.relaxed_flight import Direction, Relaxation, rounded
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray
 

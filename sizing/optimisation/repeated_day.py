@@ -19,10 +19,12 @@ from scipy.optimize import brentq
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.balance.placing import sizes_tail
 from sizing.design import (
     DesignVariables,
     FlightConditions,
     ImpossibleDesignError,
+    design_of,
     lightest_mass_kg,
     parametric_design,
     variables_of,
@@ -39,7 +41,7 @@ from sizing.optimisation.energy_constraints import (
     sun_parameters,
 )
 from sizing.optimisation.problem import numbers_taken_out
-from sizing.optimisation.variables import SOLAR_TECHNOLOGY
+from sizing.optimisation.variables import HORIZONTAL_VOLUME, SOLAR_TECHNOLOGY
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.sunlight import SolarDay
 from sizing.varying_load import smooth_loads_w
@@ -127,6 +129,8 @@ class DesignInDays:
             "payload_power_w": mission.payload.power_w,
         }
         values = variables_of(aircraft).chosen() | payload
+        if sizes_tail(aircraft):  # its user keeps the static margin by the row of that name
+            values[HORIZONTAL_VOLUME] = design_of(aircraft, mission).horizontal_volume
         values |= {key: parameter_value(aircraft, None, key) for key in keys}
         self.inputs = {name: float(value) for name, value in values.items()}
         self._limit, self._required_h = aircraft.battery.charge_limit, required_h
@@ -138,9 +142,12 @@ class DesignInDays:
         given, mass = ca.SX.sym("inputs", len(self.inputs)), ca.SX.sym("total_mass")
         symbols = dict(zip(self.inputs, ca.vertsplit(given), strict=True))
         flown = all_replaced(aircraft, {key: symbols[key] for key in keys})
-        chosen = DesignVariables(**{n: v for n, v in symbols.items() if n not in keys})
+        tail = symbols.get(HORIZONTAL_VOLUME)
+        chosen = DesignVariables(
+            **{n: v for n, v in symbols.items() if n not in (*keys, HORIZONTAL_VOLUME)}
+        )
         conditions = FlightConditions.of(mission, aircraft).with_payload_of(chosen)
-        design = parametric_design(flown, conditions, chosen, mass)
+        design = parametric_design(flown, conditions, chosen, mass, horizontal_volume=tail)
         brighter = flown.modules.efficiency_stc / aircraft.modules.efficiency_stc
         powers = ca.vertcat(
             chosen.module_area_m2 * (brighter if SOLAR_TECHNOLOGY in keys else 1.0),

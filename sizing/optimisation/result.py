@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from sizing.design import Design, DesignVariables, Masses
+from sizing.design import Design, DesignVariables, plain_design
 from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.objectives import SizingStatus as SizingStatus
@@ -132,7 +132,7 @@ class Solution:
 
     def missed(self) -> dict[str, float]:
         """Requirements that are missed by more than the solver's tolerance, and by how much."""
-        names = {c.slack: c.name for c in self.constraints}
+        names = {slack: c.name for c in self.constraints for slack in c.slacks}
         return {
             names[v.name]: float(slack)
             for slack, v in zip(self.x, self.variables, strict=True)
@@ -363,15 +363,3 @@ def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
             label = f"{name} at its {'maximum' if multiplier > 0 else 'minimum'}"
             active[label] = abs(multiplier) * RELATIVE_STEP
     return tuple(sorted(active, key=lambda label: -active[label]))
-
-
-def plain_design(design: Design) -> Design:
-    """Turn a design of zero-dimensional arrays into one of floats."""
-    numbers = {
-        name: float(value)
-        for name, value in design._asdict().items()
-        if name not in ("variables", "masses", "chain")
-    }
-    masses = Masses(*(float(mass) for mass in design.masses))
-    variables = design.variables.mapped(float)
-    return Design(variables=variables, masses=masses, chain=design.chain, **numbers)

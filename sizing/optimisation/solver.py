@@ -16,7 +16,13 @@ from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.problem import SizingProblem, SizingProblems
 from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
 from sizing.optimisation.solver_options import Effort
-from sizing.optimisation.variables import TOTAL_MASS, WIND, WORST_EXCESS, Role
+from sizing.optimisation.variables import (
+    HORIZONTAL_VOLUME,
+    TOTAL_MASS,
+    WIND,
+    WORST_EXCESS,
+    Role,
+)
 from sizing.parameters import parameter_value
 from sizing.performance import Performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
@@ -310,7 +316,8 @@ class ProgramSolver:
         self, problem: SizingProblem, instance: ProblemInstance, variables: DesignVariables
     ) -> FloatArray:
         """Decision vector to start from: a design, its mass, and what the rest is likely to be."""
-        mass = float(closed_design(self.aircraft, self.mission, variables).total_mass_kg)
+        design = closed_design(self.aircraft, self.mission, variables)
+        mass = float(design.total_mass_kg)
         polar = getattr(self.aircraft.airframe, "aerodynamics", None)
         guess = self._held_values(problem) | {
             TOTAL_MASS: mass if np.isfinite(mass) else 3.0 * variables.battery_mass_kg,
@@ -321,6 +328,8 @@ class ProgramSolver:
         guess |= {n: v for n, v in own.items() if v is not None and n not in guess}
         guess |= {name: float(value) for name, value in variables.chosen().items()}
         guess["module_area_m2"] = max(guess["module_area_m2"], 1e-3)
+        if design.horizontal_volume is not None and np.isfinite(design.horizontal_volume):
+            guess[HORIZONTAL_VOLUME] = float(design.horizontal_volume)
         return np.array([v.to_program(guess.get(v.name, v.first_guess)) for v in problem.variables])
 
 
@@ -363,8 +372,11 @@ def _cost(problem: SizingProblem, instance: ProblemInstance) -> dict[str, float]
     """Cost of an instance, with what a missed requirement costs."""
     if instance.penalty is None:
         return dict(instance.cost)
-    own, rows = _SLACK_WEIGHTS, [row for row in problem.constraints if not row.firm]
-    weights = {row.slack: own.get(row.name, _OTHER_SLACK_WEIGHT) for row in rows}
+    weights = {
+        slack: _SLACK_WEIGHTS.get(row.name, _OTHER_SLACK_WEIGHT)
+        for row in problem.constraints
+        for slack in row.slacks
+    }
     if math.isinf(instance.penalty):
         return weights
     # The rows of the energy count in fractions of the battery, those of the excess time in tenths

@@ -24,9 +24,11 @@ from sizing.aircraft import (
     ParametricAirframe,
     Range,
 )
+from sizing.balance.placing import sizes_tail
 from sizing.parameters import catalogue, parameter_value, unit
 
 TOTAL_MASS = "total_mass_kg"
+HORIZONTAL_VOLUME = "horizontal_volume"  # of a tail whose size holds a static margin
 WORST_EXCESS = "worst_excess_time_h"
 # Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
@@ -81,6 +83,7 @@ class Constraint(NamedTuple):
     ``block`` is the scenario block it belongs to, None for the design itself; the row is the
     quantity over ``scale`` in ``unit``: over its limit, over the battery's capacity, or in hours.
     ``firm``: whether it must not be missed for the sake of others, since it can always be met.
+    ``two_sided``: an equation that may be missed to either side.
     """
 
     name: str
@@ -89,6 +92,7 @@ class Constraint(NamedTuple):
     scale: float = 1.0
     equation: bool = False
     firm: bool = False
+    two_sided: bool = False
 
     @property
     def step(self) -> float:
@@ -96,9 +100,12 @@ class Constraint(NamedTuple):
         return RELATIVE_STEP if self.unit == "1" else 1.0 / self.scale
 
     @property
-    def slack(self) -> str:
-        """Name of the variable by which the requirement may be missed, one for all blocks."""
-        return f"slack.{self.name}"
+    def slacks(self) -> dict[str, float]:
+        """Variables by which the requirement may be missed, one for all blocks, with their sign."""
+        if self.firm:
+            return {}
+        below = {f"slack.{self.name}": 1.0}
+        return below | {f"slack.{self.name}.above": -1.0} if self.two_sided else below
 
 
 def all_variables(
@@ -120,7 +127,7 @@ def all_variables(
         Variable(f"{HEIGHT}[{i}]", "1", 0.0, 1.0, 1.0, Role.height, 0.2)
         for i in range(blocks if climbs else 0)
     )
-    slacks = dict.fromkeys(c.slack for c in constraints if not c.firm)
+    slacks = dict.fromkeys(name for c in constraints for name in c.slacks)
     return (
         *chosen,
         *dawns,
@@ -152,6 +159,12 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         Variable("payload_mass_kg", "kg", 0.0, math.inf, _payload_scale_kg(space), Role.payload),
         Variable("payload_power_w", "W", 0.0, math.inf, _payload_scale_w(space), Role.payload),
     )
+    if sizes_tail(aircraft):
+        balance = aircraft.airframe.balance
+        assert balance is not None
+        ends_of_tail = balance.minimum_horizontal_volume, balance.maximum_horizontal_volume
+        tail = Variable(HORIZONTAL_VOLUME, unit(HORIZONTAL_VOLUME), *ends_of_tail)
+        always = (*always, tail)
     own = getattr(space, "own_objective", None)
     if own is not None:
         value = Variable(OWN, "1", -math.inf, math.inf, own.scale, Role.objective, own.first)

@@ -262,7 +262,7 @@ class CellDesigns:
         }
         data["battery"]["pack"] |= {"cells_in_parallel": numbers.parallel}
         data["battery"]["mass_kg"] = self.battery_kg(numbers.parallel)
-        put_parts_in(data, self.aircraft, variables)
+        put_parts_in(data, self.aircraft, result.design)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = float(variables.lift_coefficient)
         with texts_as_read(self.aircraft.texts_read):

@@ -287,6 +287,21 @@ class OperatingPointPropulsion(Record):
         power_w = bus_power_w(self.propulsor, thrust_n, airspeed_m_per_s, air, bus_v)
         return self.propulsors * power_w / self.efficiency_factor
 
+    def propeller_state(
+        self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air
+    ) -> tuple[Value, Value, Value]:
+        """Speed of rotation [1/s], power at one shaft [W] and power over thrust power [-].
+
+        NaN where the propeller's data end.
+        """
+        from sizing.propulsion.operating_point import propeller_state
+
+        thrust_w = thrust_power_w / self.propulsors
+        turns, shaft_w = propeller_state(
+            self.propulsor, thrust_w / airspeed_m_per_s, airspeed_m_per_s, air
+        )
+        return turns, shaft_w, shaft_w / thrust_w
+
     def in_flight(
         self,
         thrust_power_w: Value,

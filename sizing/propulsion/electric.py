@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from sizing.catalogues.choice import entry
 from sizing.catalogues.entries import MotorEntry
-from sizing.catalogues.files import entry
 from sizing.smooth import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray

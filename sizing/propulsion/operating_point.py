@@ -15,7 +15,7 @@ from sizing.propulsion.propeller import Propeller, tip_mach
 from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 
-__all__ = ["OperatingPoint", "Propulsor", "bus_power_w", "operating_point"]
+__all__ = ["OperatingPoint", "Propulsor", "bus_power_w", "operating_point", "propeller_state"]
 
 _FASTEST_TIP_MACH = 0.95
 _SLOWEST_SHARE = 1e-3
@@ -205,20 +205,38 @@ def bus_power_w(
     thrust and voltage has one search for a rotation in each of its rows. NaN where the propeller's
     data end.
     """
+    shape, shafts = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air)
+    states = zip(*(one.motor for one in shafts), strict=True)
+    motor = MotorState(*(np.concatenate(one).reshape(shape) for one in states))
+    inlet_v, _ = _inlet(propulsor, motor, bus_v)
+    return np.asarray(propulsor.controller.input_power_w(motor, inlet_v) * bus_v / inlet_v)
+
+
+def propeller_state(
+    propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
+) -> tuple[FloatArray, FloatArray]:
+    """Speed of rotation [1/s] and power at the shaft [W] of thrusts; NaN where the data end."""
+    shape, shafts = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air)
+    rows = zip(*((one.rotation_per_s, one.power_w) for one in shafts), strict=True)
+    turns, shaft_w = (np.concatenate(row).reshape(shape) for row in rows)
+    return turns, shaft_w
+
+
+def _shafts_of(
+    propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
+) -> tuple[tuple[int, ...], list[_Shaft]]:
+    """Shape of what is asked, and its shafts some at a time."""
     given = np.broadcast_arrays(
         *(np.asarray(one, float) for one in (thrust_n, airspeed_m_per_s, *air))
     )
     thrust, v, *state = (np.ravel(one) for one in given)
+    # Blade elements take some kilobytes for every point.
     parts = [slice(first, first + _AT_ONCE) for first in range(0, max(thrust.size, 1), _AT_ONCE)]
-    states = [
-        _shaft(propulsor, thrust[some], v[some], Air(*(one[some] for one in state))).motor
+    shafts = [
+        _shaft(propulsor, thrust[some], v[some], Air(*(one[some] for one in state)))
         for some in parts
     ]
-    motor = MotorState(
-        *(np.concatenate(one).reshape(given[0].shape) for one in zip(*states, strict=True))
-    )
-    inlet_v, _ = _inlet(propulsor, motor, bus_v)
-    return np.asarray(propulsor.controller.input_power_w(motor, inlet_v) * bus_v / inlet_v)
+    return given[0].shape, shafts
 
 
 class _Shaft(NamedTuple):

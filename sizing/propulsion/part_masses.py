@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sizing.catalogues.choice import entries
 from sizing.catalogues.entries import MotorEntry
-from sizing.catalogues.files import entries
 from sizing.propulsion.electric import Motor
 from sizing.smooth import Value
 

@@ -19,10 +19,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from pydantic import Field
 
-from missions.air import GAS_CONSTANT_AIR, Air
+from missions.air import Air
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion
-from sizing.propulsion.electric import MotorState
-from sizing.propulsion.propeller import HEAT_CAPACITY_RATIO
+from sizing.propulsion.shafts import inlet, motor_state, power_of_shafts_w, shares_of_limits
 from sizing.smooth import Value, chebyshev_series, smooth_maximum
 from solar.schema import Record
 from solar.types import FloatArray
@@ -38,8 +37,6 @@ _ADVANCE_OVER_PITCH = np.linspace(0.08, 1.4, 34)
 _REACH, _END = 1.15, 1.3
 # Exponent that stands for a logarithm, and width of the corner at the interval's ends.
 _ROOT, _CORNER = 0.1, 0.1
-# Rounds of the voltage behind the wiring, of which each leaves a hundredth of the error or less.
-_WIRING_ROUNDS = 5
 # Limits of the parts are kept by this, which a solver may miss them by.
 _CUSHION = 1e-4
 # Of the powers with an empty and a full battery: rounds the corner where they are equal.
@@ -206,8 +203,8 @@ class SmoothPropulsion(OperatingPointPropulsion):
     ) -> Propulsion:
         """Chain at an operating point, of the arguments' type; no limit is checked."""
         rotation, shaft_w, cost = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
-        state = self._motor_state(rotation, shaft_w)
-        (empty, empty_w), (full, full_w) = (self._inlet(state, volts) for volts in bus_voltage_v)
+        state = motor_state(self, rotation, shaft_w)
+        (empty, empty_w), (full, full_w) = (inlet(self, state, volts) for volts in bus_voltage_v)
         bus_w = smooth_maximum(
             empty_w * bus_voltage_v[0] / empty, full_w * bus_voltage_v[1] / full, _BLEND
         )
@@ -230,8 +227,7 @@ class SmoothPropulsion(OperatingPointPropulsion):
     ) -> Value:
         """As of the exact chain, also of symbols."""
         rotation, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
-        inlet_v, power_w = self._inlet(self._motor_state(rotation, shaft_w), bus_v)
-        return self.propulsors * power_w * bus_v / inlet_v / self.efficiency_factor
+        return power_of_shafts_w(self, rotation, shaft_w, bus_v)
 
     def margins(
         self,
@@ -242,20 +238,7 @@ class SmoothPropulsion(OperatingPointPropulsion):
     ) -> dict[str, Value]:
         """How far what the parts do is from their limits, relative; of those that have one."""
         rotation, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
-        state = self._motor_state(rotation, shaft_w)
-        least_v = state.voltage_v + state.current_a * self.controller.resistance_ohm
-        wires_v = self.wiring_resistance_ohm * self.controller.power_of(*state, least_v) / least_v
-        tip = ((np.pi * rotation * self.propeller.diameter_m) ** 2 + airspeed_m_per_s**2) ** 0.5
-        sound = (HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * air.temperature_k) ** 0.5
-        motor = self.own_motor
-        used = {
-            "bus_voltage": (least_v + wires_v) / bus_voltage_v[0],
-            "tip_mach": tip / (sound * self.maximum_tip_mach),
-        }
-        if motor.maximum_current_a is not None:
-            used["motor_current"] = state.current_a / motor.maximum_current_a
-        if motor.maximum_power_w is not None:
-            used["motor_power"] = state.current_a * state.voltage_v / motor.maximum_power_w
+        used = shares_of_limits(self, rotation, shaft_w, airspeed_m_per_s, air, bus_voltage_v[0])
         return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
     def propeller_state(
@@ -274,17 +257,3 @@ class SmoothPropulsion(OperatingPointPropulsion):
         )
         turns, cost = turns * self.correction[0], cost * self.correction[1]
         return turns * speed / diameter, thrust_w * cost, cost
-
-    def _motor_state(self, rotation_per_s: Value, shaft_w: Value) -> MotorState:
-        """Current and voltage of the motor behind the gear."""
-        gear = self.gear
-        torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
-        return self.own_motor.state_of(60.0 * rotation_per_s * gear.ratio, torque)
-
-    def _inlet(self, state: MotorState, bus_v: Value) -> tuple[Value, Value]:
-        """Voltage [V] and power [W] at the controller."""
-        voltage = bus_v
-        for _ in range(_WIRING_ROUNDS if self.wiring_resistance_ohm else 0):
-            power_w = self.controller.power_of(*state, voltage)
-            voltage = bus_v - self.wiring_resistance_ohm * power_w / voltage
-        return voltage, self.controller.power_of(*state, voltage)

@@ -18,15 +18,20 @@ from sizing.balance.drag import DragShares
 from sizing.design import design_of, structure_assessment
 from sizing.energy.endurance import Endurance, LimitedFlight
 from sizing.performance import Performance, performance, performance_after_days
-from sizing.relaxation import Relaxation
-from sizing.relaxed_flight import relaxed_flight
+from sizing.relaxed_flight import Relaxation, relaxed_flight
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results import quantities as q
-from sizing.results.balance import drag_record
-from sizing.results.battery import battery_record
+from sizing.results.conditions import battery_record, wind_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
-from sizing.results.part_masses import PartMasses, part_masses
-from sizing.results.power_budget import PowerBudget, power_budget
+from sizing.results.parts import cells_record, drag_record
+from sizing.results.propulsion import (
+    PartMasses,
+    PowerBudget,
+    VaryingEfficiency,
+    part_masses,
+    power_budget,
+    varying_efficiency,
+)
 from sizing.results.records import (
     best_climb_record,
     check_days,
@@ -38,14 +43,16 @@ from sizing.results.records import (
     uncertainty_record,
 )
 from sizing.results.tables import Result, data_frame
-from sizing.results.varying_efficiency import VaryingEfficiency, varying_efficiency
-from sizing.results.whole_cells import cells_record
-from sizing.results.wind import wind_record
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
+from sizing.validity.extrapolations import (
+    extrapolations,
+    level_flight_at,
+    of_level_flight,
+    with_worth,
+    worst_of,
+)
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import extrapolations, worst_of
-from sizing.validity.worth import level_flight_at, of_level_flight, with_worth
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from solar.versions import software_record

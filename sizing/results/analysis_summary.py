@@ -15,8 +15,7 @@ from sizing.performance import Performance
 from sizing.replay import CalendarRun
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
-from sizing.results.balance import balance_blocks
-from sizing.results.battery import battery_line
+from sizing.results.conditions import battery_line, wind_rows
 from sizing.results.notes import (
     catalogue_blocks,
     extrapolation_blocks,
@@ -24,13 +23,10 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
-from sizing.results.part_masses import part_masses_line
-from sizing.results.power_budget import power_line
+from sizing.results.parts import balance_blocks, cells_lines, cells_record
+from sizing.results.propulsion import part_masses_line, power_line, varying_line
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
-from sizing.results.varying_efficiency import varying_line
-from sizing.results.whole_cells import cells_lines, cells_record
-from sizing.results.wind import wind_rows
 from sizing.validity.ranges import where_error_is_known
 from solar.sun import solar_time_h
 
@@ -57,7 +53,7 @@ def summary(analysis: Analysis) -> Summary:
     blocks: list[Any] = [Line(title, "strong")]
     if analysis.days is None:
         blocks.append(Line(answer(analysis)))
-    table, masses = facts("", [*_rows(analysis), *_climb_rows(analysis)]), analysis.masses_kg
+    table, masses = facts("", _scenario_rows(analysis)), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks.append(power_line(analysis.power_budget, analysis.mission))
     if analysis.part_masses is not None:
@@ -197,7 +193,7 @@ def _endurance(values: dict[q.Quantity, Any]) -> str:
     return "over a year" if np.isinf(endurance_h) and not unlimited else hours(endurance_h)
 
 
-def _rows(analysis: Analysis) -> list[tuple[str, str]]:
+def _scenario_rows(analysis: Analysis) -> list[tuple[str, str]]:
     values, design = analysis.scenario(), analysis.performance.design
     endurance = _endurance(values)
     if not np.isnan(values[q.BEST_LAUNCH]) and not np.isnan(values[q.SUNRISE]):
@@ -216,6 +212,7 @@ def _rows(analysis: Analysis) -> list[tuple[str, str]]:
         ("sunrise, sunset (solar time)", _clocks(values[q.SUNRISE], values[q.SUNSET])),
         ("equal power, morning and evening", _clocks(values[morning], values[evening])),
         (q.FULL_CHARGE.label, clock_label(values[q.FULL_CHARGE])),
+        *_climb_rows(analysis),
     ]
 
 

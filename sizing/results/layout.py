@@ -60,7 +60,7 @@ class Grid:
         lines: list[str] = []
         for some in self._dealt(width, gap):
             widths = self._widths(some, width, gap, whole_cells=False)
-            least = [self._least(i, whole_cell=False) for i in some]
+            least = [self._least_width(i, whole_cell=False) for i in some]
             lines += [""] if lines else []
             lines += self._block(some, widths or least, gap)
         return lines
@@ -71,7 +71,7 @@ class Grid:
     def _heading(self, i: int) -> str:
         return "" if self.headings is None else self.headings[i]
 
-    def _least(self, i: int, *, whole_cell: bool) -> int:
+    def _least_width(self, i: int, *, whole_cell: bool) -> int:
         """Least width of a column: its longest word, or its longest cell."""
         whole = whole_cell or self.to_right[i]
         cells = [row[i] for row in self.rows]
@@ -90,7 +90,7 @@ class Grid:
         ]
         room = width - gap * (len(some) - 1)
         for whole in (True, False)[: 1 if whole_cells else 2]:
-            least = [self._least(i, whole_cell=whole) for i in some]
+            least = [self._least_width(i, whole_cell=whole) for i in some]
             while sum(widths) > room and widths != least:
                 slack = [(w, k) for k, w in enumerate(widths) if w > least[k]]
                 widths[max(slack)[1]] -= 1
@@ -104,7 +104,7 @@ class Grid:
             names = [0, 1]
 
         def needed(columns: Sequence[int]) -> int:
-            return sum(self._least(i, whole_cell=False) + gap for i in columns) - gap
+            return sum(self._least_width(i, whole_cell=False) + gap for i in columns) - gap
 
         blocks = [list(names)]
         for i in range(len(names), count):

@@ -7,9 +7,9 @@ from typing import Any
 
 from sizing.aircraft import Aircraft
 from sizing.parameters import unit_text
-from sizing.relaxation import Relaxation
-from sizing.results.constraint_words import parameter_words
+from sizing.relaxed_flight import Relaxation
 from sizing.results.records import finite_values, hours
+from sizing.results.requirements import parameter_words
 from sizing.results.tables import MISSING, Column, Line, Table, facts
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.ranges import Extrapolation

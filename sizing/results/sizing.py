@@ -26,7 +26,7 @@ from sizing.design import (
 )
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.margins.probability import Reliability, check_reliability, size_reliably
-from sizing.margins.season_days import Survival
+from sizing.margins.season_flights import Survival
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.module_flow import with_flow_of_optimum
@@ -46,13 +46,12 @@ from sizing.optimisation.sensitivity import (
 from sizing.optimisation.whole_cells import WholeCells, size_whole_cells
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.relaxation import Relaxation
+from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
-from sizing.results.battery import battery_record
-from sizing.results.climbs import climbs_record, level_record
+from sizing.results.conditions import battery_record, climbs_record, level_record, wind_record
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
-from sizing.results.part_masses import PartMasses, part_masses
-from sizing.results.power_budget import PowerBudget, power_budget
+from sizing.results.parts import sizing_record
+from sizing.results.propulsion import PartMasses, PowerBudget, part_masses, power_budget
 from sizing.results.records import (
     NEGLIGIBLE,
     check_subjects,
@@ -60,21 +59,14 @@ from sizing.results.records import (
     finite_values,
     uncertainty_record,
 )
-from sizing.results.requirement_margins import (
-    RequirementMargin,
-    margin_records,
-    requirement_margins,
-)
+from sizing.results.requirements import RequirementMargin, margin_records, requirement_margins
 from sizing.results.tables import Result, data_frame
-from sizing.results.whole_cells import sizing_record
-from sizing.results.wind import wind_record
 from sizing.smooth_propulsion import put_parts_in
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import record_check, stall_margin_within_polar
+from sizing.validity.extrapolations import extrapolations, told, with_worth
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import extrapolations, told
-from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
 from solar.versions import software_record
 
@@ -206,10 +198,10 @@ class SizingStudy(Result):
             data[section][key] = one.of(self.result.design)
         if variables.lift_coefficient is not None:
             data["airframe"]["aerodynamics"]["lift_coefficient"] = variables.lift_coefficient
-        put_parts_in(data, self.aircraft, variables)
-        return data if self.whole_cells is not None else self._relaxed(data)
+        put_parts_in(data, self.aircraft, self._optimum())
+        return data if self.whole_cells is not None else self._without_cells(data)
 
-    def _relaxed(self, data: dict[str, Any]) -> dict[str, Any]:
+    def _without_cells(self, data: dict[str, Any]) -> dict[str, Any]:
         """Data without the whole cells of another design, with the technology they had given."""
         modules, battery = self.aircraft.modules, self.aircraft.battery
         if data["modules"].pop("layout", None) is not None:
@@ -600,9 +592,7 @@ def _reliable(
         mission = with_values(mission, update)
     check_reliability(aircraft, mission, wish.objective, solar, wish.reliability)
     result, reliability = size_reliably(
-        *(aircraft, mission, wish.objective, solar),
-        reliability=wish.reliability,
-        problems=problems,
+        *(aircraft, mission, wish.objective, solar), reliability=wish.reliability, problems=problems
     )
     asked = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.

@@ -11,7 +11,7 @@ import numpy as np
 from missions.dates import date_label
 from missions.mission import latitude_label
 from sizing.margins.probability import Reliability
-from sizing.margins.season_days import Survival
+from sizing.margins.season_flights import Survival
 from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
@@ -20,10 +20,7 @@ from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.parameters import unit_text
 from sizing.performance import Performance
 from sizing.results.analysis_summary import uncertainty_line
-from sizing.results.balance import balance_lines
-from sizing.results.battery import battery_line
-from sizing.results.climbs import climb_lines
-from sizing.results.constraint_words import constraint_words, parameter_words
+from sizing.results.conditions import battery_line, climb_lines, wind_rows
 from sizing.results.notes import (
     catalogue_blocks,
     extrapolation_blocks,
@@ -31,15 +28,19 @@ from sizing.results.notes import (
     relaxation_table,
     structure_blocks,
 )
-from sizing.results.part_masses import part_masses_line
-from sizing.results.power_budget import power_line
+from sizing.results.parts import (
+    balance_lines,
+    cells_lines,
+    loss_line,
+    neighbour_table,
+    sizing_record,
+)
+from sizing.results.propulsion import part_masses_line, power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours, relative_change
-from sizing.results.requirement_margins import requirement_table
+from sizing.results.requirements import constraint_words, parameter_words, requirement_table
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
-from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table, sizing_record
-from sizing.results.wind import wind_rows
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import where_error_is_known
 

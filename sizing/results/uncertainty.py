@@ -17,9 +17,8 @@ from sizing.results.quantities import DRAWN, ENDURANCE, EXCESS_TIME, MINIMUM_CHA
 from sizing.results.records import check_subjects, finite, finite_values, hours, percentiles
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
 from sizing.sunlight import SolarModel
-from sizing.uncertainty.inputs import UncertainInputs, uncertain_inputs
+from sizing.uncertainty.inputs import Proportion, UncertainInputs, sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
-from sizing.uncertainty.samples import Proportion, sobol_points
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray

@@ -14,7 +14,7 @@ from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
 from sizing.energy.battery_condition import BatteryTemperature
-from sizing.results.battery import battery_line_of_days, battery_record_of_days
+from sizing.results.conditions import battery_line_of_days, battery_record_of_days
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import (
     check_subjects,
@@ -40,8 +40,8 @@ from sizing.validity.checks import (
     design_checks,
     record_check,
 )
+from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import told, worst_of
 from sizing.weather_run import WeatherPerformance, WeatherRun, wait_for_window, weather_performance
 from solar.names import CorrectionName, ModelName
 

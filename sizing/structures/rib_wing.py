@@ -13,19 +13,26 @@ from math import pi, radians
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value, smooth_absolute, smooth_maximum, smooth_minimum
-from sizing.structures.bracing import Wires
 from sizing.structures.loads import (
     SEA_LEVEL_DENSITY_KG_PER_M3,
+    Station,
     StructureInputs,
+    along_the_span,
     gust_load_increment,
     lift_curve_slope,
     limit_load_factor,
 )
-from sizing.structures.parts import CapForces, LoadFactors, StructureParts, Wing, largest
-from sizing.structures.rib_wing_keys import RibWingKeys
-from sizing.structures.stations import Station, along_the_span
+from sizing.structures.rib_wing_keys import (
+    SHEAR_PLATE,
+    CapForces,
+    LoadFactors,
+    RibWingKeys,
+    StructureParts,
+    Wing,
+    Wires,
+    largest,
+)
 from sizing.structures.torsion import NoseCell, Twisting, closed_cell_nm2
-from sizing.structures.web_core import SHEAR_PLATE
 
 # Perimeter over chord of a cambered section, both sides, and area over thickness times chord.
 _PERIMETER = 2.04
@@ -163,13 +170,11 @@ class RibWingStructure(RibWingKeys):
 
     def _stiff_nose_sheet_m(self, wing: Wing) -> Value:
         """Sheet as heavy as a nose stiff enough: sheet at its gauge, and cloth."""
-        assert self.torsion is not None
-        sheet_pa, cloth_pa = (
-            self.torsion.sheet_shear_modulus_pa,
-            self.torsion.cloth_shear_modulus_pa,
-        )
-        density = self.torsion.cloth_density_kg_per_m3 / self.sheet_density_kg_per_m3
-        return wing.sheet_m + self.stiffening_sheet_m(wing) * (sheet_pa / cloth_pa * density)
+        torsion = self.torsion
+        assert torsion is not None
+        stiffness = torsion.sheet_shear_modulus_pa / torsion.cloth_shear_modulus_pa
+        density = torsion.cloth_density_kg_per_m3 / self.sheet_density_kg_per_m3
+        return wing.sheet_m + self.stiffening_sheet_m(wing) * (stiffness * density)
 
     def load_factors(
         self,
@@ -288,10 +293,8 @@ class RibWingStructure(RibWingKeys):
         if self.bracing is not None:
             below = self._net(wing, station.braced_lift_moment, station.braced_mass_moment, station)
             above = below if self.bracing.landing_wires else free
-            root_nm = self._root_moment_nm(wing)
-            pressed = (
-                self.bracing.compression_n(root_nm, wing.wingspan_m / 2.0) / 2.0 * station.inboard
-            )
+            root_nm, half_span_m = self._root_moment_nm(wing), wing.wingspan_m / 2.0
+            pressed = self.bracing.compression_n(root_nm, half_span_m) / 2.0 * station.inboard
         if self.landing_gear_span_fraction or self.bracing is not None:
             wired = self.bracing is not None and self.bracing.landing_wires
             moment = station.braced_landed_moment if wired else station.landed_moment
@@ -393,20 +396,7 @@ class RibWingStructure(RibWingKeys):
         }
 
     def web_needs_m(self, wing: Wing, shear_n: Value) -> dict[str, Value]:
-        """Thickness of each of the two webs that each criterion asks for.
-
-        Parameters
-        ----------
-        wing : Wing
-            Its depth.
-        shear_n
-            Ultimate shear [N].
-
-        Returns
-        -------
-        dict
-            Thickness [m] by criterion.
-        """
+        """Thickness [m] of each of the two webs that each criterion asks for, of ultimate shear."""
         depth_m = wing.depth_m
         needs = {
             "shear": shear_n / (2.0 * depth_m * self.laminate_shear_strength_pa),

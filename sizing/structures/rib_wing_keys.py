@@ -1,14 +1,18 @@
-"""Keys of a rib wing; docs/structure.md names source or assumption key by key."""
+"""Keys of a rib wing, of its wires and of the core of its webs; its parts and their sizing loads.
+
+docs/structure.md names source or assumption key by key.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from functools import reduce
+from math import cos, pi, radians, sin, tan
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, Strict, model_validator
 
-from sizing.structures.bracing import Bracing
+from sizing.smooth import Value, smooth_maximum
 from sizing.structures.torsion import WingTorsion
-from sizing.structures.web_core import WebCore
 from solar.schema import (
     Flag,
     Fraction,
@@ -18,6 +22,169 @@ from solar.schema import (
     UnitInterval,
     wrong_value,
 )
+
+
+class StructureParts(NamedTuple):
+    """Masses of the structure's parts [kg], calibration included; they add up to the structure."""
+
+    spar_caps: Value
+    spar_web: Value
+    covering: Value
+    ribs: Value
+    edges: Value
+    tails: Value
+    boom: Value
+    pod: Value
+    joints: Value
+
+    @property
+    def total_kg(self) -> Value:
+        """Mass of the structure [kg]."""
+        return sum(self[1:], self[0])
+
+
+class LoadFactors(NamedTuple):
+    """Limit load factors [-], all counted positive: pull-up or up-gust, and their opposites."""
+
+    up: Value
+    down: Value
+
+
+class Wing(NamedTuple):
+    """What the parts are sized from.
+
+    ``sheet_m`` is at its gauge; ``nose_sheet_m`` weighs as much as the stiffened nose.
+    """
+
+    wingspan_m: Value
+    chord_m: Value
+    wing_area_m2: Value
+    depth_m: Value
+    equivalent_airspeed_m_per_s: Value
+    total_mass_kg: Value
+    relief_kg: Value
+    pod_battery_kg: Value
+    factors: LoadFactors
+    sheet_m: Value
+    nose_sheet_m: Value
+
+
+class CapForces(NamedTuple):
+    """Ultimate cap forces at a station [N], by load case.
+
+    ``up`` and ``down`` are those of flight at the limit load factors, bending the wing up and down,
+    ``landing`` bends it down; ``level`` is that of level flight, without the safety factor.
+    """
+
+    up: Value
+    down: Value
+    landing: Value
+    level: Value
+
+    @property
+    def downwards(self) -> Value:
+        """Largest force that bends the wing down: flight or landing."""
+        return smooth_maximum(self.down, self.landing)
+
+
+def largest(needs: dict[str, Value]) -> Value:
+    """Smooth maximum of what several criteria ask for, in their order."""
+    return reduce(smooth_maximum, needs.values())
+
+
+# Buckling of a long plate in shear, simply supported (Timoshenko & Gere, section 9.7).
+SHEAR_PLATE = 5.35
+
+
+class WebCore(Record):
+    """Foam between two facings, each half of the laminate of the web.
+
+    The facings carry the shear, the core keeps them apart. docs/structure.md names source or
+    assumption key by key.
+    """
+
+    density_kg_per_m3: PositiveReal = 52.0
+    shear_modulus_pa: PositiveReal = 19e6
+    minimum_thickness_m: PositiveReal = 2e-3
+    bond_kg_per_m2: NonNegativeReal = 0.1
+
+    def kg_per_m2(
+        self, shear_n_per_m: Value, facings_m: Value, depth_m: Value, modulus_pa: Value
+    ) -> Value:
+        """Core and its two bonds for the web's area [kg/m2].
+
+        The plate's bending stiffness is that of its facings, ``D = E t d^2/(4 (1 - nu^2))`` with
+        both of them t and the core d thick. With the shear of the core the plate buckles at
+        ``1/(1/N_b + 1/(G d))``, ``N_b = 5.35 pi^2 D/h^2`` (Allen, Analysis and Design of Structural
+        Sandwich Panels, chapters 2 and 5: the two stiffnesses in series); solved for d.
+
+        Parameters
+        ----------
+        shear_n_per_m
+            Ultimate shear flow of one web, as its force over its depth [N/m].
+        facings_m
+            Thickness of both facings together [m].
+        depth_m
+            Of the web [m].
+        modulus_pa
+            Of the laminate [Pa].
+
+        Returns
+        -------
+        Value
+        """
+        per_thickness = SHEAR_PLATE * pi**2 * modulus_pa * facings_m / (4.0 * (1.0 - 0.3**2))
+        bending_m2 = shear_n_per_m * depth_m * depth_m / per_thickness
+        shear_m = shear_n_per_m / self.shear_modulus_pa
+        needed_m = (shear_m + (shear_m * shear_m + 4.0 * bending_m2) ** 0.5) / 2.0
+        thickness_m = smooth_maximum(needed_m, self.minimum_thickness_m)
+        return self.density_kg_per_m3 * thickness_m + 2.0 * self.bond_kg_per_m2
+
+
+class Wires(NamedTuple):
+    """Wires of both wings: mass [kg] and drag area [m2]."""
+
+    mass_kg: Value
+    drag_area_m2: Value
+
+
+class Bracing(Record):
+    """A wire to each wing, or one from below and one from above.
+
+    The wire's force leaves the wing no moment at its root, as of a wing hinged there. It presses
+    the spar inboard together. docs/structure.md names source or assumption key by key.
+    """
+
+    attachment_span_fraction: Annotated[float, Strict(), Field(ge=0.1, le=0.9)]
+    angle_deg: Annotated[float, Strict(), Field(ge=5.0, le=60.0)]
+    landing_wires: Flag = False
+    strength_pa: PositiveReal = 2.0e9
+    density_kg_per_m3: PositiveReal = 7850.0
+    drag_coefficient: NonNegativeReal = 1.1
+
+    def compression_n(self, root_moment_nm: Value, half_span_m: Value) -> Value:
+        """Force along the spar inboard of the wire [N], for a moment that it takes at the root."""
+        lift_n = root_moment_nm / (self.attachment_span_fraction * half_span_m)
+        return lift_n / tan(radians(self.angle_deg))
+
+    def wires(self, up_nm: Value, down_nm: Value, half_span_m: Value) -> Wires:
+        """Wires for the ultimate moments that they take at the root, upwards and downwards.
+
+        ``T = M/(y sin(angle))`` at the distance y of the attachment, of wires ``y/cos(angle)`` long
+        whose diameter faces the air over all of their length.
+        """
+        distance_m = self.attachment_span_fraction * half_span_m
+        angle = radians(self.angle_deg)
+        length_m = distance_m / cos(angle)
+        mass_kg: Value = 0.0
+        drag_m2: Value = 0.0
+        for moment in (up_nm, down_nm) if self.landing_wires else (up_nm,):
+            section_m2 = moment / (distance_m * sin(angle)) / self.strength_pa
+            mass_kg = mass_kg + 2.0 * self.density_kg_per_m3 * section_m2 * length_m
+            diameter_m = (4.0 / pi * section_m2) ** 0.5
+            drag_m2 = drag_m2 + 2.0 * self.drag_coefficient * diameter_m * length_m
+        return Wires(mass_kg, drag_m2)
+
 
 # Where the limits of the tip's deflection and slope hold: at 1 g, or at the limit load in flight.
 DeflectionCase = Literal["level_flight", "limit_load"]

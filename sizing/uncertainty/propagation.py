@@ -15,9 +15,11 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_day import cycles_with_climb
 from sizing.altitude.climb_levels import flight_levels
+from sizing.balance.placing import sizes_tail
 from sizing.design import (
     Design,
     FlightConditions,
+    design_of,
     lightest_mass_kg,
     measured_design,
     parametric_design,
@@ -27,21 +29,15 @@ from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
-from sizing.held_station import refuse_held_station
 from sizing.parameters import parameter_value, with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.part_load import PartLoad
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
-from sizing.validity.checks import (
-    at_highest,
-    charge_rate_check,
-    correction_check,
-    design_checks,
-)
+from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
+from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import told, worst_of
 from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
 from solar.types import FloatArray, IntArray
 
@@ -99,7 +95,6 @@ _PARTS = tuple(f"{_PROPULSION}{part}." for part in ("propeller", "gear", "motor"
 
 def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -> None:
     """Refuse inputs that a propagation cannot vary."""
-    refuse_held_station(mission, "a propagation of uncertain inputs")
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
@@ -133,6 +128,9 @@ class Propagation:
         self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: SolarDay | None = None
+        # The tail that is built is the same in every draw.
+        built = design_of(self.aircraft, mission) if sizes_tail(aircraft) else None
+        self._horizontal_volume = None if built is None else built.horizontal_volume
         # Of a propeller by tables, whose efficiencies are constants here.
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
         given = parameter_value(aircraft, None, _PROPULSION + _FACTOR)
@@ -170,10 +168,7 @@ class Propagation:
         if mission.climb is not None:
             highest_m = flights.maximum_altitude_m
             of_design = at_highest(of_design, aircraft, mission, self.solar, highest_m)
-        checks = [
-            *of_design,
-            *charge_rate_check(aircraft, mission, design, flights.peak_solar_w),
-        ]
+        checks = [*of_design, *charge_rate_check(aircraft, mission, design, flights.peak_solar_w)]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
         return worst_of(
             [*told(checks, of=case.count, what="draws"), *told(of_sun, self.day.scenarios)]
@@ -286,7 +281,7 @@ class Propagation:
             if key != SOLAR_MODEL:
                 aircraft, mission = with_parameter(aircraft, mission, key, value)
         count = len(next(iter(values.values()))) if values else 1
-        design = _drawn_design(aircraft, mission, count)
+        design = _drawn_design(aircraft, mission, count, self._horizontal_volume)
 
         def each(value: object) -> FloatArray:
             return np.array(np.broadcast_to(np.asarray(value, float), (count,)))
@@ -306,7 +301,7 @@ class Propagation:
             store,
             mass_kg=each(design.total_mass_kg),
             propulsion_w=power_w,
-            part_load=part_load_of(aircraft, mission, design),
+            part_load=None if mission.holds_station else part_load_of(aircraft, mission, design),
             solar_factor=each(values.get(SOLAR_MODEL, 1.0)),
             count=count,
         )
@@ -325,6 +320,8 @@ class Propagation:
         loads = DesignLoads(
             *(case.design, case.mission, day, case.part_load), paired=True, own_solar_w=solar_w
         )
+        if case.mission.holds_station:
+            loads = loads.against_wind(case.aircraft)
         battery = self.aircraft.battery
         cycle, load_w, _ = flown_cycle(loads, case.store, battery, keep_trajectory=False)
         return cycle, solar_w, load_w
@@ -398,8 +395,13 @@ class _Case:
     count: int
 
 
-def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
-    """Design of every draw; its mass budget closes again, infinite where it cannot."""
+def _drawn_design(
+    aircraft: Aircraft, mission: Mission, count: int, horizontal_volume: float | None
+) -> Design:
+    """Design of every draw; its mass budget closes again, infinite where it cannot.
+
+    ``horizontal_volume``: of a tail whose size held a static margin before anything was drawn.
+    """
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, mission)
     variables = variables_of(aircraft)
@@ -409,10 +411,14 @@ def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
         # What is drawn is an array of all draws: it cannot be taken apart.
         every = np.ones(count)
         every[draws] = assumed_kg
-        closing = parametric_design(aircraft, conditions, variables, every)
+        closing = parametric_design(
+            *(aircraft, conditions, variables, every), horizontal_volume=horizontal_volume
+        )
         return np.broadcast_to(np.asarray(closing.masses.total_kg, float), (count,))[draws]
 
     start_kg = np.broadcast_to(np.asarray(variables.battery_mass_kg, float), (count,))
     mass = lightest_mass_kg(budget_kg, start_kg, relative_tolerance=_TOLERANCE)
     with np.errstate(over="ignore", invalid="ignore"):
-        return parametric_design(aircraft, conditions, variables, mass)
+        return parametric_design(
+            *(aircraft, conditions, variables, mass), horizontal_volume=horizontal_volume
+        )

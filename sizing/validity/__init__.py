@@ -8,5 +8,5 @@ so.
 
 * ``ranges``: the catalogue, a quantity beside its range, and what is told of it
 * ``checks``: the quantities that are looked at
-* ``told``: what is told of a design, of many, and of cells
+* ``extrapolations``: what is told of a design, of many, and of cells
 """

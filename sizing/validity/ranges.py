@@ -69,9 +69,9 @@ class Extrapolation:
     def text(self) -> str:
         """In a line: quantity, value, and the range in which the model holds."""
         unit = "" if self.unit == "1" else f" {unit_text(self.unit)}"
-        ends = [_number(end) for end in (self.minimum, self.maximum) if end is not None]
+        ends = [_readable(end) for end in (self.minimum, self.maximum) if end is not None]
         digits = 3
-        while (value := _number(self.value, digits)) in ends and digits < _MOST_DIGITS:
+        while (value := _readable(self.value, digits)) in ends and digits < _MOST_DIGITS:
             digits += 1
         held = range_text(self.minimum, self.maximum, self.unit)
         among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
@@ -121,7 +121,7 @@ def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
 
     Empty without any end.
     """
-    low, high = (None if end is None else _number(end) for end in (minimum, maximum))
+    low, high = (None if end is None else _readable(end) for end in (minimum, maximum))
     if low is None and high is None:
         return ""
     text = f"up to {high}" if low is None else f"from {low}" if high is None else f"{low} to {high}"
@@ -239,7 +239,7 @@ class Check(NamedTuple):
             name: float(np.broadcast_to(mass, shape)[place])
             for name, mass in (self.beside or {}).items()
         }
-        worth = ", ".join(f"{_number(mass)} kg by {name}" for name, mass in masses.items())
+        worth = ", ".join(f"{_readable(mass)} kg by {name}" for name, mass in masses.items())
         return replace(extrapolation(self.range, value, low, high), at=at, worth=worth)
 
 
@@ -261,7 +261,7 @@ def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapol
     )
 
 
-def _number(value: float, digits: int = 3) -> str:
+def _readable(value: float, digits: int = 3) -> str:
     """Number as people read it, of so many digits and no fewer than its integer part."""
     size = abs(value)
     whole = len(str(int(size))) if size >= 1.0 else 1

@@ -11,8 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missions.files.errors import InputError, Problem, did_you_mean, file_error, printable, shown
-from missions.files.plain_file import read_plain_file
+from missions.files.errors import (
+    InputError,
+    Problem,
+    did_you_mean,
+    file_error,
+    printable,
+    shown,
+)
+from missions.files.texts import read_plain_file
 from solar.types import FloatArray
 
 _MOST_PROBLEMS, _MOST_BYTES = 10, 5_000_000

@@ -135,13 +135,10 @@ class Bash(BashComplete):
                 words.append(part)
         incomplete = words.pop() if len(words) > 1 else ""
         # Bash replaces what stands behind the last sign at which it divides words.
-        breaks = [incomplete.rfind(sign) for sign in "=:" if sign in self._breaks()]
+        signs = os.environ.get("COMP_WORDBREAKS", "=:")
+        breaks = [incomplete.rfind(sign) for sign in "=:" if sign in signs]
         self._kept = max(breaks, default=-1) + 1
         return words[1:], incomplete.strip("'\"")
-
-    @staticmethod
-    def _breaks() -> str:
-        return os.environ.get("COMP_WORDBREAKS", "=:")
 
     def format_completion(self, item: CompletionItem[str]) -> str:
         """Completion as the script reads it, without what the shell keeps."""

@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.catalogues.files import entry_names
+from sizing.catalogues.choice import entry_names
 from sizing.parameters import catalogue
 from studies.cli.completion import KEYS_FILE, Key
 from studies.sweeps.axes import NAMED_KEYS

@@ -1,17 +1,19 @@
-"""Aircraft and missions of the command line: validated, with the lines they came from."""
+"""Aircraft and missions of the command line: validated, with the lines they came from.
+
+What a command needs of them is told in terms of their files.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import hashlib
 import os
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from importlib import resources
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypedDict, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -21,15 +23,17 @@ from missions.files.errors import OVERRIDE, InputError, Problem, file_error, pri
 from missions.files.overrides import with_overrides
 from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
 from missions.files.validation import located_error, validate
-from missions.files.writing import names_a_device, write_files_atomically
 from missions.files.yaml import Document
+from missions.flight_path import path_trouble
 from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import ImpossibleDesignError, with_total_mass
+from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
+from sizing.design import ImpossibleDesignError, design_of, with_total_mass
 from sizing.parameters import design_keys
 from sizing.sunlight import SolarModel
+from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from studies.cli.options import CaseOptions, PlaceOptions
 from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
@@ -38,7 +42,6 @@ T = TypeVar("T")
 
 DEFAULT_MISSION = " (default mission)"  # behind the name of one that nobody chose
 _AIRCRAFT_PREFIX = "aircraft."
-_YAML = (".yaml", ".yml")
 _A_KIND: dict[Kind, str] = {"aircraft": "an aircraft", "mission": "a mission"}
 _OTHER: dict[Kind, Kind] = {"aircraft": "mission", "mission": "aircraft"}
 
@@ -59,6 +62,15 @@ class LoadedMission:
     mission: Mission
     document: Document
     sha256: str | None = None
+
+
+class StudyArguments(TypedDict):
+    """What a study is of, as its arguments are called."""
+
+    aircraft: Aircraft
+    mission: Mission
+    model: ModelName
+    correction: CorrectionName
 
 
 @dataclass(frozen=True)
@@ -86,6 +98,14 @@ class Case:
         """Aircraft and mission in one line, which says so where nobody chose the mission."""
         chosen = DEFAULT_MISSION if self.mission_is_default else ""
         return f"{self.aircraft.name} on {self.mission.name}{chosen}"
+
+    @property
+    def arguments(self) -> StudyArguments:
+        """Arguments that all studies of the case have, by name."""
+        model, correction = self.solar.model, self.solar.correction
+        return StudyArguments(
+            aircraft=self.aircraft, mission=self.mission, model=model, correction=correction
+        )
 
     def named(self, record: Mapping[str, Any]) -> dict[str, Any]:
         """Record of a result with the names of aircraft and mission, JSON-ready."""
@@ -243,35 +263,6 @@ def load(
     return case.with_mission(required_excess_time_h=required_excess_time_h)
 
 
-def write_starters(name: str, folder: Path) -> list[Path]:
-    """Write ``NAME.yaml`` and ``NAME-mission.yaml``; existing files are never overwritten.
-
-    Returns the aircraft's file and the mission's.
-    """
-    suffix = next((s for s in _YAML if name.lower().endswith(s)), "")
-    name = name[: len(name) - len(suffix)]
-    if re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name) is None:
-        raise file_error(name, "a name has letters, digits, '-', '_' and '.', at most 64 of them")
-    if names_a_device(name):
-        message = "names a device of Windows, not a file: choose another name"
-        raise file_error(name, message)
-    contents = {
-        folder / f"{name}.yaml": _template("aircraft").replace("NAME", name),
-        folder / f"{name}-mission.yaml": _template("mission").replace("NAME", name),
-    }
-    taken = [path for path in contents if os.path.lexists(path)]
-    if taken:
-        message = "exists already and is not overwritten"
-        raise _joined_errors([file_error(path.name, message) for path in taken])
-    write_files_atomically({path: text.encode() for path, text in contents.items()})
-    return list(contents)
-
-
-def _template(kind: Kind) -> str:
-    folder = resources.files("studies").joinpath("templates")
-    return folder.joinpath(f"{kind}.yaml").read_text(encoding="utf-8")
-
-
 def _attempt(read: Callable[[], T], errors: list[InputError]) -> T | None:
     try:
         return read()
@@ -326,3 +317,119 @@ def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
             problems.append(Problem(f"{OVERRIDE}{key}", None, None, "", message))
     if problems:
         raise InputError(problems)
+
+
+def refuse_climb(case: Case, command: str) -> None:
+    """Refuse a mission with climbs where flight at constant altitude is meant."""
+    if case.mission.climb is not None:
+        message = f"{command} flies at constant altitude; remove climb"
+        raise located_error(case.where.document, ("climb",), message)
+
+
+def refuse_held_station(case: Case, command: str) -> None:
+    """Refuse a mission that holds its place where one power is flown in all scenarios."""
+    if case.mission.holds_station:
+        message = f"{command} has one power of level flight for all places and days; leave it out"
+        raise located_error(case.where.document, ("wind", "hold_station"), message)
+
+
+def require_climber(case: Case) -> None:
+    """Refuse an aircraft that cannot climb on a mission that has climbs."""
+    if case.mission.climb is None:
+        return
+    try:
+        checked_climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
+    except ClimbLimitError as error:
+        raise located_error(case.craft.document, error.key, error.message) from None
+
+
+def require_climb_power(case: Case) -> None:
+    """Refuse a parametric aircraft that is sized for climbs without any power for them."""
+    propulsion = getattr(case.aircraft.airframe, "propulsion", None)
+    ratio = getattr(propulsion, "climb_power_ratio", None)
+    if case.mission.climb is not None and ratio is not None and ratio <= 1.0:
+        message = (
+            f"a mission with climb needs more power than level flight takes; allowed: above 1 "
+            f"(got {ratio:g}), or climb_rate_m_per_s"
+        )
+        key = ("airframe", "propulsion", "climb_power_ratio")
+        raise located_error(case.craft.document, key, message)
+
+
+def require_path(case: Case, option: str | None = None) -> None:
+    """Refuse an aircraft without module surfaces and a mission without a path it can fly.
+
+    ``option``: what needs both, for the message; if left out, VM, FM and the loiter correction do.
+    """
+    solar = case.solar
+    if option is None:
+        if not solar.needs_path:
+            return
+        attitude = solar.model in ATTITUDE_MODELS
+        option = f"--model {solar.model}" if attitude else "--correction loiter"
+    if case.aircraft.modules.geometry is None:
+        message = f"{option} needs the module surfaces: add geometry with its surfaces"
+        raise located_error(case.craft.document, ("modules",), message)
+    if case.mission.flight_path is None:
+        message = f"{option} needs a flight path: add flight_path with kind, radius_m, ..."
+        raise located_error(case.where.document, ("name",), message)
+    trouble = path_trouble(case.mission.flight_path, case.mission.wind)
+    if trouble is not None:
+        raise located_error(case.where.document, ("flight_path",), trouble)
+
+
+def refuse_polar_night(case: Case) -> None:
+    """Refuse scenarios in which the sun never rises: no design could fly through them."""
+    scenarios = case.mission.scenarios()
+    dark = scenarios.in_polar_night()
+    if dark.any():
+        label = scenarios.label(int(dark.argmax()))
+        message = (
+            f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
+        )
+        raise located_error(case.where.document, ("latitude_deg",), message)
+
+
+def require_parametric(case: Case, message: str) -> None:
+    """Refuse a measured aircraft where masses and power must follow from the design."""
+    if isinstance(case.aircraft.airframe, MeasuredAirframe):
+        raise located_error(case.craft.document, ("airframe", "kind"), message)
+
+
+def require_whole_cells(case: Case) -> None:
+    """Refuse an aircraft whose file lays no solar cells or has no whole cells in its battery."""
+    for section, key, given in (
+        ("modules", "layout", case.aircraft.modules.layout),
+        ("battery", "pack", case.aircraft.battery.pack),
+    ):
+        if given is None:
+            message = "required key is missing: --whole-cells needs it"
+            raise located_error(case.craft.document, (section, key), message)
+
+
+@contextmanager
+def uncertain_inputs_of(case: Case) -> Iterator[None]:
+    """Tell what is wrong with uncertain inputs by the lines of the files."""
+    try:
+        yield
+    except InputError as error:
+        raise _placed(case, error) from error
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+def _placed(case: Case, error: InputError) -> InputError:
+    """Error with the lines of the files that its keys stand on."""
+    documents = {
+        case.mission.name: case.where.document,
+        case.aircraft.name: case.craft.document,
+    }
+    placed = []
+    for problem in error.problems:
+        document = documents.get(problem.source)
+        if document is not None:
+            path = tuple(problem.key.split(".", 2))
+            line, column = document.key_marks.get(path) or (None, None)
+            problem = Problem(document.source, line, column, problem.key, problem.message)
+        placed.append(problem)
+    return InputError(placed)

@@ -14,14 +14,12 @@ import click
 
 from missions.files.writing import OutputError
 from studies.cli.options import EXIT_FAILED, WorkOptions
-from studies.cli.progress import progress_of
 from studies.cli.start import let_dask_in
-from studies.cli.telling import tell_error
+from studies.cli.telling import progress_of, tell_error
 from studies.engine.chunk_store import ChunkStore, parts_folder
-from studies.engine.run import Job, Outcome, Stopped, pool_of, run
-from studies.engine.workers import WorkersUnavailableError
-
-__all__ = ["completed"]
+from studies.engine.run import Outcome, pool_of, run
+from studies.engine.signals import Stopped
+from studies.engine.workers import Job, WorkersUnavailableError
 
 
 @contextmanager

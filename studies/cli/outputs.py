@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
@@ -16,15 +17,19 @@ from click.core import ParameterSource
 from missions.files.errors import printable
 from missions.files.writing import to_json, write_files_atomically
 from sizing.results.tables import Line, Result, Summary, Table
+from studies.cli.command import check_outputs
 from studies.cli.files import DEFAULT_MISSION, Case
 from studies.cli.telling import tell_error
 from studies.output.figures.drawing import to_bytes
 from studies.output.formats import image_format, table_bytes
 from studies.output.terminal import show, tell_line
+from studies.report import pdf
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
+
+PAGE, PRINTED = ".html", ".pdf"
 
 # Makes what a file holds, by its name.
 Content: TypeAlias = Callable[[str], bytes]
@@ -149,18 +154,46 @@ def table_of(frame: Callable[[], pd.DataFrame], title: str) -> Content:
 
 def figure_of(draw: Callable[[], Figure]) -> Content:
     """Figure in the format that its file name asks for, which was checked before."""
-    return lambda path: figure_bytes(draw(), path)
 
+    def content(path: str) -> bytes:
+        figure = draw()
+        data = to_bytes(figure, image_format(path) or "png")
+        if getattr(figure.get_layout_engine(), "collapsed", False):
+            what = "the figure is too small for its axes and texts"
+            tell_error(f"solar-uav: {path}: {what}: give a larger --figure-size, or --no-title")
+        return data
 
-def figure_bytes(figure: Figure, path: str) -> bytes:
-    """Figure in the format that its file name asks for, which was checked before."""
-    content = to_bytes(figure, image_format(path) or "png")
-    if getattr(figure.get_layout_engine(), "collapsed", False):
-        remedy = "give a larger --figure-size, or --no-title"
-        tell_error(f"solar-uav: {path}: the figure is too small for its axes and texts: {remedy}")
     return content
 
 
 def print_json(record: Any) -> None:
     """Print a record as strict JSON."""
     click.echo(to_json(record, indent=2))
+
+
+def refuse_to_overwrite(option: str, path: str | None, read: Iterable[str | None]) -> None:
+    """Refuse an output in place of what the command reads: a flight is not flown again."""
+    if path is None or not os.path.isfile(path):  # noqa: PTH113
+        return
+    for one in read:
+        if one is not None and os.path.isfile(one) and os.path.samefile(one, path):  # noqa: PTH113, PTH121
+            message = f"{printable(path)!r} is read by this command; name another file"
+            raise click.BadParameter(message, param_hint=option)
+
+
+def check_report(path: str | None, *, with_pdf: bool = False, option: str = "--out") -> None:
+    """Refuse before any work a report that could not be written.
+
+    ``path``: file that the option names; None where it is not given.
+    """
+    if path is None:
+        return
+    suffix = PurePath(path).suffix.lower()
+    if suffix not in (PAGE, PRINTED):
+        raise click.BadParameter(f"{path!r} must end in .html or .pdf", param_hint=option)
+    if (with_pdf or suffix == PRINTED) and not pdf.has_weasyprint():
+        raise click.UsageError(pdf.MISSING)
+    places = {option: path}
+    if with_pdf and suffix == PAGE:
+        places["--pdf"] = str(PurePath(path).with_suffix(PRINTED))
+    check_outputs(places)

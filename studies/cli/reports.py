@@ -8,16 +8,15 @@ import os
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from missions.files.plain_file import read_plain_file
+from missions.files.texts import read_plain_file
 from missions.files.writing import write_files_atomically
 from missions.mission import Mission
 from sizing.performance import performance
 from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS
 from sizing.results.sizing import SizingStudy
-from studies.cli.checks import uncertain_inputs_of
-from studies.cli.files import Case
-from studies.cli.progress import progress_of
-from studies.cli.targets import PAGE, PRINTED
+from studies.cli.files import Case, uncertain_inputs_of
+from studies.cli.outputs import PAGE, PRINTED
+from studies.cli.telling import progress_of
 from studies.output.run_folder import RESULTS, RunFolder
 from studies.output.sizing_files import sized_inputs
 from studies.report import document
@@ -26,8 +25,6 @@ from studies.report.subject import Subject
 
 if TYPE_CHECKING:
     from studies.flight_logs.verification import Verification
-
-__all__ = ["report_on_log", "report_on_sizing", "sizing_of_folder", "subject_of", "write_report"]
 
 _MOST_BYTES = 10_000_000  # of a record of results
 # A sizing is that of an aircraft if it has the excess time that was written down, to this [h].

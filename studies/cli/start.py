@@ -8,8 +8,6 @@ import sys
 from importlib import import_module
 from typing import Any, cast
 
-__all__ = ["let_dask_in", "start"]
-
 _ALLOCATIONS = 50_000  # between two looks for garbage; Python's own 700 suit long-lived servers
 
 

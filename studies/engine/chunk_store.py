@@ -16,7 +16,6 @@ import json
 import os
 import shutil
 import socket
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -26,9 +25,7 @@ from typing import Any
 import numpy as np
 
 from missions.files.errors import printable
-from missions.files.writing import OutputError
-
-__all__ = ["ChunkStore", "Part", "check_target", "parts_folder"]
+from missions.files.writing import OutputError, probe, writing_trouble
 
 _KEY = "[0-9a-f]" * 40
 _LOCK = ".solar-uav.lock"
@@ -56,32 +53,6 @@ def parts_folder(target: str | os.PathLike[str]) -> Path | None:
     return path.with_name(path.name + ".parts")
 
 
-def check_target(target: str | os.PathLike[str]) -> None:
-    """Refuse a file that cannot be written, before any work is done for it."""
-    path, name = Path(target), printable(os.fspath(target))
-    if path.is_dir():
-        raise OutputError(f"cannot write {name}: it is a folder")
-    if path.is_file() or not path.exists():  # else a device or a pipe
-        _probe(path.parent, name)
-
-
-def _probe(folder: Path, name: str) -> None:
-    """Put a file into a folder and take it away again: permissions alone do not tell everything."""
-    try:
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=".", suffix=".tmp") as scratch:
-            scratch.write(b"probe")
-    except OSError as error:
-        raise OutputError(f"cannot write {name}: {_trouble(error)}") from error
-
-
-def _trouble(error: OSError) -> str:
-    if isinstance(error, FileNotFoundError):
-        return "its folder does not exist"
-    if isinstance(error, NotADirectoryError):
-        return "a part of the path is a file, not a folder"
-    return (error.strerror or str(error)).lower()
-
-
 @dataclass(frozen=True)
 class ChunkStore:
     """Folder of parts; use it inside :meth:`opened`."""
@@ -98,10 +69,10 @@ class ChunkStore:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise OutputError(f"cannot make {self.folder}: {_trouble(error)}") from error
+            raise OutputError(f"cannot make {self.folder}: {writing_trouble(error)}") from error
         with _locked(self.folder / _LOCK):
             try:
-                _probe(self.folder, f"to {printable(os.fspath(self.folder))}")
+                probe(self.folder, f"to {printable(os.fspath(self.folder))}")
                 needed = _COPIES * needed_bytes + _PART_BYTES * parts
                 free = shutil.disk_usage(self.folder).free
                 if free < needed:
@@ -132,7 +103,7 @@ class ChunkStore:
             if not path.is_file() or path.stat().st_size > most:
                 return None
             head, _, body = path.read_bytes().partition(b"\n")
-            return _part(body, blanks, cells) if head == _head(key, body) else None
+            return _part_in(body, blanks, cells) if head == _head(key, body) else None
         except Exception:
             return None  # whatever breaks a file that cannot be read, or was made up
 
@@ -150,7 +121,7 @@ class ChunkStore:
         except OSError as error:
             with suppress(OSError):
                 scratch.unlink(missing_ok=True)
-            raise OutputError(f"cannot write to {self.folder}: {_trouble(error)}") from error
+            raise OutputError(f"cannot write to {self.folder}: {writing_trouble(error)}") from error
 
     def remove_parts(self, keys: Iterable[str]) -> None:
         """Delete the parts of some chunks, and the folder if nothing else is in it.
@@ -171,7 +142,7 @@ class ChunkStore:
             self.folder.rmdir()
 
 
-def _part(body: bytes, blanks: Mapping[str, Any], cells: int) -> Part | None:
+def _part_in(body: bytes, blanks: Mapping[str, Any], cells: int) -> Part | None:
     """Part that an archive holds; none if it has other columns, kinds or lengths."""
     with np.load(io.BytesIO(body), allow_pickle=False) as archive:
         if sorted(archive.files) != sorted([*blanks, _FAILURES]):
@@ -205,7 +176,7 @@ def _locked(path: Path) -> Iterator[None]:
     try:
         file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
     except OSError as error:
-        raise OutputError(f"cannot write to {path.parent}: {_trouble(error)}") from error
+        raise OutputError(f"cannot write to {path.parent}: {writing_trouble(error)}") from error
     with file:
         if not lock_descriptor(file.fileno(), blocking=False):
             holder = ""

@@ -11,8 +11,6 @@ from typing import Any, TypeVar
 
 from studies.engine.workers import Pool, WorkersUnavailableError, available_cores, for_children
 
-__all__ = ["LOCAL_CLUSTER", "DaskPool"]
-
 T = TypeVar("T")
 
 LOCAL_CLUSTER = "local-cluster"

@@ -19,76 +19,34 @@ order, in one run or in several.
 from __future__ import annotations
 
 import functools
-import hashlib
 import itertools
-import threading
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
-from importlib import resources
-from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic_core import to_json
 
-from solar._version import __version__
 from studies.engine.chunk_store import ChunkStore, Part
-from studies.engine.signals import Signals, Stopped, interruptible
-from studies.engine.workers import LocalPool, Pool, WorkersUnavailableError
+from studies.engine.signals import Signals, interruptible
+from studies.engine.workers import (
+    Cell,
+    Columns,
+    Job,
+    LocalPool,
+    Pool,
+    code_digest,
+    compute_task,
+    failed_chunk,
+    joined,
+)
 
-__all__ = ["Cell", "Columns", "Job", "Outcome", "Stopped", "pieces", "pool_of", "run"]
-
-Cell: TypeAlias = tuple[float, ...]
-Columns: TypeAlias = dict[str, NDArray[Any]]
 Progress: TypeAlias = Callable[[int, int], None]
-ChunkFunction: TypeAlias = Callable[[Any, Sequence[Cell]], Mapping[str, Any]]
 
-_PACKAGES = ("solar", "missions", "sizing", "studies")
 _DIED = "the worker process died"
 _LOOK_S = 0.2
-
-
-@dataclass(frozen=True)
-class Job:
-    """What is to be computed.
-
-    ``function``: function of a module, called with the configuration and a sequence of cells;
-    returns one value per cell for every column. ``configuration``: what the function needs besides:
-    data classes, pydantic models, numbers and text, which pickle and can be written as JSON. Never
-    a solver: workers keep theirs. ``chunks``: cells that are computed together; a chunk should take
-    0.1 to 2 s. ``blanks``: name of every column, and the NumPy scalar that stands in it for a
-    failed cell. ``possible``: whether columns without failures can be a result; what an earlier run
-    has kept is computed again where it says no, or raises.
-    """
-
-    function: ChunkFunction
-    configuration: Any
-    chunks: tuple[tuple[Cell, ...], ...]
-    blanks: Mapping[str, Any]
-    possible: Callable[[Mapping[str, Any]], bool] | None = None
-
-    @functools.cached_property
-    def cells(self) -> tuple[Cell, ...]:
-        """All cells, chunk after chunk."""
-        return tuple(itertools.chain.from_iterable(self.chunks))
-
-    @property
-    def size_bytes(self) -> int:
-        """Size of all columns, estimated [bytes]."""
-        return len(self.cells) * sum(max(np.asarray(b).itemsize, 8) for b in self.blanks.values())
-
-    def keys(self) -> list[str]:
-        """Key of every chunk: changes with anything that may change its result."""
-        function = f"{self.function.__module__}.{self.function.__qualname__}"
-        common = [function, __version__, np.__version__, code_digest(), sorted(self.blanks)]
-        # Files that the configuration names count with their contents, not with their path alone.
-        context = {"contents": True}
-        head = to_json([*common, self.configuration], inf_nan_mode="strings", context=context)
-        return [hashlib.sha256(head + to_json(c)).hexdigest()[:40] for c in self.chunks]
 
 
 @dataclass(frozen=True)
@@ -170,82 +128,6 @@ def pieces(count: int, each: int) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
 
 
-@functools.cache
-def code_digest() -> str:
-    """Digest of all files of the packages: a result belongs to the code that computed it."""
-    digest = hashlib.sha256()
-    for package in _PACKAGES:
-        root = Path(str(resources.files(package)))
-        for path in sorted(root.rglob("*")):
-            if path.is_file() and path.parent.name != "__pycache__":
-                digest.update(path.relative_to(root).as_posix().encode() + b"\0")
-                digest.update(hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()[:16]
-
-
-# ---- In the worker
-
-
-# Solvers that a worker keeps are not safe in several threads, which a dask worker may have.
-_ONE_AT_A_TIME = threading.Lock()
-
-
-def _compute(code: str | None, job: Job) -> Part:
-    """Compute a job of one chunk; cells that raise are failures of the part.
-
-    ``code``: digest of the driver's code; None within its process.
-    """
-    if code is not None and code != code_digest():
-        raise WorkersUnavailableError(
-            f"a worker has another version of solar-uav-sizing than this process ({__version__}): "
-            "install the same one everywhere"
-        )
-    with _ONE_AT_A_TIME:
-        return _computed_or_failed(job, job.cells)
-
-
-def _computed_or_failed(job: Job, cells: tuple[Cell, ...]) -> Part:
-    try:
-        return _computed(job, cells)
-    except Exception as error:
-        if len(cells) == 1:
-            return _failed_chunk(job.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
-    return _joined([_computed_or_failed(job, (cell,)) for cell in cells])
-
-
-def _computed(job: Job, cells: tuple[Cell, ...]) -> Part:
-    computed = job.function(job.configuration, cells)
-    if set(computed) != set(job.blanks):
-        raise ValueError(f"columns {sorted(computed)} are not {sorted(job.blanks)}")
-    columns = {}
-    for name, blank in job.blanks.items():
-        kind = np.asarray(blank).dtype
-        column = np.asarray(computed[name], None if kind.kind == "U" else kind)
-        if column.shape != (len(cells),):
-            raise ValueError(f"column {name} has the shape {column.shape}, not ({len(cells)},)")
-        columns[name] = column
-    return Part(columns)
-
-
-def _failed_chunk(blanks: Mapping[str, Any], message: str) -> Part:
-    return Part({name: np.asarray([blank]) for name, blank in blanks.items()}, {0: message})
-
-
-def _joined(parts: Sequence[Part]) -> Part:
-    """Parts one after the other, failures numbered on."""
-    names = parts[0].columns
-    columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in names}
-    failures: dict[int, str] = {}
-    start = 0
-    for part in parts:
-        failures |= {start + cell: text for cell, text in part.failures.items()}
-        start += len(part.columns[next(iter(names))])
-    return Part(columns, failures)
-
-
-# ---- In the driver
-
-
 def run(
     job: Job, pool: Pool, store: ChunkStore | None = None, progress: Progress | None = None
 ) -> Outcome:
@@ -295,14 +177,14 @@ class _Run:
                 self.flying[self._submitted(self.job.chunks[number])] = number
             for future in self._finished(self.flying):
                 number = self.flying.pop(future)
-                part = self._part(future)
+                part = self._part_of(future)
                 if part is None:
                     self.retry.append(number)
                 else:
                     self._keep(number, part)
         for number in self.retry:
             self._keep(number, self._alone(self.job.chunks[number]))
-        whole = _joined([self.parts[i] for i in range(len(self.parts))])
+        whole = joined([self.parts[i] for i in range(len(self.parts))])
         return Outcome(dict(whole.columns), dict(whole.failures), len(self.parts) - kept, kept)
 
     def _take_kept(self) -> int:
@@ -334,7 +216,7 @@ class _Run:
         task = replace(self.job, chunks=(cells,), possible=None)  # which need not pickle
         try:
             code = None if self.pool.in_process else code_digest()  # of 400 files
-            return self.pool.submit(_compute, code, task)
+            return self.pool.submit(compute_task, code, task)
         finally:
             self.signals.held = True
 
@@ -346,7 +228,7 @@ class _Run:
             self.pool.check()
         return finished
 
-    def _part(self, future: Future[Part]) -> Part | None:
+    def _part_of(self, future: Future[Part]) -> Part | None:
         """Result of a task; none if its worker died."""
         try:
             return self.pool.result(future)
@@ -358,12 +240,12 @@ class _Run:
         future = self._submitted(cells)
         while not self._finished([future]):
             pass
-        part = self._part(future)
+        part = self._part_of(future)
         if part is not None:
             return part
         if len(cells) == 1:
-            return _failed_chunk(self.job.blanks, _DIED)
-        return _joined([self._alone((cell,)) for cell in cells])
+            return failed_chunk(self.job.blanks, _DIED)
+        return joined([self._alone((cell,)) for cell in cells])
 
     def _keep(self, number: int, part: Part) -> None:
         if self.store is not None:

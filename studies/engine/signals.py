@@ -22,8 +22,6 @@ from importlib.machinery import ExtensionFileLoader
 from types import FrameType
 from typing import Any
 
-__all__ = ["Signals", "Stopped", "interruptible"]
-
 _REPEAT_S = 1.0
 _FIRST_REPEAT_S = 0.1
 _CAN_REPEAT = hasattr(signal, "setitimer")  # not on Windows

@@ -1,26 +1,42 @@
-"""Who computes: this process, processes of this machine, or a dask cluster.
+"""What is computed, and by whom: this process, processes of this machine, or a dask cluster.
 
-Each is a *pool* that takes a number of tasks at once and hands out futures; behind it stands an
-executor of :mod:`concurrent.futures`.
+What computes is a *pool* that takes a number of tasks at once and hands out futures; behind it
+stands an executor of :mod:`concurrent.futures`.
 """
 
 from __future__ import annotations
 
+import functools
+import hashlib
+import itertools
 import multiprocessing
 import os
 import signal
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from importlib import resources
 from multiprocessing.connection import wait
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar
 
-__all__ = ["LocalPool", "Pool", "WorkersUnavailableError", "available_cores", "for_children"]
+import numpy as np
+from numpy.typing import NDArray
+from pydantic_core import to_json
+
+from solar._version import __version__
+from studies.engine.chunk_store import Part
 
 T = TypeVar("T")
+Cell: TypeAlias = tuple[float, ...]
+Columns: TypeAlias = dict[str, NDArray[Any]]
+ChunkFunction: TypeAlias = Callable[[Any, Sequence[Cell]], Mapping[str, Any]]
+
+_PACKAGES = ("solar", "missions", "sizing", "studies")
 
 # Processes are started when the work left would take this process longer [s]: each of them first
 # spends about a second on imports.
@@ -33,6 +49,58 @@ _ENVIRONMENT = dict.fromkeys(
     + ["VECLIB_MAXIMUM_THREADS", "PYTHONSAFEPATH"],
     "1",
 )
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be computed.
+
+    ``function``: function of a module, called with the configuration and a sequence of cells;
+    returns one value per cell for every column. ``configuration``: what the function needs besides:
+    data classes, pydantic models, numbers and text, which pickle and can be written as JSON. Never
+    a solver: workers keep theirs. ``chunks``: cells that are computed together; a chunk should take
+    0.1 to 2 s. ``blanks``: name of every column, and the NumPy scalar that stands in it for a
+    failed cell. ``possible``: whether columns without failures can be a result; what an earlier run
+    has kept is computed again where it says no, or raises.
+    """
+
+    function: ChunkFunction
+    configuration: Any
+    chunks: tuple[tuple[Cell, ...], ...]
+    blanks: Mapping[str, Any]
+    possible: Callable[[Mapping[str, Any]], bool] | None = None
+
+    @functools.cached_property
+    def cells(self) -> tuple[Cell, ...]:
+        """All cells, chunk after chunk."""
+        return tuple(itertools.chain.from_iterable(self.chunks))
+
+    @property
+    def size_bytes(self) -> int:
+        """Size of all columns, estimated [bytes]."""
+        return len(self.cells) * sum(max(np.asarray(b).itemsize, 8) for b in self.blanks.values())
+
+    def keys(self) -> list[str]:
+        """Key of every chunk: changes with anything that may change its result."""
+        function = f"{self.function.__module__}.{self.function.__qualname__}"
+        common = [function, __version__, np.__version__, code_digest(), sorted(self.blanks)]
+        # Files that the configuration names count with their contents, not with their path alone.
+        context = {"contents": True}
+        head = to_json([*common, self.configuration], inf_nan_mode="strings", context=context)
+        return [hashlib.sha256(head + to_json(c)).hexdigest()[:40] for c in self.chunks]
+
+
+@functools.cache
+def code_digest() -> str:
+    """Digest of all files of the packages: a result belongs to the code that computed it."""
+    digest = hashlib.sha256()
+    for package in _PACKAGES:
+        root = Path(str(resources.files(package)))
+        for path in sorted(root.rglob("*")):
+            if path.is_file() and path.parent.name != "__pycache__":
+                digest.update(path.relative_to(root).as_posix().encode() + b"\0")
+                digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:16]
 
 
 class WorkersUnavailableError(OSError):
@@ -190,3 +258,64 @@ def for_children() -> Iterator[None]:
             os.environ.pop(name)
             if value is not None:
                 os.environ[name] = value
+
+
+# ---- In a worker
+
+
+# Solvers that a worker keeps are not safe in several threads, which a dask worker may have.
+_ONE_AT_A_TIME = threading.Lock()
+
+
+def compute_task(code: str | None, job: Job) -> Part:
+    """Compute a job of one chunk; cells that raise are failures of the part.
+
+    ``code``: digest of the driver's code; None within its process.
+    """
+    if code is not None and code != code_digest():
+        raise WorkersUnavailableError(
+            f"a worker has another version of solar-uav-sizing than this process ({__version__}): "
+            "install the same one everywhere"
+        )
+    with _ONE_AT_A_TIME:
+        return _computed_or_failed(job, job.cells)
+
+
+def _computed_or_failed(job: Job, cells: tuple[Cell, ...]) -> Part:
+    try:
+        return _computed(job, cells)
+    except Exception as error:
+        if len(cells) == 1:
+            return failed_chunk(job.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
+    return joined([_computed_or_failed(job, (cell,)) for cell in cells])
+
+
+def _computed(job: Job, cells: tuple[Cell, ...]) -> Part:
+    computed = job.function(job.configuration, cells)
+    if set(computed) != set(job.blanks):
+        raise ValueError(f"columns {sorted(computed)} are not {sorted(job.blanks)}")
+    columns = {}
+    for name, blank in job.blanks.items():
+        kind = np.asarray(blank).dtype
+        column = np.asarray(computed[name], None if kind.kind == "U" else kind)
+        if column.shape != (len(cells),):
+            raise ValueError(f"column {name} has the shape {column.shape}, not ({len(cells)},)")
+        columns[name] = column
+    return Part(columns)
+
+
+def failed_chunk(blanks: Mapping[str, Any], message: str) -> Part:
+    """Part of a cell that failed."""
+    return Part({name: np.asarray([blank]) for name, blank in blanks.items()}, {0: message})
+
+
+def joined(parts: Sequence[Part]) -> Part:
+    """Parts one after the other, failures numbered on."""
+    names = parts[0].columns
+    columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in names}
+    failures: dict[int, str] = {}
+    start = 0
+    for part in parts:
+        failures |= {start + cell: text for cell, text in part.failures.items()}
+        start += len(part.columns[next(iter(names))])
+    return Part(columns, failures)

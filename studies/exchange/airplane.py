@@ -20,8 +20,6 @@ from studies.exchange.geometry import LiftingSurface, SectionShape, lifting_surf
 if TYPE_CHECKING:
     import aerosandbox as asb
 
-__all__ = ["airplane_text", "missing_library", "to_aerosandbox"]
-
 _SPANWISE, _CHORDWISE = 24, 8  # vortices of a surface
 _NEUTRAL_SLOPE = 1.0  # factor on a section's slope of 2 pi
 

@@ -18,8 +18,6 @@ from sizing.results.tables import MISSING, Column, Table, data_frame
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["DesignSheet", "Entry", "design_sheet"]
-
 _GEOMETRY = (q.WINGSPAN.name, "aspect_ratio", "wing_area_m2", "chord_m", "module_area_m2",
              "module_coverage")  # fmt: skip
 _FLIGHT = ("airspeed_m_per_s", "lift_coefficient", "reynolds_number", "stall_speed_m_per_s",
@@ -136,7 +134,7 @@ def _values(analysis: Analysis) -> dict[str, float | None]:
     """Quantities of the design by name; those that only a parametric aircraft has are left out."""
     aircraft, design = analysis.aircraft, analysis.performance.design
     known = (*q.CHOSEN, q.WING_AREA, q.AIRSPEED, q.PROPULSION_POWER, q.BATTERY_ENERGY)
-    values = {one.name: _number(one.of(design)) for one in known}
+    values = {one.name: _as_float(one.of(design)) for one in known}
     load_w, area_m2 = float(design.nominal_load_w(analysis.mission)), float(design.wing_area_m2)
     values |= {
         "chord_m": area_m2 / float(design.variables.wingspan_m),
@@ -147,11 +145,11 @@ def _values(analysis: Analysis) -> dict[str, float | None]:
     if isinstance(aircraft.airframe, ParametricAirframe):
         it = DesignInFlight(aircraft, design, FlightConditions.of(analysis.mission, aircraft))
         names = (*_FLIGHT, *_POWER)
-        values |= {name: _number(QUANTITIES[name](it)) for name in names}  # type: ignore[index]  # all are quantities
+        values |= {name: _as_float(QUANTITIES[name](it)) for name in names}  # type: ignore[index]  # all are quantities
     return values
 
 
-def _number(value: Any) -> float | None:
+def _as_float(value: Any) -> float | None:
     return None if value is None else float(value)
 
 

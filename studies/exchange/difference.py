@@ -18,8 +18,6 @@ from studies.exchange.design_sheet import DesignSheet, Entry, design_sheet, numb
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["ChangedKey", "DesignDifference", "compare_designs"]
-
 # Relative differences below this are rounding, of files that were written and read again.
 _EQUAL = 1e-9
 # Names and remarks, and what differs between two files of one and the same aircraft.

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import os
+import re
+from itertools import groupby
 from pathlib import Path
 
 from missions.files.writing import write_bytes_atomically
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.balance.in_design import with_horizontal_tail
 from sizing.results.analysis import Analysis, analyse
+from sizing.results.tables import UNLIMITED
 from solar.names import CorrectionName, ModelName
 from studies.exchange.airplane import airplane_text, missing_library
-from studies.exchange.design_sheet import design_sheet
-from studies.exchange.latex import latex_table
+from studies.exchange.design_sheet import DesignSheet, Entry, design_sheet
 from studies.output.formats import missing_writer, table_bytes, workbook_bytes
-
-__all__ = ["DESIGN_FORMATS", "GEOMETRY_FORMATS", "design_bytes", "export_design", "missing_for"]
 
 # Geometry alone needs no mission; tables hold what the aircraft does on one.
 GEOMETRY_FORMATS = ("avl", "vspscript", "py")
@@ -84,8 +85,10 @@ def design_bytes(analysis: Analysis, path: str) -> bytes:
     """Content of a file of a design."""
     ending = design_format(path)
     if ending is not None and ending in GEOMETRY_FORMATS:
+        volume = analysis.performance.design.horizontal_volume
         gravity_m = None if analysis.balance is None else analysis.balance.gravity_m
-        return airplane_text(analysis.aircraft, ending, gravity_m).encode()
+        flown = with_horizontal_tail(analysis.aircraft, volume)
+        return airplane_text(flown, ending, gravity_m).encode()
 
     sheet = design_sheet(analysis)
     if ending == "tex":
@@ -98,3 +101,63 @@ def design_bytes(analysis: Analysis, path: str) -> bytes:
         }
         return workbook_bytes(tables)
     return table_bytes(sheet.to_frame(), path)
+
+
+# ---- LaTeX, with the package booktabs
+
+_ESCAPES = {
+    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#",
+    "%": r"\%", "_": r"\_", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}",
+    "°": r"$^\circ$", "²": r"$^2$", "³": r"$^3$", "−": r"$-$", "·": r"$\cdot$", "×": r"$\times$",
+}  # fmt: skip
+
+
+def latex_table(sheet: DesignSheet) -> str:
+    """Table of a design: quantity, symbol, value and unit, a rule between its groups.
+
+    Returns a ``table`` environment with caption and label, which needs ``booktabs``.
+    """
+    lines = [
+        r"% \usepackage{booktabs}",
+        r"\begin{table}",
+        r"  \centering",
+        rf"  \caption{{{escaped(sheet.title)}. {escaped(' '.join(sheet.notes))}}}",
+        rf"  \label{{tab:{_latex_label(sheet.title)}}}",
+        r"  \begin{tabular}{llrl}",
+        r"    \toprule",
+        r"    Quantity & Symbol & Value & Unit \\",
+    ]
+    for _, some in groupby(sheet.quantities, key=lambda quantity: quantity.group):
+        lines.append(r"    \midrule")
+        lines += [f"    {_latex_row(quantity)}" for quantity in some]
+    lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}"]
+    return "\n".join(lines) + "\n"
+
+
+def escaped(text: str) -> str:
+    """Text whose characters mean nothing to LaTeX."""
+    return "".join(_ESCAPES.get(character, character) for character in text)
+
+
+def _latex_row(quantity: Entry) -> str:
+    symbol = f"${quantity.symbol}$" if quantity.symbol else ""
+    value = quantity.text()
+    shown = value if value == UNLIMITED or isinstance(quantity.value, str) else f"${_power(value)}$"
+    return f"{escaped(quantity.label)} & {symbol} & {shown} & {_latex_unit(quantity.unit)} \\\\"
+
+
+def _power(number: str) -> str:
+    """Number with its exponent as a power of ten."""
+    return re.sub(r"e([+-])0*(\d+)", lambda m: rf"\times 10^{{{m[1].strip('+')}{m[2]}}}", number)
+
+
+def _latex_unit(unit: str) -> str:
+    """Unit in upright letters, exponents raised."""
+    if unit == "1":
+        return ""
+    raised = re.sub(r"([A-Za-z])([23])", r"\1^\2", unit)
+    return rf"$\mathrm{{{raised}}}$"
+
+
+def _latex_label(title: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-") or "design"

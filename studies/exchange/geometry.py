@@ -21,15 +21,6 @@ from sizing.balance.in_design import polar_with_tail
 from sizing.balance.surfaces import wing_of
 from studies.report.geometry import Drawing, aircraft_drawing
 
-__all__ = [
-    "LiftingSurface",
-    "ProfileDrag",
-    "Section",
-    "SectionShape",
-    "Surfaces",
-    "lifting_surfaces",
-]
-
 _TAIL_THICKNESS = 0.08  # as WingPolar's default, where the file has none
 _QUARTER = 0.25
 

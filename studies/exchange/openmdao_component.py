@@ -29,8 +29,6 @@ from solar.types import FloatArray
 if TYPE_CHECKING:
     import openmdao.api as om
 
-__all__ = ["to_openmdao"]
-
 _HOURS = (EXCESS_TIME.name, CHARGE_MARGIN.name)
 
 

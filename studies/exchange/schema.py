@@ -15,8 +15,6 @@ from sizing.aircraft import Aircraft
 from sizing.parameters import MISSION_PREFIX, Parameter, catalogue
 from solar._version import __version__
 
-__all__ = ["file_schema"]
-
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _CLASSES: dict[str, tuple[type[Aircraft] | type[Mission], str]] = {
     "aircraft": (Aircraft, ""),

@@ -32,8 +32,6 @@ from studies.explorer.worker import (
     sizing_record,
 )
 
-__all__ = ["Explorer"]
-
 _TYPES = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",

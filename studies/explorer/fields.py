@@ -14,8 +14,6 @@ from sizing.parameters import parameter, parameter_value, unit_text
 from sizing.sunlight import SolarModel
 from solar.names import CORRECTION_NAMES, MODELS
 
-__all__ = ["ALTITUDE", "DAY", "LATITUDE", "Choice", "Field", "Option", "fields_of"]
-
 LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"
 ALTITUDE = "mission.altitude_m"
 

@@ -11,8 +11,6 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from typing import TypeVar
 
-__all__ = ["Latest", "SupersededError"]
-
 T = TypeVar("T")
 
 

@@ -24,15 +24,6 @@ from sizing.results.quantities import EXCESS_TIME
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
-__all__ = [
-    "COARSE_DAYS",
-    "COARSE_LATITUDES_DEG",
-    "COARSE_STEP_H",
-    "DAYS",
-    "LATITUDES_DEG",
-    "SeasonMaps",
-]
-
 # Excess times are then within 0.05 h in 99 of 100 cells: see docs/explorer.md.
 COARSE_STEP_H = 0.25
 # Evenly spaced: the page interpolates. A coarse map has every second row and column.
@@ -92,8 +83,8 @@ class SeasonMaps:
         hour; slow models always have these, and flights with climbs these rows and columns.
         ``design``: of the aircraft on the mission, where it is known already. Returns
         ``latitudes_deg``, ``days``, ``step_h`` and ``excess_time_h``: rows of hours to three
-        decimals, null where it is unlimited; a row that is not yet known is null. ``complete`` says
-        whether there is none of these.
+        decimals, null where it is unlimited; a row that is not yet known is null, and so is one
+        whose wind nobody knows. ``complete`` says whether there is none of the former.
         """
         on_path = solar.needs_path
         few = coarse or mission.climb is not None  # whose march takes as long as four others
@@ -101,6 +92,8 @@ class SeasonMaps:
         latitudes = COARSE_LATITUDES_DEG if few or on_path else LATITUDES_DEG
         days = _DAYS_ON_PATH if on_path else COARSE_DAYS if few else DAYS
         light = self._light_of(aircraft, mission, solar, step_h)
+        south, north = solar.flown_latitudes_deg(mission)
+        known = np.flatnonzero((latitudes >= south) & (latitudes <= north))
 
         def lit(latitudes_deg: FloatArray) -> SolarDay:
             latitude, day = np.meshgrid(latitudes_deg, days, indexing="ij")
@@ -108,9 +101,9 @@ class SeasonMaps:
             return solar_day(aircraft, mission, solar, scenarios=cells, step_h=step_h)
 
         if on_path:
-            _fill(light, lit, _SHORT_TURN_S if coarse else _TURN_S)
+            _fill(light, lit, known.tolist(), _SHORT_TURN_S if coarse else _TURN_S)
         elif light.day is None:
-            light.rows, light.day = list(range(len(latitudes))), lit(latitudes)
+            light.rows, light.day = known.tolist(), lit(latitudes[known])
         rows: list[list[float | None] | None] = [None] * len(latitudes)
         flight = performance(
             *(aircraft, mission, solar), day=light.day, keep_trajectory=False, design=design
@@ -123,7 +116,7 @@ class SeasonMaps:
             "days": days.tolist(),
             "step_h": step_h,
             EXCESS_TIME.name: rows,
-            "complete": len(light.rows) == len(rows),
+            "complete": len(light.rows) == len(known),
         }
 
     def _light_of(
@@ -140,11 +133,13 @@ class SeasonMaps:
         return light
 
 
-def _fill(light: _Light, sunlit: Callable[[FloatArray], SolarDay], turn_s: float) -> None:
+def _fill(
+    light: _Light, sunlit: Callable[[FloatArray], SolarDay], known: list[int], turn_s: float
+) -> None:
     """Add rows that are missing, as many as a turn allows and at least one."""
     end = time.monotonic() + turn_s
     for row in _spread_order(len(COARSE_LATITUDES_DEG)):
-        if row in light.rows:
+        if row in light.rows or row not in known:
             continue
         light.add(row, sunlit(COARSE_LATITUDES_DEG[row : row + 1]))
         if time.monotonic() > end:

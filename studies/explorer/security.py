@@ -20,8 +20,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from missions.files.writing import to_json
 
-__all__ = ["MAXIMUM_BODY_BYTES", "Guard", "error_body", "new_token"]
-
 MAXIMUM_BODY_BYTES = 16_384
 BODY_S = 10.0  # within which a body must come
 _MAXIMUM_QUERY_BYTES = 512

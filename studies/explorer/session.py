@@ -37,8 +37,6 @@ from studies.explorer.worker import ReportTask
 from studies.output.run_folder import InputFile, RunInputs
 from studies.output.season_scale import page_scale
 
-__all__ = ["Inputs", "Session"]
-
 _PLACE = {LATITUDE: "latitude_deg", DAY: "dates"}
 _ALTITUDE, _FLOOR = ALTITUDE.removeprefix(MISSION_PREFIX), "climb.minimum_altitude_m"
 
@@ -94,11 +92,6 @@ class Session:
         self.fields: dict[str, Field | Choice] = fields_of(
             self.aircraft, self.mission, self.solar, at
         )
-
-    @property
-    def _floor_is_named(self) -> bool:
-        """Whether the mission's file gives the night's floor in place of the altitude."""
-        return self.mission.climb is not None and self.mission.climb.minimum_altitude_m is not None
 
     @property
     def measured(self) -> bool:
@@ -172,7 +165,8 @@ class Session:
         }
         if not every_scenario:
             of_mission |= self._moved(settings)
-        if _ALTITUDE in of_mission and self._floor_is_named:
+        climb = self.mission.climb  # whose floor may stand in place of the altitude
+        if _ALTITUDE in of_mission and climb is not None and climb.minimum_altitude_m is not None:
             of_mission[_FLOOR] = of_mission.pop(_ALTITUDE)
         of_aircraft = {k: v for k, v in changed.items() if not k.startswith(MISSION_PREFIX)}
         try:
@@ -229,7 +223,8 @@ class Session:
         notes = [one.text for one in analysis.extrapolations]
         if record["airspeed_above_wind"] is False:
             airspeed, wind = record["airspeed_m_per_s"], analysis.mission.strongest_wind_m_per_s
-            notes.insert(0, f"airspeed {airspeed:.1f} m/s is below the wind of {wind:g} m/s")
+            held = "is raised to" if analysis.mission.holds_station else "is below"
+            notes.insert(0, f"airspeed {airspeed:.1f} m/s {held} the wind of {wind:g} m/s")
         slow = settling_line(analysis)
         charge = perf.cycle.energy_wh[0] / float(perf.design.battery_energy_wh)
         view: dict[str, Any] = {

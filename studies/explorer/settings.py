@@ -10,8 +10,6 @@ from typing import Any
 from sizing.sunlight import SolarModel
 from studies.explorer.fields import DAY, LATITUDE, Choice, Field
 
-__all__ = ["Refusal", "RefusedError", "Settings", "read_settings"]
-
 _MAXIMUM_SHOWN = 60
 
 

@@ -21,20 +21,10 @@ from sizing.design import ImpossibleDesignError, variable_keys
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import MISSION_PREFIX, label, with_parameter
 from sizing.performance import performance
-from sizing.results.constraint_words import constraint_words
+from sizing.results.requirements import constraint_words
 from sizing.sunlight import SolarModel
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
-
-__all__ = [
-    "ReportTask",
-    "SizingTask",
-    "Worker",
-    "WorkerBusyError",
-    "WorkerEndedError",
-    "report_page",
-    "sizing_record",
-]
 
 if TYPE_CHECKING:
     from sizing.results.sizing import SizingStudy

@@ -26,27 +26,18 @@ from sizing.validity.checks import (
     design_checks,
     wind_check,
 )
+from sizing.validity.extrapolations import level_flight_at, of_level_flight, told, with_worth
 from sizing.validity.ranges import Check, Extrapolation
-from sizing.validity.told import told
-from sizing.validity.worth import level_flight_at, of_level_flight, with_worth
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
-from studies.engine.run import Cell, Job, compute
-from studies.grid import GridStudy, chunks_of
-from studies.maps.grid import Grid, MapConfiguration, cell_time_s
+from studies.engine.run import compute
+from studies.engine.workers import Cell, Job
+from studies.grid import Grid, GridStudy, MapConfiguration, cell_time_s, chunks_of
 from studies.output.columns import attributes
 from studies.output.gridded import OnGrid, can_be_result
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = [
-    "feasibility_map",
-    "map_block",
-    "perpetual_cells",
-    "prepare",
-    "season_length",
-]
 
 # Cells simulated at once: their arrays over one day take some 20 MB each.
 _CELLS_AT_ONCE = 8192
@@ -136,7 +127,7 @@ def prepare(
     """Check a map and divide it into chunks."""
     climbs = mission.climb is not None
     grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance or climbs)
-    if solar.needs_path:
+    if solar.needs_path or mission.holds_station:
         grid.check_winds(mission)
     cell_s = cell_time_s(aircraft, mission, solar) + (_ENDURANCE_S if endurance else 0.0)
     cell_s += _CLIMB_S if climbs else 0.0

@@ -15,7 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import from_levels_and_colors
 from matplotlib.figure import Figure
 
-from missions.dates import MONTH_NAMES, date_label
+from missions.dates import MONTH_NAMES, MONTH_STARTS, date_label
 from missions.mission import latitude_label
 from sizing.optimisation.objectives import Objective
 from studies.output.cells import (
@@ -41,8 +41,6 @@ from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
 
 if TYPE_CHECKING:
     from solar.types import FloatArray
-
-__all__ = ["plot_map", "plot_resized_map"]
 
 _DATES = 6  # along an axis of less than two months
 
@@ -144,9 +142,8 @@ def _finish(figure: Figure, axes: Axes, data: OnGrid) -> None:
 
 def _season_axes(axes: Axes, days: FloatArray) -> None:
     """Months along the axis of days, and the name of the other one."""
-    starts = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
-    if np.count_nonzero((days.min() <= starts) & (starts <= days.max())) > 1:
-        axes.set_xticks(starts, MONTH_NAMES, ha="left")
+    if sum(days.min() <= start <= days.max() for start in MONTH_STARTS) > 1:
+        axes.set_xticks(MONTH_STARTS, MONTH_NAMES, ha="left")
         axes.set_xlim(days.min(), days.max())
     else:
         shown = np.unique(np.linspace(days.min(), days.max(), _DATES).round().astype(int))

@@ -11,19 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.optimisation.objectives import Objective
+from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.sunlight import SolarModel
+from sizing.validity.extrapolations import with_worth
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.worth import with_worth
 from solar.names import CorrectionName, ModelName
-from studies.engine.run import Cell, Job, compute
-from studies.grid import GridStudy, chunks_of
-from studies.maps.grid import Grid, MapConfiguration, cell_time_s
+from studies.engine.run import compute
+from studies.engine.workers import Cell, Job
+from studies.grid import Grid, GridStudy, MapConfiguration, cell_time_s, chunks_of
 from studies.output.columns import (
     BLANKS,
     DESCRIBED,
     SIZED,
-    SizingStatus,
     attributes,
     resize_objective,
     told_of_cells,
@@ -33,8 +32,6 @@ from studies.output.sized_columns import size_cells, sized_flight
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["prepare", "resized_map"]
 
 _SIZING_S = 4.5e-3  # of a cell, roughly
 
@@ -86,7 +83,7 @@ def resized_map(
     -------
     xarray.Dataset
         On the dimensions ``latitude`` and ``day``, with CF attributes. Numbers of cells without a
-        design are NaN; ``status`` (:class:`studies.output.columns.SizingStatus`),
+        design are NaN; ``status`` (:class:`sizing.optimisation.objectives.SizingStatus`),
         ``violated_requirement`` and ``message`` tell why. Cells that could not be computed have
         the status ``failed``; the attribute ``failed_cells`` lists them, and a warning counts them.
 
@@ -136,11 +133,11 @@ def prepare(
             "objective": goal.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
-        lambda columns: _extrapolations(configuration, grid, columns),
+        lambda columns: _extrapolations_of_designs(configuration, grid, columns),
     )
 
 
-def _extrapolations(
+def _extrapolations_of_designs(
     configuration: MapConfiguration, grid: Grid, columns: Mapping[str, NDArray[Any]]
 ) -> tuple[Extrapolation, ...]:
     """What the designs of all cells take from outside, its worth that of the lightest one."""

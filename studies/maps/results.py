@@ -15,16 +15,15 @@ from missions.dates import date_label
 from missions.mission import latitude_label
 from missions.weather.record import runs_of
 from sizing.energy.cycle import Status
+from sizing.optimisation.objectives import SizingStatus
 from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS, WINGSPAN
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from solar.types import BoolArray, IntArray
 from studies.maps.feasibility import perpetual_cells
-from studies.output.columns import SIZED, SizingStatus, extrapolations_of, flown_caption
+from studies.output.columns import SIZED, extrapolations_of, flown_caption
 from studies.output.gridded import OnGrid
-
-__all__ = ["designs_record", "designs_table", "season_text", "seasons_record", "seasons_table"]
 
 _ROWS = 16  # latitudes of a table
 _DAYS = 365
@@ -175,7 +174,9 @@ def _table(
         for i in shown
     ]
     heads = (Column("latitude"), *columns, *([] if failed is None else [Column("failed")]))
-    notes = (_model(data), *extrapolation_lines(extrapolations_of(data)))
+    days = data["day"].to_numpy()
+    flown = f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"
+    notes = (flown, *extrapolation_lines(extrapolations_of(data)))
     if len(shown) < len(rows):
         part = f"{len(shown)} of {len(rows)} latitudes; --json and --out FILE have all"
         notes = (part, *notes)
@@ -199,8 +200,3 @@ def _range(least: float, largest: float) -> str:
     if math.isnan(least) or math.isinf(least):
         return ends.text(least)
     return f"{ends.text(least)} to {ends.text(largest)}"
-
-
-def _model(data: OnGrid) -> str:
-    days = data["day"].to_numpy()
-    return f"{flown_caption(data)}; days {days[0]} to {days[-1]}, {len(days)} of them"

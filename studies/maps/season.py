@@ -201,7 +201,7 @@ def _edges(flown: Mapping[int, bool]) -> list[tuple[int, int]]:
 def _middles_of_edges(flown: Mapping[int, bool]) -> set[int]:
     """Days half-way between the two sides of every edge; none where they are neighbours."""
     apart = [(day, (after - day) % DAYS_PER_YEAR) for day, after in _edges(flown)]
-    return {_wrapped(day + days // 2) for day, days in apart if days > 1}
+    return {(day + days // 2 - 1) % DAYS_PER_YEAR + 1 for day, days in apart if days > 1}
 
 
 def _filled(flown: Mapping[int, bool]) -> Flags:
@@ -209,7 +209,3 @@ def _filled(flown: Mapping[int, bool]) -> Flags:
     days = np.array(sorted(flown))
     flags = np.array([flown[day] for day in days.tolist()], bool)
     return flags[np.searchsorted(days, np.arange(1, DAYS_PER_YEAR + 1), side="right") - 1]
-
-
-def _wrapped(day: int) -> int:
-    return (day - 1) % DAYS_PER_YEAR + 1

@@ -32,8 +32,8 @@ from sizing.validity.checks import (
     correction_check,
     design_checks,
 )
+from sizing.validity.extrapolations import extrapolations, together, told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import extrapolations, together, told, worst_of
 from solar.names import CorrectionName, ModelName
 from solar.versions import software_record
 from studies.maps.season import perpetual_flags, season_of

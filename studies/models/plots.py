@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.dates import MONTH_NAMES
+from missions.dates import MONTH_NAMES, MONTH_STARTS
 from sizing.optimisation.objectives import Objective
 from studies.maps.season import Season
 from studies.models.comparison import Comparison
@@ -37,7 +37,6 @@ _LOOKS = {
     "report": (BLUE, "s", "corrected by its error in flight"),
     "loiter": (GREEN, "D", "corrected for the loiter"),
 }
-_MONTH_STARTS = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30]) + 1
 
 
 @styled
@@ -96,7 +95,7 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
     low, high = panels[1].get_xlim()
     if low < 0.0 < high:
         panels[1].axvline(0.0, color=ink(), linewidth=0.8)
-    panels[2].set_xticks(_MONTH_STARTS[::2], MONTH_NAMES[::2], ha="left")
+    panels[2].set_xticks(MONTH_STARTS[::2], MONTH_NAMES[::2], ha="left")
     panels[2].set_xlim(1, 366)
     if comparison.has_designs:
         panels[-1].margins(x=0.15)

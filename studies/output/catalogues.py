@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from sizing.catalogues.choice import Kind, entries
 from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
-from sizing.catalogues.files import Kind, entries
 from sizing.results.tables import Column, Table
-
-__all__ = ["catalogue_record", "catalogue_table", "sources_table"]
 
 _TITLES: dict[Kind, str] = {
     "cells": "solar cells: modules.cell",

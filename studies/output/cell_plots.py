@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import Aircraft
-from sizing.results.whole_cells import cells_lines, cells_record
+from sizing.results.parts import cells_lines, cells_record
 from studies.output.figures.drawing import DARK_GREY, GREY, LOAD, Canvas, ink, new_figure, styled
 from studies.output.figures.options import DEFAULT
 

@@ -22,12 +22,12 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from sizing.parameters import label
-from studies.output.columns import HATCHES, status_names
+from solar.types import FloatArray
+from studies.output.columns import HATCHES
 from studies.output.figures.drawing import DARK_GREY, VERMILLION, night
 from studies.output.figures.options import LEVELS
-from studies.output.gridded import OnGrid
+from studies.output.gridded import OnGrid, status_names
 
-FloatArray = NDArray[np.float64]
 # Hatches that are told apart in small cells.
 _HATCHES = ("///", "\\\\\\", "xx", "..", "++", "oo", "--", "||", "**")
 # Why a cell has no result.
@@ -46,6 +46,7 @@ _REQUIREMENTS = {
     "excess_time": "excess time too short",
     "mass_budget": "mass: cannot be lifted",
     "module_coverage": "modules: larger than the wing",
+    "static_margin": "static margin: not by any tail",
     "airspeed_above_wind": "wind: above the airspeed",
     "bus_voltage": "propulsion: voltage too low",
     "tip_mach": "propulsion: tips too fast",

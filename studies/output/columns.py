@@ -18,30 +18,11 @@ from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from sizing.sunlight import SolarModel
+from sizing.validity.extrapolations import from_text, together
 from sizing.validity.ranges import Extrapolation
-from sizing.validity.told import from_text, together
 from solar._version import __version__
 from solar.versions import FORMAT_VERSION
 from studies.output.gridded import Labelled, OnGrid
-
-__all__ = [
-    "BLANKS",
-    "CLIMB",
-    "DESCRIBED",
-    "HATCHES",
-    "SIZED",
-    "SizingStatus",
-    "attributes",
-    "extrapolation_attribute",
-    "extrapolations_of",
-    "failed_count",
-    "flown_caption",
-    "resize_objective",
-    "status_names",
-    "told_of_cells",
-    "variables",
-]
-
 
 CLIMB = "climb"  # attribute of results with climbs, in words
 # There is a design.
@@ -162,12 +143,6 @@ def told_of_cells(
     known = np.isin(columns["status"], described)
     texts = np.asarray(columns["extrapolations"])[known]
     return together([from_text(str(text)) for text in texts.ravel()], what)
-
-
-def status_names(data: OnGrid) -> dict[int, str]:
-    """Name of every flag of a dataset's status."""
-    flags = data["status"].attrs
-    return dict(zip(map(int, flags["flag_values"]), flags["flag_meanings"].split(), strict=True))
 
 
 def failed_count(data: OnGrid) -> int:

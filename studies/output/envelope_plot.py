@@ -13,8 +13,6 @@ from studies.output.figures.options import DEFAULT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot_flight_envelope"]
-
 
 @styled
 def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Figure:

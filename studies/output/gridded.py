@@ -1,4 +1,4 @@
-"""Results on a grid as plain arrays with their units, and as NetCDF.
+"""Results on a grid as plain arrays with their units, and as files with the whole configuration.
 
 What commands hold where they need no more: xarray takes two thirds of a second to import, with the
 pandas that it brings. Functions that read a result by ``data[name].to_numpy()``, ``.attrs`` and
@@ -16,12 +16,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sizing.validity.told import from_text
+from missions.files.writing import to_json
+from sizing.results.tables import data_frame
+from sizing.validity.extrapolations import from_text
+from studies.output.formats import csv_bytes, table_bytes, workbook_bytes
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
-
-__all__ = ["Gridded", "Labelled", "OnGrid", "can_be_result", "dataset", "to_netcdf_bytes"]
 
 
 class Labelled(NamedTuple):
@@ -116,3 +118,53 @@ def can_be_result(
         return True
 
     return check
+
+
+def status_names(data: OnGrid) -> dict[int, str]:
+    """Name of every flag of a dataset's status."""
+    flags = data["status"].attrs
+    return dict(zip(map(int, flags["flag_values"]), flags["flag_meanings"].split(), strict=True))
+
+
+def to_bytes(data: OnGrid, file_format: str | None, cells: str) -> bytes:
+    """Content of a file in one of :data:`studies.output.formats.GRID_FORMATS`; NetCDF for none.
+
+    A CSV file has the configuration as JSON in its first line, behind ``#``; a Parquet file in the
+    table's attributes; a workbook in a sheet of its own, beside that of the ``cells``.
+    """
+    if file_format in ("nc", None):
+        return to_netcdf_bytes(data)
+    table = to_table(data)
+    if file_format == "csv":
+        return f"# {to_json(table.attrs)}\n".encode() + csv_bytes(table)
+    if file_format == "xlsx":
+        texts = [v if isinstance(v, str) else to_json(v) for v in table.attrs.values()]
+        configuration = data_frame({"key": [str(key) for key in table.attrs], "value": texts})
+        return workbook_bytes({cells: table, "configuration": configuration})
+    return table_bytes(table, f"table.{file_format}")
+
+
+def to_table(data: OnGrid) -> pd.DataFrame:
+    """One row per cell of a map or point of a trade study.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        What :func:`studies.feasibility_map`, :func:`studies.resized_map` or :func:`studies.sweep`
+        returned.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Coordinates, ``status`` in words, then the other variables in the units of the data; the
+        data's attributes are those of the table.
+    """
+    names = status_names(data)
+    dataset = data.to_xarray() if isinstance(data, Gridded) else data
+    table = dataset.to_dataframe().reset_index()
+    table["status"] = [names[int(value)] for value in table["status"]]
+    first = [str(name) for name in dataset.coords if name in table.columns]
+    rest = [name for name in table.columns if name not in (*first, "status", "sample")]
+    table = table[[*first, "status", *rest]]
+    table.attrs = {str(key): value for key, value in data.attrs.items()}
+    return table

@@ -29,8 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from missions.files.errors import InputError, Problem, file_error
-from missions.files.plain_file import read_plain_file
-from missions.files.texts import read_folder
+from missions.files.texts import read_folder, read_plain_file
 from missions.files.writing import file_text, to_json, write_folder
 from missions.files.yaml import PATH_SUFFIXES
 from sizing.aerodynamics.polar_table import POLAR_SUFFIXES
@@ -38,8 +37,6 @@ from sizing.sunlight import SolarModel
 from solar._version import __version__
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
 from solar.versions import FORMAT_KEY, format_trouble, software_record
-
-__all__ = ["InputFile", "RunFolder", "RunInputs", "run_record", "write_run_folder"]
 
 AIRCRAFT, MISSION, RUN, RESULTS = "aircraft.yaml", "mission.yaml", "run.json", "results.json"
 POLAR = "polar"
@@ -120,20 +117,22 @@ def write_run_folder(
     inputs: RunInputs,
     record: Any,
     extra: Mapping[str, bytes],
-    figures: Mapping[str, Callable[[], bytes]],
+    figures: Mapping[str, Callable[[str], bytes]],
 ) -> None:
     """Write a folder of results whole or not at all; without figures where one cannot be drawn.
 
     Existing files of these names are replaced; what an earlier run wrote besides is removed.
 
     ``inputs``: what the command computed from, or made: a sized aircraft. ``figures``: functions
-    that draw figures, by the names of their files. What one of them raises is raised again when
+    that draw figures, given the names of their files. What one of them raises is raised again when
     everything else is written.
     """
     aircraft, named = _with_named_files(inputs.aircraft)
     files = dict(inputs.files)
     for name, path in named.items():
-        extra = {**extra, name: _content(path)}
+        polars = path.is_dir()
+        content = read_folder(str(path), POLAR_SUFFIXES).encode() if polars else path.read_bytes()
+        extra = {**extra, name: content}
         files["airfoil" if Path(name).stem == POLAR else Path(name).stem] = InputFile.of(path)
     drawn, trouble = _drawn(figures)
     contents = {
@@ -154,10 +153,12 @@ def write_run_folder(
         raise trouble
 
 
-def _drawn(figures: Mapping[str, Callable[[], bytes]]) -> tuple[dict[str, bytes], Exception | None]:
+def _drawn(
+    figures: Mapping[str, Callable[[str], bytes]],
+) -> tuple[dict[str, bytes], Exception | None]:
     """Files of figures, or none and the reason."""
     try:
-        return {name: draw() for name, draw in figures.items()}, None
+        return {name: draw(name) for name, draw in figures.items()}, None
     except Exception as error:
         return {}, error
 
@@ -211,10 +212,6 @@ def _with_named_files(aircraft: Mapping[str, Any]) -> tuple[Mapping[str, Any], d
         propeller["table"] = [path.name for path in paths]
         files |= {path.name: path for path in paths}
     return (data, files) if files else (aircraft, files)
-
-
-def _content(path: Path) -> bytes:
-    return read_folder(str(path), POLAR_SUFFIXES).encode() if path.is_dir() else path.read_bytes()
 
 
 def run_record(solar: SolarModel, files: Mapping[str, InputFile]) -> dict[str, Any]:

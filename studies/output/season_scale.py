@@ -13,8 +13,6 @@ import numpy as np
 
 from solar.types import FloatArray
 
-__all__ = ["LEVELS_H", "UNLIMITED_H", "colours", "page_scale"]
-
 LEVELS_H = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 UNLIMITED_H = 24.0  # where there is a night, excess times are shorter
 # Ends and middle of the colours, and that of a day without a night: CIE L*, a*, b*.

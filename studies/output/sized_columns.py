@@ -29,10 +29,8 @@ from sizing.validity.checks import (
     correction_check,
     design_checks,
 )
-from sizing.validity.told import as_text, cell_texts, extrapolations
+from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from studies.output.columns import BLANKS, SIZED
-
-__all__ = ["size_cells", "sized_flight", "sizing_row"]
 
 
 def sizing_row(
@@ -89,7 +87,7 @@ def size_cells(
     sizings = cell_sizing.size_cells(
         problems.aircraft, mission, scenarios, objective, solar, problems=problems
     )
-    columns = _columns(sizings)
+    columns = _columns_of(sizings)
     columns["extrapolations"] = _extrapolations_of_cells(
         aircraft, mission, scenarios, solar, sizings
     )
@@ -137,7 +135,7 @@ def _programs(
 _problems = lru_cache(maxsize=1)(SizingProblems)
 
 
-def _columns(sizings: CellSizings) -> dict[str, Any]:
+def _columns_of(sizings: CellSizings) -> dict[str, Any]:
     known = sizings.variables._asdict() | vars(sizings)
     return {
         "status": sizings.status.astype(np.int8),

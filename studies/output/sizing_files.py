@@ -90,12 +90,10 @@ def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
 
 def sizing_figures(
     study: SizingStudy, figure: FigureOptions = DEFAULT
-) -> dict[str, Callable[[], bytes]]:
+) -> dict[str, Callable[[], Figure]]:
     """Functions that draw an optimum, by the names of their files.
 
     Sensitivities, where there are any, come as a tornado plot, whole cells on their wing.
-
-    Returns functions that return the contents of the files.
     """
     result, worth, solar = study.result, study.sensitivities, study.solar
     assert result.design is not None
@@ -129,8 +127,4 @@ def sizing_figures(
         drawn["cells.png"] = partial(plot_cells, sized, figure=figure)
     if worth:
         drawn["sensitivities.png"] = sensitivities
-    return {name: partial(_png, draw) for name, draw in drawn.items()}
-
-
-def _png(draw: Callable[[], Figure]) -> bytes:
-    return drawing.to_bytes(draw(), "png")
+    return drawn

@@ -8,8 +8,6 @@ from typing import ClassVar, TypeAlias
 
 from sizing.results.tables import Table
 
-__all__ = ["Bars", "Block", "Fact", "Figure", "Listing", "Section", "Strip", "Text"]
-
 
 @dataclass(frozen=True)
 class Text:

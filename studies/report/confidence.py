@@ -6,14 +6,12 @@ from typing import Any
 
 from missions.files.writing import to_yaml
 from sizing.results.analysis_summary import settling_line, uncertainty_line
-from sizing.results.battery import battery_line
+from sizing.results.conditions import battery_line
 from sizing.results.tables import Column, Table, facts
 from solar.systematic_errors import REPORTED_ERRORS
 from studies.report.blocks import Block, Items, Listing, Section, Tables, Text
 from studies.report.margins import margin_table
 from studies.report.subject import Subject
-
-__all__ = ["belief_section", "inputs_section", "margins_section", "provenance_section"]
 
 
 def margins_section(subject: Subject) -> Section:
@@ -91,7 +89,9 @@ def _left_out(subject: Subject) -> tuple[str, ...]:
     if subject.verification is None and subject.aircraft.battery.ageing is None:
         sentences.append("The battery is new: the aircraft file has no ageing.")
     still = mission.turbulence.all_day == 0.0 and mission.turbulence.thermal == 0.0
-    if subject.verification is None and still:
+    if subject.verification is None and mission.holds_station:
+        sentences.append("The wind is steady: faster flight against it takes as much all day.")
+    elif subject.verification is None and still:
         sentences.append("The air is calm: level flight takes no more power than in still air.")
     left_out = subject.with_uncertainty is None and subject.has_uncertain_inputs
     if subject.verification is None and left_out and not subject.uncertainty_is_quick:

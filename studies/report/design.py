@@ -6,15 +6,23 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.balance.in_design import with_horizontal_tail
 from sizing.design import Design, FlightConditions
 from sizing.limits import DesignInFlight
 from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results import quantities as q
-from sizing.results.balance import balance_lines, balance_table, drag_table
-from sizing.results.constraint_words import constraint_words
-from sizing.results.requirement_margins import requirement_margins, requirement_table
+from sizing.results.conditions import wind_rows
+from sizing.results.parts import (
+    balance_lines,
+    balance_table,
+    cells_lines,
+    drag_table,
+    loss_line,
+    neighbour_table,
+)
+from sizing.results.requirements import constraint_words, requirement_margins, requirement_table
 from sizing.results.sizing_summary import (
     cross_check_line,
     margin_table,
@@ -23,14 +31,11 @@ from sizing.results.sizing_summary import (
     with_unit,
 )
 from sizing.results.tables import Table, facts
-from sizing.results.whole_cells import cells_lines, loss_line, neighbour_table
 from sizing.sunlight import SolarModel
 from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text
 from studies.report.geometry import aircraft_drawing
 from studies.report.subject import Subject
 from studies.report.three_view import three_view
-
-__all__ = ["aircraft_section", "budget_section", "sizing_section"]
 
 _WIDE, _NARROW = 940.0, 350.0
 
@@ -38,8 +43,9 @@ _WIDE, _NARROW = 940.0, 350.0
 def aircraft_section(subject: Subject) -> Section:
     """Three views to scale, and the quantities of the design."""
     aircraft = subject.aircraft
-    drawing = aircraft_drawing(aircraft)
     balance = subject.analysis.balance
+    drawn = None if balance is None else balance.sized_volume
+    drawing = aircraft_drawing(with_horizontal_tail(aircraft, drawn))
     points = {}
     if balance is not None:
         points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.found.x_m)}
@@ -85,6 +91,7 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
             _fact(q.AIR_DENSITY, flown),
             *([_fact(q.REYNOLDS_NUMBER, flown)] if speed_known else []),
             *(_fact(one, flown) for one in q.MODELLED_FLIGHT if modelled),
+            *(wind_rows(mission) if mission.holds_station else []),
         ],
     )
     share = 100.0 * aircraft.battery.mass_kg / design.total_mass_kg
@@ -199,14 +206,16 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
         multipliers = [ConstraintMultiplier(**one) for one in sizing["constraint_multipliers"]]
         tables.append(multiplier_table(multipliers, objective))
     if sizing.get("sensitivities"):
-        tables.append(sensitivity_table(_sensitivities(sizing["sensitivities"]), objective))
+        fields = Sensitivity.__dataclass_fields__
+        known = [Sensitivity(**{f: one[f] for f in fields}) for one in sizing["sensitivities"]]
+        tables.append(sensitivity_table(known, objective))
     blocks += [Tables((table,)) for table in tables]
     if sizing.get("sensitivities") is None and not objective.of_range:
         blocks.append(Text("The sensitivities were not computed.", "faint"))
     check = sizing.get("cross_check")
     if check is not None:
-        known: dict[str, Any] = {k: float("nan") if v is None else v for k, v in check.items()}
-        found = CrossCheck(**known)
+        values: dict[str, Any] = {k: float("nan") if v is None else v for k, v in check.items()}
+        found = CrossCheck(**values)
         line = cross_check_line(found, objective)
         blocks.append(
             Text(f"{line[:1].upper()}{line[1:]}.", "good" if found.cross_checked else "warning")
@@ -229,9 +238,3 @@ def _with_margin(
     now = {**guarded, objective.variable: guarded["objective_value"]}
     solar = SolarModel(sizing["model"], sizing["correction"])
     return margin_table(objective, solar, was, now)
-
-
-def _sensitivities(records: list[Mapping[str, Any]]) -> list[Sensitivity]:
-    """Sensitivities as they were before they became a record."""
-    names = Sensitivity.__dataclass_fields__
-    return [Sensitivity(**{name: one[name] for name in names}) for one in records]

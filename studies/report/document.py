@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from missions.weather.record import Weather
     from studies.flight_logs.verification import Verification
 
-__all__ = ["SECTIONS", "make_report", "render"]
-
 _OF_A_FLIGHT: tuple[Callable[[Subject], Section | None], ...] = (
     budget_section,
     day_section,

@@ -20,8 +20,6 @@ from studies.output.figures.options import FigureOptions
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["COLOURS", "figure_markup", "inline_svg", "page_options"]
-
 # Colours of the figures, and the variables of the style sheet that stand for them.
 COLOURS = {
     "#000000": "ink",

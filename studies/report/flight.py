@@ -29,15 +29,6 @@ from studies.weather.plots import plot_weather
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Plot
 
-__all__ = [
-    "day_section",
-    "models_section",
-    "season_section",
-    "uncertainty_section",
-    "verification_section",
-    "weather_section",
-]
-
 _MOST_SCENARIOS = 20  # rows of the table
 _WIDTH_IN = 7.4
 # Cells of the season map: latitudes and days; fewer of the models that take 10 ms each.
@@ -136,12 +127,13 @@ def season_section(subject: Subject) -> Section:
     if subject.mission.climb is not None and not solar.needs_path:
         rows, columns = CLIMBING_CELLS
     farthest = 90.0 if np.max(np.abs(scenarios.latitude_deg)) > _POLEWARD_DEG else _POLEWARD_DEG
-    latitudes = np.linspace(-farthest, farthest, rows)
+    south, north = solar.flown_latitudes_deg(subject.mission)
+    latitudes = np.unique(np.linspace(max(-farthest, south), min(farthest, north), rows))
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
     study = prepare(subject.aircraft, subject.mission, latitudes, days, solar)
     data = study.gridded(compute(study.job))
     plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
-    _mark(plot, scenarios.latitude_deg, scenarios.day_of_year)
+    _ring_places(plot, scenarios.latitude_deg, scenarios.day_of_year)
     season = _season_text(subject)
     markup = figure_markup(
         plot,
@@ -154,12 +146,14 @@ def season_section(subject: Subject) -> Section:
         "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
         "line: edge of perpetual flight; ring: the mission's scenarios."
     )
+    if subject.mission.holds_station:
+        caption = f"{caption[:-1]}; flown as fast as the wind, at the latitudes where it is known."
     if subject.mission.climb is not None:
         caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
     return Section("season", "The season", [*texts, Figure(markup, caption, scrolls=True)])
 
 
-def _mark(plot: Plot, latitude_deg: Any, day: Any) -> None:
+def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:
     """Rings at the places of a mission: of many, at the corners of what they cover."""
     if len(day) > _MOST_RINGS:
         days, latitudes = ((min(v), max(v)) for v in (day, latitude_deg))

@@ -19,8 +19,6 @@ from solar.geometry import ModuleGeometry
 from solar.shading import TailGeometry
 from studies.report.surfaces import Rectangle, balanced_surfaces, tapered_band
 
-__all__ = ["Drawing", "Rectangle", "aircraft_drawing"]
-
 # The tail volumes of docs/structure.md: S_h = 0.35 c A/L and S_v = 0.045 c A/L with L = 4 c.
 _RULE = RibWingStructure(model="rib_wing")
 # Looks alone: aspect ratios of tail planes, the place of the spar, nose and pod in chords.

@@ -25,8 +25,6 @@ from sizing.varying_load import DesignLoads
 from solar.types import BoolArray
 from studies.report.subject import Subject
 
-__all__ = ["margin_table"]
-
 # The weakest scenarios, of which one remains the weakest.
 _SCENARIOS = 6
 _NO_MARGIN = 1e-3  # of a value, or in its unit: what a design on the edge has
@@ -115,7 +113,7 @@ def _limits(
     """
 
     def enough(values: Sequence[float]) -> list[bool]:
-        return _enough(quantities, values, day, required)
+        return _suffice(quantities, values, day, required)
 
     good = [one.value if holds else one.better for one in quantities]
     bad = [one.worse if holds else one.value for one in quantities]
@@ -129,7 +127,7 @@ def _limits(
     return [limit if has_one else None for limit, has_one in zip(good, known, strict=True)]
 
 
-def _enough(
+def _suffice(
     quantities: Sequence[_Quantity], values: Sequence[float], day: SolarDay, required: float
 ) -> list[bool]:
     """Whether each quantity at its value leaves every scenario what is required."""

@@ -6,8 +6,6 @@ import importlib.util
 import re
 from importlib import resources
 
-__all__ = ["MISSING", "has_weasyprint", "to_pdf"]
-
 MISSING = "a PDF needs WeasyPrint: pip install weasyprint (the extra 'report')"
 _VARIABLE = re.compile(r"var\(--([a-z]+)\)")
 # Where a page may name a colour: a style sheet or an attribute, never the text of a file, in which

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from studies.flight_logs.verification import Verification
     from studies.models.comparison import Comparison
 
-__all__ = ["SAMPLES", "Subject"]
-
 # Draws of uncertain inputs: a second or two, and probabilities to within two per cent.
 SAMPLES = 2048
 _MOST_SCENARIOS = 30  # of which so many draws are flown unasked

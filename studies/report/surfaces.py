@@ -10,8 +10,6 @@ from sizing.balance.surfaces import QUARTER, Tail, Wing, wing_of
 from sizing.structures.rib_wing import RibWingStructure
 from solar.shading import TailGeometry
 
-__all__ = ["BalancedSurfaces", "Rectangle", "balanced_surfaces", "tapered_band"]
-
 
 class Rectangle(NamedTuple):
     """Rectangle in the plan view: right of the symmetry plane, and behind the leading edge [m]."""

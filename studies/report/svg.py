@@ -6,8 +6,6 @@ import html
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-__all__ = ["Canvas", "element"]
-
 Point = tuple[float, float]
 
 _ARROW_LENGTH, _ARROW_WIDTH = 7.0, 2.2

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from studies.report.geometry import Drawing
 from studies.report.svg import Canvas, Point
 
-__all__ = ["three_view"]
-
 _MARGIN, _TOP, _GAP, _LABEL = 14.0, 40.0, 30.0, 24.0
 _ROOM_RIGHT = 74.0  # for the dimension of the chord
 # Thickness of a symmetrical four-digit section over its chord, at full thickness ratio one
@@ -65,7 +63,7 @@ def three_view(
     points = {"neutral point": neutral_m, "centre of gravity": gravity_m}
     known = {name: place for name, place in points.items() if place is not None}
     for point, place in known.items():
-        _mark(canvas, above.at(0.0, place), filled=point == "centre of gravity")
+        _balance_mark(canvas, above.at(0.0, place), filled=point == "centre of gravity")
     bottom = above.y + scale * drawing.tail_end_m
     tip_m = drawing.height_m(drawing.wingspan_m / 2.0)
     highest = max(tip_m, *_tail_heights(drawing))
@@ -92,7 +90,7 @@ def three_view(
     x, lowest_y = legend[0], _draw_legend(canvas, drawing, legend, scale)
     for number, point in enumerate(known, 1):
         y = lowest_y + 19.0 * number
-        _mark(canvas, (x + 11.0, y - 5.0), filled=point == "centre of gravity")
+        _balance_mark(canvas, (x + 11.0, y - 5.0), filled=point == "centre of gravity")
         canvas.text((x + 30.0, y - 0.5), point, "label", anchor="start")
     end = max(end, lowest_y + 19.0 * len(known))
     canvas.height = math.ceil(end + 6.0)
@@ -108,7 +106,7 @@ def three_view(
     )
 
 
-def _mark(canvas: Canvas, place: Point, *, filled: bool) -> None:
+def _balance_mark(canvas: Canvas, place: Point, *, filled: bool) -> None:
     """Point of balance: a circle, with two dark quarters for the centre of gravity."""
     x, y = place
 
@@ -169,7 +167,9 @@ def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
             view.at(place, tail.vertical_aft_m + tail.vertical_chord_m),
             "fin",
         )
-    canvas.shape(_wing_outline(view, drawing), "wing")
+    leading = [view.at(y, front) for y, front, _ in drawing.outline]
+    trailing = [view.at(y, rear) for y, _, rear in reversed(drawing.outline)]
+    canvas.shape([*leading, *trailing], "wing")
     for m in drawing.modules:
         canvas.shape(
             view.box(m.left_m, m.right_m, m.front_m, m.rear_m), _looks(drawing, "modules", "module")
@@ -185,12 +185,6 @@ def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
     canvas.line((view.x, view.at(0, -drawing.nose_m)[1] - 6.0),
                 (view.x, view.at(0, drawing.tail_end_m)[1] + 8.0), "centre")  # fmt: skip
     _dimensions_above(canvas, drawing, view)
-
-
-def _wing_outline(view: _View, drawing: Drawing) -> list[Point]:
-    """Leading edge from the left tip to the right one, and the trailing edge back."""
-    ahead = [view.at(y, front) for y, front, _ in drawing.outline]
-    return [*ahead, *(view.at(y, rear) for y, _, rear in reversed(drawing.outline))]
 
 
 def _pod(view: _View, drawing: Drawing, half_width: float) -> list[Point]:

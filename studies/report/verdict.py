@@ -17,9 +17,6 @@ from studies.report.subject import Subject
 if TYPE_CHECKING:
     from studies.flight_logs.verification import Verification
 
-__all__ = ["Verdict", "key_facts", "verdict"]
-
-
 _WORDS = {"good": "Holds", "edge": "On the edge", "bad": "Fails"}
 
 

@@ -13,27 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.files.errors import did_you_mean
-from sizing.catalogues.files import Kind, entry_names
+from sizing.catalogues.choice import Kind, entry_names
 from sizing.parameters import catalogue, design_keys
-
-__all__ = [
-    "DESIGN_KEYS",
-    "NAMED_KEYS",
-    "SAMPLE_NAMES",
-    "Axis",
-    "SampleName",
-    "axes_of",
-    "axis_label",
-    "axis_names",
-    "cf_unit",
-    "design_variable",
-    "parse_axis",
-    "points",
-    "shown_value",
-    "unit_label",
-    "unit_of",
-    "without_unit",
-]
 
 SampleName = Literal["grid", "lhs", "sobol", "one-at-a-time"]
 SAMPLE_NAMES: tuple[SampleName, ...] = ("grid", "lhs", "sobol", "one-at-a-time")

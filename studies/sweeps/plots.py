@@ -25,14 +25,7 @@ from studies.output.cells import (
     hatch_cells,
     hatch_reasons,
 )
-from studies.output.columns import (
-    HATCHES,
-    SIZED,
-    extrapolations_of,
-    failed_count,
-    flown_caption,
-    status_names,
-)
+from studies.output.columns import HATCHES, SIZED, extrapolations_of, failed_count, flown_caption
 from studies.output.figures.drawing import (
     CHARGE,
     DARK_GREY,
@@ -49,12 +42,10 @@ from studies.output.figures.drawing import (
     styled,
 )
 from studies.output.figures.options import DEFAULT, NAMES
-from studies.output.grid_files import to_table
+from studies.output.gridded import status_names, to_table
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.ranking import MORE_IS_BETTER, pareto_table
 from studies.sweeps.study import feasible
-
-__all__ = ["plot_pareto", "plot_sweep"]
 
 MAXIMUM_PANELS = 12
 # How lines mark points without a result.

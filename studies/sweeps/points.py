@@ -18,6 +18,7 @@ from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, DesignSpace, MeasuredAirframe, Range
 from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
+from sizing.balance.placing import sizes_tail
 from sizing.design import (
     DesignVariables,
     FlightConditions,
@@ -27,8 +28,8 @@ from sizing.design import (
     variables_of,
 )
 from sizing.energy.cycle import Status
-from sizing.limits import design_requirements
-from sizing.optimisation.objectives import Objective
+from sizing.limits import EQUATIONS, MASS_BUDGET, design_requirements
+from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.parameters import all_replaced
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.results.quantities import (
@@ -43,29 +44,12 @@ from sizing.results.quantities import (
 from sizing.smooth import Value
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
-from sizing.validity.told import as_text, cell_texts, extrapolations
+from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from solar.schema import Record
 from solar.types import FloatArray
-from studies.engine.run import Cell
+from studies.engine.workers import Cell
 from studies.output import columns as sizing_columns
-from studies.output.columns import SizingStatus
 from studies.sweeps.axes import DESIGN_KEYS, design_variable
-
-__all__ = [
-    "BLANKS",
-    "CLIMBING_BLANKS",
-    "DESCRIBED",
-    "MISSION_PREFIX",
-    "SIZED_BLANKS",
-    "SIZED_DESCRIBED",
-    "SweepConfiguration",
-    "held",
-    "judge_points",
-    "plain_data",
-    "size_points",
-    "varied_files",
-    "varies_climb",
-]
 
 MISSION_PREFIX = "mission."
 
@@ -286,10 +270,14 @@ def _missed(aircraft: Aircraft, mission: Mission, flight: Performance) -> dict[s
         rows = {
             one.name: (np.asarray(one.value), one.text)
             for one in design_requirements(aircraft, design, conditions)
+            if one.name not in EQUATIONS
         }
     mass = np.asarray(design.total_mass_kg)
     afloat = np.where(np.isfinite(mass), 0.0, -np.inf)
-    rows["mass_budget"] = (afloat, "the design cannot carry its own mass")
+    unable = "the design cannot carry its own mass"
+    if sizes_tail(aircraft):
+        unable += ", or no horizontal tail gives it the static margin asked for"
+    rows[MASS_BUDGET] = (afloat, unable)
     heaviest = aircraft.design_space.maximum_total_mass_kg
     if heaviest is not None:
         rows["total_mass"] = (1.0 - mass / heaviest, "the total mass exceeds its limit by {missed}")
@@ -318,7 +306,7 @@ def _row_of_design(
     ]
     if texts:
         # Of a design that cannot fly the other reasons mean nothing.
-        text = texts[0] if missed["mass_budget"].amount[place] > 0.0 else "; ".join(texts)
+        text = texts[0] if missed[MASS_BUDGET].amount[place] > 0.0 else "; ".join(texts)
         return row | {"status": Status.infeasible, "message": text}
     cycle = flight.cycle
     excess = cycle.excess_time_h[place]

@@ -11,17 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from sizing.optimisation.objectives import Objective
-from studies.output.grid_files import to_table
+from studies.output.gridded import to_table
 from studies.sweeps.study import feasible
-
-__all__ = [
-    "MORE_IS_BETTER",
-    "best_first",
-    "pareto_front",
-    "pareto_table",
-    "point_names",
-    "sorted_by",
-]
 
 # Of everything else less is better.
 MORE_IS_BETTER = {

@@ -16,7 +16,7 @@ from sizing.results.quantities import BATTERY_MASS, PAYLOAD_MASS, WINGSPAN
 from sizing.results.records import finite_values
 from sizing.results.tables import Column, Line, Summary, Table
 from studies.output.columns import CLIMB, extrapolations_of
-from studies.output.grid_files import to_table
+from studies.output.gridded import to_table
 from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.ranking import MORE_IS_BETTER, best_first, pareto_table, sorted_by
 

@@ -24,21 +24,15 @@ from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.energy.cycle import ENDS, Status
-from sizing.optimisation.objectives import Objective
+from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
-from studies.engine.run import Job, Outcome, compute, pieces
+from studies.engine.run import Outcome, compute, pieces
+from studies.engine.workers import Job
 from studies.grid import VARIED, GridStudy, chunks_of
-from studies.output.columns import (
-    CLIMB,
-    SIZED,
-    SizingStatus,
-    attributes,
-    resize_objective,
-    told_of_cells,
-)
+from studies.output.columns import CLIMB, SIZED, attributes, resize_objective, told_of_cells
 from studies.output.gridded import Labelled, can_be_result
 from studies.sweeps.axes import (
     DESIGN_KEYS,
@@ -66,8 +60,6 @@ from studies.sweeps.points import (
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["dataset", "feasible", "prepare", "sweep"]
 
 _WING = {WINGSPAN.name, ASPECT_RATIO.name}
 
@@ -206,7 +198,8 @@ def prepare(
     order = _order(axes, table)
     each = _points_per_chunk(mission, axes, solar, objective)
     chunks = chunks_of(table, [order[piece] for piece in pieces(len(order), each)])
-    flags, with_result = _statuses(objective)
+    flags: Iterable[IntEnum] = Status if objective is None else SizingStatus
+    with_result: tuple[IntEnum, ...] = ENDS if objective is None else SIZED
     possible = can_be_result(flags, with_result)
     job = Job(judge_points, configuration, chunks, configuration.blanks, possible)
     if objective is not None:
@@ -232,13 +225,6 @@ def prepare(
         },
         lambda columns: told_of_cells(columns, with_result, "points"),
     )
-
-
-def _statuses(objective: Objective | None) -> tuple[Iterable[IntEnum], tuple[IntEnum, ...]]:
-    """Statuses of points, and those of them that have a result."""
-    if objective is not None:
-        return SizingStatus, SIZED
-    return Status, ENDS
 
 
 # ---- Checks

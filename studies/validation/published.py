@@ -127,7 +127,7 @@ def published(progress: Callable[[int, int], None] | None = None) -> Published:
     flights = (flight for key, flight in FLIGHTS.items() if key != "as2-season")
     sources: list[Callable[[], Iterable[Number]]] = [
         _window_means,
-        *(partial(_of_flight, flight) for flight in flights),
+        *(partial(_numbers_of_flight, flight) for flight in flights),
         _season,
         _parametric_atlantiksolar,
         _sky_sailor,
@@ -170,7 +170,7 @@ def _window_means() -> Iterator[Number]:
         yield Number(name, REPORT, "W", MEASURED_W, computed_w, 0.02 * MEASURED_W)
 
 
-def _of_flight(flight: Flight) -> Iterator[Number]:
+def _numbers_of_flight(flight: Flight) -> Iterator[Number]:
     trial = flight.trial()
     for q in flight.quantities:
         computed = q.compute(trial)

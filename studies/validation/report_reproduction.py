@@ -90,7 +90,7 @@ class Reproduction(Result):
     def headline(self) -> str:
         """Largest difference from the report."""
         published = [*PUBLISHED_W.values(), *(w.published_w for w in WINDOWS)]
-        pairs = zip(self._numbers(), published, strict=True)
+        pairs = zip(self._means_w(), published, strict=True)
         worst = max((computed / p - 1.0 for computed, p in pairs), key=abs)
         return f"{self.aircraft.name} on {self.mission.name}: means of power within " + (
             f"{100.0 * abs(worst):.1f} % of the report's"
@@ -123,7 +123,7 @@ class Reproduction(Result):
         )
         rows = tuple(
             (name, published, computed, 100.0 * (computed / published - 1.0), flight)
-            for (name, published, flight), computed in zip(means, self._numbers(), strict=True)
+            for (name, published, flight), computed in zip(means, self._means_w(), strict=True)
         )
         title = "mean solar power, published and computed"
         power = Table(title, columns, rows, sections=(len(MODEL_NAMES),))
@@ -134,8 +134,8 @@ class Reproduction(Result):
             "one assumption changed at a time",
             (Column("assumption"), *(Column(head, unit="W", form=".1f") for head in heads)),
             (
-                ("as stated", *self._numbers()),
-                *((f"{v.assumption} {v.value}", *v.result._numbers()) for v in self.varied),
+                ("as stated", *self._means_w()),
+                *((f"{v.assumption} {v.value}", *v.result._means_w()) for v in self.varied),
             ),
         )
 
@@ -167,7 +167,7 @@ class Reproduction(Result):
         """Published and computed means, one row each."""
         return self.tables()[0].to_frame()
 
-    def _numbers(self) -> list[float]:
+    def _means_w(self) -> list[float]:
         return [*self.models_w.values(), *self.windows_w]
 
 
@@ -187,11 +187,11 @@ def reproduce(aircraft: Aircraft, mission: Mission, *, vary: bool = False) -> Re
 
     ``vary``: whether to repeat it with one assumption changed at a time.
     """
-    period = _axis(*PERIOD_H)
+    period = _time_axis_h(*PERIOD_H)
     models = {m: _mean(power_w(aircraft, mission, m, period), period) for m in MODEL_NAMES}
     windows = []
     for window in WINDOWS:
-        time_h = _axis(window.from_h, window.to_h)
+        time_h = _time_axis_h(window.from_h, window.to_h)
         windows.append(_mean(power_w(aircraft, mission, "FM", time_h), time_h))
     varied = [
         Varied(name, value, reproduce(aircraft, changed))
@@ -254,7 +254,7 @@ def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Fi
 
     ``figure``: how the figure looks, or one that is drawn on.
     """
-    aircraft, mission, time_h = result.aircraft, result.mission, _axis(4.0, 10.0)
+    aircraft, mission, time_h = result.aircraft, result.mission, _time_axis_h(4.0, 10.0)
     wind = f"loiter in {mission.wind_m_per_s:g} m/s of easterly wind"
     drawn, (axes,) = new_figure(
         canvas=figure,
@@ -281,7 +281,7 @@ def reproduction_figure(result: Reproduction, *, figure: Canvas = DEFAULT) -> Fi
     return drawn
 
 
-def _axis(start_h: float, end_h: float) -> FloatArray:
+def _time_axis_h(start_h: float, end_h: float) -> FloatArray:
     return np.linspace(start_h, end_h, int(np.ceil((end_h - start_h) / _STEP_H)) + 1)
 
 

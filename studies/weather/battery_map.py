@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from missions.dates import MONTH_NAMES, month_and_day
+from missions.dates import MONTH_LENGTHS, MONTH_NAMES, month_and_day
 from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
@@ -27,7 +27,7 @@ from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
 from sizing.validity.checks import record_check
-from sizing.validity.told import told
+from sizing.validity.extrapolations import told
 from solar.types import IntArray
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
@@ -37,10 +37,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 HALF_MONTHS = tuple(
     f"{name} {half}"
-    for name, length in zip(MONTH_NAMES, _LENGTHS, strict=True)
+    for name, length in zip(MONTH_NAMES, MONTH_LENGTHS, strict=True)
     for half in ("1-15", f"16-{length}")
 )
 _LAST_NIGHT = "the record's last day, whose night it does not hold, counts in no half of a month"

@@ -21,7 +21,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.performance import performance_of_designs
-from sizing.relaxation import Relaxation
+from sizing.relaxed_flight import Relaxation
 from sizing.sunlight import UNCORRECTED_CAM
 
 pytestmark = pytest.mark.slow

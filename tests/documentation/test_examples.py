@@ -31,7 +31,7 @@ FEWER = {
 COUPLED = "coupled_drag_model.py"  # needs OpenMDAO
 # Studies that draw a figure into a file if they are given one.
 DRAWING = [
-    ("compare_models.py", r"Sized with uncorrected CDM .* \(sized with corrected FM: a span of "),
+    ("compare_models.py", r"Sized with uncorrected CDM, .* \(sized with corrected FM: a span of "),
     ("season_map.py", r"as built: share .*\n   0 N: 100 %\n"),
     (
         "corrected_against_uncorrected.py",

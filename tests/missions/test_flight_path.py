@@ -29,7 +29,7 @@ from missions.flight_path import (
     orbit,
 )
 from missions.ground_track import Motion
-from solar.attitude import direction_cosines
+from solar.geometry import direction_cosines
 from solar.schema import Record
 from solar.types import FloatArray
 

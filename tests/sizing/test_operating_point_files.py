@@ -15,7 +15,7 @@ from missions.files.errors import InputError
 from missions.library import load_mission
 from sizing.design import level_point, parametric_design
 from sizing.propulsion.operating_point import Propulsor, operating_point
-from sizing.results.power_budget import power_budget
+from sizing.results.propulsion import power_budget
 
 MISSION = load_mission("rafz-july")
 PROPULSOR = Propulsor(

@@ -9,7 +9,7 @@ import pytest
 
 import missions
 import sizing
-from sizing.relaxation import Relaxation
+from sizing.relaxed_flight import Relaxation
 
 MISSION = missions.load_mission("rafz-july", ["latitude_deg=50", "dates.on=05-01"])
 # Of a value that suffices: the scan is as fine as 0.1 %, and three digits are up to 1 % apart.

@@ -14,13 +14,15 @@ from hypothesis import strategies as st
 from missions.air import standard_air
 from missions.mission import Mission, Scenarios
 from missions.winds.table import COLUMNS, shipped_winds, wind_table_from_text
-from sizing import size
+from sizing import analyse_uncertainty, size
 from sizing.aerodynamics.parabolic import DragPolar
-from sizing.aircraft import ParametricAirframe
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import design_of
+from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import performance, performance_in_pairs
 from sizing.station import FASTEST, faster_flight, station_keeping
 from sizing.sunlight import UNCORRECTED_CAM, solar_day
+from sizing.uncertainty.propagation import Propagation
 
 CELLS = Scenarios(np.array([20.0, 40.0, 50.0]), np.array([166, 166, 166]))
 
@@ -191,6 +193,39 @@ def test_the_rated_power_ends_the_airspeed(tmp_path: Path) -> None:
     assert not study.feasible
     missed = {one.requirement for one in study.result.violations}
     assert missed & {"power_against_wind", "energy_balance", "battery_capacity"}
+
+
+@pytest.mark.parametrize(
+    "flown", [DESIGN, pytest.param("twin-boom-design", marks=pytest.mark.long)], ids=str
+)
+def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, flown: Aircraft | str) -> None:
+    craft = aircraft(flown) if isinstance(flown, str) else flown
+    own = float(design_of(craft, mission()).airspeed_m_per_s)
+    where = holding(in_winds(tmp_path, 4.0, 1.2 * own))
+    key = "battery.specific_energy_wh_per_kg"
+    energies = parameter_value(craft, where, key) * np.array([1.0, 0.9, 1.05])
+    draws = Propagation(craft, where, UNCORRECTED_CAM).flights({key: energies})
+    each = [performance(with_parameter(craft, where, key, e)[0], where) for e in energies.tolist()]
+    excess_h = [float(one.cycle.excess_time_h.min()) for one in each]
+    # A chain at its operating point is a formula in draws, exact at the airspeed of the design.
+    chain = 2e-2 if isinstance(flown, str) else 1e-9
+    assert draws.excess_time_h == pytest.approx(excess_h, abs=chain)
+    calm = performance(craft, in_winds(tmp_path, 4.0, 1.2 * own))
+    assert calm.cycle.excess_time_h.min() > excess_h[0] + 1.0
+
+
+def test_half_of_the_draws_hold_their_place_with_little_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 512)
+    monkeypatch.setattr("sizing.margins.probability.VERIFICATION_SAMPLES", 2000)
+    where = holding(in_winds(tmp_path, 4.0, 12.0))
+    plain, half = size(DESIGN, where), size(DESIGN, where, reliability=0.5)
+    assert half.reliability is not None
+    assert half.reliability.achieved.value == pytest.approx(0.5, abs=0.04)
+    assert half.result.objective_value == pytest.approx(plain.result.objective_value, rel=0.05)
+    again = analyse_uncertainty(half.sized_aircraft(), where, samples=1024, seed=3)
+    assert again.probability_required.value == pytest.approx(0.5, abs=0.05)
 
 
 def test_latitudes_that_would_do_end_where_the_table_of_winds_does() -> None:

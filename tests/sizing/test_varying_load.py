@@ -18,7 +18,7 @@ from sizing.design import DesignVariables, FlightConditions, ImpossibleDesignErr
 from sizing.energy.cycle import simulate_cycle
 from sizing.performance import performance, performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion
-from sizing.results.varying_efficiency import varying_efficiency
+from sizing.results.propulsion import varying_efficiency
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import solar_day
 from sizing.varying_load import interpolation_error, part_load_of

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from solar.attitude import direction_cosines
+from solar.geometry import direction_cosines
 
 # Sums of products of sines and cosines, each good to a few units in the last place of 1.
 ROUNDING = 1e-14

@@ -4,10 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sizing.library import load_aircraft
-from solar.attitude import direction_cosines
 from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import Irradiance
-from solar.geometry import ModuleGeometry, ModuleSurface
+from solar.geometry import ModuleGeometry, ModuleSurface, direction_cosines
 from solar.horizontal_models import conceptual_analysis_model
 from solar.modules import IncidenceTable, LowLightTable, MpptTable, SolarCell
 from solar.shading import Shading, proportional_losses

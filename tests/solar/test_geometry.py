@@ -6,11 +6,11 @@ from pvlib import irradiance
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from solar.attitude import direction_cosines
 from solar.geometry import (
     ModuleGeometry,
     ModuleSurface,
     cos_angle_of_incidence,
+    direction_cosines,
     surface_normal,
 )
 from solar.sun import cos_zenith, declination, hour_angle, sun_vector_ned

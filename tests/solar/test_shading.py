@@ -12,8 +12,7 @@ from hypothesis.extra import numpy as hnp
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from solar.attitude import direction_cosines
-from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface
+from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface, direction_cosines
 from solar.shading import (
     LOSS_MODELS,
     TailGeometry,

@@ -19,7 +19,7 @@ from sizing.results.analysis import Analysis, analyse
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
 from sizing.uncertainty.propagation import Propagation, check_inputs
-from sizing.validity.told import extrapolations
+from sizing.validity.extrapolations import extrapolations
 from sizing.varying_load import DesignLoads
 from studies.ceiling import perpetual_ceiling
 from studies.maps.feasibility import feasibility_map

@@ -24,8 +24,8 @@ from sizing.optimisation.objectives import Objective
 from sizing.sunlight import SolarModel
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
-from studies.engine.run import Job, Outcome
-from studies.engine.workers import LocalPool
+from studies.engine.run import Outcome
+from studies.engine.workers import Job, LocalPool
 from studies.grid import GridStudy
 from studies.maps import feasibility, resized
 
@@ -61,7 +61,7 @@ def faults() -> Iterator[Fault]:
 @functools.cache
 def _study(sized: bool) -> GridStudy:
     """Return a map of a few short chunks."""
-    from studies.maps import grid
+    from studies import grid
 
     before, grid._CHUNK_S = grid._CHUNK_S, 1e-4
     try:

@@ -25,7 +25,7 @@ signal.signal(signal.SIGINT, signal.SIG_DFL)
 from studies.cli.start import start
 chunk_s = os.environ.get("CHUNK_S")
 if chunk_s:
-    import studies.maps.grid as grid, studies.sweeps.study as study
+    import studies.grid as grid, studies.sweeps.study as study
     grid._CHUNK_S = study._CHUNK_S = float(chunk_s)
 start()
 """

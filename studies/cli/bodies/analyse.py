@@ -5,11 +5,9 @@ from __future__ import annotations
 import click
 
 from sizing.results import analysis
-from studies.cli.checks import require_climber, require_path
 from studies.cli.commands.analyse import Analyse
-from studies.cli.files import Case, load
-from studies.cli.outputs import call, deliver, figure_of, table_of
-from studies.cli.targets import refuse_to_overwrite
+from studies.cli.files import Case, load, require_climber, require_path
+from studies.cli.outputs import call, deliver, figure_of, refuse_to_overwrite, table_of
 from studies.output.cycle_plots import plot_cycle, plot_flight
 
 
@@ -32,12 +30,7 @@ def analyse(options: Analyse) -> None:
         return
     require_climber(case)
     result = analysis.analyse(
-        case.aircraft,
-        case.mission,
-        model=case.solar.model,
-        correction=case.solar.correction,
-        days=options.days,
-        with_best_climb=options.with_best_climb,
+        **case.arguments, days=options.days, with_best_climb=options.with_best_climb
     )
     flown = result.flight
     files = {

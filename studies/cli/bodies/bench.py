@@ -11,8 +11,7 @@ from sizing.aircraft import Aircraft
 from studies.bench.result import evaluate_bench
 from studies.cli.commands.bench import Bench
 from studies.cli.files import open_aircraft
-from studies.cli.outputs import print_json
-from studies.cli.targets import refuse_to_overwrite
+from studies.cli.outputs import print_json, refuse_to_overwrite
 from studies.fitting.files import changed_document, file_text, provenance, value_lines
 from studies.output.run_folder import InputFile
 from studies.output.terminal import show, tell_line

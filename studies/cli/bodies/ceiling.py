@@ -8,12 +8,11 @@ import click
 
 from missions.files.validation import located_error
 from studies.ceiling import perpetual_ceiling, plot_ceiling
-from studies.cli.checks import refuse_polar_night, require_climber, require_path
 from studies.cli.commands.ceiling import Ceiling
-from studies.cli.files import load
+from studies.cli.files import load, refuse_polar_night, require_climber, require_path
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import deliver, figure_of, table_of
-from studies.cli.progress import progress_of
+from studies.cli.telling import progress_of
 
 
 def ceiling(options: Ceiling) -> None:
@@ -27,18 +26,12 @@ def ceiling(options: Ceiling) -> None:
     if climb is not None and climb.ceiling_m <= lowest_m:
         message = f"must be above the night's floor of {lowest_m:g} (got {climb.ceiling_m:g})"
         raise located_error(case.where.document, ("climb", "ceiling_m"), message)
-    if highest_m <= lowest_m:
+    if highest_m is not None and highest_m <= lowest_m:
         message = f"must be above the mission's altitude_m of {lowest_m:g} (got {highest_m:g})"
         raise click.BadParameter(message, param_hint="--highest")
     with progress_of("altitudes", lines=False) as progress:
         result = perpetual_ceiling(
-            case.aircraft,
-            case.mission,
-            model=case.solar.model,
-            correction=case.solar.correction,
-            highest_m=highest_m,
-            step_m=options.step_m,
-            progress=progress,
+            **case.arguments, highest_m=highest_m, step_m=options.step_m, progress=progress
         )
     files = {
         options.table_file: table_of(result.to_frame, "altitudes"),

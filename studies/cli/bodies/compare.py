@@ -5,19 +5,16 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from studies.cli.checks import refuse_polar_night, require_climber, require_path
 from studies.cli.commands.compare import Compare
-from studies.cli.files import load
+from studies.cli.files import load, refuse_polar_night, require_climber, require_path
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import figure_bytes, figure_of, table_of, told, write_results
-from studies.cli.progress import progress_of
+from studies.cli.outputs import figure_of, table_of, told, write_results
+from studies.cli.telling import progress_of
 from studies.models import comparison
 from studies.models.plots import plot_comparison
 from studies.models.solar_models import attitude_is_known
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import write_run_folder
-
-_IMAGE = "comparison.png"
 
 
 def compare(options: Compare) -> None:
@@ -39,19 +36,16 @@ def compare(options: Compare) -> None:
             progress=progress,
         )
     record, folder = case.named(compared.to_dict()), options.out_dir
+    drawing = figure_of(lambda: plot_comparison(compared, figure=options.figure))
     files = {
         options.table_file: table_of(compared.to_frame, "models"),
-        options.plot_file: figure_of(lambda: plot_comparison(compared, figure=options.figure)),
+        options.plot_file: drawing,
     }
     with told(case, record, compared, out_dir=folder, files=files):
         write_results(files)
         if folder is not None:
             contents = {"comparison.csv": csv_bytes(compared.to_frame())}
-            drawn = {
-                _IMAGE: lambda: figure_bytes(
-                    plot_comparison(compared, figure=options.figure), _IMAGE
-                )
-            }
+            drawn = {"comparison.png": drawing}
             write_run_folder(Path(folder), case.inputs(), record, contents, drawn)
     sized = [one.built for one in compared.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):

@@ -9,12 +9,11 @@ import click
 
 from missions.files.writing import to_json, write_bytes_atomically, write_text_atomically
 from sizing.results.analysis import Analysis, analyse
-from studies.cli.checks import require_climber, require_path
+from studies.cli.command import check_outputs
 from studies.cli.commands.exchange import Diff, Export, Schema
-from studies.cli.files import load
+from studies.cli.files import load, require_climber, require_path
 from studies.cli.options import EXIT_FAILED, CaseOptions, check_table
 from studies.cli.outputs import print_json, table_of, write_results
-from studies.cli.targets import check_files
 from studies.cli.telling import tell_error
 from studies.exchange import files
 from studies.exchange.difference import compare_designs
@@ -27,7 +26,7 @@ def export(options: Export) -> None:
     several, troubles = len(options.out_files) > 1, dict[str, Exception]()
     for path in options.out_files:
         try:
-            check_files({"--out": path})
+            check_outputs({"--out": path})
         except OSError as error:
             troubles[path] = error
         known = files.design_format(path)
@@ -77,13 +76,7 @@ def _analysed(options: CaseOptions) -> Analysis:
     case = load(options)
     require_path(case)
     require_climber(case)
-    return analyse(
-        case.aircraft,
-        case.mission,
-        model=case.solar.model,
-        correction=case.solar.correction,
-        replay=False,
-    )
+    return analyse(**case.arguments, replay=False)
 
 
 def schema(options: Schema) -> None:

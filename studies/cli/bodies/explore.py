@@ -7,14 +7,14 @@ import sys
 import click
 
 from missions.files.writing import write_text_atomically
-from studies.cli.checks import (
+from studies.cli.commands.explore import Explore
+from studies.cli.files import (
+    load,
     refuse_climb,
     refuse_held_station,
     require_climber,
     require_path,
 )
-from studies.cli.commands.explore import Explore
-from studies.cli.files import load
 from studies.cli.options import EXIT_FAILED
 from studies.cli.telling import tell_error
 from studies.explorer.offline.page import offline_page
@@ -25,11 +25,11 @@ from studies.output.terminal import tell_line
 def explore(options: Explore) -> None:
     """Serve the page of a design, or write it."""
     case = load(options.case)
-    refuse_held_station(case, "explore")
     require_path(case)
     require_climber(case)
     if options.static_file is not None:
         refuse_climb(case, "explore --static")
+        refuse_held_station(case, "explore --static")
     where, overrides = case.where.document.source.removesuffix(" (shipped)"), options.case.overrides
     words = [options.case.aircraft, "-m", where, *(w for one in overrides for w in ("--set", one))]
     session = Session(case.craft.document, case.where.document, case.solar, command=words)

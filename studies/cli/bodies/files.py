@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shlex
 import sys
+from importlib import resources
 from pathlib import Path
 
 import click
 
-from missions.files.errors import InputError, printable
+from missions.files.errors import InputError, file_error, printable
 from missions.files.validation import validate as check
+from missions.files.writing import names_a_device, write_files_atomically
 from missions.files.yaml import read_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from studies.cli.commands.files import Init, Validate
-from studies.cli.files import write_starters
 from studies.cli.options import EXIT_BAD_INPUT
 from studies.cli.outputs import suggest
 from studies.cli.telling import tell_error
@@ -56,3 +59,29 @@ def _record_of(keys: set[str]) -> type[Aircraft | Mission]:
     own = set(Aircraft.model_fields) ^ set(Mission.model_fields)
     of_mission = keys & own & set(Mission.model_fields)
     return Mission if 2 * len(of_mission) > len(keys & own) else Aircraft
+
+
+def write_starters(name: str, folder: Path) -> list[Path]:
+    """Write ``NAME.yaml`` and ``NAME-mission.yaml``; existing files are never overwritten.
+
+    Returns the aircraft's file and the mission's.
+    """
+    name = re.sub(r"\.ya?ml$", "", name, flags=re.IGNORECASE)
+    if re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name) is None:
+        raise file_error(name, "a name has letters, digits, '-', '_' and '.', at most 64 of them")
+    if names_a_device(name):
+        message = "names a device of Windows, not a file: choose another name"
+        raise file_error(name, message)
+    templates = resources.files("studies").joinpath("templates")
+    contents = {
+        folder / f"{name}{ending}": templates.joinpath(template).read_text(encoding="utf-8")
+        for ending, template in ((".yaml", "aircraft.yaml"), ("-mission.yaml", "mission.yaml"))
+    }
+    message = "exists already and is not overwritten"
+    taken = [file_error(path.name, message) for path in contents if os.path.lexists(path)]
+    if taken:
+        raise InputError([problem for error in taken for problem in error.problems])
+    write_files_atomically(
+        {path: text.replace("NAME", name).encode() for path, text in contents.items()}
+    )
+    return list(contents)

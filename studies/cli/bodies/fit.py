@@ -17,8 +17,7 @@ from studies.cli.commands.fit import Calibrate, Fit
 from studies.cli.files import Case, load, open_aircraft
 from studies.cli.logs import read_log, refuse_swapped_log
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import figure_bytes, print_json, told
-from studies.cli.targets import refuse_to_overwrite
+from studies.cli.outputs import figure_of, print_json, refuse_to_overwrite, told
 from studies.fitting import calibration
 from studies.fitting.files import file_text, fitted_document, fitted_lines
 from studies.fitting.flight import FlightFit, fit_flight
@@ -60,10 +59,7 @@ def fit(options: Fit) -> None:
                 more = enumerate(log_files[1:], 2)
                 files = {"log": Path(log_files[0]), **{f"log_{n}": Path(one) for n, one in more}}
                 inputs = case.inputs(None, **files).of_aircraft(document.data)
-                figure = options.figure
-                drawn = {
-                    "fit.png": lambda: figure_bytes(plot_fit(fitted, figure=figure), "fit.png")
-                }
+                drawn = {"fit.png": figure_of(lambda: plot_fit(fitted, figure=options.figure))}
                 write_run_folder(Path(folder), inputs, record, {}, drawn)
     if not fitted.fitted:
         click.echo(

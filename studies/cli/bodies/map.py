@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from studies.cli.checks import (
+from studies.cli.commands.map import Map
+from studies.cli.files import (
+    Case,
+    load,
     refuse_climb,
     require_climb_power,
     require_climber,
     require_parametric,
     require_path,
 )
-from studies.cli.commands.map import Map
-from studies.cli.files import Case, load
 from studies.cli.jobs import completed
 from studies.cli.outputs import call, deliver, figure_of
 from studies.maps import feasibility, results
 from studies.output.formats import grid_format
-from studies.output.grid_files import to_bytes
+from studies.output.gridded import to_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

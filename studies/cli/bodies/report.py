@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from missions.weather.files import load_weather
-from studies.cli.checks import refuse_held_station, require_climber, require_path
 from studies.cli.commands.report import Report
-from studies.cli.files import load
-from studies.cli.outputs import print_json
-from studies.cli.targets import check_report
+from studies.cli.files import load, require_climber, require_path
+from studies.cli.outputs import check_report, print_json
 from studies.output.terminal import tell_line
 
 
@@ -16,7 +14,6 @@ def report(options: Report) -> None:
     check_report(options.out_file, with_pdf=options.with_pdf)
     case = load(options.case)
     require_path(case)
-    refuse_held_station(case, "report")
     require_climber(case)
     from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second
 

@@ -16,13 +16,12 @@ from sizing.results import sizing
 from sizing.results.sizing import SizingStudy
 from sizing.results.tables import Line, Summary
 from sizing.results.weather_sizing import size_in_weather
-from studies.cli import checks
+from studies.cli import files as checks
 from studies.cli.commands.size import Size
 from studies.cli.files import Case, load
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import told
-from studies.cli.progress import progress_of
-from studies.cli.targets import check_report
+from studies.cli.outputs import check_report, figure_of, told
+from studies.cli.telling import progress_of
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
@@ -48,15 +47,16 @@ def size(options: Size) -> None:
     with told(
         case,
         record,
-        lambda: _shown(study, options),
+        lambda: _summary(study, options),
         out_dir=folder,
         files=(report,),
         next_step=step,
     ):
         if folder is not None:
             inputs = sized_inputs(study, case.inputs(options.weather_file))
-            contents = sizing_tables(study), sizing_figures(study, options.figure)
-            write_run_folder(Path(folder), inputs, record, *contents)
+            figures = sizing_figures(study, options.figure)
+            drawn = {name: figure_of(draw) for name, draw in figures.items()}
+            write_run_folder(Path(folder), inputs, record, sizing_tables(study), drawn)
         if report is not None:
             from studies.cli.reports import report_on_sizing  # with all that a page has
 
@@ -65,7 +65,7 @@ def size(options: Size) -> None:
         sys.exit(EXIT_FAILED)
 
 
-def _shown(study: SizingStudy, options: Size) -> Summary:
+def _summary(study: SizingStudy, options: Size) -> Summary:
     """Summary of a sizing, and what the other solar power models say of the optimum."""
     found = study.summary()
     if not study.feasible or options.weather_file is not None:
@@ -91,11 +91,8 @@ def _check(case: Case, options: Size) -> None:
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)
     checks.require_path(case)
-    for option in ("reliability", "survive", "report_file"):
-        if getattr(options, option):
-            checks.refuse_held_station(
-                case, f"size --{option.removesuffix('_file').replace('_', '-')}"
-            )
+    if options.survive is not None:
+        checks.refuse_held_station(case, "size --survive")
     if options.whole_cells:
         checks.require_whole_cells(case)
     least = options.reliability
@@ -108,11 +105,8 @@ def _designed(case: Case, options: Size) -> SizingStudy:
     """Find the design."""
     if options.weather_file is None or options.survive is None:
         return sizing.size(
-            case.aircraft,
-            case.mission,
-            options.goal,
-            model=case.solar.model,
-            correction=case.solar.correction,
+            **case.arguments,
+            objective=options.goal,
             with_sensitivities=options.with_sensitivities,
             with_cross_check=options.with_cross_check,
             with_margin=not options.whole_cells,
@@ -122,13 +116,10 @@ def _designed(case: Case, options: Size) -> SizingStudy:
     weather = load_weather(options.weather_file, case.mission)
     with progress_of("steps of the search") as progress:
         return size_in_weather(
-            case.aircraft,
-            case.mission,
-            weather,
-            options.goal,
+            **case.arguments,
+            weather=weather,
+            objective=options.goal,
             survive=options.survive,
-            model=case.solar.model,
-            correction=case.solar.correction,
             progress=progress,
         )
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from studies.cli.checks import refuse_climb, require_parametric, require_path
 from studies.cli.commands.station import Station
-from studies.cli.files import load
+from studies.cli.files import load, refuse_climb, require_parametric, require_path
 from studies.cli.outputs import deliver, figure_of
 from studies.output.formats import csv_bytes, grid_format, table_bytes
 from studies.output.gridded import to_netcdf_bytes
@@ -19,12 +18,7 @@ def station(options: Station) -> None:
     require_path(case)
     require_parametric(case, "station needs a parametric aircraft, this one is measured")
     result = station_by_month(
-        case.aircraft,
-        case.mission,
-        latitudes=options.latitudes,
-        altitudes_m=options.altitudes,
-        model=case.solar.model,
-        correction=case.solar.correction,
+        **case.arguments, latitudes=options.latitudes, altitudes_m=options.altitudes
     )
 
     def content(path: str) -> bytes:

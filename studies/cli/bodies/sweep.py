@@ -12,15 +12,14 @@ import click
 
 from missions.files.errors import InputError
 from missions.files.writing import write_files_atomically
-from studies.cli.checks import require_climb_power, require_climber, require_path
 from studies.cli.commands.sweep import Sweep
-from studies.cli.files import Case, load
+from studies.cli.files import Case, load, require_climb_power, require_climber, require_path
 from studies.cli.jobs import completed
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import call, figure_bytes, told
+from studies.cli.outputs import call, figure_of, told
 from studies.cli.telling import tell_error
 from studies.output.formats import grid_format
-from studies.output.grid_files import to_bytes
+from studies.output.gridded import to_bytes
 from studies.sweeps.axes import axis_names
 from studies.sweeps.points import BLANKS, CLIMBING_BLANKS, SIZED_BLANKS, varies_climb
 from studies.sweeps.study import dataset, prepare
@@ -56,7 +55,7 @@ def sweep(options: Sweep) -> None:
                 contents[out_file] = to_bytes(data, grid_format(out_file), "points")
             if plot_file is not None:
                 try:
-                    contents[plot_file] = figure_bytes(_chart(data, options), plot_file)
+                    contents[plot_file] = figure_of(lambda: _chart(data, options))(plot_file)
                 except ValueError as error:
                     # The points are worth keeping even where there is nothing to draw.
                     trouble = str(error)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from sizing.results.uncertainty import analyse_uncertainty
-from studies.cli.checks import (
-    refuse_held_station,
+from studies.cli.commands.uncertainty import Uncertainty
+from studies.cli.files import (
+    load,
     require_climber,
     require_path,
     uncertain_inputs_of,
 )
-from studies.cli.commands.uncertainty import Uncertainty
-from studies.cli.files import load
 from studies.cli.outputs import deliver, figure_of, table_of
 from studies.uncertainty.plots import plot_uncertainty
 
@@ -18,15 +17,11 @@ from studies.uncertainty.plots import plot_uncertainty
 def uncertainty(options: Uncertainty) -> None:
     """Draw uncertain inputs, and tell what becomes of the flight."""
     case = load(options.case)
-    refuse_held_station(case, "uncertainty")
     require_path(case)
     require_climber(case)
     with uncertain_inputs_of(case):
         result = analyse_uncertainty(
-            case.aircraft,
-            case.mission,
-            model=case.solar.model,
-            correction=case.solar.correction,
+            **case.arguments,
             samples=options.samples,
             seed=options.seed,
             model_error=not options.no_model_error,

@@ -8,19 +8,24 @@ from pathlib import Path
 
 from missions.files.writing import write_text_atomically
 from missions.flight_path import largest_wind_m_per_s
-from studies.cli.checks import refuse_polar_night, require_path
 from studies.cli.commands.validation import (
     Efficiencies,
     LoiterCorrection,
     Published,
     ReproduceReport,
 )
-from studies.cli.files import Case, load, open_aircraft, open_mission
+from studies.cli.files import (
+    Case,
+    load,
+    open_aircraft,
+    open_mission,
+    refuse_polar_night,
+    require_path,
+)
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import deliver, figure_of, print_json, table_of, tell, told, write_results
-from studies.cli.progress import progress_of
+from studies.cli.telling import progress_of
 from studies.models import component_efficiencies, transfer
-from studies.output.figures.drawing import to_bytes
 from studies.output.run_folder import write_run_folder
 from studies.output.terminal import show
 from studies.validation import published as numbers
@@ -93,10 +98,6 @@ def reproduce_report(options: ReproduceReport) -> None:
     with told(case, record, result, out_dir=folder):
         if folder is not None:
             tables = "\n".join(table.to_markdown() for table in result.tables())
-            drawn = {
-                "report.png": lambda: to_bytes(
-                    study.reproduction_figure(result, figure=options.figure), "png"
-                )
-            }
+            drawing = figure_of(lambda: study.reproduction_figure(result, figure=options.figure))
             contents = {"report.md": tables.encode()}
-            write_run_folder(Path(folder), case.inputs(), record, contents, drawn)
+            write_run_folder(Path(folder), case.inputs(), record, contents, {"report.png": drawing})

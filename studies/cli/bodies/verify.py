@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from studies.cli.commands.verify import Verify
 from studies.cli.files import load
 from studies.cli.logs import read_log, refuse_swapped_log
-from studies.cli.outputs import figure_bytes, told
-from studies.cli.targets import check_report, refuse_to_overwrite
+from studies.cli.outputs import check_report, figure_of, refuse_to_overwrite, told
 from studies.flight_logs import verification
 from studies.flight_logs.plots import figures
 from studies.output.run_folder import write_run_folder
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # File of a folder of results with the samples.
 _SAMPLES = "samples.csv"
@@ -44,7 +37,7 @@ def verify(options: Verify) -> None:
         if folder is not None:
             contents = {_SAMPLES: result.to_csv().encode()}
             drawn = {
-                f"{name}.png": partial(_figure_as_png, draw, f"{name}.png")
+                f"{name}.png": figure_of(draw)
                 for name, draw in figures(result, figure=options.figure)
             }
             inputs = case.inputs(log=Path(log_file))
@@ -53,7 +46,3 @@ def verify(options: Verify) -> None:
             from studies.cli.reports import report_on_log  # with all that a page has
 
             report_on_log(case, result, log_file, report, overrides=options.case.overrides)
-
-
-def _figure_as_png(draw: Callable[[], Figure], name: str) -> bytes:
-    return figure_bytes(draw(), name)

@@ -18,26 +18,17 @@ from studies.weather.plots import plot_weather
 
 def analyse_in_weather(case: Case, options: Analyse, weather_file: str) -> None:
     """Fly the case through a weather record, and tell what became of it."""
-    weather, solar = load_weather(weather_file, case.mission), case.solar
+    weather = load_weather(weather_file, case.mission)
     if options.table_years is not None and weather.typical:
         raise click.UsageError("--table-years needs a record of years: this is a typical year")
     result = analyse_weather(
-        case.aircraft,
-        case.mission,
-        weather,
-        model=solar.model,
-        correction=solar.correction,
-        mission_chosen=not case.mission_is_default,
+        **case.arguments, weather=weather, mission_chosen=not case.mission_is_default
     )
     record = {"weather": result.to_dict()}
     if case.as_json:
-        clear_day = analysis.analyse(
-            case.aircraft,
-            result.mission,
-            model=solar.model,
-            correction=solar.correction,
-            replay=False,
-        )
+        there = case.arguments
+        there["mission"] = result.mission
+        clear_day = analysis.analyse(**there, replay=False)
         record = clear_day.to_dict() | record
     files = {
         options.table_file: table_of(result.to_frame, "days"),

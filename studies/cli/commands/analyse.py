@@ -73,6 +73,6 @@ class Analyse:
 analyse = Command(
     "analyse",
     Analyse,
-    "studies.cli.bodies.analyse:analyse",
+    "analyse:analyse",
     "solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15",
 )

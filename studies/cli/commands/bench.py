@@ -48,8 +48,5 @@ class Bench:
 
 
 bench = Command(
-    "bench",
-    Bench,
-    "studies.cli.bodies.bench:bench",
-    "solar-uav bench atlantiksolar-as2 iv.csv --write tested.yaml",
+    "bench", Bench, "bench:bench", "solar-uav bench atlantiksolar-as2 iv.csv --write tested.yaml"
 )

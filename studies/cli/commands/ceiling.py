@@ -23,13 +23,12 @@ class Ceiling:
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
 
     case: CaseOptions = case_options()
-    highest_m: float = option(
+    highest_m: float | None = option(
         "--highest",
         type=RealRange(-500.0, _HIGHEST_M, unit="metres"),
-        default=20000.0,
-        show_default=True,
         metavar="METRES",
-        help="End of the search, which starts at the mission's altitude.",
+        help="End of the search, which starts at the mission's altitude; by default 20000, for "
+        "missions above 15000 m 32000.",
     )
     step_m: float = option(
         "--step",
@@ -45,8 +44,5 @@ class Ceiling:
 
 
 ceiling = Command(
-    "ceiling",
-    Ceiling,
-    "studies.cli.bodies.ceiling:ceiling",
-    "solar-uav ceiling atlantiksolar-as2 --plot ceiling.png",
+    "ceiling", Ceiling, "ceiling:ceiling", "solar-uav ceiling atlantiksolar-as2 --plot ceiling.png"
 )

@@ -111,6 +111,6 @@ class Compare:
 compare = Command(
     "compare",
     Compare,
-    "studies.cli.bodies.compare:compare",
+    "compare:compare",
     "solar-uav compare atlantiksolar-design --objective min_mass --table models.csv",
 )

@@ -52,20 +52,17 @@ class Schema:
 export = Command(
     "export",
     Export,
-    "studies.cli.bodies.exchange:export",
+    "exchange:export",
     "solar-uav export atlantiksolar-design --out wing.avl",
     "solar-uav export sized -m rafz-july --out design.tex --out design.xlsx",
 )
 diff = Command(
     "diff",
     Diff,
-    "studies.cli.bodies.exchange:diff",
+    "exchange:diff",
     "solar-uav diff atlantiksolar-design sized",
     "solar-uav diff atlantiksolar-design atlantiksolar-as2 -m rafz-july --table diff.xlsx",
 )
 schema = Command(
-    "schema",
-    Schema,
-    "studies.cli.bodies.exchange:schema",
-    "solar-uav schema aircraft --out aircraft.schema.json",
+    "schema", Schema, "exchange:schema", "solar-uav schema aircraft --out aircraft.schema.json"
 )

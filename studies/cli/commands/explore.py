@@ -50,6 +50,6 @@ class Explore:
 explore = Command(
     "explore",
     Explore,
-    "studies.cli.bodies.explore:explore",
+    "explore:explore",
     "solar-uav explore atlantiksolar-design -m central-europe-summer",
 )

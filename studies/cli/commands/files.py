@@ -11,7 +11,7 @@ from studies.cli.command import Command, argument, option
 from studies.cli.options import completes, json_option
 
 if TYPE_CHECKING:
-    from sizing.catalogues.files import Kind
+    from sizing.catalogues.choice import Kind
 
 
 @dataclass(frozen=True)
@@ -65,14 +65,12 @@ class Validate:
     files: tuple[str, ...] = argument(nargs=-1, required=True, shell_complete=completes("files"))
 
 
-list_ = Command("list", List, "studies.cli.bodies.shipped:list_", "solar-uav list")
-show = Command(
-    "show", Show, "studies.cli.bodies.shipped:show", "solar-uav show atlantiksolar-as2 > mine.yaml"
-)
-init = Command("init", Init, "studies.cli.bodies.files:init", "solar-uav init albatross")
+list_ = Command("list", List, "shipped:list_", "solar-uav list")
+show = Command("show", Show, "shipped:show", "solar-uav show atlantiksolar-as2 > mine.yaml")
+init = Command("init", Init, "files:init", "solar-uav init albatross")
 validate = Command(
     "validate",
     Validate,
-    "studies.cli.bodies.files:validate",
+    "files:validate",
     "solar-uav validate albatross.yaml albatross-mission.yaml",
 )

@@ -72,15 +72,10 @@ class Calibrate:
     as_json: bool = json_option()
 
 
-fit = Command(
-    "fit",
-    Fit,
-    "studies.cli.bodies.fit:fit",
-    "solar-uav fit atlantiksolar-as2 flight.csv --write mine.yaml",
-)
+fit = Command("fit", Fit, "fit:fit", "solar-uav fit atlantiksolar-as2 flight.csv --write mine.yaml")
 calibrate = Command(
     "calibrate",
     Calibrate,
-    "studies.cli.bodies.fit:calibrate",
+    "fit:calibrate",
     "solar-uav calibrate atlantiksolar-as2 atlantiksolar-design --write mine.yaml",
 )

@@ -108,8 +108,5 @@ class Map:
 
 
 map_ = Command(
-    "map",
-    Map,
-    "studies.cli.bodies.map:map_",
-    "solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png",
+    "map", Map, "map:map_", "solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png"
 )

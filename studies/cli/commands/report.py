@@ -34,6 +34,6 @@ class Report:
 report = Command(
     "report",
     Report,
-    "studies.cli.bodies.report:report",
+    "report:report",
     "solar-uav report atlantiksolar-as2 -m rafz-july --out report.html",
 )

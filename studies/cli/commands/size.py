@@ -151,7 +151,7 @@ class Size:
 size = Command(
     "size",
     Size,
-    "studies.cli.bodies.size:size",
+    "size:size",
     "solar-uav size atlantiksolar-design -m rafz-july --required-excess-time 2",
     "solar-uav size atlantiksolar-design -m mission.yaml --weather FILE --survive 0.9",
 )

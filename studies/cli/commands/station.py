@@ -45,6 +45,6 @@ class Station:
 station = Command(
     "station",
     Station,
-    "studies.cli.bodies.station:station",
+    "station:station",
     "solar-uav station my-aircraft.yaml -m my-mission.yaml --latitudes 0:60:5 --plot station.png",
 )

@@ -114,6 +114,6 @@ class Sweep:
 sweep = Command(
     "sweep",
     Sweep,
-    "studies.cli.bodies.sweep:sweep",
+    "sweep:sweep",
     "solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5",
 )

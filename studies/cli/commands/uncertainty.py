@@ -43,6 +43,6 @@ class Uncertainty:
 uncertainty = Command(
     "uncertainty",
     Uncertainty,
-    "studies.cli.bodies.uncertainty:uncertainty",
+    "uncertainty:uncertainty",
     "solar-uav uncertainty atlantiksolar-as2 --samples 1024",
 )

@@ -75,27 +75,22 @@ class ReproduceReport:
     figure: FigureOptions = figure_options()
 
 
-published = Command(
-    "published",
-    Published,
-    "studies.cli.bodies.validation:published",
-    "solar-uav published --explain",
-)
+published = Command("published", Published, "validation:published", "solar-uav published --explain")
 loiter_correction = Command(
     "loiter-correction",
     LoiterCorrection,
-    "studies.cli.bodies.validation:loiter_correction",
+    "validation:loiter_correction",
     "solar-uav loiter-correction --markdown errors.md",
 )
 efficiencies = Command(
     "efficiencies",
     Efficiencies,
-    "studies.cli.bodies.validation:efficiencies",
+    "validation:efficiencies",
     "solar-uav efficiencies atlantiksolar-as2 --plot efficiencies.png",
 )
 reproduce_report = Command(
     "reproduce-report",
     ReproduceReport,
-    "studies.cli.bodies.validation:reproduce_report",
+    "validation:reproduce_report",
     "solar-uav reproduce-report --out reproduced",
 )

@@ -58,6 +58,6 @@ class Verify:
 verify = Command(
     "verify",
     Verify,
-    "studies.cli.bodies.verify:verify",
+    "verify:verify",
     "solar-uav verify atlantiksolar-as2 flight.csv --window 5.71:5.79 --out verified",
 )

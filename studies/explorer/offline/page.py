@@ -13,8 +13,6 @@ from solar._version import __version__
 from studies.explorer.offline.record import offline_record
 from studies.explorer.session import Session
 
-__all__ = ["bundled", "offline_page"]
-
 # The foot says once why most settings are fixed.
 _STYLE = "#offline { margin: 0 14px 10px; } .field.fixed .message { display: none; }"
 _IMPORT = re.compile(r'^import \{([^}]*)\} from "\./([\w.]+)";\n', re.M)

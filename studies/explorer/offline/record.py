@@ -24,8 +24,6 @@ from studies.explorer.season import (
 from studies.explorer.session import Inputs, Session
 from studies.explorer.settings import RefusedError
 
-__all__ = ["offline_record"]
-
 CHECKS = 120
 _CONSTANT_LOADS = ("mission.payload.power_w", "power.avionics_w")
 # Changed by the page without a table: place, and what enters the balance linearly.

@@ -22,8 +22,6 @@ from sizing.sunlight import SolarModel, solar_day
 from solar.sun import declination
 from solar.types import FloatArray
 
-__all__ = ["AXES", "Axis", "design_table", "light_table", "mass_table", "quantised"]
-
 DAY_STEP = 7
 _LATITUDES_DEG = np.linspace(-90.0, 90.0, 73)
 _DAYS = np.arange(1, 366, DAY_STEP)

@@ -12,10 +12,9 @@ from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, standard_air
 from missions.logs.table import EulerAngles, FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.attitude import direction_cosines
 from solar.attitude_models import ModulePower, full_model
 from solar.clearsky import Irradiance
-from solar.geometry import ModuleGeometry
+from solar.geometry import ModuleGeometry, direction_cosines
 from solar.horizontal_models import conceptual_analysis_model
 from solar.sun import SECONDS_PER_DAY, SunPosition, sun_position
 from solar.types import FloatArray, IntArray

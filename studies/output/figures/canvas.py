@@ -10,8 +10,6 @@ from studies.output.figures import options as settings
 from studies.output.figures.layout import FittedLayout
 from studies.output.figures.options import FigureOptions
 
-__all__ = ["StyledFigure"]
-
 
 class StyledFigure(Figure):
     """Figure in a style."""

@@ -24,8 +24,6 @@ from matplotlib.transforms import Bbox
 
 from studies.output.figures.options import LEVELS, NAMES, ROWS
 
-__all__ = ["FittedLayout"]
-
 _ROUNDS = 3
 _LEAST_TYPE = 0.5  # of the size that a style asks for
 _HIGHEST_LEGEND = 0.28  # of the figure: what is higher gets smaller type, for more columns
@@ -147,7 +145,7 @@ class FittedLayout(ConstrainedLayoutEngine):
                 break
         changed = len(before) > 1
         if changed:
-            self._undo.append(lambda: _restore_columns(legend, before))
+            self._undo.append(lambda: _set_columns(legend, before))
         wide = legend.get_window_extent().width
         if wide <= room:
             return changed
@@ -392,7 +390,6 @@ def _legend_columns(legend: Legend) -> list[Any]:
 
 def _arrange(legend: Legend, items: Sequence[Any], count: int) -> None:
     """Put the entries of a legend into so many columns, as even as they go."""
-    old = _legend_columns(legend)
     sizes = [len(items) // count + (index < len(items) % count) for index in range(count)]
     ends = list(itertools.accumulate(sizes))
     spacing = legend.labelspacing * legend._fontsize  # type: ignore[attr-defined]
@@ -402,8 +399,8 @@ def _arrange(legend: Legend, items: Sequence[Any], count: int) -> None:
     ]
     for column in packed:
         column.set_figure(legend.get_figure())  # type: ignore[arg-type]
-    old[:] = packed
+    _set_columns(legend, packed)
 
 
-def _restore_columns(legend: Legend, before: list[Any]) -> None:
-    _legend_columns(legend)[:] = before
+def _set_columns(legend: Legend, columns: list[Any]) -> None:
+    _legend_columns(legend)[:] = columns

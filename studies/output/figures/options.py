@@ -17,17 +17,6 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-__all__ = [
-    "DEFAULT",
-    "SHIPPED_STYLES",
-    "FigureOptions",
-    "TooManyDotsError",
-    "check_dots",
-    "ignore_settings_of_folder",
-    "read_dots_per_inch",
-    "read_size",
-]
-
 DOTS_PER_INCH = 150
 # Group id of an axis whose ticks are names: none may be left out.
 NAMES = "names"

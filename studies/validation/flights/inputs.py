@@ -82,7 +82,7 @@ def _modules(trial: Trial, efficiency: float) -> Trial:
     return trial.with_aircraft(modules={"efficiency_stc": efficiency})
 
 
-def _battery(trial: Trial, energy_wh: float) -> Trial:
+def _battery_energy(trial: Trial, energy_wh: float) -> Trial:
     specific = energy_wh / trial.aircraft.battery.mass_kg
     return trial.with_aircraft(battery={"specific_energy_wh_per_kg": specific})
 
@@ -122,7 +122,7 @@ BATTERY = Input(
     "energy of the battery",
     "Wh",
     lambda trial: trial.aircraft.battery.battery_energy_wh,
-    _battery,
+    _battery_energy,
     lambda used: (0.5 * used, 2.0 * used),
 )
 DISCHARGE = Input(

@@ -10,6 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from missions.air import standard_air
+from sizing.catalogues.choice import KINDS, Kind, entries
 from sizing.catalogues.entries import (
     BatteryEntry,
     CellEntry,
@@ -17,7 +18,6 @@ from sizing.catalogues.entries import (
     MotorEntry,
     PropellerEntry,
 )
-from sizing.catalogues.files import KINDS, Kind, entries
 from sizing.parameters import parameter
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.propeller_choice import PropellerChoice

@@ -25,7 +25,7 @@ from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.replay import calendar_run
 from sizing.results.analysis import analyse
-from sizing.results.battery import battery_line, battery_record
+from sizing.results.conditions import battery_line, battery_record
 
 PLAIN = Battery(mass_kg=3.0, specific_energy_wh_per_kg=250.0)
 temperatures = st.floats(-60.0, 60.0)

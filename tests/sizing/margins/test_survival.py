@@ -12,12 +12,11 @@ from missions.library import load_mission
 from sizing.design import DesignVariables, closed_design, design_of
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
-from sizing.margins.edge import fitted
-from sizing.margins.season_days import SeasonDays
-from sizing.margins.season_flights import Powers, SeasonFlights
+from sizing.margins.search import fitted
+from sizing.margins.season_flights import Powers, SeasonDays, SeasonFlights
 from sizing.margins.season_search import SeasonSearch
 from sizing.margins.survival import _SurvivalSizing
-from sizing.relaxation import Relaxation
+from sizing.relaxed_flight import Relaxation
 
 pytestmark = pytest.mark.slow
 

@@ -12,7 +12,8 @@ from builders import shipped_mission as mission
 
 from missions.mission import Mission, Scenarios
 from sizing.altitude.climb_levels import flight_levels
-from sizing.altitude.climb_march import DayRun, March, Stored
+from sizing.altitude.climb_march import March
+from sizing.altitude.climb_run import Stored
 from sizing.design import FlightConditions, closed_design, variables_of
 from sizing.energy.battery import Store
 from sizing.limits import meets_requirements
@@ -57,7 +58,7 @@ def test_the_program_has_the_day_of_the_march(strategy: str, ceiling_m: float) -
     levels = flight_levels(DESIGN, there, design, day)
     store = Store.of(battery, np.array([capacity_wh]))
     march = March(day.time_h, levels, store, strategy, 5)  # type: ignore[arg-type]
-    run = DayRun(march)
+    run = march.empty_run()
     march.end_of_day(march.end_of_day(Stored(np.array([capacity_wh]), np.zeros(1))), run)
     dawn = run.energy_wh[:, 0].min() / capacity_wh
     highest = run.potential_wh[:, 0].max() / levels.potential_energy_wh[-1, 0]

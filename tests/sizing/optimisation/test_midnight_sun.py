@@ -12,7 +12,7 @@ from builders import mission as july_day
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, variables_of
+from sizing.design import DesignVariables, plain_design, variables_of
 from sizing.energy.cycle import Status
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.cross_check import cross_check
@@ -23,7 +23,6 @@ from sizing.optimisation.result import (
     SizingResult,
     SizingStatus,
     objective_value,
-    plain_design,
 )
 from sizing.optimisation.search import size_aircraft, size_branch
 from sizing.optimisation.solver import ProgramSolver

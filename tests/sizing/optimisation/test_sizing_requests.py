@@ -36,7 +36,7 @@ from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import sensitivities
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
-from sizing.relaxation import Relaxation, rounded
+from sizing.relaxed_flight import Relaxation, rounded
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 
 pytestmark = pytest.mark.slow

@@ -11,7 +11,7 @@ from propulsors import VOLTAGE
 
 import sizing
 from missions.library import load_mission
-from sizing.catalogues.files import entries
+from sizing.catalogues.choice import entries
 from sizing.design import design_of
 from sizing.propulsion.part_masses import gear_mass_kg, motor_mass_fit
 

@@ -8,7 +8,7 @@ import sizing
 from sizing.aircraft import Aircraft
 from sizing.optimisation.problem import build_problem
 from sizing.parameters import catalogue
-from sizing.results.constraint_words import constraint_words, parameter_words
+from sizing.results.requirements import constraint_words, parameter_words
 
 
 @pytest.fixture(scope="module")

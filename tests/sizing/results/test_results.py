@@ -12,7 +12,7 @@ import pytest
 import missions
 import sizing
 from sizing.aircraft import Aircraft
-from sizing.relaxation import Relaxation
+from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table

@@ -142,4 +142,4 @@ def test_texts_of_cells_are_broken_no_more_than_the_width_asks_for() -> None:
         ["wing", "one", "two", "three", "four"],
         ["five", "six"],
     ]
-    assert Grid(None, (("a",),), (False,))._least(0, whole_cell=False) == 1
+    assert Grid(None, (("a",),), (False,))._least_width(0, whole_cell=False) == 1

@@ -8,7 +8,7 @@ import pytest
 import missions
 import sizing
 import studies
-from sizing.structures.flight_envelope import FlightEnvelope
+from sizing.structures.assessment import FlightEnvelope
 
 MISSION = missions.load_mission("rafz-july")
 

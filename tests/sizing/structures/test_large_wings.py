@@ -26,11 +26,9 @@ from sizing.design import (
 )
 from sizing.own_models import register_drag
 from sizing.structures.assessment import assess
-from sizing.structures.bracing import Bracing
-from sizing.structures.loads import StructureInputs
+from sizing.structures.loads import StructureInputs, stations
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.stations import stations
-from sizing.structures.web_core import WebCore
+from sizing.structures.rib_wing_keys import Bracing, WebCore
 
 G = 9.80665
 WIRE = {"attachment_span_fraction": 0.4, "angle_deg": 15.0}

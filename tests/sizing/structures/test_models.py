@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sizing.structures.loads import StructureInputs, root_bending_moment_nm
-from sizing.structures.models import AllPowerLawStructure, PowerLawStructure
-from sizing.structures.spar import SparStructure
+from sizing.structures.models import AllPowerLawStructure, PowerLawStructure, SparStructure
 
 SPAR = SparStructure()
 # What the simpler models of the structure ignore.

@@ -23,10 +23,10 @@ from sizing.structures.loads import (
     gust_speed_fraction,
     lift_curve_slope,
     limit_load_factor,
+    stations,
 )
-from sizing.structures.parts import StructureParts
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.stations import stations
+from sizing.structures.rib_wing_keys import StructureParts
 from sizing.structures.torsion import WingTorsion
 
 G = 9.80665

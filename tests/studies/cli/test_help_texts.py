@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import shlex
 from typing import get_type_hints
 
@@ -56,9 +55,7 @@ def test_the_example_of_a_command_is_one_that_it_takes(name: str) -> None:
 def test_the_body_of_a_command_takes_what_the_command_declares(name: str) -> None:
     it = command(name)
     assert isinstance(it, Command)
-    module, _, function = it.body.partition(":")
-    body = getattr(importlib.import_module(module), function)
-    assert get_type_hints(body) == {"options": it.options, "return": type(None)}
+    assert get_type_hints(it.loaded_body()) == {"options": it.options, "return": type(None)}
 
 
 @pytest.mark.parametrize("columns", [60, 80])

@@ -3,7 +3,7 @@ import io
 import pytest
 from rich.console import Console
 
-from studies.cli import progress
+from studies.cli import telling as progress
 
 
 def test_lines_are_rare_and_leave_standard_output_alone(

@@ -88,6 +88,39 @@ def test_what_has_no_answer_is_refused_in_a_line(
     assert not outcome.out
 
 
+HOLDING = (*GOOD, "--set", "mission.wind.hold_station=true", "--set", "mission.dates.on=07-01")
+
+
+def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(
+    run: Run, tmp_path: Path
+) -> None:
+    analysed = run("analyse", DESIGN, *HOLDING, "--json").json()
+    drawn = run("uncertainty", DESIGN, *HOLDING, "--samples", "64", "--json").json()
+    assert drawn["nominal_excess_time_h"] == pytest.approx(analysed["excess_time_h"], abs=1e-9)
+    page = tmp_path / "r.html"
+    assert run("report", DESIGN, *HOLDING, "--out", str(page)).code == 0
+    text = page.read_text(encoding="utf-8")
+    assert "flown, to hold its place" in text
+    assert f"{analysed['excess_time_h']:.2f} h" in text.replace("−", "-")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("explore", "--static", "page.html"), "one power of level flight for all places and days"),
+        (("map", "--latitudes", "80:90:5", "--days", "1:365:91"), "latitude_deg -88 to 88 (got"),
+    ],
+)
+def test_where_a_held_place_has_no_answer_it_is_refused_in_a_line(
+    run: Run, arguments: tuple[str, ...], message: str
+) -> None:
+    command, *options = arguments
+    outcome = run(command, DESIGN, *HOLDING, *options)
+    assert outcome.code == 2
+    assert message in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+
+
 def test_a_map_that_needs_the_wind_is_refused_where_no_table_knows_it(run: Run) -> None:
     cells = ("--latitudes", "80:90:5", "--days", "1:365:91")
     sized = run("map", DESIGN, *GOOD, *cells, "--resize", "min_wingspan")

@@ -20,13 +20,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from missions.files.writing import OutputError
+from missions.files.writing import OutputError, check_writable_file
 from studies.engine import chunk_store
 from studies.engine import run as engine
-from studies.engine.chunk_store import ChunkStore, Part, check_target, parts_folder
+from studies.engine.chunk_store import ChunkStore, Part, parts_folder
 from studies.engine.dask_pool import DaskPool
-from studies.engine.run import Job, Outcome, Stopped
-from studies.engine.workers import LocalPool, Pool, WorkersUnavailableError
+from studies.engine.run import Outcome
+from studies.engine.signals import Stopped
+from studies.engine.workers import Job, LocalPool, Pool, WorkersUnavailableError
 
 KEY = "0123456789abcdef" * 2 + "01234567"
 SUPPORT = Path(__file__).parent / "engine_support"
@@ -300,7 +301,7 @@ def test_another_configuration_or_version_is_another_chunk(
     keys = set(functions.job(functions.Settings()).keys())
     assert not keys & set(functions.job(functions.Settings(scale=1.0 + 1e-15)).keys())
     assert len(keys & set(functions.job(functions.Settings(), cells=18).keys())) == 4
-    monkeypatch.setattr(engine, "__version__", "another")
+    monkeypatch.setattr("studies.engine.workers.__version__", "another")
     assert not keys & set(functions.job(functions.Settings()).keys())
 
 
@@ -435,24 +436,24 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(
 def test_targets_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="folder does not exist"):
-        check_target(tmp_path / "none" / "map.nc")
+        check_writable_file(tmp_path / "none" / "map.nc")
     with pytest.raises(OutputError, match="it is a folder"):
-        check_target(tmp_path)
+        check_writable_file(tmp_path)
     with pytest.raises(OutputError, match="a part of the path is a file"):
-        check_target(tmp_path / "file" / "map.nc")
-    check_target(tmp_path / "map.nc")
+        check_writable_file(tmp_path / "file" / "map.nc")
+    check_writable_file(tmp_path / "map.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that takes no file")
 def test_a_folder_that_takes_no_file_is_refused() -> None:
     with pytest.raises(OutputError, match=r"cannot write /proc/self/map\.nc"):
-        check_target("/proc/self/map.nc")
+        check_writable_file("/proc/self/map.nc")
 
 
 @pytest.mark.skipif(not Path("/dev/null").exists(), reason="needs a device")
 def test_a_device_has_no_parts() -> None:
-    check_target("/dev/null")
+    check_writable_file("/dev/null")
     assert parts_folder("/dev/null") is None
     assert parts_folder("map.nc") == Path("map.nc.parts")
 
@@ -468,6 +469,7 @@ import chunk_functions
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.run import pool_of
+from studies.engine.signals import Stopped
 
 if __name__ == "__main__":
     folder, log, workers, scheduler = sys.argv[1:]
@@ -477,7 +479,7 @@ if __name__ == "__main__":
         print("begin", flush=True)
         try:
             outcome = engine.run(job, pool, store)
-        except engine.Stopped as stopped:
+        except Stopped as stopped:
             sys.exit(128 + stopped.signum)
         print(outcome.columns["root"].tobytes().hex(), outcome.kept_chunks)
 """

@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 
 from studies.engine import run as engine
-from studies.engine.run import Job
 from studies.engine.signals import Stopped, interruptible
-from studies.engine.workers import LocalPool
+from studies.engine.workers import Job, LocalPool
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 

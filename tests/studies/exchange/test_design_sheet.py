@@ -9,7 +9,7 @@ from builders import AS2, DESIGN, SKY_SAILOR, mission
 
 from sizing.results.analysis import analyse
 from studies.exchange.design_sheet import design_sheet, number_text
-from studies.exchange.latex import escaped, latex_table
+from studies.exchange.files import escaped, latex_table
 
 SHEETS = [
     design_sheet(analyse(craft, mission(), replay=False)) for craft in (AS2, DESIGN, SKY_SAILOR)

@@ -20,9 +20,8 @@ pytest.importorskip("uvicorn")
 
 from missions.files.shipped import find_document
 from studies.explorer.app import Explorer
-from studies.explorer.protocol import MOST_CONNECTIONS
 from studies.explorer.security import MAXIMUM_BODY_BYTES, new_token
-from studies.explorer.serve import ADDRESS, bound_socket, configured
+from studies.explorer.serve import ADDRESS, MOST_CONNECTIONS, bound_socket, configured
 from studies.explorer.session import Session
 from studies.explorer.worker import SizingTask, Worker, WorkerEndedError, sizing_record
 
@@ -355,7 +354,7 @@ def test_half_sent_requests_keep_nobody_out(server: Server) -> None:
 def test_a_request_that_does_not_come_is_waited_for_no_longer(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("studies.explorer.protocol.REQUEST_S", 0.02)
+    monkeypatch.setattr("studies.explorer.serve.REQUEST_S", 0.02)
     for part in (b"", b"GET / HTTP/1.1\r\nHost: "):
         with socket.create_connection((ADDRESS, server.port), timeout=10) as raw:
             raw.sendall(part)

@@ -131,6 +131,33 @@ def test_wind_above_the_airspeed_is_told_and_leaves_the_light_of_cam() -> None:
     assert len(one._maps._kept) == 1
 
 
+def test_a_held_place_is_mapped_where_the_wind_is_known() -> None:
+    """The shipped winds end at 88 degrees; below the design's airspeed they change nothing."""
+    aloft = {"altitude_m": 20000.0, "wind": {"percentile": 95.0}, "air": {}}
+    file = with_overrides(find_document("mission", "rafz-july"), aloft)
+    held = with_overrides(file, {"wind": {"percentile": 95.0, "hold_station": True}})
+    plane = find_document("aircraft", "stratosphere-design")
+    maps = []
+    for document in (file, held):
+        one = Session(plane, document)
+        maps.append(one.season(one.settings(), coarse=True))
+        if document is held:
+            winter = one.settings({"mission.day_of_year": 15})
+            assert "is raised to the wind of" in one.day(winter)["notes"][0]
+    free, there = (one["excess_time_h"] for one in maps)
+    assert there[0] is None
+    assert there[-1] is None
+    assert all(one["complete"] for one in maps)
+    pairs = [
+        (a, b)
+        for one, other in zip(free[1:-1], there[1:-1], strict=True)
+        for a, b in zip(one, other, strict=True)
+        if a is not None and b is not None
+    ]
+    assert all(b <= a for a, b in pairs)
+    assert 0 < sum(a == b for a, b in pairs) < len(pairs)
+
+
 def test_masses_add_up_to_the_total() -> None:
     for one in (DESIGN, session("atlantiksolar-as2")):
         view = one.day(one.settings({"mission.payload.mass_kg": 0.3}))

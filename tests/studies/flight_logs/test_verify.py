@@ -168,8 +168,8 @@ def test_all_models_agree_with_the_library_on_single_samples() -> None:
     modules = aircraft().modules
     assert modules.geometry is not None
     assert log.attitude is not None
-    from solar.attitude import direction_cosines
     from solar.clearsky import clear_sky
+    from solar.geometry import direction_cosines
     from solar.sun import sun_position
 
     for place in (10, 3000, 9000):

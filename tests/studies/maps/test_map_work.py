@@ -30,9 +30,8 @@ from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
 from studies.engine.run import ComputationError, compute
-from studies.grid import chunks_of
+from studies.grid import Grid, MapConfiguration, chunks_of
 from studies.maps import feasibility
-from studies.maps.grid import Grid, MapConfiguration
 from studies.maps.plots import plot_map, plot_resized_map
 from studies.maps.resized import _resized_chunk, resized_map
 from studies.output.columns import SizingStatus
@@ -70,7 +69,7 @@ def test_map_of_chunks_is_that_of_one_block(monkeypatch: pytest.MonkeyPatch) -> 
     whole = feasibility.prepare(AS2, JULY, latitudes, days, SolarModel())
     assert len(whole.job.chunks) == 1
     # In chunks of five rows, by two processes.
-    monkeypatch.setattr("studies.maps.grid._CELL_S", 1e-3)
+    monkeypatch.setattr("studies.grid._CELL_S", 1e-3)
     small = feasibility.prepare(AS2, JULY, latitudes, days, SolarModel())
     assert len(small.job.chunks) > 1
     pooled, alone = (small.dataset(compute(small.job, workers)) for workers in (2, 1))

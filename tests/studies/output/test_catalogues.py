@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sizing.catalogues.files import Kind, entries
+from sizing.catalogues.choice import Kind, entries
 from studies.output.catalogues import catalogue_record, catalogue_table
 
 BASES = {"min/max", "typical", "stated", "pack"}

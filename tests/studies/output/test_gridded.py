@@ -15,8 +15,7 @@ from sizing.energy.cycle import ENDS, Status
 from sizing.sunlight import SolarModel
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
-from studies.engine.run import Job
-from studies.engine.workers import LocalPool
+from studies.engine.workers import Job, LocalPool
 from studies.maps import feasibility, resized
 from studies.output.gridded import can_be_result, to_netcdf_bytes
 

@@ -378,7 +378,7 @@ def test_without_weasyprint_a_pdf_is_refused(run: Run, monkeypatch: pytest.Monke
 def test_commands_without_a_report_import_none_of_it() -> None:
     code = (
         "import sys; from studies.cli.bodies import analyse, size, verify; "
-        "from studies.cli.targets import check_report; check_report(None); print(*sys.modules)"
+        "from studies.cli.outputs import check_report; check_report(None); print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"studies.report.document", "jinja2", "matplotlib"} & set(done.stdout.split())

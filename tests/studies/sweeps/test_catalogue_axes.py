@@ -13,7 +13,7 @@ from command_line import Run
 from missions.library import load_mission
 from sizing.library import load_aircraft
 from sizing.results.analysis import analyse
-from studies.output.grid_files import to_table
+from studies.output.gridded import to_table
 from studies.sweeps.axes import axis_label, parse_axis, points, shown_value, unit_of
 from studies.sweeps.plots import plot_sweep
 from studies.sweeps.study import sweep

@@ -9,7 +9,7 @@ import xarray as xr
 import missions
 import sizing
 from sizing.performance import performance
-from studies.output.grid_files import to_table
+from studies.output.gridded import to_table
 from studies.sweeps.ranking import best_first, pareto_table, point_names, sorted_by
 from studies.sweeps.results import front_record, points_summary
 from studies.sweeps.study import sweep

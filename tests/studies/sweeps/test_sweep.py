@@ -30,10 +30,11 @@ from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
-from studies.engine.run import Job, compute
+from studies.engine.run import compute
+from studies.engine.workers import Job
 from studies.maps.feasibility import MapConfiguration
 from studies.output.columns import SizingStatus
-from studies.output.grid_files import to_table
+from studies.output.gridded import to_table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.points import held, judge_points, plain_data

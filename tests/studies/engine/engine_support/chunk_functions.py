@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.engine.run import Cell, Job
+from studies.engine.workers import Cell, Job
 
 BLANKS = {"root": np.float64("nan"), "number": np.int64(-1), "name": np.str_("")}
 

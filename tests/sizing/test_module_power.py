@@ -10,7 +10,7 @@ from missions.mission import Mission
 from sizing.design import closed_design, variables_of
 from sizing.energy.battery_condition import BatteryTemperature, Insulation
 from sizing.library import load_aircraft
-from sizing.module_heat import convection_in_flight
+from sizing.module_power import convection_in_flight
 from sizing.performance import performance, performance_of_designs
 from sizing.results.analysis import analyse
 from sizing.results.sizing import size

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 import yaml
 
-from missions.library import load_mission
-from sizing.design import closed_design, variables_of
-from sizing.library import load_aircraft
-from studies.validation.structures.comparison import (
+from benchmarks.validation.structures import (
     Interval,
     PublishedStructure,
     published_structures,
     spar_models,
     structures_table,
 )
+from missions.library import load_mission
+from sizing.design import closed_design, variables_of
+from sizing.library import load_aircraft
 
 AIRCRAFT = published_structures()
 
@@ -68,7 +68,7 @@ def test_heliplat_is_near_the_law_of_its_own_sizing() -> None:
 
 
 def test_each_number_has_a_source_and_an_order() -> None:
-    text = (resources.files("studies.validation.structures") / "structures.yaml").read_text(
+    text = (resources.files("benchmarks.validation") / "structures.yaml").read_text(
         encoding="utf-8"
     )
 

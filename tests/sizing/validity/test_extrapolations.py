@@ -29,8 +29,15 @@ from sizing.performance import performance, performance_of_designs
 from sizing.results.sizing import size
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks, stall_margin_within_polar
+from sizing.validity.extrapolations import (
+    as_text,
+    cell_texts,
+    extrapolations,
+    from_text,
+    together,
+    told,
+)
 from sizing.validity.ranges import Extrapolation, ranges
-from sizing.validity.told import as_text, cell_texts, extrapolations, from_text, together, told
 from solar.types import FloatArray
 
 GRAVITY = 9.80665

@@ -14,11 +14,9 @@ import yaml
 
 from missions.air import GRAVITY_M_PER_S2, standard_air
 from sizing.results.tables import Column, Table
-from sizing.structures.agreement import SPAR_CALIBRATION
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
-from sizing.structures.models import StructureModel
+from sizing.structures.models import SPAR_CALIBRATION, SparStructure, StructureModel
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.spar import SparStructure
 from solar.types import FloatArray
 from studies.validation.built_aircraft import calibrated_rib_wing
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from sizing.uncertainty.samples import Proportion
+from sizing.uncertainty.inputs import Proportion
 
 
 def test_the_interval_is_wilsons():

@@ -1,0 +1,357 @@
+"""Propulsion at the load, level and bus voltage of the moment, for flights with climbs.
+
+A climb takes several times the thrust power of level flight, a glide less than it, in air that
+changes with the level, and the voltage of the bus falls with the charge. The exact propeller is
+evaluated at some loads and levels; motor, controller and wiring behind it are formulas
+(:mod:`sizing.propulsion.shafts`). Logarithms of power over load, and of load over power, are tables
+with cubics between their nodes, linear in the voltage.
+
+Below a quarter of level flight's thrust power the motor runs at that quarter for a part of the
+time: no propeller that turns along costs power.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from missions.air import Air
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import Design, FlightConditions, bus_voltage_v
+from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.shafts import power_of_shafts_w, shares_of_limits
+from solar.types import BoolArray, FloatArray, IntArray
+
+__all__ = ["ClimbChain", "Place"]
+
+# Thrust power over that of level flight: steps of 4^(1/6) from a quarter to eight times.
+_LEAST, _RATIO = 0.25, 4.0 ** (1.0 / 6.0)
+_LOADS = _LEAST * _RATIO ** np.arange(16)
+# Nodes of the inverse table, how finely it is made, voltages, and levels of the exact propeller.
+_POWERS, _FINE, _VOLTS, _LEVELS = 24, 241, 5, 6
+_NO_FLIGHT_W = 1e12
+
+
+class Volts(NamedTuple):
+    """Places of voltages between the nodes of a table: the one below, and the share beyond it."""
+
+    below: IntArray
+    share: FloatArray
+
+    def at(self, some: int | slice) -> Volts:
+        """Those at some nodes."""
+        return Volts(np.asarray(self.below[some]), np.asarray(self.share[some]))
+
+
+class _Table(NamedTuple):
+    """Logarithms over logarithms at even nodes, ``(row, voltage, node)``; proportional below."""
+
+    values: FloatArray
+    first: FloatArray
+    per_step: FloatArray
+
+    def at(self, row: IntArray, volts: Volts, value: FloatArray) -> FloatArray:
+        """Values of rows at voltages; all broadcast."""
+        _, voltages, nodes = self.values.shape
+        flat, given = self.values.ravel(), np.log(np.maximum(value, 1e-300))
+        place = row * voltages + volts.below + np.zeros(given.shape, int)
+        if voltages > 1:
+            place = np.array([place, place + 1])
+        beyond = given - self.first.ravel()[place]
+        along = beyond * self.per_step.ravel()[place]
+        node, weights = _cubic(along, nodes)
+        at = place * nodes
+        found = sum(one * flat[at + node + k] for k, one in enumerate(weights))
+        found = np.where(along < 0.0, flat[at] + beyond, found)
+        if voltages > 1:
+            found = found[0] + volts.share * (found[1] - found[0])
+        return np.asarray(np.exp(found))
+
+
+class _Tables(NamedTuple):
+    """Electric power [W] over load, load over electric power, and most electric power [W].
+
+    Rows are levels, one after the other, of all designs.
+    """
+
+    power: _Table
+    load: _Table
+    most_w: FloatArray
+
+
+@dataclass(frozen=True)
+class ClimbChain:
+    """Propulsion of designs in level flight at some levels, and what it does at other loads.
+
+    ``parts``: with an efficiency factor of 1, the designs' own in ``factor``. ``thrust_w``,
+    ``airspeed_m_per_s``, ``air``: of level flight, of shape ``(level, design)``. ``volts``: of an
+    empty and a full battery; ``voltage_of``: of states of charge [V].
+    """
+
+    parts: OperatingPointPropulsion
+    sizes: tuple[FloatArray | None, FloatArray | None, FloatArray | None]
+    factor: FloatArray
+    thrust_w: FloatArray
+    airspeed_m_per_s: FloatArray
+    air: Air
+    flies: BoolArray
+    volts: tuple[float, float]
+    voltage_of: Callable[[FloatArray], FloatArray]
+
+    @classmethod
+    def of(
+        cls, aircraft: Aircraft, missions: list[Mission], flown: list[Design]
+    ) -> ClimbChain | None:
+        """Chain of designs at the levels of some missions; None for constant efficiencies."""
+        parts = getattr(aircraft.airframe, "propulsion", None)
+        if not isinstance(parts, OperatingPointPropulsion):
+            return None
+        shape = np.shape(flown[0].propulsion_power_w)
+        with np.errstate(invalid="ignore"):
+            thrust = [one.propulsion_power_w * _efficiency(one) for one in flown]
+
+        def rows(values: list[object]) -> FloatArray:
+            each = [np.broadcast_to(np.asarray(one, float), shape).ravel() for one in values]
+            return np.stack(each)
+
+        thrust_w, speed = rows(thrust), rows([one.airspeed_m_per_s for one in flown])
+        flies = np.isfinite(thrust_w).all(axis=0) & np.isfinite(speed).all(axis=0)
+        airs = [FlightConditions.of(one, aircraft).air for one in missions]
+        sizes = (
+            None if one is None else np.broadcast_to(np.asarray(one, float), shape).ravel()
+            for one in flown[0].variables.of_propulsion
+        )
+        diameter, pitch, gear = sizes
+        return cls(
+            parts.model_copy(update={"efficiency_factor": 1.0}),
+            (diameter, pitch, gear),
+            rows([parts.efficiency_factor])[0],
+            np.where(flies, thrust_w, 1.0),
+            np.where(flies, speed, 1.0),
+            Air(*(rows(list(one)) for one in zip(*airs, strict=True))),
+            np.asarray(flies),
+            bus_voltage_v(aircraft),
+            aircraft.battery.bus_voltage_v,
+        )
+
+    @classmethod
+    def joined(cls, several: Sequence[ClimbChain]) -> ClimbChain:
+        """Chains of designs at the same levels, with the voltages of the first."""
+        first = several[0]
+        parts = [replace(one, volts=first.volts) for one in several]
+        levels = len(first.thrust_w)
+
+        def together(arrays: list[FloatArray]) -> FloatArray:
+            apart = [one.reshape(levels, -1, *one.shape[1:]) for one in arrays]
+            found = np.concatenate(apart, axis=1)
+            return found.reshape(-1, *found.shape[2:])
+
+        tables = [one._tables for one in parts]
+        power, load = (
+            _Table(*(together(list(row)) for row in zip(*rows, strict=True)))
+            for rows in ([one.power for one in tables], [one.load for one in tables])
+        )
+        thrust_w = np.concatenate([one.thrust_w for one in parts], axis=1)
+        chain = replace(first, thrust_w=thrust_w)
+        # Made of parts that differ: what the tables were made from is no longer one thing.
+        chain.__dict__["_tables"] = _Tables(power, load, together([t.most_w for t in tables]))
+        return chain
+
+    @property
+    def count(self) -> int:
+        """Number of designs."""
+        return int(self.thrust_w.shape[1])
+
+    def select(self, some: IntArray) -> ClimbChain:
+        """Chain of some of the designs."""
+        diameter, pitch, gear = (None if one is None else one[some] for one in self.sizes)
+        return replace(
+            self,
+            sizes=(diameter, pitch, gear),
+            factor=self.factor[some],
+            thrust_w=self.thrust_w[:, some],
+            airspeed_m_per_s=self.airspeed_m_per_s[:, some],
+            air=Air(*(one[:, some] for one in self.air)),
+            flies=self.flies[some],
+        )
+
+    @property
+    def follows_voltage(self) -> bool:
+        """Whether the voltage changes with the charge."""
+        return self.volts[1] > self.volts[0]
+
+    def places(self, bus_v: FloatArray) -> Volts:
+        """Places of voltages in the tables."""
+        low, high = self.volts
+        if not self.follows_voltage:
+            return Volts(np.zeros(np.shape(bus_v), int), np.zeros(np.shape(bus_v)))
+        along = np.clip((bus_v - low) / (high - low), 0.0, 1.0) * (_VOLTS - 1)
+        below = np.minimum(along.astype(int), _VOLTS - 2)
+        return Volts(below, along - below)
+
+    def power_w(self, row: IntArray, volts: Volts, load: FloatArray) -> FloatArray:
+        """Electric power of thrust powers over that of level flight [W]."""
+        return self._tables.power.at(row, volts, load)
+
+    def load(self, row: IntArray, volts: Volts, power_w: FloatArray) -> FloatArray:
+        """Thrust power over that of level flight, of electric power [-]."""
+        return self._tables.load.at(row, volts, power_w)
+
+    def most_w(self, row: IntArray, volts: Volts) -> FloatArray:
+        """Electric power at the limits of the parts [W]."""
+        low = self._tables.most_w[row, volts.below]
+        above = np.minimum(volts.below + 1, self._tables.most_w.shape[1] - 1)
+        return np.asarray(low + volts.share * (self._tables.most_w[row, above] - low))
+
+    @cached_property
+    def _tables(self) -> _Tables:
+        """Tables of all designs and levels."""
+        turns, shaft_w = self._propellers()
+        known = np.isfinite(turns) & np.isfinite(shaft_w)
+        # Where the propeller's data end the tables go on, beyond its limit.
+        turns, shaft_w = (_continued(one, known) for one in (turns, shaft_w))
+        bus_v = np.linspace(*self.volts, _VOLTS if self.follows_voltage else 1)
+        volts = bus_v[:, np.newaxis, np.newaxis, np.newaxis]
+        parts = self._sized()
+        power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, volts)) / self.factor
+        air = Air(*(one[np.newaxis] for one in self.air))
+        shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, volts)
+        used = np.max(np.broadcast_arrays(*shares.values()), axis=0)
+        used = np.where(known, used, 2.0)
+        log_power, used = np.log(_rows(power)), _rows(np.broadcast_to(used, power.shape))
+        rows, voltages, _ = log_power.shape
+        fine = np.linspace(0.0, len(_LOADS) - 1.0, _FINE)
+        over, log_load = _between(fine, log_power), np.log(_LEAST) + np.log(_RATIO) * fine
+        beyond = _between(fine, used) > 1.0
+        within = np.where(beyond.any(axis=-1), np.argmax(beyond, axis=-1) - 1, _FINE - 1)
+        most_w = np.exp(np.take_along_axis(over, np.maximum(within, 0)[..., np.newaxis], -1))
+        ends = over[..., 0], np.maximum(over[..., -1], over[..., 0] + 1e-6)
+        step = (ends[1] - ends[0]) / (_POWERS - 1)
+        nodes = ends[0][..., np.newaxis] + step[..., np.newaxis] * np.arange(_POWERS)
+        inverse = np.empty(nodes.shape)
+        for place in np.ndindex(rows, voltages):
+            inverse[place] = np.interp(nodes[place], np.maximum.accumulate(over[place]), log_load)
+        flies = np.tile(self.flies, rows // self.count)[:, np.newaxis]
+        log_power = np.where(flies[..., np.newaxis], log_power, np.log(_NO_FLIGHT_W))
+        same = np.ones((rows, voltages))
+        return _Tables(
+            _Table(log_power, np.log(_LEAST) * same, same / np.log(_RATIO)),
+            _Table(inverse, ends[0], 1.0 / step),
+            np.where(flies, most_w[..., 0], 0.0),
+        )
+
+    def _propellers(self) -> tuple[FloatArray, FloatArray]:
+        """Speed of rotation [1/s] and power of one shaft [W], ``(load, level, design)``."""
+        parts, levels = self._sized(), len(self.thrust_w)
+        loads = _LOADS[:, np.newaxis, np.newaxis]
+        some = np.arange(levels)
+        if parts.is_exact and levels > _LEVELS:
+            some = np.unique(np.round(np.linspace(0, levels - 1, _LEVELS)).astype(int))
+        air = Air(*(one[some] for one in self.air))
+        speed, thrust_w = self.airspeed_m_per_s[some], self.thrust_w[some]
+        turns, shaft_w, _ = parts.propeller_state(thrust_w * loads, speed, air)
+        if len(some) == levels:
+            return np.asarray(turns), np.asarray(shaft_w)
+        # Rotation over airspeed and power over thrust power follow the Reynolds number slowly.
+        every = np.arange(levels)
+        share = np.log(turns / speed), np.log(shaft_w / thrust_w)
+        ratios = (np.exp(_through(one, some, every)) for one in share)
+        found = next(ratios) * self.airspeed_m_per_s, next(ratios) * self.thrust_w
+        return found
+
+    def _sized(self) -> OperatingPointPropulsion:
+        """Parts of the designs' own sizes."""
+        one = tuple(
+            None if size is None else (size if self.count > 1 else float(size[0]))
+            for size in self.sizes
+        )
+        return self.parts.sized(*one)
+
+
+class Place(NamedTuple):
+    """Where a step is flown: levels around it, the share of the upper one, and voltages.
+
+    ``chain``: of the designs. ``motor_w``, ``thrust_w``: mean electric and thrust power of level
+    flight there [W].
+    """
+
+    chain: ClimbChain
+    below: IntArray
+    above: IntArray
+    upper: FloatArray
+    volts: Volts
+    motor_w: FloatArray
+    thrust_w: FloatArray
+
+    def gain(self, more_w: FloatArray) -> FloatArray:
+        """Thrust power that electric power beyond level flight's gives, over that power [-].
+
+        ``more_w``: below zero for less than level flight's.
+        """
+        motor_w = np.maximum(self.motor_w, 1e-9)
+        level = self.thrust_w / motor_w
+        off, moved = more_w <= -motor_w * (1.0 - 1e-9), np.abs(more_w) > 1e-6 * motor_w
+        if not np.any(moved & ~off):
+            return level
+        at_w = np.array([motor_w, np.maximum(motor_w + more_w, 0.0)])
+        rows = np.array([self.below, self.above])[:, np.newaxis]
+        loads = self.chain.load(rows, self.volts, at_w)
+        below, above = self.chain.thrust_w.ravel()[rows] * loads
+        before, after = (1.0 - self.upper) * below + self.upper * above
+        gain = (after - before) / np.where(moved, more_w, 1.0)
+        return np.where(moved & ~off, gain, level)
+
+
+def _rows(values: FloatArray) -> FloatArray:
+    """Values of voltages, loads, levels and designs with rows of levels and designs first."""
+    return np.moveaxis(values, (0, 1), (2, 3)).reshape(-1, *values.shape[:2])
+
+
+def _efficiency(design: Design) -> FloatArray:
+    assert design.chain is not None
+    return np.asarray(design.chain.efficiency)
+
+
+def _cubic(along: FloatArray, nodes: int) -> tuple[IntArray, tuple[FloatArray, ...]]:
+    """First of four even nodes around places, and the weights of Lagrange's cubic."""
+    place = np.minimum(np.maximum(along, 0.0), nodes - 1.0)
+    node = np.minimum(np.maximum(place.astype(int) - 1, 0), nodes - 4)
+    t = place - node
+    a, b, c = t - 1.0, t - 2.0, t - 3.0
+    return node, (-a * b * c / 6.0, t * b * c / 2.0, -t * a * c / 2.0, t * a * b / 6.0)
+
+
+def _between(along: FloatArray, values: FloatArray) -> FloatArray:
+    """Values at places along their last axis."""
+    node, weights = _cubic(along, values.shape[-1])
+    return np.asarray(sum(one * values[..., node + k] for k, one in enumerate(weights)))
+
+
+def _through(values: FloatArray, some: IntArray, every: IntArray) -> FloatArray:
+    """Values on a second axis at some places, as polynomials at all of them."""
+    scale = 2.0 / some[-1]
+    known, wanted = (np.vander(scale * one - 1.0, len(some)) for one in (some, every))
+    weights = np.linalg.solve(known.T, wanted.T)
+    return np.asarray(np.einsum("lsd,sk->lkd", values, weights))
+
+
+def _continued(values: FloatArray, known: BoolArray) -> FloatArray:
+    """Values along the first axis; unknown ones go on from the next in step with the load."""
+    if known.all():
+        return values
+    found = np.where(known, values, 1.0)
+    for order in (range(1, len(found)), range(len(found) - 2, -1, -1)):
+        done = known[0] if order.step > 0 else known[-1]
+        done = done.copy()
+        for k in order:
+            before = k - order.step
+            grow = _RATIO if order.step > 0 else 1.0 / _RATIO
+            take = done & ~known[k]
+            found[k] = np.where(take, found[before] * grow, found[k])
+            done = done | known[k]
+    return found

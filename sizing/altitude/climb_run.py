@@ -1,0 +1,134 @@
+"""What the steps of a day with climbs do, and the record of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sizing.altitude.climb_chain import Place
+from solar.types import FloatArray
+
+__all__ = ["DayRun", "Drawn", "Moves", "Power", "Stored"]
+
+
+class Stored(NamedTuple):
+    """Energy in the battery, and potential energy above the lowest level [Wh]; per element."""
+
+    battery_wh: FloatArray
+    potential_wh: FloatArray
+
+
+class Power(NamedTuple):
+    """Power of steps, and what is left over or lacking in them whatever is stored.
+
+    Of sun and motor in level flight at both ends, at the altitude of the middle [W]; surplus and
+    deficit, that of the avionics alone, and what the propulsion could take besides level flight
+    while there is a surplus [Wh]; ``sunlit_h`` is how long there is one. A deficit comes before the
+    surplus of its step where ``early`` is 1, after it where that is 0.
+    """
+
+    solar_left_w: FloatArray
+    solar_right_w: FloatArray
+    motor_left_w: FloatArray
+    motor_right_w: FloatArray
+    surplus_wh: FloatArray
+    deficit_wh: FloatArray
+    of_avionics_wh: FloatArray
+    room_wh: FloatArray
+    sunlit_h: FloatArray
+    early: FloatArray
+
+
+class Drawn(NamedTuple):
+    """What is stored after a deficit, and what was given [Wh]; ``glide_wh`` is electric, saved."""
+
+    end: Stored
+    drawn_wh: FloatArray
+    glide_wh: FloatArray
+    sunk_wh: FloatArray
+    unserved_wh: FloatArray
+
+
+class Moves(NamedTuple):
+    """What a step does with what is stored; per element."""
+
+    first: Drawn | None
+    charged_wh: FloatArray
+    left_over_wh: FloatArray
+    climb_wh: FloatArray
+    lifted_wh: FloatArray
+    second: Drawn | None
+    end: Stored
+
+
+class DayRun:
+    """What a day has done, step by step; time is the first axis, elements the second.
+
+    ``energy_wh`` and ``potential_wh`` are stored at the nodes of the steps. Energy that moves in a
+    step [Wh]: ``charged``, ``drawn``, ``left_over`` of the surplus, of that ``climb``, ``glide``,
+    which is electric energy that sinking has saved, ``unserved``, and potential energy ``lifted``
+    and ``sunk``. ``thrust_w``: thrust power of level flight, where there is no constant
+    ``efficiency`` [W].
+    """
+
+    def __init__(
+        self,
+        at_floor: Power,
+        thrust_w: FloatArray,
+        hours: FloatArray,
+        efficiency: FloatArray | None,
+    ) -> None:
+        # Most steps are at the lowest altitude.
+        self.power, self.thrust_w = Power(*(v.copy() for v in at_floor)), thrust_w.copy()
+        self.hours, self.efficiency = hours, efficiency
+        steps, elements = self.power.solar_left_w.shape
+        self.energy_wh, self.potential_wh = np.zeros((2, steps + 1, elements))
+        self.charged, self.drawn, self.left_over = np.zeros((3, steps, elements))
+        self.climb, self.glide, self.unserved = np.zeros((3, steps, elements))
+        self.lifted, self.sunk = np.zeros((2, steps, elements))
+
+    def keep(self, number: int, moves: Moves, power: Power | None, place: Place | None) -> None:
+        """Keep what a step does; ``power`` where it is above the lowest altitude."""
+        self.charged[number], self.left_over[number] = moves.charged_wh, moves.left_over_wh
+        self.climb[number], self.lifted[number] = moves.climb_wh, moves.lifted_wh
+        for drawn in (moves.first, moves.second):
+            if drawn is not None:
+                self.drawn[number] += drawn.drawn_wh
+                self.glide[number] += drawn.glide_wh
+                self.sunk[number] += drawn.sunk_wh
+                self.unserved[number] += drawn.unserved_wh
+        self.energy_wh[number + 1], self.potential_wh[number + 1] = moves.end
+        if power is not None:
+            for row, values in zip(self.power, power, strict=True):
+                row[number] = values
+        if place is not None:
+            self.thrust_w[number] = place.thrust_w
+
+    @property
+    def solar_wh(self) -> FloatArray:
+        """Energy of the modules in every step [Wh]."""
+        return (self.power.solar_left_w + self.power.solar_right_w) / 2.0 * self.hours
+
+    @property
+    def level_electric_wh(self) -> FloatArray:
+        """Electric energy that level flight takes in every step [Wh]."""
+        return (self.power.motor_left_w + self.power.motor_right_w) / 2.0 * self.hours
+
+    @property
+    def motor_wh(self) -> FloatArray:
+        """Electric energy of the propulsion in every step [Wh]."""
+        return self.level_electric_wh + self.climb - self.glide
+
+    @property
+    def level_thrust_wh(self) -> FloatArray:
+        """Thrust power of level flight over every step [Wh]."""
+        if self.efficiency is not None:
+            return self.efficiency * self.level_electric_wh
+        return self.thrust_w * self.hours
+
+    @property
+    def missing_h(self) -> FloatArray:
+        """Hours without energy."""
+        lacking = (self.hours - self.power.sunlit_h) * self.unserved
+        return np.asarray((lacking / np.maximum(self.power.deficit_wh, 1e-300)).sum(axis=0))

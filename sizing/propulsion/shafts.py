@@ -1,0 +1,75 @@
+"""What motors, controllers and wiring do behind shafts that turn: formulas of numbers and symbols.
+
+Propellers say at which speed and power their shafts turn, the exact ones and those of a surface
+alike. Nothing is refused: what is beyond the parts' limits has a power too, and a share of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from missions.air import GAS_CONSTANT_AIR, Air
+from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.electric import MotorState
+from sizing.propulsion.propeller import HEAT_CAPACITY_RATIO
+from sizing.smooth import Value
+
+__all__ = ["inlet", "motor_state", "power_of_shafts_w", "shares_of_limits"]
+
+# Rounds of the voltage behind the wiring, of which each leaves a hundredth of the error or less.
+_WIRING_ROUNDS = 5
+
+
+def motor_state(
+    parts: OperatingPointPropulsion, rotation_per_s: Value, shaft_w: Value
+) -> MotorState:
+    """Current and voltage of the motor behind the gear."""
+    gear = parts.gear
+    torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
+    return parts.own_motor.state_of(60.0 * rotation_per_s * gear.ratio, torque)
+
+
+def inlet(parts: OperatingPointPropulsion, state: MotorState, bus_v: Value) -> tuple[Value, Value]:
+    """Voltage [V] and power [W] at the controller."""
+    voltage = bus_v
+    for _ in range(_WIRING_ROUNDS if parts.wiring_resistance_ohm else 0):
+        power_w = parts.controller.power_of(*state, voltage)
+        voltage = bus_v - parts.wiring_resistance_ohm * power_w / voltage
+    return voltage, parts.controller.power_of(*state, voltage)
+
+
+def power_of_shafts_w(
+    parts: OperatingPointPropulsion, rotation_per_s: Value, shaft_w: Value, bus_v: Value
+) -> Value:
+    """Electric power of all propulsors of a rotation [1/s] and a power at each shaft [W]."""
+    inlet_v, power_w = inlet(parts, motor_state(parts, rotation_per_s, shaft_w), bus_v)
+    return parts.propulsors * power_w * bus_v / inlet_v / parts.efficiency_factor
+
+
+def shares_of_limits(
+    parts: OperatingPointPropulsion,
+    rotation_per_s: Value,
+    shaft_w: Value,
+    airspeed_m_per_s: Value,
+    air: Air,
+    bus_v: Value,
+) -> dict[str, Value]:
+    """What the parts do over their limits [-]; of those that have one."""
+    state = motor_state(parts, rotation_per_s, shaft_w)
+    least_v = state.voltage_v + state.current_a * parts.controller.resistance_ohm
+    wires_v = parts.wiring_resistance_ohm * parts.controller.power_of(*state, least_v) / least_v
+    diameter_m = parts.propeller.diameter_m
+    if diameter_m is None:  # that of the files of its table
+        diameter_m = parts.propeller.propeller.diameter_m
+    tip = ((np.pi * rotation_per_s * diameter_m) ** 2 + airspeed_m_per_s**2) ** 0.5
+    sound = (HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * air.temperature_k) ** 0.5
+    motor = parts.own_motor
+    used = {
+        "bus_voltage": (least_v + wires_v) / bus_v,
+        "tip_mach": tip / (sound * parts.maximum_tip_mach),
+    }
+    if motor.maximum_current_a is not None:
+        used["motor_current"] = state.current_a / motor.maximum_current_a
+    if motor.maximum_power_w is not None:
+        used["motor_power"] = state.current_a * state.voltage_v / motor.maximum_power_w
+    return used

@@ -1,0 +1,301 @@
+"""Propulsion in results: where the electric power of level flight goes, masses that are estimated.
+
+And what the efficiency of the moment changes against that of level flight.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import Design, level_point, load_profile
+from sizing.energy.cycle import simulate_cycle
+from sizing.performance import Performance
+from sizing.propulsion.chain import LINKS
+from sizing.propulsion.part_masses import motor_mass_fit
+from sizing.results.records import finite
+from sizing.varying_load import flight_of, interpolation_error, load_shape
+
+if TYPE_CHECKING:
+    from sizing.propulsion.operating_point import OperatingPoint
+
+# Key of every row, and its words.
+_SHOWN = 1e-5  # of the chain: the fourth digit of what is printed
+_ROWS = {
+    "aerodynamic_w": "drag of level flight",
+    **{f"{link}_loss_w": f"lost in the {link}" for link in reversed(LINKS)},
+    "propulsion_w": "propulsion in level flight (measured)",
+    "turbulence_w": "turbulence",
+    "avionics_w": "avionics",
+    "payload_w": "payload",
+    "supply_loss_w": "lost in the power supply",
+    "heater_w": "heater of the battery",
+}
+# Words that are long in a sentence.
+_SHORT = {
+    one: one.removeprefix("lost in the ")
+    .removesuffix(" of level flight")
+    .removesuffix(" in level flight (measured)")
+    for one in _ROWS.values()
+}
+
+
+@dataclass(frozen=True)
+class PowerBudget:
+    """Power of level flight, with the turbulence of all hours.
+
+    ``watts``: by the keys of its rows [W], which add up to ``bus_w``; a measured aircraft has
+    ``propulsion_w`` instead of drag and losses. ``efficiencies``: of the links and of the chain
+    [-], empty for a measured aircraft. ``point``: of one propulsor, where the aircraft's file says
+    what it is made of. ``assumed``: efficiency of the chain that the design was found with [-].
+    """
+
+    watts: dict[str, float]
+    efficiencies: dict[str, float]
+    point: OperatingPoint | None
+    assumed: float | None
+
+    @property
+    def bus_w(self) -> float:
+        """Sum of the rows [W]."""
+        return sum(self.watts.values())
+
+    def rows(self) -> tuple[tuple[str, float], ...]:
+        """Rows in words, without those of nothing."""
+        return tuple((_ROWS[key], one) for key, one in self.watts.items() if one > 1e-9)
+
+    def note(self) -> str:
+        """What the efficiencies are."""
+        if not self.efficiencies:
+            return "Only the whole power of a measured aircraft is known, not the share of drag."
+        chain = f"From battery to thrust: {100.0 * self.efficiencies['chain']:.1f} %"
+        if self.point is None:
+            return f"{chain} by constants of the file (assumed)."
+        point, off = self.point, (self.assumed or 0.0) - self.efficiencies["chain"]
+        rest = f"; the optimiser's efficiency is {off:+.1e} off" if abs(off) > _SHOWN else ""
+        return (
+            f"{chain} at the operating point: propeller {float(point.rotation_rpm):.0f} rpm, "
+            f"motor {float(point.motor_current_a):.2f} A, duty {float(point.duty):.2f} of "
+            f"{float(point.bus_power_w / point.bus_current_a):.1f} V{rest}."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready; null for what is not known of a measured aircraft."""
+        point = None
+        if self.point is not None:
+            point = {k: v if k == "reason" else finite(v) for k, v in asdict(self.point).items()}
+            del point["reason"]
+        return {
+            **{key: self.watts.get(key) for key in _ROWS},
+            "bus_w": self.bus_w,
+            "efficiencies": self.efficiencies or None,
+            "assumed_efficiency": self.assumed,
+            "operating_point": point,
+        }
+
+
+def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerBudget:
+    """Power budget of a design in level flight on a mission.
+
+    The design may be an optimum with the aircraft's technology. An operating point is computed
+    anew, at the design's mass.
+    """
+    level_w, chain, point = float(design.propulsion_power_w), design.chain, None
+    watts, efficiencies = {"propulsion_w": level_w}, {}
+    if chain is not None:
+        thrust_w = level_w * float(chain.efficiency)
+        efficiencies = {link: getattr(chain, f"{link}_efficiency") for link in LINKS}
+        if aircraft.propulsion_by_parts is not None:
+            point = level_point(aircraft, mission, design)
+            efficiencies = {k: float(getattr(point, f"{v}_efficiency")) for k, v in LINKS.items()}
+        efficiencies = {k: 1.0 if v is None else float(v) for k, v in efficiencies.items()}
+        watts, after = {"aerodynamic_w": thrust_w}, thrust_w
+        for link in reversed(LINKS):
+            before = after / efficiencies[link]
+            watts[f"{link}_loss_w"], after = before - after, before
+        efficiencies["chain"], level_w = thrust_w / after, after
+    power, chosen = aircraft.power, design.variables.payload_power_w
+    payload_w = mission.payload.power_w if chosen is None else float(chosen)
+    consumers_w = power.avionics_w + payload_w
+    supplied_w = consumers_w / power.supply_efficiency
+    watts |= {
+        "turbulence_w": level_w * mission.turbulence.all_day,
+        "avionics_w": power.avionics_w,
+        "payload_w": payload_w,
+        "supply_loss_w": supplied_w - consumers_w,
+        "heater_w": float(design.constant_power_w) - supplied_w,
+    }
+    assumed = None if chain is None else float(chain.efficiency)
+    return PowerBudget(watts, efficiencies, point, assumed)
+
+
+def power_line(budget: PowerBudget, mission: Mission) -> str:
+    """Power budget in a sentence; faster flight against the wind is not part of it."""
+    parts = [f"{_SHORT.get(one, one)} {watts:.2f} W" for one, watts in budget.rows()]
+    slow = " at its own airspeed" if mission.holds_station else ""
+    return f"power in level flight{slow}, {budget.bus_w:.2f} W: {', '.join(parts)}. {budget.note()}"
+
+
+class PartMasses(NamedTuple):
+    """Estimated masses of one propulsor [kg]; None for a part whose mass is known.
+
+    ``motor_scatter``: one standard deviation of the motors of the catalogue, as a factor.
+    """
+
+    motor_kg: float | None
+    motor_scatter: float | None
+    gearbox_kg: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return self._asdict()
+
+
+def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
+    """Estimated masses of a design's propulsion; None where there are none."""
+    propulsion, chain = aircraft.propulsion_by_parts, design.chain
+    if propulsion is None or not propulsion.estimates_masses:
+        return None
+    assert chain is not None
+    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
+    motor = None if own.own_motor.mass_kg is not None else own.motor_mass_kg
+    gears_kg = float(design.masses.propulsion) - float(chain.fixed_mass_kg or 0.0)
+    has_gear = own.gear.mass_kg is None and own.gear.ratio != 1.0
+    if motor is None and not has_gear:
+        return None
+    return PartMasses(
+        motor_kg=motor,
+        motor_scatter=None if motor is None else motor_mass_fit().scatter,
+        gearbox_kg=gears_kg / own.propulsors if has_gear else None,
+    )
+
+
+def part_masses_line(found: PartMasses) -> str:
+    """Estimated masses in a sentence."""
+    parts = []
+    if found.motor_kg is not None and found.motor_scatter is not None:
+        low, high = found.motor_kg / found.motor_scatter, found.motor_kg * found.motor_scatter
+        parts.append(
+            f"motor {found.motor_kg:.3f} kg by the torque of {motor_mass_fit().motors} motors of "
+            f"the catalogue, which scatter by a factor of {found.motor_scatter:.2f} "
+            f"({low:.3f} to {high:.3f} kg)"
+        )
+    if found.gearbox_kg is not None:
+        parts.append(f"gearbox {found.gearbox_kg:.3f} kg by its torque (NASA/TM-2009-215680)")
+    return f"estimated masses of a propulsor: {', '.join(parts)}."
+
+
+# Of the power: an error that would show in the efficiency as it is printed.
+_TOLD_ERROR = 1e-3
+
+
+@dataclass(frozen=True)
+class Instant:
+    """Propulsion at an instant of the day, computed by the exact chain.
+
+    ``hour``: solar time [h]. ``load``: thrust power over that of level flight [-]. ``efficiency``:
+    thrust power over bus power [-], NaN where the parts cannot do it, for a ``reason``.
+    """
+
+    hour: float
+    load: float
+    state_of_charge: float
+    bus_voltage_v: float
+    efficiency: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class VaryingEfficiency:
+    """Scenario of least excess time, by the efficiency of the moment and by that of level flight.
+
+    ``level_excess_time_h``, ``level_minimum_state_of_charge``: by that of level flight at the
+    voltage that takes more. ``night``, ``most``: where the charge and where the load are least and
+    most; ``most`` is None for a load that does not vary. ``interpolation_error``: largest one of
+    the table, relative to the power, half-way between its nodes.
+    """
+
+    excess_time_h: float
+    level_excess_time_h: float
+    minimum_state_of_charge: float
+    level_minimum_state_of_charge: float
+    night: Instant
+    most: Instant | None
+    interpolation_error: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready; null where a number is unlimited or not defined."""
+
+        def plain(value: Any) -> Any:
+            if isinstance(value, dict):
+                return {key: plain(one) for key, one in value.items()}
+            return finite(value) if isinstance(value, float) else value
+
+        record: dict[str, Any] = plain(asdict(self))
+        return record
+
+
+def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficiency | None:
+    """Effect of the efficiency of the moment on a single design; None where it is constant."""
+    if aircraft.propulsion_by_parts is None:
+        return None
+    design, mission, at = flown.design, flown.mission, flown.worst_scenario()
+    day = flown.day.at([at])
+    level = simulate_cycle(
+        day.time_h,
+        flown.solar_power_w[[at]],
+        load_profile(day.time_h, design, mission, day.sunrise_h, day.sunset_h),
+        flown.store.flat(flown.cycle.status.shape).select(slice(at, at + 1)),
+        nominal_load_w=design.nominal_load_w(mission),
+    )
+    charge = flown.cycle.energy_wh[at] / float(np.ravel(flown.store.battery_energy_wh)[0])
+    volts = aircraft.battery.bus_voltage_v(charge)
+    load = load_shape(mission, day)[0]
+    own, flight = flight_of(aircraft, mission, design)
+
+    def instant(node: int) -> Instant:
+        bus_v = float(volts[node])
+        point = own.point(flight.thrust_w * load[node], *flight[1:], (bus_v, bus_v))
+        hour, share, soc = (float(one[node]) for one in (day.time_h, load, charge))
+        return Instant(hour, share, soc, bus_v, float(point.efficiency), str(point.reason))
+
+    varies = np.ptp(load) > 0.0
+    return VaryingEfficiency(
+        excess_time_h=float(flown.cycle.excess_time_h[at]),
+        level_excess_time_h=float(level.excess_time_h[0]),
+        minimum_state_of_charge=float(flown.cycle.minimum_state_of_charge[at]),
+        level_minimum_state_of_charge=float(level.minimum_state_of_charge[0]),
+        night=instant(int(np.argmin(charge))),
+        most=instant(int(np.argmax(load))) if varies else None,
+        interpolation_error=interpolation_error(aircraft, mission, design),
+    )
+
+
+def varying_line(found: VaryingEfficiency) -> str:
+    """Effect of the efficiency of the moment in a sentence or some."""
+    ours, theirs = found.excess_time_h, found.level_excess_time_h
+    hours = f"excess time {ours:.2f} h" if np.isfinite(ours) else "unlimited excess time"
+    night = found.night
+    parts = [
+        f"propulsion at the load and voltage of the moment: {hours}, {theirs:.2f} h by level "
+        f"flight's efficiency; {_told(night)} at {night.bus_voltage_v:.1f} V at the end of the "
+        f"night, {100.0 * night.state_of_charge:.0f} % charge"
+    ]
+    if (most := found.most) is not None:
+        parts.append(
+            f", {_told(most)} at {most.bus_voltage_v:.1f} V in thermals, {most.load:.2f} times the "
+            "power of level flight"
+        )
+    if found.interpolation_error > _TOLD_ERROR:
+        parts.append(f"; the table of the march is {found.interpolation_error:.1e} off")
+    reasons = [one.reason for one in (found.night, found.most) if one is not None and one.reason]
+    return "".join([*parts, ".", *(f" Beyond the parts: {reason}." for reason in reasons[:1])])
+
+
+def _told(instant: Instant) -> str:
+    known = np.isfinite(instant.efficiency)
+    return f"{100.0 * instant.efficiency:.1f} %" if known else "beyond what the parts can do"
