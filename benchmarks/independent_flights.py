@@ -92,8 +92,10 @@ def _flown(aircraft: Aircraft, cells: Cells, rng: np.random.Generator, hours: fl
     day = np.cos(2.0 * np.pi * ((launch - place.noon).total_seconds() + elapsed) / 86400.0 - 0.7)
     air_c = rng.uniform(2.0, 26.0) + 4.0 * day
     nowhere = np.zeros(len(elapsed), bool)
-    power = power_of_modules(aircraft, place, times, angles, air_c, Truth(), nowhere, cells)
-    power = power * (1.0 + 0.01 * lasting_noise(rng.standard_normal(len(elapsed)), 1200.0))
+    each = power_of_modules(aircraft, place, times, angles, air_c, Truth(), nowhere, cells)
+    power = each.sum(axis=1) * (
+        1.0 + 0.01 * lasting_noise(rng.standard_normal(len(elapsed)), 1200.0)
+    )
     level_w = true_values(aircraft, cells)["level_power"] * _thinner(aircraft, place, air_c)
     load = level_w + aircraft.power.avionics_w
     load = load + 3.0 * lasting_noise(rng.standard_normal(len(elapsed)), 360.0)

@@ -1,7 +1,8 @@
 """Truth against verdict on flight logs of an independent simulation.
 
-``python -m benchmarks.log_causes`` prints the tables of ``docs/verify.md``: the half of the logs
-that was looked at while the table of causes was made, and the half that was not.
+``python -m benchmarks.log_causes`` prints the table of ``docs/verify.md``, of logs that were not
+looked at while the causes were tuned; ``--tuning`` those that were, ``--by-side`` modules and clean
+logs with a column for the MPPT of each side of the wing.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing import Pool
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from benchmarks.independent_logs import HOLD_OUT, TRUTHS, TUNING, Truth, made
 from missions.library import load_mission
-from missions.logs.table import log_from_table
+from missions.logs.csv import read_flight_log
 from sizing.library import load_aircraft
 from studies.flight_logs.verification import Verification, verify
 
@@ -73,11 +76,15 @@ NAMES = {
 }
 
 
-def judged(number: int, seed: int) -> Case:
+def judged(number: int, seed: int, by_side: bool = False) -> Case:
     """Fly, verify and compare with the truth."""
     warnings.simplefilter("ignore")  # ranges of the models, which are not the subject
     truth, aircraft = TRUTHS[number], load_aircraft("atlantiksolar-as2")
-    log = log_from_table(made(aircraft, truth, seed + number).rows, f"{seed + number}.csv")
+    rows = made(aircraft, truth, seed + number, by_side=by_side).rows
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / f"{seed + number}.csv"
+        rows.to_csv(file, index=False)
+        log = read_flight_log(file)
     result = verify(aircraft, log, load_mission("rafz-28h"))
     named = [*_said(result), ()]
     said, more = named[0], named[1:]
@@ -116,9 +123,12 @@ def _error(result: Verification, truth: Truth) -> float | None:
     return None
 
 
-def every(seed: int, numbers: Sequence[int] | None = None, workers: int = 1) -> list[Case]:
-    """All logs of a half, or some of them."""
-    jobs = [(number, seed) for number in (range(len(TRUTHS)) if numbers is None else numbers)]
+def every(
+    seed: int, numbers: Sequence[int] | None = None, workers: int = 1, *, by_side: bool = False
+) -> list[Case]:
+    """All logs from a seed on, or some of them."""
+    chosen = range(len(TRUTHS)) if numbers is None else numbers
+    jobs = [(number, seed, by_side) for number in chosen]
     if workers == 1:
         return [judged(*job) for job in jobs]
     with Pool(workers) as pool:
@@ -135,9 +145,13 @@ def rates(cases: Sequence[Case]) -> dict[str, float]:
         "right cause first": float(np.mean([one.right for one in faulty])),
         "wrong blame": float(np.mean([one.wrong for one in faulty])),
         "false alarms": float(np.mean([one.blames for one in clean])),
-        "clocks within 2 min": float(np.mean(np.array(clocks) <= CLOCK_S)),
-        "headings within 3 deg": float(np.mean(np.array(headings) <= HEADING_DEG)),
+        "clocks within 2 min": _share(clocks, CLOCK_S),
+        "headings within 3 deg": _share(headings, HEADING_DEG),
     }
+
+
+def _share(errors: Sequence[float], most: float) -> float:
+    return float(np.mean(np.array(errors) <= most)) if errors else float("nan")
 
 
 def table(cases: Sequence[Case]) -> str:
@@ -155,17 +169,19 @@ def table(cases: Sequence[Case]) -> str:
 
 
 def main() -> None:
-    """Print both halves."""
+    """Print tables and rates."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--half", choices=("tuning", "hold-out", "both"), default="both")
+    parser.add_argument("--tuning", action="store_true")
+    parser.add_argument("--by-side", action="store_true")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--each", action="store_true", help="print every log")
     options = parser.parse_args()
-    for name, seed in (("tuning", TUNING), ("hold-out", HOLD_OUT)):
-        if options.half not in (name, "both"):
-            continue
-        cases = every(seed, workers=options.workers)
-        print(f"\n{name}: {len(cases)} logs\n\n{table(cases)}\n")
+    numbers = None
+    if options.by_side:
+        numbers = [i for i, one in enumerate(TRUTHS) if one.cause in ("nothing", "modules")]
+    for seed in TUNING if options.tuning else (HOLD_OUT,):
+        cases = every(seed, numbers, options.workers, by_side=options.by_side)
+        print(f"\nseeds from {seed}: {len(cases)} logs\n\n{table(cases)}\n")
         for what, share in rates(cases).items():
             print(f"{what}: {100.0 * share:.1f} %")
         for one in cases:

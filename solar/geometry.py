@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import Name, PositiveReal, Real, Record
+from solar.schema import Name, PositiveInteger, PositiveReal, Real, Record
 from solar.types import BoolArray, FloatArray
 
 
@@ -85,7 +85,8 @@ class ModuleSurface(Record):
     """One flat, module-covered surface of the wing; ``facing`` is ``down`` on its lower face.
 
     ``pitch_deg`` is relative to the chord line, positive where the surface faces aft (nose up).
-    The dihedral of a left or right surface raises its outer end.
+    The dihedral of a left or right surface raises its outer end. ``mppt`` is the number of the MPPT
+    that it is connected to.
     """
 
     name: Name
@@ -95,6 +96,7 @@ class ModuleSurface(Record):
     pitch_deg: _Angle = 0.0
     facing: Literal["up", "down"] = "up"
     outline: ModuleOutline | None = None
+    mppt: PositiveInteger | None = None
 
     @model_validator(mode="after")
     def _check_side(self) -> ModuleSurface:

@@ -35,7 +35,8 @@ class Span(NamedTuple):
         instants = pd.to_datetime(pd.Series(time_s), unit="s", utc=True).dt.tz_convert(zone)
         local = instants.dt.tz_localize(None) - pd.Timedelta(seconds=self.start_s)
         since = (local - local.dt.normalize()).dt.total_seconds()
-        inside = since <= (self.end_s - self.start_s) % _DAY_S
+        length_s = self.end_s - self.start_s
+        inside = since <= (length_s if length_s >= 0.0 else length_s + _DAY_S)
         if self.date is not None:
             inside &= local.dt.date == self.date
         return np.asarray(inside, bool)
@@ -48,14 +49,16 @@ def parse_span(text: str) -> Span:
         if match is None:
             raise ValueError
         date = datetime.date.fromisoformat(match[1]) if match[1] else None
-        start, end = (datetime.time.fromisoformat(match[i].zfill(5)) for i in (2, 3))
+        midnight = match[3] in ("24:00", "24:00:00")
+        ends = (match[2], "00:00" if midnight else match[3])
+        start, end = (datetime.time.fromisoformat(text.zfill(5)) for text in ends)
     except ValueError:
         raise ValueError(
             f"must be times like 11:20-11:45, or 2015-07-01@11:20-11:45 of one day "
             f"(got {shown(text)})"
         ) from None
-    seconds = (3600.0 * t.hour + 60.0 * t.minute + t.second for t in (start, end))
-    return Span(text.strip(), date, *seconds)
+    start_s, end_s = (3600.0 * t.hour + 60.0 * t.minute + t.second for t in (start, end))
+    return Span(text.strip(), date, start_s, _DAY_S if midnight else end_s)
 
 
 class Times(NamedTuple):

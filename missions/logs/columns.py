@@ -7,7 +7,7 @@ them. What is guessed is told.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -25,6 +25,8 @@ from solar.types import FloatArray
 
 # Written time columns of the log format itself.
 TIME_NAMES = ("time_utc", "time_utc_s")
+# Where on the wing the modules of an MPPT are, in the name of its column.
+_PLACE = re.compile(r"[ _.-]?(?:left|right|cent(?:re|er)|front|rear|inner|outer)", re.IGNORECASE)
 # Made of others, never a column of the result.
 _PARTS = ("solar_voltage_v", "solar_current_a")
 
@@ -103,6 +105,13 @@ def parse_column(text: str) -> tuple[str, str]:
     return quantity, column
 
 
+def column_name(text: str) -> str:
+    """Name that is not blank."""
+    if not text.strip():
+        raise ValueError(f"must be the name of a column or quantity (got {shown(text)})")
+    return text
+
+
 class Factor(NamedTuple):
     """Column of the log, and its unit if that is known."""
 
@@ -132,6 +141,11 @@ class Recipe:
         return " + ".join(" * ".join(factor.column for factor in term) for term in self.terms)
 
     @property
+    def trackers(self) -> bool:
+        """Whether it is the power of several MPPTs, each a term."""
+        return self.quantity == "solar_power_w" and len(self.terms) > 1
+
+    @property
     def plain(self) -> bool:
         """Whether the column stands in the log as the format has it."""
         return self.columns == [self.quantity] and self.factor == 1.0 and self.unit is None
@@ -153,14 +167,18 @@ class Recipe:
 
     def values(self, column: Callable[[str], FloatArray], unit: str | None = None) -> FloatArray:
         """Values in the unit of the log format, of the only column by its ``unit``."""
-        total: Any = 0.0
+        return np.asarray(sum(values for _, values in self.parts(column, unit)), float)
+
+    def parts(
+        self, column: Callable[[str], FloatArray], unit: str | None = None
+    ) -> Iterator[tuple[str, FloatArray]]:
+        """Terms of the sum, each with its columns."""
         for term in self.terms:
-            product: Any = 1.0
+            product: Any = self.factor
             for factor in term:
                 scale = _scale(self.quantity, len(term), factor.unit or unit)
                 product = product * (scale.factor * column(factor.column) + scale.offset)
-            total = total + product
-        return np.asarray(self.factor * total, float)
+            yield " * ".join(factor.column for factor in term), np.asarray(product, float)
 
 
 def _with_unit(factor: Factor) -> str:
@@ -343,13 +361,14 @@ def _is_zone(quantity: str, text: str) -> bool:
 
 
 def _power_of_trackers(header: Sequence[str], taken: set[str]) -> dict[str, Recipe]:
-    """Sum of the power of several MPPTs, each in a column with its number."""
+    """Sum of the power of several MPPTs, each in a column with its number or place."""
     groups: dict[str, list[Factor]] = {}
     for name in header:
-        numbers = re.findall(r"\d+", split_unit(name)[0])
-        match = _matched("solar_power_w", re.sub(r"[ _]?\d+", "", name, count=1))
-        if len(numbers) == 1 and name not in taken and match is not None:
-            stem = re.sub(r"\d+", "#", name)
+        base = split_unit(name)[0]
+        numbers, places = re.findall(r"\d+", base), _PLACE.findall(base)
+        stem = _PLACE.sub("", re.sub(r"[ _.]?\d+", "", name, count=1))
+        match = _matched("solar_power_w", stem)
+        if name not in taken and match is not None and (len(numbers) == 1 or places):
             groups.setdefault(stem, []).append(match[1]._replace(column=name))
     terms = max(groups.values(), key=len, default=[])
     if len(terms) < 2:

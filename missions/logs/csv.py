@@ -10,7 +10,14 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from missions.files.errors import InputError, Problem, file_error, printable, shortened
+from missions.files.errors import (
+    InputError,
+    Problem,
+    did_you_mean,
+    file_error,
+    printable,
+    shortened,
+)
 from missions.files.validation import unknown_key
 from missions.logs.clock import parse_instant, parse_zone, times_from_numbers, times_from_text
 from missions.logs.columns import (
@@ -31,6 +38,7 @@ from missions.logs.table import (
     EPOCH,
     REQUIRED,
     TIME,
+    TRACKER,
     Check,
     FlightLog,
     checked_log,
@@ -74,6 +82,10 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     text = read_text(source, layout)
     recipes = recipes_for(text.header, layout)
     notes = [*text.notes, *_check_header(text, recipes)]
+    for name in layout.ignore:
+        if name not in text.header and name not in QUANTITIES:
+            alike = did_you_mean(name, [*text.header, *QUANTITIES])
+            notes.append(f"nothing is called {shortened(printable(name))}, to ignore it{alike}")
     matched = recipes.found
     date = _date_column(text.header, matched)
     wanted = {name for recipe in matched.values() for name in recipe.columns} | {date}
@@ -144,7 +156,7 @@ def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
     columns = [_time(raw, check, remarks)]
     for quantity, recipe in raw.recipes.items():
         if quantity != "time":
-            columns.append(_quantity(raw, recipe, check, remarks))
+            columns += _quantity(raw, recipe, check, remarks)
             check.labels[quantity] = recipe.expression or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in columns})
@@ -177,6 +189,8 @@ def _time(raw: _Raw, check: Check, notes: list[str]) -> pd.Series:
         _keep_label(check, EPOCH, name)
         return pd.Series(time_s, name=EPOCH)
     text = column.astype("string")
+    if raw.layout.start is not None:
+        notes.append("the given start is not used: the log has times of its own")
     if raw.date is not None:
         text = raw.frame[raw.date].astype("string").str.strip() + " " + text.str.strip()
         notes.append(f"{printable(raw.date)} and {printable(name)} read as date and time")
@@ -195,13 +209,13 @@ def _keep_label(check: Check, quantity: str, name: str) -> None:
         check.labels[quantity] = shortened(printable(name))
 
 
-def _quantity(raw: _Raw, recipe: Recipe, check: Check, notes: list[str]) -> pd.Series:
-    """A quantity in the unit of the log format."""
+def _quantity(raw: _Raw, recipe: Recipe, check: Check, notes: list[str]) -> list[pd.Series]:
+    """A quantity in the unit of the log format, and of several MPPTs the power of each."""
     quantity = recipe.quantity
     if recipe.value is not None:
-        return pd.Series(np.full(len(raw.frame), recipe.value), name=quantity)
+        return [pd.Series(np.full(len(raw.frame), recipe.value), name=quantity)]
     if recipe.plain:
-        return raw.frame[quantity]
+        return [raw.frame[quantity]]
     parts = {name: numbers(raw.frame[name], check) for name in recipe.columns}
     unit = None
     if recipe.single and recipe.unit is None:
@@ -211,7 +225,11 @@ def _quantity(raw: _Raw, recipe: Recipe, check: Check, notes: list[str]) -> pd.S
             notes.append(
                 f"{printable(recipe.columns[0])} read as {spelled(unit)}: so its size says"
             )
-    return pd.Series(recipe.values(parts.__getitem__, unit), name=quantity)
+    every = {quantity: recipe.values(parts.__getitem__, unit)}
+    if recipe.trackers:
+        every |= {TRACKER + name: values for name, values in recipe.parts(parts.__getitem__)}
+        check.labels |= {name: name.removeprefix(TRACKER) for name in every}
+    return [pd.Series(values, name=name) for name, values in every.items()]
 
 
 def _turn_radians(raw: _Raw, table: pd.DataFrame, notes: list[str]) -> None:

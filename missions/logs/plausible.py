@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from missions.logs.clock import Span
-from missions.logs.quantities import QUANTITIES
+from missions.logs.quantities import QUANTITIES, quantity_of
 from missions.logs.units import UNITS, Dimension
 from solar.types import BoolArray, FloatArray
 
@@ -212,7 +212,7 @@ def leave_out_held(
         left.append(left_out("", "repeated", copies, time_s))
         values |= {name: np.where(copies, np.nan, v) for name, v in values.items()}
     for name, column in values.items():
-        for kind, mask in stretches(name, column, time_s):
+        for kind, mask in stretches(quantity_of(name), column, time_s):
             example = f"{column[np.argmax(mask)]:g}"
             left.append(left_out(labels.get(name, name), kind, mask, time_s, example))
             values[name] = np.where(mask, np.nan, values[name])

@@ -23,7 +23,7 @@ from missions.logs.streams import (
     log_from_series,
     no_power,
 )
-from missions.logs.table import ATTITUDE, FlightLog
+from missions.logs.table import ATTITUDE, TRACKER, FlightLog
 from solar.types import FloatArray
 
 _POWER_TOPIC = "sensor_mppt"
@@ -206,7 +206,10 @@ def _mppt(power: Stream, source: str) -> dict[str, Series]:
     )
     used = np.any(volt != 0.0, axis=1)
     mean = volt[used].mean(axis=0) if used.any() else np.full(volt.shape[1], np.nan)
-    return _series(power, {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)})
+    values = {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)}
+    if used.sum() > 1:
+        values |= {f"{TRACKER}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
+    return _series(power, values)
 
 
 def _airspeed(topics: Mapping[str, Stream]) -> dict[str, Series]:

@@ -22,6 +22,11 @@ class Quantity(NamedTuple):
     aliases: str
 
 
+def quantity_of(column: str) -> str:
+    """Quantity of a column: the power of one of several MPPTs has its name behind that."""
+    return column.partition(":")[0]
+
+
 # A place, an altitude held to the metre, a full battery, the air and the voltage of an MPPT may
 # rest; power, attitude and airspeed never do. Times: where the almanac behind the sun's position
 # holds. Air: the highest on record is 56.7 C (World Meteorological Organization).

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from missions.files.errors import InputError, file_error, printable
 from missions.logs.columns import ColumnMap, Recipe, Source, problems_of, recipes_for
 from missions.logs.nearest import OTHER_AGE_S, Series, age_s_of, sampled
-from missions.logs.table import EPOCH, REQUIRED, FlightLog, log_from_table
+from missions.logs.table import EPOCH, REQUIRED, TRACKER, FlightLog, log_from_table
 from solar.types import BoolArray, FloatArray
 
 _FIX_3D = 3
@@ -70,17 +70,14 @@ def given_series(
     recipes = recipes_for(header, layout, guess=False)
     if recipes.problems:
         raise InputError(problems_of(recipes, source, None))
-    return {
-        quantity: _made(recipe, streams)
-        for quantity, recipe in recipes.found.items()
-        if quantity != "time"
-    }
+    made = (_made(recipe, streams) for name, recipe in recipes.found.items() if name != "time")
+    return {name: series for every in made for name, series in every.items()}
 
 
-def _made(recipe: Recipe, streams: Mapping[str, Stream]) -> Series:
-    """Series at the times of its first stream."""
+def _made(recipe: Recipe, streams: Mapping[str, Stream]) -> dict[str, Series]:
+    """Series at the times of its first stream, and of several MPPTs the power of each."""
     if recipe.value is not None:
-        return Series(np.zeros(1), np.full(1, recipe.value))
+        return {recipe.quantity: Series(np.zeros(1), np.full(1, recipe.value))}
     first = streams[recipe.columns[0].rpartition(".")[0]].time_s
 
     def column(name: str) -> FloatArray:
@@ -88,7 +85,10 @@ def _made(recipe: Recipe, streams: Mapping[str, Stream]) -> Series:
         values = np.asarray(streams[stream].fields[field], float)
         return sampled(Series(streams[stream].time_s, values), first, OTHER_AGE_S)
 
-    return Series(first, recipe.values(column))
+    made = {recipe.quantity: Series(first, recipe.values(column))}
+    if recipe.trackers:
+        made |= {TRACKER + name: Series(first, v) for name, v in recipe.parts(column)}
+    return made
 
 
 def log_from_series(

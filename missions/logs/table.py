@@ -10,7 +10,7 @@ degrees in files and radians in :class:`FlightLog`.
 from __future__ import annotations
 
 import datetime
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -30,7 +30,7 @@ from missions.logs.plausible import (
     no_place,
     without_spans,
 )
-from missions.logs.quantities import QUANTITIES
+from missions.logs.quantities import QUANTITIES, quantity_of
 from solar.types import BoolArray, FloatArray, IntArray
 
 TIME, EPOCH = "time_utc", "time_utc_s"
@@ -45,6 +45,7 @@ OPTIONAL = (
     "battery_power_w",
 )
 COLUMNS = (TIME, EPOCH, *REQUIRED, *ATTITUDE, *OPTIONAL)
+TRACKER = "solar_power_w: "  # power of one of several MPPTs, before its own name
 
 # A step longer than this many median steps is a gap: a logger that skips a few samples is not.
 GAP_STEPS = 5.0
@@ -103,6 +104,8 @@ class FlightLog:
         What the reader of the results should know.
     left_out : tuple of LeftOut
         Values that cannot be, and rows that were excluded.
+    tracker_power_w : mapping
+        Power behind each MPPT [W] by its name, where ``solar_power_w`` is their sum.
     """
 
     source: str
@@ -123,6 +126,7 @@ class FlightLog:
     airspeed_m_per_s: FloatArray | None = None
     battery_power_w: FloatArray | None = None
     left_out: tuple[LeftOut, ...] = ()
+    tracker_power_w: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -172,7 +176,8 @@ def checked_log(
     else:
         time_s = numbers(table[EPOCH], check, "time")
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
-    values = {name: numbers(table[name], check, name) for name in names}
+    names += [name for name in table if name.startswith(TRACKER)]
+    values = {name: numbers(table[name], check, quantity_of(name)) for name in names}
     if all(name in values for name in REQUIRED):
         nowhere = no_place(values["latitude_deg"], values["longitude_deg"])
         for name in ("latitude_deg", "longitude_deg"):
@@ -187,6 +192,11 @@ def checked_log(
     time_s, values = _in_order(time_s, values, remarks)
     time_s, values = without_spans(time_s, values, exclude, zone, left)
     left += leave_out_held(time_s, values, check.labels)
+    for name in values:
+        if name.startswith(TRACKER):  # without one of them there is no sum
+            values["solar_power_w"] = np.where(
+                np.isnan(values[name]), np.nan, values["solar_power_w"]
+            )
     remarks += [one.told() for one in left]
     time_s, values = _put_together(time_s, values, remarks)
     keep = _complete(time_s, values, check.source, left)
@@ -398,6 +408,9 @@ def _assembled(
         gaps=gaps,
         notes=tuple(remarks),
         left_out=left,
+        tracker_power_w={
+            name.removeprefix(TRACKER): v for name, v in values.items() if name.startswith(TRACKER)
+        },
         **{name: values[name] for name in REQUIRED},
         **optional,
     )

@@ -89,9 +89,10 @@ def _ratio(
     (value,), covariance, free = linear_fit(np.ones((len(ratio), 1)), ratio)
     of_speed = 0.0 if name == "motor_efficiency" else AIRSPEED_SIGMA
     relative = float(np.sqrt(FORCE_SIGMA**2 + POWER_SIGMA**2 + of_speed**2))
+    rows = "1 row" if len(ratio) == 1 else f"{len(ratio)} rows"
     notes = (
-        f"{table.source}: {len(ratio)} rows; force, power and airspeed right to "
-        f"{FORCE_SIGMA:.0%} each (assumptions)",
+        f"{table.source}: {rows}; force, power and airspeed right to {FORCE_SIGMA:.0%} each "
+        "(assumptions)",
     )
     scatter = math.sqrt(float(covariance[0, 0]))
     return Measured(parameter(name), float(value), scatter, free, relative * float(value), notes)

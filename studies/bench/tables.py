@@ -91,7 +91,10 @@ def read_bench(path: str, layouts: Mapping[str, Layout]) -> BenchTable:
     if not numbered:
         raise file_error(source, "is empty; allowed: a header with the names of the columns")
     rows = [next(csv.reader([line])) for _, line in numbered]
-    header, lines = [name.strip() for name in rows[0]], [number for number, _ in numbered[1:]]
+    header, lines = (
+        [name.strip().lower() for name in rows[0]],
+        [number for number, _ in numbered[1:]],
+    )
     layout = _layout(source, numbered[0][0], header, layouts)
     if not lines:
         raise file_error(source, "has no rows below its header")

@@ -414,6 +414,7 @@ def log_options() -> Any:
         ),
         ignore=option(
             "--ignore",
+            type=Parsed("name", "missions.logs.columns:column_name"),
             multiple=True,
             metavar="NAME",
             help="Column or quantity of the log that is not used. May be repeated.",

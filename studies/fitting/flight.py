@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from scipy.linalg import block_diag
 
+from missions.files.errors import file_error
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
 from missions.logs.table import FlightLog
@@ -265,11 +267,15 @@ def fit_flight(
     ValueError
         For a parameter that there is not.
     InputError
-        If a log cannot be read or the sun never rises in it.
+        If a log cannot be read, is given twice, or the sun never rises in it.
     """
     parameters = chosen(names, aircraft)
     given = (log,) if isinstance(log, FlightLog | str | os.PathLike) else tuple(log)
     logs = [one if isinstance(one, FlightLog) else read_flight_log(os.fspath(one)) for one in given]
+    for one, other in itertools.combinations(logs, 2):
+        alike = np.array_equal(one.time_s, other.time_s)
+        if alike and np.array_equal(one.solar_power_w, other.solar_power_w):
+            raise file_error(other.source, f"is the same flight as {one.source}: give it once")
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     verified = [verify(aircraft, one, mission, correct=correct) for one in logs]
     flights = [Flown.of(one, mission) for one in verified]

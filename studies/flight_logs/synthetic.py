@@ -173,8 +173,9 @@ def _truth(
     chunks = []
     for part in forward.chunks():
         every = part.parts(LogError())
-        shadow = part.shadow_w(LogError())
-        shaded = none[part.index] if shadow is None else shadow / np.maximum(every.power, 1e-9)
+        covered = part.shadowed(LogError())
+        taken = none[part.index] if covered is None else (every.direct * covered).sum(axis=1)
+        shaded = taken / np.maximum(every.power, 1e-9)
         chunks.append(_Truth(every.power * (1.0 - shaded), every.light, shaded))
     return _Truth(*(np.concatenate(columns) for columns in zip(*chunks, strict=True)))
 

@@ -56,9 +56,11 @@ def words_of(candidate: Candidate, aircraft: Aircraft) -> str:
     if row.form == "cap":
         return f"power sensor saturated at {candidate.fit.hypothesis.cap_w:.0f} W"
     when = _period(candidate.fit.hypothesis.losses[-1]) if row.form else ""
+    part = _partly(candidate, aircraft) if row.form else ""
+    of = f" of{part}" if part else ""
     words = {
-        "power loss": f"no power at all {when}",
-        "mppt": f"MPPT held below its point: {share} of the power missing {when}",
+        "power loss": f"no power at all{of} {when}",
+        "mppt": f"MPPT{of} held below its point: {share} of the power missing {when}",
         "cloud": f"cloud: {share} of the direct light missing {when}",
         "mppt at low light": f"MPPT not tracking below {LOW_LIGHT_W_PER_M2:g} W/m²: {share} of the "
         f"power missing {when}",
@@ -88,17 +90,21 @@ def _degrees(angle: float) -> float:
     return float((np.degrees(angle) + 180.0) % 360.0 - 180.0)
 
 
+def _partly(candidate: Candidate, aircraft: Aircraft) -> str:
+    """Names of the modules that a loss acts on, if not on all."""
+    on, geometry = candidate.fit.hypothesis.losses[-1].surfaces, aircraft.modules.geometry
+    if all(on) or geometry is None:
+        return ""
+    return " " + ", ".join(s.name for s, lost in zip(geometry.surfaces, on, strict=True) if lost)
+
+
 def _modules_words(candidate: Candidate, aircraft: Aircraft) -> str:
-    geometry = aircraft.modules.geometry
-    assert geometry is not None  # so that modules could be told apart
     loss = candidate.fit.hypothesis.losses[-1]
-    names = [s.name for s, on in zip(geometry.surfaces, loss.surfaces, strict=True) if on]
     gone = abs(1.0 - candidate.size) < max(3.0 * candidate.sigma, 0.05)
     share = f"{100.0 * candidate.size:.0f} ± {100.0 * candidate.sigma:.0f} %"
     lost = "give nothing" if gone else f"give {share} less than they should"
-    return (
-        f"modules {', '.join(names)} {lost} {_period(loss) if candidate.jumps else 'all the time'}"
-    )
+    when = _period(loss) if candidate.jumps else "all the time"
+    return f"modules{_partly(candidate, aircraft)} {lost} {when}"
 
 
 def _period(loss: Loss) -> str:

@@ -48,6 +48,7 @@ from studies.flight_logs.samples import (
     module_geometry,
     tail_shading,
 )
+from studies.flight_logs.trackers import TrackerPower, Trackers, tracker_table
 from studies.flight_logs.verdict import log_sentences, model_sentence, words_of
 
 DEFAULT_MISSION = "rafz-28h"
@@ -102,6 +103,10 @@ class Verification(Result):
         What looks wrong, in the order of time.
     notes : tuple of str
         What the reader should know.
+    trackers : tuple of TrackerPower
+        Power of each of several MPPTs beside that of its modules, without limited charging.
+    matched : str
+        How their modules are known.
     """
 
     craft: Aircraft
@@ -119,6 +124,8 @@ class Verification(Result):
     window_filter_s: float
     anomalies: tuple[Anomaly, ...]
     notes: tuple[str, ...]
+    trackers: tuple[TrackerPower, ...] = ()
+    matched: str = ""
 
     @property
     def aircraft(self) -> str:
@@ -177,6 +184,8 @@ class Verification(Result):
         """Errors of every window and day, and the anomalies if there are any."""
         tables = [_error_table(section, "solar time") for section in self.windows]
         tables += [_error_table(section, "UTC") for section in self.days]
+        if self.trackers:
+            tables.append(tracker_table(self.trackers, self.matched))
         if self.anomalies:
             rows = [(a.kind.replace("_", " "), a.severity, _evidence(a)) for a in self.anomalies]
             columns = (Column("what"), Column("severity"), Column("evidence"))
@@ -207,6 +216,7 @@ class Verification(Result):
             "excluded_samples": int(self.excluded.sum()),
             "windows": [_section_record(section) for section in self.windows],
             "days": [_section_record(section) for section in self.days],
+            "mppts": [one._asdict() for one in self.trackers],
             "anomalies": [_anomaly_record(anomaly) for anomaly in self.anomalies],
             "notes": list(self.notes),
         }
@@ -397,12 +407,14 @@ def verify(
     log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     geometry, reasons = module_geometry(log, aircraft)
+    trackers, reason = Trackers.of(log, geometry)
+    reasons += [reason] if reason else []
     shade = shading
     if shade is None and geometry is not None:
-        shade, reason = tail_shading(aircraft, geometry)
-        reasons += [reason] if reason else []
+        shade, unknown = tail_shading(aircraft, geometry)
+        reasons += [unknown] if unknown else []
     forward = Forward(log, aircraft, mission, geometry, shade, np.arange(len(log)))
-    diagnosis = diagnose(forward, search=correct is not None)
+    diagnosis = diagnose(forward, trackers, search=correct is not None)
     error = diagnosis.correction if correct else LogError()
     log = log if error == LogError() else error.removed(log)
     try:
@@ -413,6 +425,7 @@ def verify(
         raise file_error(log.source, "; ".join([night.problems[0].message, *reasons])) from None
     found = Anomalies(log, samples, diagnosis, aircraft, error.clock_s)
     limited = found.excluded()
+    compared = replace(forward, log=log, index=samples.index[~limited])
     masks = tuple(in_window(samples, window) for window in periods)
     for window, mask in zip(periods, masks, strict=True):
         if not mask.any():
@@ -436,5 +449,7 @@ def verify(
         day_filter_s=day_s,
         window_filter_s=window_s,
         anomalies=tuple(found.every()),
+        trackers=() if trackers is None else trackers.compared(compared),
+        matched="" if trackers is None else trackers.how,
         notes=(*log.notes, *reasons, *sources),
     )

@@ -21,6 +21,7 @@ from studies.flight_logs.causes.fit import modelled as modelled_power
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.causes.hypotheses import LOSSES, ROWS, Candidate, candidates
 from studies.flight_logs.causes.left_out import NEAR_FULL, may_be_limited
+from studies.flight_logs.trackers import Trackers
 
 # Differences of the criterion: Kass, R. E., Raftery, A. E. (1995), Journal of the American
 # Statistical Association 90(430), 773-795. Strong evidence for a cause, very strong evidence
@@ -64,9 +65,9 @@ class Diagnosis:
     """What the power says of log, modules and sky.
 
     ``factor``: logged power over that in watts. ``findings``: causes in the order of what they
-    explain. ``clock``, ``heading``: how far they are off, with standard deviations [s, rad]; None
-    if the power does not tell. ``fit``: all that is known. ``expected_w``: power of all samples if
-    nothing were lost; ``limited``: those in which charging may be limited.
+    explain. ``clock``, ``heading``, ``haze``: how far they are off, with standard deviations [s,
+    rad]; None if the power does not tell. ``fit``: all that is known. ``expected_w``: power of all
+    samples if nothing were lost; ``limited``: those in which charging may be limited.
     """
 
     factor: float
@@ -75,6 +76,7 @@ class Diagnosis:
     findings: tuple[Finding, ...] = ()
     clock: tuple[float, float] | None = None
     heading: tuple[float, float] | None = None
+    haze: tuple[float, float] | None = None
     fit: Fit | None = None
     notes: tuple[str, ...] = ()
 
@@ -86,10 +88,10 @@ class Diagnosis:
     @property
     def sky(self) -> tuple[float, float] | None:
         """Extinction per air mass beyond the model's, if clear days do not have it, and sigma."""
-        if self.fit is None or self.named("haze"):
+        if self.haze is None or self.named("haze"):
             return None
-        value, sigma = self.fit.values["haze"], self.fit.sigmas["haze"]
-        return (value, sigma) if abs(value) > max(UNUSUAL_HAZE, 3.0 * sigma) else None
+        value, sigma = self.haze
+        return self.haze if abs(value) > max(UNUSUAL_HAZE, 3.0 * sigma) else None
 
     def named(self, free: str) -> bool:
         """Whether an error of the log is among what may be wrong."""
@@ -120,7 +122,9 @@ def snapped(ahead_s: float, sigma_s: float) -> float:
     return zone if abs(ahead_s - zone) <= sigma_s else ahead_s
 
 
-def diagnose(forward: Forward, *, search: bool = True) -> Diagnosis:
+def diagnose(
+    forward: Forward, trackers: Trackers | None = None, *, search: bool = True
+) -> Diagnosis:
     """Let all causes compete, or without ``search`` fit the level of the model alone."""
     log = forward.log
     modelled = np.concatenate([part.parts(LogError()).power for part in forward.chunks()])
@@ -134,8 +138,12 @@ def diagnose(forward: Forward, *, search: bool = True) -> Diagnosis:
     if len(usable) < _LEAST_SAMPLES or not peak > 0.0:
         note = "clock, angles and modules are not checked: too little power"
         return replace(known, notes=(note,) if search else ())
-    index = _some(usable, _SAMPLES)
-    data = Data.of(forward.of(index), measured[index])
+    if trackers is None:
+        index = _some(usable, _SAMPLES)
+        data = Data.of(forward.of(index), measured[index])
+    else:
+        index = _some(usable, _SAMPLES // (1 + len(trackers.names) // 3))
+        data = Data.of(forward.of(index), trackers.power_w(log)[index] / factor, trackers.members)
     findings, fit, noise = _findings(data) if search else ((), fitted(data, Hypothesis()), None)
     if noise is not None and noise.sigma > MOST_SCATTER * data.peak:
         note = "clock, angles and modules are not checked: the power scatters too much (clouds?)"
@@ -154,8 +162,10 @@ def diagnose(forward: Forward, *, search: bool = True) -> Diagnosis:
     if noise is None:
         return known
 
-    clock, heading = (_offset(data, fit, name, noise) for name in ("clock_s", "heading"))
-    return replace(known, clock=clock, heading=heading)
+    clock, heading, haze = (
+        _offset(data, fit, name, noise) for name in ("clock_s", "heading", "haze")
+    )
+    return replace(known, clock=clock, heading=heading, haze=haze)
 
 
 def _battery(log: FlightLog, finding: Finding) -> str:
@@ -194,9 +204,14 @@ def _round(data: Data, known: Hypothesis, base: Fit) -> tuple[Finding | None, Fi
     best = min([base, *(one.fit for one in every)], key=lambda fit: fit.score(guess))
     noise = noise_of(data, best)
     base = _again(data, base, noise)
-    none = base.score(noise)
     few = sorted(every, key=lambda one: one.fit.score(noise))[:6]
     few = [replace(one, fit=_again(data, one.fit, noise)) for one in few]
+    # A cause that changes nothing must not win by a fit of sky and model that got further.
+    known = base.hypothesis._replace(start=base.error, sizes=())
+    others = (one.fit for one in few if one.fit.error == base.error)
+    further = [fitted(data, known, noise, other) for other in others]
+    base = min([base, *further], key=lambda fit: fit.score(noise))
+    none = base.score(noise)
     few = [one for one in few if one.counts() and none - one.fit.score(noise) > CLEAR]
     if not few:
         return None, base, noise
@@ -223,13 +238,13 @@ def _same_sun(data: Data, alike: list[Candidate]) -> bool:
 
 
 def _offset(data: Data, base: Fit, name: str, noise: Noise) -> tuple[float, float] | None:
-    """Clock [s] or heading [rad] with its standard deviation, left free."""
-    if name not in data.geometric:
+    """Clock [s], heading [rad] or haze with its standard deviation, left free."""
+    if name not in (*data.geometric, "haze"):
         return None
     free = tuple(dict.fromkeys((*base.hypothesis.free, name)))
     known = base.hypothesis._replace(start=base.error, free=free, sizes=())
     fit = fitted(data, known, noise, base)
-    return float(getattr(fit.error, name)), fit.sigmas[name]
+    return float(getattr(fit.error, name, 0.0)) + fit.values[name], fit.sigmas[name]
 
 
 def _factor(measured: FloatArray, modelled: FloatArray) -> float:

@@ -41,15 +41,19 @@ _LARGEST_STEPS = {"clock_s": 1800.0, "heading": 0.5, "roll": 0.1, "pitch": 0.1}
 # What changes within hours: level, swing with the bearing, and its part across. CAM does not know
 # how wind tilts the wing: in the report it is off by 7 % with another sign in the afternoon.
 _DRIFT, _SWING, _ACROSS, CAM_DRIFT = 0.02, 0.1, 0.005, 0.1
+_OF_TRACKERS = 0.02  # level of each MPPT: its sensor, and cells that are sorted to a few per cent
 _KNOT_S = 7200.0
 # Student's t with four degrees of freedom: Lange, Little & Taylor (1989), JASA 84(408), 881-896.
 _FREEDOM = 4.0
 _SIGMA_OF_MAD = 1.4826
 _LEAST_SIGMA = 2e-3  # of the peak: below, tables and rounding of the model decide
-_ROUNDS, _HALVINGS, _LEAST_GAIN = 15, 4, 0.02
+_ROUNDS, _HALVINGS, _LEAST_GAIN = 60, 8, 0.02
 _SECTORS, _CLUSTER_S = 12, 3600.0
-# Standard deviations of what is free; those that are not named are as good as unbounded.
-_FREE, _UNBOUNDED = {"haze": 0.3, "level": 0.5}, 1e3
+# What is free: standard deviations, and lengths of what may be anything within a range.
+_FREE = {"haze": 0.3, "level": 0.5}
+_TILT = float(np.radians(30.0))
+_RANGES = {"clock_s": 28.0 * 3600.0, "heading": 2.0 * np.pi, "roll": _TILT, "pitch": _TILT}
+_UNBOUNDED = 1e3
 
 Form = Literal["share", "direct", "low_light", "shadow"]
 
@@ -93,7 +97,8 @@ class Fit:
     """Most likely errors under a hypothesis.
 
     ``values``, ``sigmas``: the errors by name, amplitudes of losses by ``loss0``, ``loss1`` ...
-    ``error``: that of the log. ``residual``: measured minus fitted power [W].
+    ``error``: that of the log. ``residual``: measured minus fitted power [W]. ``ranges``: standard
+    deviations of all errors, of those within a range that of a normal one as likely at its peak.
     """
 
     hypothesis: Hypothesis
@@ -106,6 +111,7 @@ class Fit:
     theta: FloatArray
     jacobian: FloatArray
     prior: FloatArray
+    ranges: FloatArray
 
     @cached_property
     def scale(self) -> float:
@@ -119,37 +125,60 @@ class Fit:
         return float(noise.worth * loss.sum() + self.penalty)
 
     def score(self, noise: Noise) -> float:
-        """Bayesian information criterion (Schwarz 1978)."""
-        sizes = [loss for loss in self.hypothesis.losses if not loss.whole]
-        count = len(self.hypothesis.free) + len(sizes)
-        independent = noise.worth * len(self.residual)
-        parameters = count + self.hypothesis.parameters
-        searched = self.hypothesis.choices
-        return self.cost(noise) + parameters * float(np.log(independent)) + searched
+        """Minus twice the logarithm of the evidence by Laplace's method."""
+        if noise not in self._scores:
+            scaled = self.jacobian * self.ranges
+            normal = (scaled * weights(self.residual, noise)[:, None]).T @ scaled
+            volume = np.linalg.slogdet(normal + np.eye(len(normal)))[1]
+            ends = self.hypothesis.parameters * np.log(noise.worth * len(self.residual))
+            found = self.cost(noise) + volume + ends + self.hypothesis.choices
+            self._scores[noise] = float(found)
+        return self._scores[noise]
+
+    @cached_property
+    def _scores(self) -> dict[Noise, float]:
+        return {}
 
 
 @dataclass(frozen=True)
 class Data:
-    """Samples that are compared: model, measured power [W, by the unit that was found], time."""
+    """Power that is compared [W, by the unit that was found], a row for each MPPT at each sample.
+
+    ``members``: surfaces of each MPPT whose power is known; of one, all of them.
+    """
 
     forward: Forward
     measured: FloatArray
+    members: BoolArray
     _cache: dict[LogError, Parts]
 
     @classmethod
-    def of(cls, forward: Forward, measured: FloatArray) -> Data:
-        """Samples of a log that are compared."""
-        return cls(forward, measured, {})
+    def of(cls, forward: Forward, measured: FloatArray, members: BoolArray | None = None) -> Data:
+        """Samples of a log that are compared; with ``members`` by MPPTs, in columns."""
+        whole = np.ones((1, 1), bool) if members is None else members
+        return cls(forward, measured.ravel(), whole, {})
+
+    @property
+    def trackers(self) -> int:
+        """Rows of each sample."""
+        return len(self.members)
 
     @cached_property
     def time_s(self) -> FloatArray:
         """Times as logged."""
-        return np.asarray(self.forward.log.time_s[self.forward.index])
+        return np.repeat(self.forward.log.time_s[self.forward.index], self.trackers)
 
     @cached_property
     def run(self) -> IntArray:
         """Number of the uninterrupted stretch of each sample."""
         return np.asarray(self.forward.log.segment()[self.forward.index], int)
+
+    def some(self, count: int) -> Data:
+        """The whole power at a few samples."""
+        index = self.forward.index
+        places = np.linspace(0, len(index) - 1, count).astype(int)
+        whole = self.measured.reshape(-1, self.trackers).sum(axis=1)
+        return Data.of(self.forward.of(index[places]), whole[places])
 
     @cached_property
     def peak(self) -> float:
@@ -166,8 +195,24 @@ class Data:
         if error not in self._cache:
             if len(self._cache) > 40:
                 self._cache.clear()
-            self._cache[error] = self.forward.parts(error)
+            self._cache[error] = self._rows(self.forward.parts(error))
         return self._cache[error]
+
+    def _rows(self, parts: Parts) -> Parts:
+        """Rows for each MPPT, with light on its own surfaces alone."""
+        if self.trackers == 1:
+            return parts
+        every = Parts(*(np.repeat(values, self.trackers, axis=0) for values in parts))
+        mine = np.tile(self.members, (len(self.forward.index), 1))
+        return every._replace(direct=mine * every.direct, diffuse=mine * every.diffuse)
+
+    def shadow_w(self, error: LogError) -> FloatArray | None:
+        """Power of each row that the tail's shadow takes if it costs its area of direct light."""
+        covered = self.forward.shadowed(error)
+        if covered is None:
+            return None
+        covered = np.repeat(covered, self.trackers, axis=0)
+        return np.asarray((self.parts(error).direct * covered).sum(axis=1))
 
     @cached_property
     def _hats(self) -> FloatArray:
@@ -191,6 +236,10 @@ class Data:
         shapes = (power, swing, power * np.cos(parts.bearing), power * np.sin(parts.bearing))
         columns = np.concatenate([hats * shape[:, None] for shape in shapes], axis=1)
         sigmas = np.repeat([_DRIFT, _SWING, _ACROSS, _ACROSS], hats.shape[1])
+        if self.trackers > 1:
+            own = np.tile(np.eye(self.trackers), (len(self.forward.index), 1)) * power[:, None]
+            columns = np.concatenate([columns, own], axis=1)
+            sigmas = np.append(sigmas, np.full(self.trackers, _OF_TRACKERS))
         return columns, sigmas
 
 
@@ -228,6 +277,12 @@ class Noise(NamedTuple):
 
 
 UNKNOWN_NOISE = Noise()
+
+
+def weights(residual: FloatArray, noise: Noise) -> FloatArray:
+    """Weights of residuals [1/W2]: of outliers less."""
+    size = (residual / noise.sigma) ** 2
+    return np.asarray(noise.worth / noise.sigma**2 * (_FREEDOM + 1.0) / (_FREEDOM + size), float)
 
 
 def fitted(
@@ -268,6 +323,7 @@ def fitted(
         theta=theta,
         jacobian=state.columns,
         prior=prior,
+        ranges=np.concatenate([problem.spreads, state.spread]),
     )
 
 
@@ -290,6 +346,7 @@ class _Problem:
     names: tuple[str, ...]
     moving: tuple[str, ...]
     sigmas: FloatArray
+    spreads: FloatArray
 
     @classmethod
     def of(cls, data: Data, hypothesis: Hypothesis) -> _Problem:
@@ -298,9 +355,14 @@ class _Problem:
         free = {*hypothesis.free, *losses}
         usual = {**MODEL_SIGMAS, **LOG_SIGMAS, **dict.fromkeys(losses, 1.0)}
         wide = {n: _FREE.get(n, _UNBOUNDED * usual[n]) for n in free}
-        sigmas = np.array([wide.get(n, usual[n]) for n in names])
+        sized = (n for n, one in zip(losses, hypothesis.losses, strict=True) if not one.whole)
+        ranges = {n: _RANGES[n] for n in free if n in _RANGES} | dict.fromkeys(sized, 1.0)
+        as_normal = {n: length / np.sqrt(2.0 * np.pi) for n, length in ranges.items()}
+        known = {**usual, **wide}
+        sigmas = np.array([known[n] for n in names])
+        spreads = np.array([as_normal.get(n, known[n]) for n in names])
         moving = tuple(n for n in data.geometric if n in free)
-        return cls(data, hypothesis, names, moving, sigmas)
+        return cls(data, hypothesis, names, moving, sigmas, spreads)
 
     def start(self, known: Fit | None) -> _State:
         """What is known already, and the losses by their size."""
@@ -357,8 +419,7 @@ class _Problem:
 
     def step(self, state: _State, scale: float, worth: float) -> tuple[FloatArray, FloatArray]:
         """The next step, and the normal matrix."""
-        weight = (_FREEDOM + 1.0) / (_FREEDOM + (state.residual / scale) ** 2)
-        weight = worth / scale**2 * weight
+        weight = weights(state.residual, Noise(scale, worth))
         inverse = 1.0 / self.prior(state) ** 2
         normal = (state.columns * weight[:, None]).T @ state.columns + np.diag(inverse)
         pull = state.columns.T @ (weight * state.residual) - inverse * state.theta
@@ -394,8 +455,14 @@ def noise_of(data: Data, fit: Fit) -> Noise:
     residual = np.clip(fit.residual, -3.0 * sigma, 3.0 * sigma)
     sector = np.floor(data.parts(fit.error).bearing * _SECTORS / (2.0 * np.pi)) % _SECTORS
     hour = np.floor((data.time_s - data.time_s[0]) / _CLUSTER_S)
-    cluster = np.unique(_SECTORS * hour + sector, return_inverse=True)[1]
+    tracker = np.tile(np.arange(data.trackers), len(data.run))
     power = max(float(np.sum(residual**2)), 1e-300)
-    effect = float(np.sum(np.bincount(cluster, residual) ** 2)) / power
-    time = correlation_time(residual, data.run, fit.jacobian.shape[1])
-    return Noise(sigma, 1.0 / max(effect, time, 1.0))
+    effects = []
+    for own in {0, data.trackers}:  # of all MPPTs together, and of each
+        group = _SECTORS * hour + sector + 1e6 * np.minimum(tracker, own)
+        cluster = np.unique(group, return_inverse=True)[1]
+        effects.append(float(np.sum(np.bincount(cluster, residual) ** 2)) / power)
+    by_tracker = residual.reshape(-1, data.trackers).T.ravel()
+    runs = np.concatenate([data.run + (data.run.max() + 1) * i for i in range(data.trackers)])
+    time = correlation_time(by_tracker, runs, fit.jacobian.shape[1])
+    return Noise(sigma, 1.0 / max(*effects, time, 1.0))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -48,8 +48,8 @@ class LogError:
     signs: frozenset[str] = frozenset()
     factor: float = 1.0
 
-    def plus(self, changes: dict[str, float]) -> LogError:
-        """The same with some numbers larger by so much."""
+    def plus(self, changes: Mapping[str, Any]) -> LogError:
+        """The same with some numbers larger by so much, or by so much in each sample."""
         return replace(self, **{name: getattr(self, name) + v for name, v in changes.items()})
 
     def sign(self, channel: str) -> float:
@@ -68,6 +68,7 @@ class LogError:
         """Log without this error."""
         changes: dict[str, Any] = {
             "solar_power_w": log.solar_power_w / self.factor,
+            "tracker_power_w": {n: v / self.factor for n, v in log.tracker_power_w.items()},
             "longitude_deg": self.sign("longitude") * log.longitude_deg,
         }
         if log.attitude is not None:
@@ -228,10 +229,9 @@ class Forward:
         beam = beam * full.incidence_efficiency_by_surface * efficiency
         return beam, diffuse * modules.diffuse_efficiency * efficiency
 
-    def shadow_w(self, error: LogError) -> FloatArray | None:
-        """Power that the tail's shadow takes if it costs its area of direct light [W]."""
+    def shadowed(self, error: LogError) -> FloatArray | None:
+        """Share of each surface in the shadow of the tail."""
         if self.shade is None or self.geometry is None or self.log.attitude is None:
             return None
         covered = self.sunlight(error).shaded_m2(self.shade)
-        covered = covered / np.array([one.area_m2 for one in self.geometry.surfaces])
-        return np.asarray((self.parts(error).direct * covered).sum(axis=1))
+        return covered / np.array([one.area_m2 for one in self.geometry.surfaces])

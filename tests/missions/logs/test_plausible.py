@@ -30,7 +30,7 @@ Change = Callable[[pd.DataFrame], pd.DataFrame]
 @cache
 def flown() -> pd.DataFrame:
     """A day of an independent simulation, every 4 s."""
-    return made(load_aircraft("atlantiksolar-as2"), TRUTHS[3], TUNING + 3).rows
+    return made(load_aircraft("atlantiksolar-as2"), TRUTHS[3], TUNING[0] + 3).rows
 
 
 def found(table: pd.DataFrame) -> list[tuple[str, str, int]]:
@@ -152,7 +152,9 @@ CHANGES: dict[str, Change] = {
 def tables() -> dict[str, pd.DataFrame]:
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-28h")
     calm = Settings(rate_hz=0.25, jitter_deg=0.0, attitude_error_deg=0.0, power_noise_w=0.0)
-    independent = {f"independent {n}": made(aircraft, TRUTHS[n], TUNING + n).rows for n in (0, 15)}
+    independent = {
+        f"independent {n}": made(aircraft, TRUTHS[n], TUNING[0] + n).rows for n in (0, 15)
+    }
     return independent | {
         "own": synthetic_log(aircraft, mission, Settings(rate_hz=0.25)).table,
         "own, calm": synthetic_log(aircraft, mission, calm).table,

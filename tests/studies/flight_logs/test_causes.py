@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,7 +12,7 @@ import pandas as pd
 import pytest
 from log_layouts import LAYOUTS, OWN_NAMES_MAP, dataflash_of
 
-from benchmarks.independent_logs import HOLD_OUT, TRUTHS, TUNING, Truth
+from benchmarks.independent_logs import HOLD_OUT, TRUTHS, TUNING, Truth, made
 from benchmarks.log_causes import every, judged, rates
 from missions.library import load_mission
 from missions.logs.columns import ColumnMap, read_column_map
@@ -22,11 +23,13 @@ from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from solar.geometry import ModuleGeometry
 from studies.flight_logs.causes.diagnosis import Diagnosis, diagnose, snapped
+from studies.flight_logs.causes.fit import Fit, Hypothesis, Noise
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.causes.left_out import may_be_limited
 from studies.flight_logs.causes.losses import subsets
 from studies.flight_logs.samples import lit_samples
 from studies.flight_logs.synthetic import Faults, Settings, synthetic_log
+from studies.flight_logs.trackers import Trackers
 from studies.flight_logs.verification import verify
 
 
@@ -267,8 +270,88 @@ def test_every_layout_tells_its_lies(name: str, tmp_path: Path) -> None:
     ],
 )
 def test_causes_in_logs_of_another_simulation(truth: Truth) -> None:
-    case = judged(TRUTHS.index(truth), TUNING)
+    case = judged(TRUTHS.index(truth), TUNING[0])
     assert case.right or (truth.cause == "nothing" and not case.said)
+
+
+@pytest.mark.parametrize(
+    ("truth", "found"),
+    [
+        (Truth(), []),
+        (Truth("modules", 0.4, where=("left front", "left rear")), ["modules"]),
+        (Truth("modules", 0.6, 0.4, 0.6, where=("right front", "right rear")), ["mppt"]),
+    ],
+)
+def test_a_column_for_each_mppt_names_the_modules_that_are_low(
+    truth: Truth, found: list[str], tmp_path: Path
+) -> None:
+    """Dirt on one side from the start: the sum of the power cannot tell it from roll and gain."""
+    file = tmp_path / "log.csv"
+    made(aircraft(), truth, TUNING[0] + 46, by_side=True).rows.iloc[::4].to_csv(file, index=False)
+    result = verify(aircraft(), read_flight_log(file), mission())
+    assert result.diagnosis is not None
+    assert names(result.diagnosis) == found
+    assert [one.modules[0] for one in result.trackers] == [
+        "left front", "centre front", "right front",
+    ]  # fmt: skip
+    low = [one.ratio for one in result.trackers]
+    if found:
+        text = result.to_dict()["causes"][0]["text"]
+        assert all(name in text for name in truth.where)
+        assert "centre" not in text
+        assert abs(result.diagnosis.findings[0].best.size - truth.size) < 0.06
+        side = 0 if "left" in truth.where[0] else 2
+        assert min(low) == low[side]
+    else:
+        assert max(low) / min(low) < 1.05  # gains of 1 % each
+    assert "power of the MPPTs; their modules by name" in str(result)
+
+
+def test_mppts_are_matched_by_name_by_number_or_in_order() -> None:
+    log = flown()
+
+    def matched(names: Iterable[str], surfaces: ModuleGeometry) -> tuple[Trackers | None, str]:
+        power = dict.fromkeys(names, log.solar_power_w)
+        return Trackers.of(replace(log, tracker_power_w=power), surfaces)
+
+    six, no_reason = matched([f"mppt {i}" for i in range(6)], geometry())
+    assert six is not None
+    assert not no_reason
+    assert (six.members == np.eye(6, dtype=bool)).all()
+    named, _ = matched(["P right [W]", "P middle [W]", "P left [W]"], geometry())
+    assert named is not None
+    assert named.members.tolist() == [[0, 0, 0, 0, 1, 1], [0, 0, 1, 1, 0, 0], [1, 1, 0, 0, 0, 0]]
+    none, why = matched(["a", "b"], geometry())
+    assert none is None
+    assert "2 columns, 6 surfaces" in why
+    rows = geometry().model_dump()
+    for place, surface in enumerate(rows["surfaces"]):
+        surface["mppt"] = 1 + place % 2
+    wired, _ = matched(["a", "b"], ModuleGeometry.model_validate(rows))
+    assert wired is not None
+    assert wired.members.tolist() == [[1, 0, 1, 0, 1, 0], [0, 1, 0, 1, 0, 1]]
+    assert matched([], geometry()) == (None, "")
+
+
+def test_evidence_of_a_straight_line_is_that_of_its_integral() -> None:
+    """Laplace's method is exact for one normal error of known spread under white noise."""
+    rng = np.random.default_rng(1)
+    noise, x = Noise(0.7, 1.0), rng.random(40)
+    y = 0.5 * x + 0.7 * rng.standard_normal(40)
+    values = np.linspace(-8.0, 8.0, 20001)
+    # The loss is Student's t, of which Laplace's method takes the curvature at the peak.
+    size = ((y[:, None] - values * x[:, None]) / noise.sigma) ** 2
+    cost = 5.0 * np.log1p(size / 4.0).sum(axis=0) + (values / 1.5) ** 2
+    likely = np.exp(-0.5 * (cost - cost.min()))
+    integral = float(np.trapezoid(likely, values)) / (1.5 * np.sqrt(2.0 * np.pi))
+    exact = cost.min() - 2.0 * np.log(integral)
+    best = float(values[np.argmin(cost)])
+    one = np.array([1.5])
+    fit = Fit(
+        Hypothesis(), LogError(), {}, {}, best * x, y - best * x, (best / 1.5) ** 2,
+        np.array([best]), x[:, None], one, one,
+    )  # fmt: skip
+    assert fit.score(noise) == pytest.approx(exact, abs=0.3)
 
 
 @pytest.mark.slow
