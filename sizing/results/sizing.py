@@ -27,6 +27,7 @@ from sizing.design import (
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.margins.probability import Reliability, check_reliability, size_reliably
 from sizing.margins.season_flights import Survival
+from sizing.optimisation.altitudes import with_best_altitudes
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.module_flow import with_flow_of_optimum
@@ -408,7 +409,8 @@ def size(
     aircraft : Aircraft
         A parametric one; its ``design_space`` bounds what is chosen.
     mission : Mission
-        All of its latitudes and dates must be flown.
+        All of its latitudes and dates must be flown. Altitudes of climbs with a range in
+        ``climb.design_space`` are chosen as well, with a reliability as without it.
     objective : Objective, str or callable
         ``min_mass``, ``min_wingspan``, ``max_excess_time``, ``max_payload_mass``,
         ``max_payload_power``, ``longest_season`` or ``widest_latitude_band``; or a function of the
@@ -463,6 +465,7 @@ def size(
         other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
         required_excess_time_h = other.required_excess_time_h
     options: dict[str, Any] = {"required_excess_time_h": required_excess_time_h}
+    mission = with_best_altitudes(aircraft, mission, wanted, solar, **options)
     if whole_cells:
         if with_sensitivities or with_cross_check or reliability is not None:
             raise ValueError(
