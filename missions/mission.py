@@ -615,6 +615,15 @@ class Mission(FileRecord):
         climb = there.climb.model_copy(update={"ceiling_m": ceiling_m})
         return there.model_copy(update={"climb": climb})
 
+    def with_fixed_altitudes(self) -> Mission:
+        """Same mission without altitudes to choose from."""
+        if self.climb is None:
+            return self
+        update = {"design_space": AltitudeSpace()}
+        fixed = self.climb.model_copy(update=update)
+        fixed.model_fields_set.discard("design_space")
+        return self.model_copy(update={"climb": fixed})
+
     def module_temperature_c(self) -> float:
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
         if self.air.module_temperature_c is not None:

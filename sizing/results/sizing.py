@@ -41,6 +41,7 @@ from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
     ConstraintMultiplier,
     Sensitivity,
+    altitude_multipliers,
     constraint_multipliers,
     sensitivities,
 )
@@ -167,7 +168,7 @@ class SizingStudy(Result):
             return Aircraft.model_validate(self._sized_data())
 
     def sized_mission(self) -> Mission:
-        """Mission with the payload that the optimum carries.
+        """Mission with the payload that the optimum carries, at the altitudes chosen for it.
 
         Raises
         ------
@@ -182,7 +183,7 @@ class SizingStudy(Result):
             for key, value in (("mass_kg", design.masses.payload), ("power_w", power_w))
         }
         payload = self.mission.payload.model_copy(update=carried)
-        return self.mission.model_copy(update={"payload": payload})
+        return self.mission.with_fixed_altitudes().model_copy(update={"payload": payload})
 
     def _optimum(self) -> Design:
         if self.result.design is None:
@@ -511,11 +512,19 @@ def size(
         *(original, mission, solar, result, low, high, coverage, relaxed),
         without_climbs=level,
         sensitivities=sensitivities(*asked) if worth else None,
-        multipliers=constraint_multipliers(result) if worth else None,
+        multipliers=_multipliers(*asked) if worth else None,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         without_margins=without_margins_of(*asked),
         with_margin=guarded,
     )
+
+
+def _multipliers(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
+) -> list[ConstraintMultiplier]:
+    """What holds the optimum back, largest first: of the program, and of chosen altitudes."""
+    altitudes = altitude_multipliers(aircraft, mission, result, solar)
+    return sorted(constraint_multipliers(result) + altitudes, key=lambda one: -one.gain)
 
 
 def _of_whole_cells(

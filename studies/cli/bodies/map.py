@@ -8,6 +8,7 @@ from studies.cli.commands.map import Map
 from studies.cli.files import (
     Case,
     load,
+    refuse_chosen_altitudes,
     refuse_climb,
     require_climb_power,
     require_climber,
@@ -37,6 +38,7 @@ def map_(options: Map) -> None:
     else:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
         require_climb_power(case)
+        refuse_chosen_altitudes(case, "map --resize")
     if options.weather_file is not None:
         refuse_climb(case, "map --weather")
         from studies.cli.bodies.weather import map_in_weather
