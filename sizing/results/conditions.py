@@ -191,7 +191,7 @@ def climb_lines(
             f"{float(flown.maximum_potential_energy_wh[0]):.1f} Wh; glides {hours(gliding_h)} in "
             f"the evening; at dawn at {_dawn_altitude_m(climbs):.0f} m"
         )
-    lines: list[Any] = [text]
+    lines: list[Any] = [*_chosen_altitudes(mission), text]
     if level is not None:
         lines.append(Line(_without(mission, result, level)))
     return lines
@@ -225,6 +225,22 @@ def _objective(objective: Objective, own: float, level: SizingResult) -> str:
 def _change(own: Any, other: Any) -> str:
     relative = relative_change(float(own), float(other))
     return MISSING if relative is None else f"{100.0 * relative:+.1f} %"
+
+
+def _chosen_altitudes(mission: Mission) -> list[Line]:
+    """Altitudes that the sizing has chosen, and from where."""
+    assert mission.climb is not None
+    values = {
+        "minimum_altitude_m": ("night's floor", mission.altitude_m),
+        "ceiling_m": ("ceiling", mission.climb.ceiling_m),
+    }
+    space = mission.climb.design_space.ranges()
+    parts = [
+        f"{name} {value:.0f} m (from {space[key].minimum:.0f} to {space[key].maximum:.0f} m)"
+        for key, (name, value) in values.items()
+        if key in space
+    ]
+    return [Line(f"chosen altitudes: {', '.join(parts)}")] if parts else []
 
 
 def _dawn_altitude_m(climbs: ClimbPerformance) -> float:

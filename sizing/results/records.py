@@ -147,6 +147,15 @@ def best_climb_record(best: BestClimb) -> dict[str, Any]:
     }
 
 
+def chosen_altitudes(mission: Mission) -> dict[str, Any]:
+    """Floor and the ranges that a sizing chooses altitudes from, JSON-ready; empty without any."""
+    space = None if mission.climb is None else mission.climb.design_space.ranges()
+    if not space:
+        return {}
+    ranges = {key: one.model_dump() for key, one in space.items()}
+    return {"minimum_altitude_m": mission.altitude_m, "design_space": ranges}
+
+
 def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
     """What climbing does in one scenario, JSON-ready."""
     assert mission.climb is not None
@@ -154,6 +163,7 @@ def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict
     return {
         "strategy": mission.climb.strategy,
         "ceiling_m": mission.climb.ceiling_m,
+        **chosen_altitudes(mission),
         "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
         "gliding_h": finite(flown.gliding_h[index]),
         "stored_height_wh": finite(flown.maximum_potential_energy_wh[index]),

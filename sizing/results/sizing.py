@@ -27,6 +27,7 @@ from sizing.design import (
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.margins.probability import Reliability, check_reliability, size_reliably
 from sizing.margins.season_flights import Survival
+from sizing.optimisation.altitudes import with_best_altitudes
 from sizing.optimisation.coverage import WidestRange, widest_range
 from sizing.optimisation.cross_check import CrossCheck, cross_check
 from sizing.optimisation.module_flow import with_flow_of_optimum
@@ -40,6 +41,7 @@ from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
     ConstraintMultiplier,
     Sensitivity,
+    altitude_multipliers,
     constraint_multipliers,
     sensitivities,
 )
@@ -168,7 +170,7 @@ class SizingStudy(Result):
             return Aircraft.model_validate(self._sized_data())
 
     def sized_mission(self) -> Mission:
-        """Mission with the payload that the optimum carries.
+        """Mission with the payload that the optimum carries, at the altitudes chosen for it.
 
         Raises
         ------
@@ -183,7 +185,7 @@ class SizingStudy(Result):
             for key, value in (("mass_kg", design.masses.payload), ("power_w", power_w))
         }
         payload = self.mission.payload.model_copy(update=carried)
-        return self.mission.model_copy(update={"payload": payload})
+        return self.mission.with_fixed_altitudes().model_copy(update={"payload": payload})
 
     def _optimum(self) -> Design:
         if self.result.design is None:
@@ -397,7 +399,8 @@ def size(
     aircraft : Aircraft
         A parametric one; its ``design_space`` bounds what is chosen.
     mission : Mission
-        All of its latitudes and dates must be flown.
+        All of its latitudes and dates must be flown. Altitudes of climbs with a range in
+        ``climb.design_space`` are chosen as well, with a reliability as without it.
     objective : Objective, str or callable
         ``min_mass``, ``min_wingspan``, ``max_excess_time``, ``max_payload_mass``,
         ``max_payload_power``, ``longest_season`` or ``widest_latitude_band``; or a function of the
@@ -453,6 +456,7 @@ def size(
         other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
         required_excess_time_h = other.required_excess_time_h
     options: dict[str, Any] = {"required_excess_time_h": required_excess_time_h}
+    mission = with_best_altitudes(aircraft, mission, wanted, solar, **options)
     if whole_cells:
         if with_sensitivities or with_cross_check or reliability is not None:
             raise ValueError(
@@ -495,7 +499,7 @@ def size(
         relaxations=relaxed,
         without_climbs=level,
         sensitivities=sensitivities(*asked) if worth else None,
-        multipliers=constraint_multipliers(result) if worth else None,
+        multipliers=_multipliers(*asked) if worth else None,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         with_margin=guarded,
     )
@@ -512,6 +516,14 @@ def study_of(
     return SizingStudy(
         *(aircraft, mission, solar, result, low, high), without_margins=plain, **asked
     )
+
+
+def _multipliers(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
+) -> list[ConstraintMultiplier]:
+    """What holds the optimum back, largest first: of the program, and of chosen altitudes."""
+    altitudes = altitude_multipliers(aircraft, mission, result, solar)
+    return sorted(constraint_multipliers(result) + altitudes, key=lambda one: -one.gain)
 
 
 def _of_whole_cells(

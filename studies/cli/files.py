@@ -332,6 +332,14 @@ def refuse_climb(case: Case, command: str, why: str) -> None:
         raise located_error(case.where.document, ("climb",), message)
 
 
+def refuse_chosen_altitudes(case: Case, command: str) -> None:
+    """Refuse altitudes to choose from where every design is sized for the mission's own."""
+    climb = case.mission.climb
+    if climb is not None and climb.design_space.ranges():
+        message = f"size alone chooses altitudes, {command} keeps them; leave it out"
+        raise located_error(case.where.document, ("climb", "design_space"), message)
+
+
 def refuse_held_station(case: Case, command: str) -> None:
     """Refuse a mission that holds its place where one power is flown in all scenarios."""
     if case.mission.holds_station:

@@ -151,7 +151,8 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         where = task.mission.scenarios().label(int(dark.argmax()))
         raise ValueError(f"polar night: the sun never rises at {where}, so that no design flies")
     study = size(
-        *(task.aircraft, task.mission, task.objective),
+        # Sliders have the altitudes.
+        *(task.aircraft, task.mission.with_fixed_altitudes(), task.objective),
         model=task.solar.model,
         correction=task.solar.correction,
         with_margin=True,

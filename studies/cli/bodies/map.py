@@ -9,6 +9,7 @@ from studies.cli.files import (
     IN_WEATHER,
     Case,
     load,
+    refuse_chosen_altitudes,
     refuse_climb,
     require_climb_power,
     require_climber,
@@ -38,6 +39,7 @@ def map_(options: Map) -> None:
     else:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
         require_climb_power(case)
+        refuse_chosen_altitudes(case, "map --resize")
     if options.weather_file is not None:
         refuse_climb(case, "map --weather", IN_WEATHER)
         from studies.cli.bodies.weather import map_in_weather

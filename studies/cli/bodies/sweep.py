@@ -13,7 +13,7 @@ import click
 from missions.files.errors import InputError
 from missions.files.writing import write_files_atomically
 from studies.cli.commands.sweep import Sweep
-from studies.cli.files import Case, load, require_climb_power, require_climber, require_path
+from studies.cli.files import Case, load, refuse_chosen_altitudes, require_climb_power, require_climber, require_path
 from studies.cli.jobs import completed
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import call, figure_of, told
@@ -43,6 +43,7 @@ def sweep(options: Sweep) -> None:
         require_climber(case)
     else:
         require_climb_power(case)
+        refuse_chosen_altitudes(case, "sweep --resize")
     prepared = _prepared(case, options)
     with completed(prepared.job, options.work, out_file, "points") as outcome:
         data = dataset(prepared, outcome)
