@@ -132,7 +132,7 @@ def read_power_csv(path: Path, source: str) -> RawTable:
     index = pd.DatetimeIndex(pd.to_datetime(pd.DataFrame(parts), utc=True))
     if local:  # mean solar time, by NASA's definition
         index -= pd.Timedelta(hours=longitude / 15.0)
-    if ground is not None and float(ground[1]) > _MISSING:
+    if ground is not None and float(ground[1]) not in MISSING:
         columns["ground"] = np.array([float(ground[1])])
     found = _record("NASA POWER", columns, index, (latitude, longitude), START, source=source)
     return found._replace(first_line=head.count("\n") + 3)
