@@ -157,7 +157,7 @@ def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> No
         parts["motor"] = wound.model_dump(exclude_none=True)
     sized = any(one is not None for one in variables.of_propulsion[:2])
     mass_kg = propulsion.sized(*variables.mapped(float).of_propulsion).propeller.mass_kg
-    if sized and mass_kg:
+    if sized and mass_kg is not None:
         parts["propeller"]["mass_kg"] = float(mass_kg)
     # No longer the product that the file names.
     if sized and parts["propeller"].pop("product", None) is not None:

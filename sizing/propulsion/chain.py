@@ -28,7 +28,7 @@ from sizing.propulsion.part_masses import (
     continuous_torque_nm,
     gear_mass_kg,
     motor_mass_fit,
-    scaled_blade_mass,
+    propeller_mass_fit,
 )
 from sizing.propulsion.propeller_choice import PropellerChoice
 from sizing.smooth import Value
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LINKS", "AnyPropulsion", "OperatingPointPropulsion", "Propulsion"]
 
+_MassFactor = Annotated[float, Strict(), Field(gt=0.0, le=20.0)]
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
 _CLIMB_POWER_RATIO = 5.0
 _MASS_KG_PER_W = 0.0011
@@ -155,7 +156,8 @@ class OperatingPointPropulsion(Record):
     ``propulsors`` of one kind share the thrust. ``motor`` is the name of an entry of the catalogue,
     the path of one's own, or the constants themselves. Masses are those of one propulsor's parts;
     ``mass_kg_per_w`` comes on top, and is 0 where the motor's mass is known. ``efficiency_factor``
-    is what the propellers have over what is computed.
+    is what the propellers have over what is computed; ``motor_mass_factor`` and
+    ``propeller_mass_factor`` what those parts weigh over what is given or estimated.
     """
 
     # Whether a batch of designs is too dear to have its operating points at every step.
@@ -170,6 +172,8 @@ class OperatingPointPropulsion(Record):
     wiring_resistance_ohm: NonNegativeReal = 0.0
     maximum_tip_mach: Annotated[float, Strict(), Field(gt=0.0, lt=1.0)] = 0.7
     efficiency_factor: Annotated[float, Strict(), Field(gt=0.0, le=1.5)] = 1.0
+    motor_mass_factor: _MassFactor = 1.0
+    propeller_mass_factor: _MassFactor = 1.0
     mass_kg_per_w: NonNegativeReal | None = None
     climb_power_ratio: _ClimbRatio | None = None
     climb_rate_m_per_s: PositiveReal | None = None
@@ -201,7 +205,8 @@ class OperatingPointPropulsion(Record):
         if diameter_m is not None and self.propeller.mass_kg:
             # The file's mass is that of the file's diameter.
             larger = diameter_m / self.propeller.diameter_m
-            sizes["propeller.mass_kg"] = scaled_blade_mass(self.propeller.mass_kg, larger)
+            grown = larger ** propeller_mass_fit().exponent
+            sizes["propeller.mass_kg"] = self.propeller.mass_kg * grown
         if speed_constant_rpm_per_v is not None:
             wound = self.own_motor.rewound(speed_constant_rpm_per_v)
             sizes["motor"] = replaced(wound, ["mass_kg"], self.motor_mass_kg)
@@ -339,6 +344,21 @@ class OperatingPointPropulsion(Record):
         torque = continuous_torque_nm(motor)
         return motor_mass_fit().mass_kg(torque) if torque else None
 
+    @property
+    def motor_kg(self) -> Value:
+        """Mass of a motor that the budget has [kg], without its factor."""
+        mass_kg = self.motor_mass_kg if self.estimates_masses else self.own_motor.mass_kg
+        return 0.0 if mass_kg is None else mass_kg
+
+    @property
+    def propeller_kg(self) -> Value:
+        """Mass of a propeller that the budget has [kg], without its factor."""
+        own = self.propeller
+        if own.mass_kg is not None or not self.estimates_masses:
+            return 0.0 if own.mass_kg is None else own.mass_kg
+        diameter_m = own.propeller.diameter_m if own.diameter_m is None else own.diameter_m
+        return propeller_mass_fit().mass_kg(diameter_m)
+
     def with_links(
         self, efficiencies: Mapping[str, Any], torque_nm: Value = 0.0, level_w: Value = 1.0
     ) -> ChainOfParts:
@@ -347,9 +367,10 @@ class OperatingPointPropulsion(Record):
         ``torque_nm``, ``level_w``: of one propeller in level flight [N m] and electric power of
         all [W], by which a gear without a mass has one.
         """
-        known = (self.propeller.mass_kg, self.gear.mass_kg, self.controller.mass_kg)
         estimated = self.estimates_masses
-        motor_kg = self.motor_mass_kg if estimated else self.own_motor.mass_kg
+        known_kg = self.controller.mass_kg + (self.gear.mass_kg or 0.0)
+        known_kg = known_kg + self.motor_mass_factor * self.motor_kg
+        known_kg = known_kg + self.propeller_mass_factor * self.propeller_kg
         gear_kg: Value = 0.0
         if estimated and self.gear.mass_kg is None:
             gear_kg = self.propulsors * gear_mass_kg(torque_nm, self.gear.ratio)
@@ -357,8 +378,7 @@ class OperatingPointPropulsion(Record):
         links = {f"{name}_efficiency": _unwrapped(one) for name, one in efficiencies.items()}
         return ChainOfParts.model_construct(
             **links,
-            fixed_mass_kg=self.propulsors
-            * sum(one for one in (*known, motor_kg) if one is not None),
+            fixed_mass_kg=self.propulsors * known_kg,
             mass_kg_per_w=default if self.mass_kg_per_w is None else self.mass_kg_per_w,
             climb_power_ratio=self.climb_power_ratio,
             climb_rate_m_per_s=self.climb_rate_m_per_s,

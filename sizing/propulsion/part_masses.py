@@ -1,19 +1,20 @@
-"""Masses of parts that no file gives: motors by regression over the catalogue, gears by torque."""
+"""Masses of parts that no file gives: by regression over the catalogue, gears by their torque."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
-from math import exp, log, pi, sqrt
+from math import exp, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from sizing.catalogues.choice import entries
-from sizing.catalogues.entries import MotorEntry
+from sizing.catalogues.entries import MotorEntry, PropellerEntry
 from sizing.propulsion.electric import Motor
 from sizing.smooth import Value
 
-__all__ = ["GEAR_EXPONENT", "MotorMassFit", "gear_mass_kg", "motor_mass_fit", "scaled_blade_mass"]
+__all__ = ["GEAR_EXPONENT", "MassFit", "gear_mass_kg", "motor_mass_fit", "propeller_mass_fit"]
 
 # NASA/TM-2009-215680: masses of gearboxes of more than fifty rotorcraft, tiltrotors and turboprops
 # over beta = (hp / rpm_out)^0.75 ratio^0.15. The line through their logarithms is that of
@@ -25,21 +26,30 @@ GEAR_EXPONENT = 0.75 * _SLOPE  # of the torque
 _GEAR_KG = _LB_KG * 10.0**_INTERCEPT * (1.0 / (_RPM * _HP_W)) ** GEAR_EXPONENT
 
 
-class MotorMassFit(NamedTuple):
-    """Mass of motors over their continuous torque, ``coefficient_kg torque^exponent``.
+class MassFit(NamedTuple):
+    """Mass of parts over their size, ``coefficient_kg size^exponent``.
 
     ``scatter``: one standard deviation of the catalogue's masses about it, as a factor.
-    ``motors``: how many.
+    ``number``: how many.
     """
 
     coefficient_kg: float
     exponent: float
     scatter: float
-    motors: int
+    number: int
 
-    def mass_kg(self, torque_nm: float) -> float:
-        """Mass of a motor of a continuous torque [kg]."""
-        return float(self.coefficient_kg * torque_nm**self.exponent)
+    @classmethod
+    def of(cls, sizes_and_masses: Iterable[tuple[float, float]]) -> MassFit:
+        """Least squares in logarithms."""
+        x, y = np.log(np.array(list(sizes_and_masses))).T
+        exponent, intercept = np.polyfit(x, y, 1)
+        rest = y - intercept - exponent * x
+        scatter = sqrt(float(rest @ rest) / (len(x) - 2))
+        return cls(exp(intercept), float(exponent), exp(scatter), len(x))
+
+    def mass_kg(self, size: Value) -> Value:
+        """Mass of a part of a size [kg]."""
+        return self.coefficient_kg * size**self.exponent
 
 
 def continuous_torque_nm(motor: Motor | MotorEntry) -> float | None:
@@ -51,8 +61,8 @@ def continuous_torque_nm(motor: Motor | MotorEntry) -> float | None:
 
 
 @cache
-def motor_mass_fit() -> MotorMassFit:
-    """Least squares in logarithms over the motors of the catalogue.
+def motor_mass_fit() -> MassFit:
+    """Mass of the motors of the catalogue over their continuous torque [N m].
 
     The torque scatters less about its line than the motor constant ``K_t / sqrt(R)`` does.
     """
@@ -61,12 +71,17 @@ def motor_mass_fit() -> MotorMassFit:
         for one in entries("motors").values()
         if isinstance(one, MotorEntry) and one.mass_kg is not None
     ]
-    logs = [(log(torque), log(mass)) for torque, mass in known if torque]
-    x, y = np.array(logs).T
-    exponent, intercept = np.polyfit(x, y, 1)
-    rest = y - intercept - exponent * x
-    scatter = sqrt(float(rest @ rest) / (len(x) - 2))
-    return MotorMassFit(exp(intercept), float(exponent), exp(scatter), len(x))
+    return MassFit.of((torque, mass_kg) for torque, mass_kg in known if torque)
+
+
+@cache
+def propeller_mass_fit() -> MassFit:
+    """Mass of the propellers of the catalogue over their diameter [m]."""
+    return MassFit.of(
+        (one.diameter_m, one.mass_kg)
+        for one in entries("propellers").values()
+        if isinstance(one, PropellerEntry) and one.mass_kg is not None
+    )
 
 
 def gear_mass_kg(torque_nm: Value, ratio: Value) -> Value:
@@ -74,8 +89,3 @@ def gear_mass_kg(torque_nm: Value, ratio: Value) -> Value:
     if isinstance(ratio, float | int) and ratio == 1.0:
         return 0.0
     return _GEAR_KG * torque_nm**GEAR_EXPONENT * ratio ** (0.15 * _SLOPE)
-
-
-def scaled_blade_mass(mass_kg: Value, diameter_ratio: Value) -> Value:
-    """Mass of a propeller of the same shape and material, larger by a ratio [kg]."""
-    return mass_kg * diameter_ratio**3

@@ -36,7 +36,7 @@ class PropellerChoice(OfCatalogue):
     chords: Literal["thin_electric", "slow_flyer"] = "thin_electric"
     table: Text | tuple[Text, ...] | None = None
     any_speed: Flag = False
-    mass_kg: NonNegativeReal = 0.0
+    mass_kg: NonNegativeReal | None = None
     # Texts of the tables by path, as read when the record was made.
     _texts: dict[str, str] | None = PrivateAttr(default=None)
 

@@ -16,7 +16,7 @@ from sizing.design import Design, level_point, load_profile
 from sizing.energy.cycle import simulate_cycle
 from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
-from sizing.propulsion.part_masses import motor_mass_fit
+from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 from sizing.results.records import finite
 from sizing.varying_load import flight_of, interpolation_error, load_shape
 
@@ -143,12 +143,15 @@ def power_line(budget: PowerBudget, mission: Mission) -> str:
 class PartMasses(NamedTuple):
     """Estimated masses of one propulsor [kg]; None for a part whose mass is known.
 
-    ``motor_scatter``: one standard deviation of the motors of the catalogue, as a factor.
+    ``motor_scatter``, ``propeller_scatter``: one standard deviation of those of the catalogue, as a
+    factor.
     """
 
     motor_kg: float | None
     motor_scatter: float | None
     gearbox_kg: float | None
+    propeller_kg: float | None
+    propeller_scatter: float | None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -166,9 +169,12 @@ def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
     motor = None if propulsion.own_motor.mass_kg is not None else propulsion.motor_mass_kg
     gears_kg = float(design.masses.propulsion) - float(chain.fixed_mass_kg or 0.0)
     has_gear = own.gear.mass_kg is None and own.gear.ratio != 1.0
-    if motor is None and not has_gear:
+    propeller = None if own.propeller.mass_kg is not None else float(own.propeller_kg)
+    if motor is None and propeller is None and not has_gear:
         return None
     return PartMasses(
+        propeller_kg=propeller,
+        propeller_scatter=None if propeller is None else propeller_mass_fit().scatter,
         motor_kg=motor,
         motor_scatter=None if motor is None else motor_mass_fit().scatter,
         gearbox_kg=gears_kg / own.propulsors if has_gear else None,
@@ -178,13 +184,16 @@ def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
 def part_masses_line(found: PartMasses) -> str:
     """Estimated masses in a sentence."""
     parts = []
-    if found.motor_kg is not None and found.motor_scatter is not None:
-        low, high = found.motor_kg / found.motor_scatter, found.motor_kg * found.motor_scatter
-        parts.append(
-            f"motor {found.motor_kg:.3f} kg by the torque of {motor_mass_fit().motors} motors of "
-            f"the catalogue, which scatter by a factor of {found.motor_scatter:.2f} "
-            f"({low:.3f} to {high:.3f} kg)"
-        )
+    for name, size, mass_kg, fit in (
+        ("motor", "torque", found.motor_kg, motor_mass_fit()),
+        ("propeller", "diameter", found.propeller_kg, propeller_mass_fit()),
+    ):
+        if mass_kg is not None:
+            low, high = mass_kg / fit.scatter, mass_kg * fit.scatter
+            parts.append(
+                f"{name} {mass_kg:.3f} kg by the {size} of {fit.number} {name}s of the catalogue, "
+                f"which scatter by a factor of {fit.scatter:.2f} ({low:.3f} to {high:.3f} kg)"
+            )
     if found.gearbox_kg is not None:
         parts.append(f"gearbox {found.gearbox_kg:.3f} kg by its torque (NASA/TM-2009-215680)")
     return f"estimated masses of a propulsor: {', '.join(parts)}."

@@ -29,7 +29,7 @@ from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
-from sizing.parameters import parameter_value, with_parameter
+from sizing.parameters import with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.part_load import PartLoad
 from sizing.smooth_propulsion import smooth_at
@@ -90,6 +90,8 @@ class Flights:
 
 
 _PROPULSION, _FACTOR = "airframe.propulsion.", "efficiency_factor"
+# Of the propulsion's keys those that may differ between draws.
+_DRAWN = {_FACTOR, "motor_mass_factor", "propeller_mass_factor"}
 _PARTS = tuple(f"{_PROPULSION}{part}." for part in ("propeller", "gear", "motor", "controller"))
 
 
@@ -98,7 +100,7 @@ def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -
     for key in (one.key for one in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
-        if key.startswith(_PARTS) or key.removeprefix(_PROPULSION) in PARTS - {_FACTOR}:
+        if key.startswith(_PARTS) or key.removeprefix(_PROPULSION) in PARTS - _DRAWN:
             raise ValueError(
                 f"{key} has one value for all draws: vary it with `sweep`, or let "
                 f"{_PROPULSION}{_FACTOR} scatter"
@@ -133,8 +135,7 @@ class Propagation:
         self._horizontal_volume = None if built is None else built.horizontal_volume
         # Of a propeller by tables, whose efficiencies are constants here.
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
-        given = parameter_value(aircraft, None, _PROPULSION + _FACTOR)
-        self._table_factor = given if by_table else None
+        self._parts = aircraft.propulsion_by_parts if by_table else None
 
     def flights(self, values: dict[str, FloatArray]) -> Flights:
         """Fly all draws.
@@ -276,8 +277,8 @@ class Propagation:
     def _case(self, values: dict[str, FloatArray]) -> _Case:
         aircraft, mission = self.aircraft, self.mission
         for key, value in values.items():
-            if key == _PROPULSION + _FACTOR and self._table_factor is not None:
-                key, value = self._of_constants(value)
+            if key.removeprefix(_PROPULSION) in _DRAWN and self._parts is not None:
+                key, value = self._of_constants(aircraft, key.removeprefix(_PROPULSION), value)
             if key != SOLAR_MODEL:
                 aircraft, mission = with_parameter(aircraft, mission, key, value)
         count = len(next(iter(values.values()))) if values else 1
@@ -306,13 +307,20 @@ class Propagation:
             count=count,
         )
 
-    def _of_constants(self, factor: FloatArray) -> tuple[str, FloatArray]:
-        """Key and values by which constant efficiencies have a factor."""
-        key = f"{_PROPULSION}propeller_efficiency"
-        nominal = parameter_value(self.aircraft, None, key)
-        assert nominal is not None
-        assert self._table_factor is not None
-        return key, nominal * factor / self._table_factor
+    def _of_constants(
+        self, aircraft: Aircraft, name: str, factor: FloatArray
+    ) -> tuple[str, FloatArray]:
+        """Key and values by which constant efficiencies and masses have a factor."""
+        parts, chain = self._parts, getattr(aircraft.airframe, "propulsion", None)
+        assert parts is not None
+        assert isinstance(chain, Propulsion)
+        if name == _FACTOR:
+            key = f"{_PROPULSION}propeller_efficiency"
+            return key, chain.propeller_efficiency * factor / parts.efficiency_factor
+        of_motor = name.startswith("motor")
+        part_kg = parts.motor_kg if of_motor else parts.propeller_kg
+        more_kg = parts.propulsors * part_kg * (factor - getattr(parts, name))
+        return f"{_PROPULSION}fixed_mass_kg", chain.fixed_mass_kg + more_kg
 
     def _flown(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray, FloatArray]:
         """Cycle of every draw in a scenario, solar power and load [W], ``(sample, time)``."""

@@ -79,7 +79,10 @@ def test_units_are_those_of_the_names(one: Parameter) -> None:
 OF_PARTS = (
     *(
         f"airframe.propulsion.{key}"
-        for key in ("efficiency_factor", "propeller.diameter_m", "propeller.pitch_m", "gear.ratio")
+        for key in (
+            *("efficiency_factor", "motor_mass_factor", "propeller_mass_factor"),
+            *("propeller.diameter_m", "propeller.pitch_m", "gear.ratio"),
+        )
     ),
     "airframe.propulsion.motor.speed_constant_rpm_per_v",
     "airframe.tail.horizontal_volume",

@@ -13,7 +13,7 @@ VOLTAGE = {
 }
 PARTS: dict[str, Any] = {
     "kind": "operating_point",
-    "propeller": {"diameter_m": 0.66, "pitch_m": 0.60},
+    "propeller": {"diameter_m": 0.66, "pitch_m": 0.60, "mass_kg": 0.0},
     "gear": {"ratio": 5.0, "efficiency": 0.96, "mass_kg": 0.0},
     "motor": "maxon-re40-148867",
     "controller": {"resistance_ohm": 0.02, "freewheel_voltage_v": 0.7},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,10 @@ import sizing
 from missions.library import load_mission
 from sizing.catalogues.choice import entries
 from sizing.design import design_of
-from sizing.propulsion.part_masses import gear_mass_kg, motor_mass_fit
+from sizing.propulsion.part_masses import gear_mass_kg, motor_mass_fit, propeller_mass_fit
+from sizing.sunlight import UNCORRECTED_CAM
+from sizing.uncertainty.inputs import uncertain_inputs
+from sizing.uncertainty.propagation import Propagation, check_inputs
 
 MISSION = load_mission("rafz-july")
 MOTOR = {
@@ -44,7 +48,7 @@ def test_the_line_through_the_motors_is_the_least_squares_of_their_logarithms() 
     torque, mass = np.array(rows).T
     fit = motor_mass_fit()
     residual = np.log(mass) - np.log([fit.mass_kg(one) for one in torque])
-    assert fit.motors == len(rows) >= 20
+    assert fit.number == len(rows) >= 20
     # The normal equations, and the scatter with two numbers fitted.
     assert residual.sum() == pytest.approx(0.0, abs=1e-10)
     assert residual @ np.log(torque) == pytest.approx(0.0, abs=1e-10)
@@ -95,7 +99,81 @@ def test_a_chosen_propeller_scales_and_its_file_says_so() -> None:
     diameter_m = float(study.design.variables.propeller_diameter_m)
     built = study.sized_aircraft()
     propulsion = getattr(built.airframe, "propulsion", None)
-    assert propulsion.propeller.mass_kg == pytest.approx(0.05 * (diameter_m / 0.66) ** 3)
+    grown = (diameter_m / 0.66) ** propeller_mass_fit().exponent
+    assert propulsion.propeller.mass_kg == pytest.approx(0.05 * grown)
     mass_kg = float(design_of(built, MISSION).masses.propulsion)
     # Formulas and exact chain agree to 1e-5 in the efficiency, and so in the torque.
     assert mass_kg == pytest.approx(float(study.design.masses.propulsion), rel=1e-4)
+
+
+def test_the_line_through_the_propellers_foretells_others_of_the_maker() -> None:
+    """APC's list has weights of propellers that the catalogue has not [oz]."""
+    fit = propeller_mass_fit()
+    assert fit.number == 15
+    for inches, ounces in ((12.0, 0.95), (16.0, 1.98), (25.0, 7.87), (27.0, 8.18)):
+        weighed_kg = ounces * 0.0283495
+        assert fit.mass_kg(inches * 0.0254) == pytest.approx(weighed_kg, rel=0.2)
+    # Between a plate's square and the cube of the same shape.
+    assert 2.0 < fit.exponent < 3.0
+
+
+def test_a_propeller_without_a_mass_has_that_of_its_diameter() -> None:
+    propeller = {"diameter_m": 0.66, "pitch_m": 0.60}
+    estimated, without = (aircraft(propeller=propeller | more) for more in ({}, {"mass_kg": 0.0}))
+    more_kg = design_of(estimated, MISSION).masses.propulsion
+    more_kg -= design_of(without, MISSION).masses.propulsion
+    # The gear grows with the torque that the heavier aircraft needs.
+    assert float(more_kg) == pytest.approx(propeller_mass_fit().mass_kg(0.66), rel=0.05)
+    told = sizing.analyse(estimated, MISSION).part_masses
+    assert told is not None
+    assert told.propeller_kg == pytest.approx(propeller_mass_fit().mass_kg(0.66))
+    # Where the file says how the whole group grows nothing is estimated.
+    grouped = aircraft(propeller=propeller, mass_kg_per_w=0.002).propulsion_by_parts
+    assert grouped is not None
+    assert grouped.propeller_kg == 0.0
+    known = aircraft(propeller={"product": "apc-26x15e"}).propulsion_by_parts
+    assert known is not None
+    assert known.propeller_kg == pytest.approx(0.214, abs=1e-3)
+
+
+@pytest.mark.parametrize("part", ["motor", "propeller"])
+def test_masses_scatter_in_draws_as_those_of_files(part: str) -> None:
+    """Each draw is the aircraft of a file with that factor, mass budget closed anew."""
+    key = f"airframe.propulsion.{part}_mass_factor"
+    spread = {"distribution": "lognormal", "relative_sigma": motor_mass_fit().scatter - 1.0}
+    own = aircraft({"uncertainty.inputs": {key: spread}})
+    (found,) = uncertain_inputs(own, MISSION, UNCORRECTED_CAM, model_error=False).inputs
+    low, middle, high = found.values(np.array([0.158655, 0.5, 0.841345]))
+    assert (low, middle, high) == pytest.approx((1.0 / 1.62, 1.0, 1.62), rel=0.01)
+    check_inputs(uncertain_inputs(own, MISSION, UNCORRECTED_CAM), MISSION, UNCORRECTED_CAM)
+    flown = Propagation(own, MISSION, UNCORRECTED_CAM).flights({key: np.array([low, high])})
+    for factor, mass_kg in zip((low, high), flown.total_mass_kg, strict=True):
+        alone = design_of(aircraft(**{f"{part}_mass_factor": float(factor)}), MISSION)
+        assert mass_kg == pytest.approx(float(alone.total_mass_kg), rel=1e-4)
+
+
+def test_masses_scatter_with_a_propeller_by_tables(tmp_path: Path) -> None:
+    table = tmp_path / "own.csv"
+    rows = "\n".join(
+        f"{j},{0.16 - 0.12 * j},{0.11 - 0.05 * j},{rpm}"
+        for rpm in (200, 4000)
+        for j in (0.2, 0.6, 1.0, 1.2)
+    )
+    table.write_text(f"# diameter_m: 0.66\nJ,CT,CP,rpm\n{rows}\n")
+    parts: dict[str, Any] = {"propeller": {"table": str(table), "mass_kg": 0.05}}
+    keys = {
+        f"airframe.propulsion.{one}_mass_factor": np.array([1.5]) for one in ("motor", "propeller")
+    }
+    flown = Propagation(aircraft(**parts), MISSION, UNCORRECTED_CAM).flights(keys)
+    alone = design_of(aircraft(**parts, motor_mass_factor=1.5, propeller_mass_factor=1.5), MISSION)
+    # Draws have the chain of the nominal aircraft.
+    assert flown.total_mass_kg[0] == pytest.approx(float(alone.total_mass_kg), rel=1e-3)
+
+
+def test_a_sizing_knows_what_the_masses_are_worth() -> None:
+    study = sizing.size(aircraft(), MISSION, objective="min_mass", with_sensitivities=True)
+    rows = {one.parameter: one for one in study.sensitivities or ()}
+    for part in ("motor", "propeller"):
+        found = rows[f"airframe.propulsion.{part}_mass_factor"].elasticity
+        assert found is not None
+        assert found > 0.0
