@@ -84,13 +84,11 @@ def _check(case: Case, options: Size) -> None:
     measured = "a measured aircraft cannot be sized; allowed: parametric"
     checks.require_parametric(case, measured)
     if options.weather_file is not None:
-        checks.refuse_climb(case, "size --weather")
+        checks.refuse_climb(case, "size --weather", checks.IN_WEATHER)
     checks.require_climb_power(case)
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)
     checks.require_path(case)
-    if options.survive is not None:
-        checks.refuse_held_station(case, "size --survive")
     if options.whole_cells:
         checks.require_whole_cells(case)
     least = options.reliability
