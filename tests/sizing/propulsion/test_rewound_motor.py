@@ -11,7 +11,7 @@ from propulsors import PARTS
 import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
-from sizing.catalogues.files import entries
+from sizing.catalogues.choice import entries
 from sizing.design import ImpossibleDesignError, design_of
 from sizing.propulsion.electric import Motor
 from sizing.propulsion.part_masses import continuous_torque_nm
