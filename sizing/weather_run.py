@@ -17,7 +17,7 @@ from missions.air import ZERO_CELSIUS_K, air_at
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
-from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, runs_of
+from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, run_lengths
 from sizing.aircraft import Aircraft
 from sizing.design import (
     Design,
@@ -427,12 +427,6 @@ def _capacity_of_days(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -
     assumed = fraction(mission.air_state().temperature_c, altitude_m)
     of_days = fraction(np.mean(air_c, axis=1), altitude_m) / assumed
     return np.asarray(of_days * np.ones(len(air_c)))
-
-
-def run_lengths(marks: BoolArray) -> IntArray:
-    """Lengths of the runs of true values, in their order."""
-    begin, stop = runs_of(marks)
-    return stop - begin
 
 
 def wait_for_window(closes: BoolArray, days: int) -> FloatArray:

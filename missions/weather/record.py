@@ -151,3 +151,9 @@ def runs_of(marks: BoolArray) -> tuple[IntArray, IntArray]:
     """First place, and the place after the last, of every run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
     return edges[::2], edges[1::2]
+
+
+def run_lengths(marks: BoolArray) -> IntArray:
+    """Lengths of the runs of true values, in their order."""
+    begin, stop = runs_of(marks)
+    return stop - begin

@@ -14,7 +14,7 @@ import numpy as np
 from missions.dates import date_code, date_label
 from missions.files.errors import file_error
 from missions.mission import Mission
-from missions.weather.record import Weather
+from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
 from sizing.design import Design
 from sizing.energy.battery import Store
@@ -22,7 +22,7 @@ from sizing.energy.carried_days import carried_over, dawns_of
 from sizing.energy.power_balance import PowerBalance
 from sizing.optimisation.result import SizingStatus
 from sizing.sunlight import SolarModel
-from sizing.weather_run import HOURS_PER_DAY, WeatherDays, run_lengths
+from sizing.weather_run import HOURS_PER_DAY, WeatherDays
 from solar.types import BoolArray, FloatArray, IntArray
 
 

@@ -6,14 +6,14 @@ from weather_files import SITE, clear_record
 
 from missions.library import load_mission
 from missions.weather.light import light_at_altitude
-from missions.weather.record import Site
+from missions.weather.record import Site, run_lengths
 from missions.weather.site import mission_at_site
 from missions.winds.table import COLUMNS
 from sizing.library import load_aircraft
 from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
 from sizing.sunlight import SolarModel
-from sizing.weather_run import DayAxis, run_lengths, wait_for_window, weather_performance
+from sizing.weather_run import DayAxis, wait_for_window, weather_performance
 
 AS2 = load_aircraft("atlantiksolar-as2")
 # Profile drag whatever the Reynolds number.
