@@ -311,9 +311,9 @@ def _mission(draw: _Draw, scale: str) -> tuple[Mission, list[str]]:
 
 
 def _climbing(draw: _Draw, mission: Mission) -> tuple[Mission, list[str]]:
-    """Mission on which the aircraft climbs, anything from next to nothing to 12 km."""
+    """Mission on which the aircraft climbs, anything from next to nothing to 25 km."""
     strategy = draw.one_of(["battery_full", "surplus"])
-    highest = min(mission.altitude_m + draw.log_between(100.0, 12000.0), 30000.0)
+    highest = min(mission.altitude_m + draw.log_between(100.0, 25000.0), 30000.0)
     climb = {"ceiling_m": highest, "strategy": strategy}
     return with_values(mission, {"climb": climb}), ["climb", strategy]
 

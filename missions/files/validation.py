@@ -16,6 +16,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import difflib
+import math
 import re
 import typing
 import warnings
@@ -45,7 +46,7 @@ def validate(document: Document, model: type[M]) -> M:
     try:
         return model.model_validate(document.data)
     except ValidationError as error:
-        details = error.errors(include_url=False)
+        details = [one for one in error.errors(include_url=False) if not _is_of_items(one)]
     renewed = _with_new_keys(document, model, details)
     if renewed is not document:
         return validate(renewed, model)
@@ -300,7 +301,15 @@ def _worded(detail: ErrorDetails) -> tuple[str, str]:
         text = "must be a finite number"  # beyond the largest float
     for expression, words in _WORDS:
         text = expression.sub(words, text)
+    if isinstance(value, str):
+        text = re.sub(r"(\d) items?$", r"\1 characters", text)
     return text, f" (got {shown(value)}){_hint(kind, value)}"
+
+
+def _is_of_items(detail: ErrorDetails) -> bool:
+    """Whether a list only counts as too short because some of its items are wrong."""
+    least = detail.get("ctx", {}).get("min_length", math.inf)
+    return detail["type"] == "too_short" and len(detail["input"]) >= least
 
 
 def _one_line(text: str) -> str:

@@ -131,14 +131,11 @@ class Strings(Record):
         window, current = self.window(loss_per_k, battery_v), self.mpp_current_a
         if not window.least <= self.cells_in_series <= window.most:
             allowed = (
-                f"from {window.least} to {window.most}"
+                f"must be from {window.least} to {window.most}"
                 if window.least <= window.most
-                else "what no number is"
+                else "no number of cells will do"
             )
-            return (
-                "cells_in_series",
-                f"must be {allowed}: {window.why} (got {self.cells_in_series})",
-            )
+            return "cells_in_series", f"{allowed}: {window.why} (got {self.cells_in_series})"
         assert current is not None
         if self.strings_per_mppt * current > self.mppt.maximum_current_a * (1.0 + _ROUNDING):
             most = math.floor(self.mppt.maximum_current_a / current)

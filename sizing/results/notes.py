@@ -15,6 +15,8 @@ from sizing.structures.assessment import StructureAssessment
 from sizing.validity.ranges import Extrapolation
 
 HEADING = "outside the range of a model:"
+# Of what is assumed instead of a model, by the model: whose excess time a note has.
+_OTHERWISE = {"module_temperature": "modules as cold as the air", "battery": "unheated battery"}
 
 
 def extrapolation_blocks(extrapolations: Sequence[Extrapolation]) -> list[Any]:
@@ -42,7 +44,7 @@ def extrapolation_caption(extrapolations: Sequence[Extrapolation]) -> str:
     names = dict.fromkeys(
         one.label
         if one.excess_time_h is None
-        else f"{one.holder} (without it excess time {hours(one.excess_time_h)})"
+        else f"{one.holder} ({_OTHERWISE[one.model]}: excess time {hours(one.excess_time_h)})"
         for one in extrapolations
     )
     return f"extrapolated: {', '.join(names)}"

@@ -246,6 +246,20 @@ def test_empty_text() -> None:
     assert problem_of(GOOD.replace("AS-2", "''")).endswith("name: must not be empty (got '')")
 
 
+def test_a_wrong_item_does_not_make_a_list_too_short() -> None:
+    class Table(Record):
+        title: Annotated[Text, Field(max_length=3)]
+        values: tuple[PositiveReal, ...] = Field(min_length=2)
+
+    assert problems_of("title: abcd\nvalues: [1, -2]\n", model=Table) == [
+        "as2.yaml:1:8: title: must have at most 3 characters (got 'abcd')",
+        "as2.yaml:2:13: values.1: must be greater than 0 (got -2)",
+    ]
+    assert problems_of("title: a\nvalues: [1]\n", model=Table) == [
+        "as2.yaml:2:1: values: must have at least 2 items (got a list of 1)"
+    ]
+
+
 def test_key_of_an_earlier_version_is_refused_with_its_new_name() -> None:
     class Pack(Battery):
         renamed_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}

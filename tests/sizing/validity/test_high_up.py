@@ -207,13 +207,12 @@ def test_a_map_of_sizings_tells_the_worth_of_its_lightest_design() -> None:
 def test_captions_say_what_is_assumed_and_its_worth() -> None:
     found = analyse(DESIGN, HIGH).extrapolations
     caption = extrapolation_caption(found)
-    for key, what in (
-        (MODULES, "module temperature near the ground"),
-        (BATTERY, "battery without"),
+    for key, what, otherwise in (
+        (MODULES, "module temperature near the ground", "modules as cold as the air"),
+        (BATTERY, "battery without temperature", "unheated battery"),
     ):
         hours = f"{notes(found)[key].excess_time_h:.2f} h"
-        assert what in caption
-        assert f"(without it excess time {hours})" in caption
+        assert f"{what} ({otherwise}: excess time {hours})" in caption
 
 
 def test_records_keep_the_worth_and_those_from_before_it_are_read() -> None:
