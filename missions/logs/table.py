@@ -176,7 +176,7 @@ def checked_log(
     else:
         time_s = numbers(table[EPOCH], check, "time")
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
-    names += [name for name in table if name.startswith(TRACKER)]
+    names += [name for name in map(str, table) if name.startswith(TRACKER)]
     values = {name: numbers(table[name], check, quantity_of(name)) for name in names}
     if all(name in values for name in REQUIRED):
         nowhere = no_place(values["latitude_deg"], values["longitude_deg"])
@@ -191,18 +191,23 @@ def checked_log(
             remarks.append(f"the attitude is not used: {', '.join(empty)} not logged")
     time_s, values = _in_order(time_s, values, remarks)
     time_s, values = without_spans(time_s, values, exclude, zone, left)
+    _leave_out_sums(values)
     left += leave_out_held(time_s, values, check.labels)
-    for name in values:
-        if name.startswith(TRACKER):  # without one of them there is no sum
-            values["solar_power_w"] = np.where(
-                np.isnan(values[name]), np.nan, values["solar_power_w"]
-            )
+    _leave_out_sums(values)
     remarks += [one.told() for one in left]
     time_s, values = _put_together(time_s, values, remarks)
     keep = _complete(time_s, values, check.source, left)
     time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
     dropped = int(np.count_nonzero(~keep))
     return _assembled(check.source, time_s, values, dropped, remarks, tuple(left))
+
+
+def _leave_out_sums(values: dict[str, FloatArray]) -> None:
+    """Leave out the solar power where that of one of its MPPTs is not known."""
+    for name in values:
+        if name.startswith(TRACKER):
+            whole = values["solar_power_w"]
+            values["solar_power_w"] = np.where(np.isnan(values[name]), np.nan, whole)
 
 
 def _in_order(

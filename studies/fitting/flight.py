@@ -272,10 +272,10 @@ def fit_flight(
     parameters = chosen(names, aircraft)
     given = (log,) if isinstance(log, FlightLog | str | os.PathLike) else tuple(log)
     logs = [one if isinstance(one, FlightLog) else read_flight_log(os.fspath(one)) for one in given]
-    for one, other in itertools.combinations(logs, 2):
-        alike = np.array_equal(one.time_s, other.time_s)
-        if alike and np.array_equal(one.solar_power_w, other.solar_power_w):
-            raise file_error(other.source, f"is the same flight as {one.source}: give it once")
+    for first, other in itertools.combinations(logs, 2):
+        alike = np.array_equal(first.time_s, other.time_s)
+        if alike and np.array_equal(first.solar_power_w, other.solar_power_w):
+            raise file_error(other.source, f"is the same flight as {first.source}: give it once")
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     verified = [verify(aircraft, one, mission, correct=correct) for one in logs]
     flights = [Flown.of(one, mission) for one in verified]

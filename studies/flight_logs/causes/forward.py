@@ -234,4 +234,4 @@ class Forward:
         if self.shade is None or self.geometry is None or self.log.attitude is None:
             return None
         covered = self.sunlight(error).shaded_m2(self.shade)
-        return covered / np.array([one.area_m2 for one in self.geometry.surfaces])
+        return np.asarray(covered / np.array([one.area_m2 for one in self.geometry.surfaces]))

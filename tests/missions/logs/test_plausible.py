@@ -16,7 +16,7 @@ from benchmarks.independent_logs import TRUTHS, TUNING, made
 from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.logs.clock import parse_span
-from missions.logs.columns import ColumnMap
+from missions.logs.columns import ColumnMap, column_name
 from missions.logs.csv import read_csv
 from missions.logs.plausible import codes
 from missions.logs.table import FlightLog, log_from_table
@@ -211,6 +211,40 @@ def test_times_and_columns_are_left_out_by_hand(tmp_path: Path) -> None:
     assert (log.load_w, log.attitude, log.left_out) == (None, None, ())
     with pytest.raises(InputError, match="solar_power_w: required column is missing"):
         read(tmp_path, flown(), ignore=["solar_power_w"])
+    log = read(tmp_path, flown(), ignore=["lod_w"])
+    assert "nothing is called lod_w, to ignore it; did you mean 'load_w'?" in log.notes
+
+
+def test_a_day_that_is_left_out_ends_at_midnight() -> None:
+    hours = 3600.0 * np.arange(48.0)
+    day = parse_span("00:00-24:00").holds(hours, datetime.UTC)
+    assert day.all()
+    half = parse_span("1970-01-02@12:00-24:00").holds(hours, datetime.UTC)
+    assert np.flatnonzero(half).tolist() == list(range(36, 48))
+    night = parse_span("22:00-02:00").holds(hours, datetime.UTC)
+    assert set((np.flatnonzero(night) % 24).tolist()) == {22, 23, 0, 1, 2}
+    with pytest.raises(ValueError, match="must be times like"):
+        parse_span("24:00-01:00")
+
+
+@pytest.mark.parametrize("name", ["", "  ", "\n"])
+def test_a_blank_name_is_no_column_to_ignore(name: str) -> None:
+    with pytest.raises(ValueError, match="must be the name of a column or quantity"):
+        column_name(name)
+
+
+def test_power_of_an_mppt_that_cannot_be_leaves_its_row_out(tmp_path: Path) -> None:
+    rows = flown().head(300)
+    power = rows.pop("solar_power_w")
+    rows = rows.assign(P_solar_left=0.25 * power, P_solar_right=0.75 * power)
+    rows.loc[20, "P_solar_right"] = 9999.0
+    log = read(tmp_path, rows)
+    assert list(log.tracker_power_w) == ["P_solar_left", "P_solar_right"]
+    assert len(log) == 299
+    assert sum(log.tracker_power_w.values()) == pytest.approx(log.solar_power_w)
+    assert [(one.column, one.kind, one.values) for one in log.left_out] == [
+        ("P_solar_right", "code", 1)
+    ]
 
 
 def test_columns_that_nobody_needs_make_no_log_unreadable(tmp_path: Path) -> None:

@@ -188,6 +188,14 @@ def test_mistakes_are_one_line_each(kind: str, text: str, message: str, tmp_path
     assert not (tmp_path / "out.yaml").exists()
 
 
+def test_columns_are_read_in_any_case_and_a_row_is_counted_as_one(tmp_path: Path) -> None:
+    path = tmp_path / "stand.csv"
+    names = [one.name for one in LAYOUTS["thrust-stand"].columns]
+    path.write_text(f"{','.join(names).upper()}\n8,2,30,6000,0.03\n")
+    found = evaluate_bench(DESIGN, path)
+    assert any("stand.csv: 1 row; force" in note for note in found.notes)
+
+
 def test_a_file_that_is_missing_and_two_tests_of_one_key_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         evaluate_bench(AS2, tmp_path / "missing.csv")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR
 
+from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.logs.table import FlightLog
 from missions.mission import Mission
@@ -244,6 +245,8 @@ def test_two_flights_are_fitted_together() -> None:
     text = str(both)
     assert "what each flight adds" in text
     assert "probability" in text
+    with pytest.raises(InputError, match="is the same flight as"):
+        fit_flight(AS2, (quiet_log(), second, quiet_log()), mission(), correct=None, names=names)
 
 
 def test_synthetic_flights_keep_their_energy() -> None:
