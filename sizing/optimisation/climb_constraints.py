@@ -33,6 +33,7 @@ from sizing.optimisation.energy_constraints import (
     charge_step_function,
     mean_positive,
 )
+from sizing.smooth import smooth_minimum
 from solar.types import FloatArray
 
 Strategy = Literal["battery_full", "surplus"]
@@ -43,9 +44,11 @@ CLIMB_SUN_PARAMETERS = 4 * NODES + 3
 ALOFT_PARAMETERS = 2 * (len(FlightConditions._fields) + 1)
 _DARK_STEPS = 12
 _NOTHING = 1e-9
-# Of the battery, about what an interval charges: over this it becomes full, and climbs begin. With a
+# Of the battery, about what an interval charges next to full: over this climbs begin. With a
 # kink there, at every node another one, optima between two heights are seldom found.
-_FILLING = 0.005
+_FILLING = 0.002
+# Likewise between the climbs that the surplus allows and those that the rated power does.
+_BLEND, _TINY_WH = 0.3, 1e-6
 
 
 class ClimbValues(NamedTuple):
@@ -210,7 +213,8 @@ class _Day:
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
             mean_w = self.motor_w.at(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
-            reached = reached + ca.fmax(ca.fmin(usable_wh, room_wh), 0.0) / self.store_wh
+            used_wh = smooth_minimum(ca.fmax(usable_wh, 0.0) + _TINY_WH, room_wh + _TINY_WH, _BLEND)
+            reached = reached + used_wh / self.store_wh
             soc = charged
         return soc, reached
 

@@ -1,0 +1,103 @@
+"""Floor and ceiling of climbs as design variables, beside sizings at fixed ones."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from builders import DESIGN
+from builders import shipped_mission as mission
+
+from missions.mission import Mission
+from sizing import size
+from sizing.optimisation.altitudes import with_best_altitudes
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.sensitivity import altitude_multipliers
+from sizing.sunlight import UNCORRECTED_CAM
+
+
+def climbing(floor_m: float, ceiling_m: float, **changes: object) -> Mission:
+    climb = {"minimum_altitude_m": floor_m, "ceiling_m": ceiling_m}
+    return mission(altitude_m=None, climb=climb, **changes)
+
+
+def choosing(space: dict[str, Any], **changes: object) -> Mission:
+    climb = {"minimum_altitude_m": 1000.0, "ceiling_m": 3000.0, "design_space": space}
+    return mission(altitude_m=None, climb=climb, **changes)
+
+
+def merit(there: Mission, objective: Objective = Objective.min_mass) -> float:
+    return size_aircraft(DESIGN, there, objective, explain=False).merit
+
+
+def chosen(there: Mission, objective: Objective = Objective.min_mass) -> tuple[float, float]:
+    found = with_best_altitudes(DESIGN, there, objective, UNCORRECTED_CAM)
+    assert found.climb is not None
+    return found.altitude_m, found.climb.ceiling_m
+
+
+def test_without_ranges_the_mission_is_itself() -> None:
+    there = climbing(1000.0, 3000.0)
+    assert with_best_altitudes(DESIGN, there, Objective.min_mass, UNCORRECTED_CAM) is there
+
+
+def test_floor_between_wind_and_thin_air_is_that_of_fixed_floors() -> None:
+    # The wind asks for speed, which thin air gives and dense air only with a heavier wing loading.
+    windy = {"wind_m_per_s": 10.5}
+    floors = {"minimum_altitude_m": {"minimum": 500.0, "maximum": 2500.0}}
+    floor_m, ceiling_m = chosen(choosing(floors, **windy))
+    fixed = {f: merit(climbing(f, 3000.0, **windy)) for f in range(500, 2501, 250)}
+    best_m = max(fixed, key=lambda one: fixed[one])
+    assert 500.0 < best_m < 2500.0
+    assert ceiling_m == 3000.0
+    assert abs(floor_m - best_m) <= 250.0
+    # 0.3 % is what optima are held to.
+    assert merit(climbing(floor_m, ceiling_m, **windy)) > 1.003 * fixed[best_m]
+
+
+def test_floor_and_ceiling_end_where_that_is_best() -> None:
+    space = {
+        "minimum_altitude_m": {"minimum": 500.0, "maximum": 1500.0},
+        "ceiling_m": {"minimum": 1200.0, "maximum": 3000.0},
+    }
+    assert chosen(choosing(space)) == (500.0, 3000.0)
+
+
+def test_ceiling_is_as_high_as_the_aircraft_climbs() -> None:
+    space = {"ceiling_m": {"minimum": 2000.0, "maximum": 20000.0}}
+    floor_m, ceiling_m = chosen(choosing(space))
+    flown = size_aircraft(DESIGN, climbing(floor_m, ceiling_m), Objective.min_mass).simulated
+    assert flown is not None
+    assert flown.maximum_altitude_m is not None
+    assert max(flown.maximum_altitude_m) == pytest.approx(ceiling_m, abs=500.0)
+    assert ceiling_m < 20000.0
+
+
+def test_sizing_says_what_it_chose_and_what_more_would_gain() -> None:
+    space = {"ceiling_m": {"minimum": 2000.0, "maximum": 3000.0}}
+    study = size(DESIGN, choosing(space), with_sensitivities=True)
+    assert study.mission.climb is not None
+    assert study.mission.climb.ceiling_m == 3000.0
+    assert "chosen altitudes: ceiling 3000 m (from 2000 to 3000 m)" in str(study)
+    record = study.to_dict()["climb"]
+    assert record["ceiling_m"] == 3000.0
+    assert record["minimum_altitude_m"] == 1000.0
+    assert record["design_space"] == {"ceiling_m": {"minimum": 2000.0, "maximum": 3000.0}}
+    sized = study.sized_mission()
+    assert sized.climb is not None
+    assert not sized.climb.design_space.ranges()
+    assert sized.climb.ceiling_m == 3000.0
+    # The multiplier is the slope of fixed ceilings.
+    (gain,) = altitude_multipliers(DESIGN, study.mission, study.result)
+    assert gain.constraint == "mission.climb.ceiling_m at its bound"
+    slope = (merit(climbing(1000.0, 3500.0)) - merit(climbing(1000.0, 2500.0))) / 10.0
+    assert gain.gain == pytest.approx(slope, rel=0.15)  # over 1000 m it falls
+
+
+def test_reasons_are_those_of_the_easiest_altitudes() -> None:
+    space = {"minimum_altitude_m": {"minimum": 500.0, "maximum": 2500.0}}
+    there = choosing(space, dates={"on": "12-21"}, required_excess_time_h=4.0)
+    study = size(DESIGN, there)
+    assert study.status.name == "infeasible"
+    assert study.mission.altitude_m == 500.0
