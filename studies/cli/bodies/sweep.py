@@ -13,7 +13,14 @@ import click
 from missions.files.errors import InputError
 from missions.files.writing import write_files_atomically
 from studies.cli.commands.sweep import Sweep
-from studies.cli.files import Case, load, refuse_chosen_altitudes, require_climb_power, require_climber, require_path
+from studies.cli.files import (
+    Case,
+    load,
+    refuse_chosen_altitudes,
+    require_climb_power,
+    require_climber,
+    require_path,
+)
 from studies.cli.jobs import completed
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import call, figure_of, told
