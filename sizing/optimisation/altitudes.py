@@ -1,10 +1,10 @@
 """Night's floor and ceiling of a flight with climbs, chosen together with the aircraft.
 
 Air, wind and light of an altitude come from tables and models with kinks, so that altitudes are no
-symbols of the program: a search around whole sizings chooses them. From the best of a coarse grid it
-steps along one altitude at a time, and halves its steps where none is better (compass search: Kolda,
-T. G., Lewis, R. M. and Torczon, V. 2003, Optimization by Direct Search, SIAM Review 45 (3)). Every
-value is an optimum that the simulator accepts.
+symbols of the program: a search around whole sizings chooses them. From the best of a coarse grid
+it steps along one altitude at a time, and halves its steps where none is better (compass search:
+Kolda, T. G., Lewis, R. M. and Torczon, V. 2003, Optimization by Direct Search, SIAM Review 45 (3)).
+Every value is an optimum that the simulator accepts.
 """
 
 from __future__ import annotations

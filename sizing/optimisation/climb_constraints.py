@@ -33,6 +33,7 @@ from sizing.optimisation.energy_constraints import (
     charge_step_function,
     mean_positive,
 )
+from sizing.smooth import smooth_minimum
 from sizing.varying_load import powers_of_loads_w
 from solar.types import FloatArray
 
@@ -46,9 +47,11 @@ _DARK_STEPS = 12
 # Thrust powers over level flight's by which the efficiency of a propulsion by parts is known.
 _LEVEL, _CLIMB, _GLIDE = (1.0,), (2.0,), (0.5, 0.25)
 _NOTHING = 1e-9
-# Of the battery, about what an interval charges: over this it becomes full, and climbs begin. With
-# a kink there, at every node another one, optima between two heights are seldom found.
-_FILLING = 0.005
+# Of the battery, about what an interval charges next to full: over this climbs begin. With a
+# kink there, at every node another one, optima between two heights are seldom found.
+_FILLING = 0.002
+# Likewise between the climbs that the surplus allows and those that the rated power does.
+_BLEND, _TINY_WH = 0.3, 1e-6
 
 
 class ClimbValues(NamedTuple):
@@ -239,7 +242,10 @@ class _Day:
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
             mean_w = self.motor_w(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
-            reached = reached + self.lifted(ca.fmax(ca.fmin(usable_wh, room_wh), 0.0))
+            climb_wh = smooth_minimum(
+                ca.fmax(usable_wh, 0.0) + _TINY_WH, room_wh + _TINY_WH, _BLEND
+            )
+            reached = reached + self.lifted(climb_wh)
             soc = charged
         return soc, reached
 

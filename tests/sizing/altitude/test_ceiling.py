@@ -221,6 +221,13 @@ def test_search_that_ends_too_low_says_so() -> None:
     assert found.highest.altitude_m == 3000.0
 
 
+def test_search_from_high_up_goes_on_to_the_end_of_the_air() -> None:
+    low = highest_perpetual_altitude(AS2, mission(), step_m=8000.0)
+    high = highest_perpetual_altitude(AS2, mission(altitude_m=20000.0), step_m=8000.0)
+    assert low.flights[-1].altitude_m == 20000.0
+    assert high.flights[-1].altitude_m == 32000.0
+
+
 def test_no_ceiling_where_no_altitude_is_feasible() -> None:
     found = highest_perpetual_altitude(AS2, mission(dates={"on": "12-21"}), step_m=2000.0)
     assert found.highest is None
