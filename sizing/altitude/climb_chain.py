@@ -210,18 +210,19 @@ class ClimbChain:
     def _tables(self) -> _Tables:
         """Tables of all designs and levels."""
         turns, shaft_w = self._propellers()
-        known = np.isfinite(turns) & np.isfinite(shaft_w)
-        # Where the propeller's data end the tables go on, beyond its limit.
-        turns, shaft_w = (_continued(one, known) for one in (turns, shaft_w))
         bus_v = np.linspace(*self.volts, _VOLTS if self.follows_voltage else 1)
         volts = bus_v[:, np.newaxis, np.newaxis, np.newaxis]
-        parts = self._sized()
-        power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, volts)) / self.factor
-        air = Air(*(one[np.newaxis] for one in self.air))
-        shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, volts)
-        used = np.max(np.broadcast_arrays(*shares.values()), axis=0)
-        used = np.where(known, used, 2.0)
-        log_power, used = np.log(_rows(power)), _rows(np.broadcast_to(used, power.shape))
+        parts, air = self._sized(), Air(*(one[np.newaxis] for one in self.air))
+        with np.errstate(invalid="ignore", over="ignore"):
+            power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, volts)) / self.factor
+            shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, volts)
+            used = np.max(np.broadcast_arrays(*shares.values(), power)[:-1], axis=0)
+            # Where the propeller's data end, or the wiring cannot pass the power, the tables go on,
+            # beyond a limit.
+            rises = np.diff(power, axis=1, prepend=0.0) > 0.0
+            known = np.isfinite(power) & (power > 0.0) & np.isfinite(used) & rises
+        power, used = _continued(power, known), np.where(known, used, 2.0)
+        log_power, used = np.log(_rows(power)), _rows(used)
         rows, voltages, _ = log_power.shape
         fine = np.linspace(0.0, len(_LOADS) - 1.0, _FINE)
         over, log_load = _between(fine, log_power), np.log(_LEAST) + np.log(_RATIO) * fine
@@ -339,17 +340,15 @@ def _through(values: FloatArray, some: IntArray, every: IntArray) -> FloatArray:
 
 
 def _continued(values: FloatArray, known: BoolArray) -> FloatArray:
-    """Values along the first axis; unknown ones go on from the next in step with the load."""
+    """Powers along the second axis, loads; unknown ones go on from the next with the load."""
     if known.all():
         return values
     found = np.where(known, values, 1.0)
-    for order in (range(1, len(found)), range(len(found) - 2, -1, -1)):
-        done = known[0] if order.step > 0 else known[-1]
-        done = done.copy()
+    count = found.shape[1]
+    for order, grow in ((range(1, count), _RATIO), (range(count - 2, -1, -1), 1.0 / _RATIO)):
+        done = known[:, order.start - order.step].copy()
         for k in order:
-            before = k - order.step
-            grow = _RATIO if order.step > 0 else 1.0 / _RATIO
-            take = done & ~known[k]
-            found[k] = np.where(take, found[before] * grow, found[k])
-            done = done | known[k]
+            take = done & ~known[:, k]
+            found[:, k] = np.where(take, found[:, k - order.step] * grow, found[:, k])
+            done |= known[:, k]
     return found

@@ -352,7 +352,8 @@ def _program(
             )
             reserve_h = dawn_soc[i] * usable_h
         else:
-            climbing = climbing_cycle_function(kind.battery.charge_limit, climb)
+            parts = isinstance(getattr(kind.airframe, "propulsion", None), OperatingPointPropulsion)
+            climbing = climbing_cycle_function(kind.battery.charge_limit, climb, by_parts=parts)
             deficit, charged, reached, glide_h = climbing(
                 *(lit_area, capacity_wh, dawn_soc[i], heights[i], store),
                 *(efficiencies, margin, sun[:, i]),
