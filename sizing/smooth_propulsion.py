@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import isfinite, log, pi
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, Range
@@ -22,6 +22,9 @@ from sizing.design import (
 )
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.propulsion.smooth_chain import SmoothPropulsion, fitted_surface
+
+if TYPE_CHECKING:
+    from sizing.propulsion.operating_point import OperatingPoint
 
 # Logarithms within which a search moves from the design that is fitted around: loading of the
 # propeller, Reynolds number, pitch over diameter. Centres are rounded: alike cases share a surface.
@@ -46,14 +49,18 @@ def smooth_at(aircraft: Aircraft, mission: Mission) -> Aircraft:
 
 
 def corrected(
-    smooth: SmoothPropulsion, aircraft: Aircraft, mission: Mission, design: Design
+    smooth: SmoothPropulsion,
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+    point: OperatingPoint | None = None,
 ) -> SmoothPropulsion:
     """Formulas that have the exact propeller's rotation and power at a design.
 
-    Limits of the parts play no part. Raises :class:`ImpossibleDesignError` where the propeller has
-    no speed of rotation.
+    ``point``: of :func:`level_point`, where it is known. Limits of the parts play no part. Raises
+    :class:`ImpossibleDesignError` where the propeller has no speed of rotation.
     """
-    point = level_point(aircraft, mission, design)
+    point = level_point(aircraft, mission, design) if point is None else point
     own = smooth.sized(*design.variables.mapped(float).of_propulsion)
     given = (float(point.thrust_power_w) * smooth.propulsors, float(design.airspeed_m_per_s))
     air = FlightConditions.of(mission, aircraft).air

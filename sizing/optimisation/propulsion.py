@@ -18,6 +18,7 @@ from sizing.design import (
     ImpossibleDesignError,
     design_of,
     first_chain,
+    level_point,
     mixed_chain,
     operating_trouble,
     parametric_design,
@@ -30,7 +31,7 @@ from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.smooth_propulsion import corrected, smooth_propulsion, with_propulsion
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
-__all__ = ["with_smooth_chain"]
+__all__ = ["sized_smoothly", "with_smooth_chain"]
 
 _ROUNDS, _NARROWED = 12, 2
 # What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
@@ -84,12 +85,25 @@ def with_smooth_chain(
 
     Raises :class:`ImpossibleDesignError` if the propulsors cannot do level flight at the optimum.
     """
+    given = (aircraft, mission, objective, solar)
+    return sized_smoothly(*given, required_excess_time_h=required_excess_time_h)[:2]
+
+
+def sized_smoothly(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    *,
+    required_excess_time_h: float | None = None,
+) -> tuple[Aircraft, DesignVariables | None, SizingResult | None]:
+    """As :func:`with_smooth_chain`, with the sizing of the aircraft that is returned, if it was."""
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
-        return aircraft, None
+        return aircraft, None, None
     request = _Request(aircraft, mission, objective, solar, required_excess_time_h)
     if propulsion.propeller.table is not None:
-        return _with_constants(request, propulsion)
+        return *_with_constants(request, propulsion), None
     smooth = smooth_propulsion(aircraft, mission, propulsion)
     start: DesignVariables | None = None
     sizes = set(PROPULSION_VARIABLES) & aircraft.design_space.requested_ranges().keys()
@@ -97,18 +111,20 @@ def with_smooth_chain(
         flown = with_propulsion(aircraft, smooth)
         result = request.optimum(flown, start)
         if result.design is None:
-            return flown, start
+            return flown, start, None
         start = result.design.variables
         if sizes and number < _NARROWED:
             # Fitted anew, narrowly around the last optimum.
             smooth = smooth_propulsion(aircraft, mission, propulsion, result.design)
             smooth = corrected(smooth, aircraft, mission, result.design)
             continue
-        before, smooth = smooth, corrected(smooth, aircraft, mission, result.design)
+        point = level_point(aircraft, mission, result.design)
+        before, smooth = smooth, corrected(smooth, aircraft, mission, result.design, point)
         moved = max(abs(a - b) for a, b in zip(smooth.correction, before.correction, strict=True))
         if moved < _SETTLED:
-            request.exact_chain(result)
-            return flown, start
+            if point.reason:
+                raise ImpossibleDesignError(operating_trouble(aircraft, mission, start))
+            return flown, start, None if objective.of_range else result
     raise _no_common_optimum(request, f"formulas and exact chain still differ by {moved:.1e}")
 
 

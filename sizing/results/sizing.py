@@ -34,7 +34,7 @@ from sizing.optimisation.module_flow import with_flow_of_optimum
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.propulsion import with_smooth_chain
+from sizing.optimisation.propulsion import sized_smoothly
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
@@ -465,9 +465,9 @@ def size(
         laid = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
         if laid is not None:
             return laid
-    aircraft, start = with_smooth_chain(aircraft, mission, wanted, solar, **options)
+    smooth, start, settled = sized_smoothly(aircraft, mission, wanted, solar, **options)
     aircraft, start = with_flow_of_optimum(
-        *(aircraft, mission, wanted, solar), start=start, **options
+        *(smooth, mission, wanted, solar), start=start, **options
     )
     problems = options["problems"] = SizingProblems(aircraft)
     if reliability is not None:
@@ -479,6 +479,8 @@ def size(
     if wanted.of_range:
         coverage = widest_range(aircraft, mission, wanted, solar, **options)
         result = coverage.sizing
+    elif settled is not None and aircraft is smooth:
+        result = settled  # the last round was this very sizing
     else:
         result = size_aircraft(aircraft, mission, wanted, solar, start=start, **options)
     asked = (aircraft, mission, result, solar)
