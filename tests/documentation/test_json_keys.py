@@ -26,7 +26,13 @@ CELLS = (
     *("--set", f"modules.layout.strings={STRINGS}"),
     *("--set", "battery.pack={cells_in_series: 6, cell_mass_kg: 0.0486}"),
 )
+CLIMB = ("--set", "mission.climb={ceiling_m: 1500}")
 HIGH = ("--set", "mission.altitude_m=12000", "--set", "mission.wind={percentile: 95}")
+WINDY = (
+    *("--set", "mission.altitude_m=20000", "--set", "mission.wind={percentile: 95}"),
+    *("--set", "mission.flight_path.airspeed_m_per_s=25"),
+    *("--set", "mission.flight_path.radius_m=600", "--model", "VM"),
+)
 
 # Calls that together show every key of a command, and keys that only other calls show.
 CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
@@ -34,7 +40,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         "cli.md",
         [
             [AS2, "--mission", "rafz-28h"],
-            [AS2, "--set", "mission.climb={ceiling_m: 1000}"],
+            [AS2, *CLIMB, "--best-climb"],
             [AS2, "--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"],
             [AS2, *CELLS],
         ],
@@ -52,7 +58,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
                 *("--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"),
             ],
             [DESIGN, "--mission", "rafz-july", "--reliability", "0.4"],
-            [DESIGN, "--mission", "rafz-july", "--set", "mission.climb={ceiling_m: 1500}"],
+            [DESIGN, "--mission", "rafz-july", *CLIMB],
             [DESIGN, "--mission", "rafz-july", "--whole-cells", *CELLS],
         ],
         {"range", "weather", "part_masses"},
@@ -68,7 +74,11 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         ],
         set(),
     ),
-    "ceiling": ("cli.md", [[AS2, "--step", "4000"]], set()),
+    "ceiling": (
+        "cli.md",
+        [[AS2, "--step", "4000"], [AS2, *CLIMB, "--step", "4000", "--highest", "5000"]],
+        set(),
+    ),
     "published": (
         "cli.md",
         [["--explain"], ["--season"]],
@@ -89,6 +99,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [AS2, "--latitudes", "40:50:10", "--days", "100:200:100", "--endurance"],
             [DESIGN, "--latitudes", "40:50:10", "--days", "100:200:100", "--resize", "min_mass"],
             [AS2, "--weather", "colorado-2023", "--batteries", "1:2:1"],
+            [AS2, *WINDY, "--latitudes", "20:60:40", "--days", "1:181:180"],
         ],
         set(),
     ),
@@ -97,12 +108,13 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         [
             [DESIGN, *HIGH, "--latitudes", "40:50:10"],
             [DESIGN, *HIGH, "--altitudes", "10000:12000:2000"],
+            [DESIGN, *HIGH, "--latitudes", "40:50:10", "--altitudes", "10000:12000:2000"],
         ],
         set(),
     ),
     "uncertainty": (
         "uncertainty.md",
-        [[DESIGN, *SUMMER, "--samples", "64"]],
+        [[DESIGN, *SUMMER, "--samples", "64"], [DESIGN, *CLIMB, "--samples", "64"]],
         set(),
     ),
     "analyse --weather": (
@@ -112,7 +124,10 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
     ),
     "compare": (
         "compare.md",
-        [[DESIGN, "--models", "CDM,CAM", "--corrections", "none", "--required-excess-time", "3"]],
+        [
+            [DESIGN, "--models", "CDM,CAM", "--corrections", "none", "--required-excess-time", "3"],
+            [DESIGN, "--models", "CDM,CAM", "--corrections", "none", *CLIMB],
+        ],
         set(),
     ),
 }
