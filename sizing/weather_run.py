@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.air import ZERO_CELSIUS_K, air_at
 from missions.files.errors import file_error
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, runs_of
 from sizing.aircraft import Aircraft
@@ -29,6 +29,7 @@ from sizing.design import (
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import CarriedDays, carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
+from sizing.held_station import power_against_wind_w
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.sunlight import UNCORRECTED_CAM, Lit, SolarModel, power_in_light
 from sizing.varying_load import Flight, by_own_charge, flight_of, part_load_of, part_load_over
@@ -37,6 +38,7 @@ from solar.sun import declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
 
 HOURS_PER_DAY = 24.0
+_NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself, or be as fast as the wind
 # A record that begins this near to midnight begins a day.
 _NEAR_MIDNIGHT_H = 3.0
 
@@ -121,8 +123,8 @@ class LoadInAir:
         the absolute temperature. Raises :class:`ImpossibleDesignError` where the propeller's data
         end before the greatest load.
         """
-        if part_load_of(aircraft, mission, design) is None:
-            return None
+        if mission.holds_station or part_load_of(aircraft, mission, design) is None:
+            return None  # a place is held with the efficiency at each day's airspeed
         own, flight = flight_of(aircraft, mission, design)
         least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
         warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
@@ -165,9 +167,10 @@ class WeatherDays:
     ``aircraft``, ``mission``, ``solar``: technology; altitude, air and turbulence at the record's
     site; solar power model. ``light``: along the record. ``ambient_c``, ``module_c``: temperature
     of the air and of the modules along the record [C]. ``propulsion_ratio``: propulsion power over
-    that of level flight in the mission's air [-]. ``more_heater_w``: heater of the battery beyond
-    that of the mission's air [W]. ``capacity_ratio``: capacity of the battery over that in the
-    mission's air [-].
+    that of level flight in the mission's air [-]. ``wind_m_per_s``: of each day as the airspeed of
+    the same lift coefficient in the mission's air [m/s]; None unless the mission holds its place.
+    ``more_heater_w``: heater of the battery beyond that of the mission's air [W].
+    ``capacity_ratio``: capacity of the battery over that in the mission's air [-].
     """
 
     aircraft: Aircraft
@@ -178,6 +181,7 @@ class WeatherDays:
     ambient_c: FloatArray
     module_c: FloatArray
     propulsion_ratio: FloatArray
+    wind_m_per_s: FloatArray | None
     more_heater_w: FloatArray
     capacity_ratio: FloatArray
 
@@ -202,6 +206,7 @@ class WeatherDays:
         return cls(
             *(aircraft, mission, solar, light, axis, ambient_c, module_c),
             propulsion_ratio=_propulsion_ratio(mission, axis, air_c),
+            wind_m_per_s=_wind_m_per_s(mission, axis, air_c),
             more_heater_w=_more_heater_w(aircraft, mission, air_c),
             capacity_ratio=_capacity_of_days(aircraft, mission, air_c),
         )
@@ -221,9 +226,9 @@ class WeatherDays:
 
         ``ratio``: of the propulsion power, by default that of constant efficiencies.
         """
-        level_w, constant_w = float(design.propulsion_power_w), float(design.constant_power_w)
+        level_w, constant_w = self.level_w(design)[0], float(design.constant_power_w)
         ratio = self.propulsion_ratio if ratio is None else ratio
-        return np.asarray(level_w * ratio + constant_w + self.more_heater_w)
+        return np.asarray(level_w[:, np.newaxis] * ratio + constant_w + self.more_heater_w)
 
     def flown(self, design: Design, sky: Irradiance, parts: LoadInAir | None) -> WeatherRun:
         """Run of a design under a sky along the record, with the efficiency of the moment."""
@@ -241,6 +246,17 @@ class WeatherDays:
             return run, run.state_of_charge()
 
         return by_own_charge(load_w, fly, self.aircraft.battery)
+
+    def level_w(self, design: Design) -> FloatArray:
+        """Propulsion power of designs in level flight in the mission's air [W], ``(design, day)``.
+
+        A single day for all, unless the mission holds its place: then as fast as each day's wind.
+        """
+        power_w = np.atleast_1d(np.asarray(design.propulsion_power_w, float))[:, np.newaxis]
+        if self.wind_m_per_s is not None:
+            each = design.mapped(lambda one: np.atleast_1d(np.asarray(one))[:, np.newaxis])
+            power_w = power_against_wind_w(self.aircraft, self.mission, each, self.wind_m_per_s)
+        return np.where(np.isfinite(power_w), power_w, _NO_FLIGHT_W)
 
     def store(self, battery_energy_wh: float) -> Store:
         """Battery of each day, of an energy at full charge in the mission's air [Wh]."""
@@ -326,7 +342,9 @@ def weather_performance(
     """
     days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
     design = design_of(aircraft, mission)
-    parts = LoadInAir.of(aircraft, mission, design, days.ambient_c)
+    # As fast as each day's wind a design has the efficiency of that airspeed.
+    level = days.wind_m_per_s is None
+    parts = LoadInAir.of(aircraft, mission, design, days.ambient_c) if level else None
     skies = (days.light.recorded, days.light.clear)
     recorded, clear = (days.flown(design, sky, parts) for sky in skies)
     return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
@@ -380,6 +398,21 @@ def _profile(mission: Mission, axis: DayAxis) -> FloatArray:
     thermal = thermal_shape(clock_h, times.sunrise_h, times.sunset_h)
     turbulence = mission.turbulence
     return np.asarray(1.0 + turbulence.all_day + turbulence.thermal * thermal)
+
+
+def _wind_m_per_s(mission: Mission, axis: DayAxis, air_c: FloatArray) -> FloatArray | None:
+    """Wind of each day's month where the mission holds its place, for the mission's air [m/s].
+
+    With the wind ``v`` in air of the density ``rho`` the lift coefficient is that at
+    ``v (rho / rho_0)^0.5`` in the mission's, and the power that at this airspeed times
+    ``(rho_0 / rho)^0.5``, which :func:`_propulsion_ratio` has.
+    """
+    if not mission.holds_station:
+        return None
+    latitude_deg = np.full(len(axis), mission.latitudes()[0])
+    wind = mission.scenario_winds_m_per_s(Scenarios(latitude_deg, axis.day_of_year))
+    assumed_k = float(mission.air_state().temperature_k)
+    return np.asarray(wind / np.sqrt((np.mean(air_c, axis=1) + ZERO_CELSIUS_K) / assumed_k))
 
 
 def _more_heater_w(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:

@@ -94,7 +94,7 @@ class ClimbChain:
     """
 
     parts: OperatingPointPropulsion
-    sizes: tuple[FloatArray | None, FloatArray | None, FloatArray | None]
+    sizes: tuple[FloatArray | None, ...]
     factor: FloatArray
     thrust_w: FloatArray
     airspeed_m_per_s: FloatArray
@@ -122,14 +122,13 @@ class ClimbChain:
         thrust_w, speed = rows(thrust), rows([one.airspeed_m_per_s for one in flown])
         flies = np.isfinite(thrust_w).all(axis=0) & np.isfinite(speed).all(axis=0)
         airs = [FlightConditions.of(one, aircraft).air for one in missions]
-        sizes = (
+        sizes = tuple(
             None if one is None else np.broadcast_to(np.asarray(one, float), shape).ravel()
             for one in flown[0].variables.of_propulsion
         )
-        diameter, pitch, gear = sizes
         return cls(
             parts.model_copy(update={"efficiency_factor": 1.0}),
-            (diameter, pitch, gear),
+            sizes,
             rows([parts.efficiency_factor])[0],
             np.where(flies, thrust_w, 1.0),
             np.where(flies, speed, 1.0),
@@ -169,10 +168,9 @@ class ClimbChain:
 
     def select(self, some: IntArray) -> ClimbChain:
         """Chain of some of the designs."""
-        diameter, pitch, gear = (None if one is None else one[some] for one in self.sizes)
         return replace(
             self,
-            sizes=(diameter, pitch, gear),
+            sizes=tuple(None if one is None else one[some] for one in self.sizes),
             factor=self.factor[some],
             thrust_w=self.thrust_w[:, some],
             airspeed_m_per_s=self.airspeed_m_per_s[:, some],

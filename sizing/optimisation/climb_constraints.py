@@ -2,8 +2,8 @@
 
 The program's counterpart of :mod:`sizing.altitude.climb_march`: battery and potential energy over
 the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling,
-sunlight and the power of level flight are parabolas of the potential energy; those of the simulator
-are linear between levels at most 500 m apart.
+sunlight and the logarithm of the power of level flight are parabolas of the potential energy, since
+density falls exponentially; the simulator's are linear between levels at most 500 m apart.
 
 The days close where the night leaves at least the potential energy that the day begins with, which
 is a variable of the program. What parabolas and longer steps do to an excess time is taken back by
@@ -46,6 +46,9 @@ _DARK_STEPS = 12
 # Thrust powers over level flight's by which the efficiency of a propulsion by parts is known.
 _LEVEL, _CLIMB, _GLIDE = (1.0,), (2.0,), (0.5, 0.25)
 _NOTHING = 1e-9
+# Of the battery, about what an interval charges: over this it becomes full, and climbs begin. With
+# a kink there, at every node another one, optima between two heights are seldom found.
+_FILLING = 0.005
 
 
 class ClimbValues(NamedTuple):
@@ -195,7 +198,8 @@ class _Day:
     ) -> None:
         self.values, self.rate = values, charge_efficiency / capacity_wh
         place = values.middle_wh / values.ceiling_wh
-        self.motor_w = _Parabola(values.floor_w, values.middle_w, values.ceiling_w, place)
+        low, half, high = map(ca.log, (values.floor_w, values.middle_w, values.ceiling_w))
+        self._log_power = _Parabola(low, half, high, place)
         floor, middle, top = (area * sun[n * NODES : (n + 1) * NODES] for n in (0, 2, 3))
         self.solar_w = [_Parabola(floor[k], middle[k], top[k], place) for k in range(NODES)]
         self.factor = values.steady + sun[NODES : 2 * NODES]
@@ -203,9 +207,13 @@ class _Day:
         # Electric energy that the height of the ceiling stands for.
         self.store_wh = values.ceiling_wh / values.efficiency
 
+    def motor_w(self, at: Any) -> Any:
+        """Power of level flight in calm air at a share of the height [W]."""
+        return ca.exp(self._log_power.at(at))
+
     def balance(self, k: int, at: Any) -> _Balance:
         """What the sun leaves over and lacks between two nodes, at a share of the height."""
-        v, motor_w = self.values, self.motor_w.at(at)
+        v, motor_w = self.values, self.motor_w(at)
         first, last = (self.solar_w[n].at(at) for n in (k, k + 1))
         left = first - motor_w * self.factor[k] - v.constant_w
         right = last - motor_w * self.factor[k + 1] - v.constant_w
@@ -224,12 +232,12 @@ class _Day:
             one, before = self.balance(k, at), reached
             rates = (self.rate * one.left_w, self.rate * one.right_w)
             charged = charge(soc, self.rate * one.surplus_wh, *rates, self.step_h)
-            stored = ca.fmin(charged, 1.0) - ca.fmin(soc, 1.0)
+            stored = _held(charged) - _held(soc)
             usable_wh = one.surplus_wh - stored / self.rate
             if not always:
-                full = ca.fmin(ca.fmax((charged - 1.0) / (charged - soc + _NOTHING), 0.0), 1.0)
+                full = 1.0 - (stored + _NOTHING) / (charged - soc + _NOTHING)
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
-            mean_w = self.motor_w.at(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
+            mean_w = self.motor_w(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
             reached = reached + self.lifted(ca.fmax(ca.fmin(usable_wh, room_wh), 0.0))
             soc = charged
@@ -258,8 +266,8 @@ class _Day:
         hours = self.dark_h / _DARK_STEPS
         for _ in range(_DARK_STEPS):
             sinks = v.steady * hours / self.store_wh
-            at = ca.fmax(share - sinks * self.motor_w.at(share) / 2.0, 0.0)
-            wanted_wh = self.motor_w.at(at) * v.steady * hours
+            at = ca.fmax(share - sinks * self.motor_w(share) / 2.0, 0.0)
+            wanted_wh = self.motor_w(at) * v.steady * hours
             glide_wh = ca.fmin(wanted_wh, share * self.store_wh)
             share = share - glide_wh / self.store_wh
             deficit_wh = deficit_wh + wanted_wh + v.constant_w * hours - glide_wh
@@ -267,7 +275,7 @@ class _Day:
             one = self.balance(k, share)
             glide_wh, share = self.glided(k, ca.fmax(one.of_motor_wh, 0.0), share)
             deficit_wh = deficit_wh + one.lacking_wh - glide_wh
-        sinking_w = v.efficiency * self.motor_w.at(share / 2.0) * v.steady
+        sinking_w = v.efficiency * self.motor_w(share / 2.0) * v.steady
         return deficit_wh, share * v.ceiling_wh / sinking_w
 
 
@@ -285,8 +293,14 @@ class _DayByParts(_Day):
     def glided(self, k: int, saved_wh: Any, share: Any) -> tuple[Any, Any]:
         """As by constants, with that of the power that is left for the motor."""
         v, factor = self.values, (self.factor[k] + self.factor[k + 1]) / 2.0
-        level_wh = self.motor_w.at(share) * factor * self.step_h
+        level_wh = self.motor_w(share) * factor * self.step_h
         off_wh = v.efficiency * level_wh - v.intermittent * ca.fmax(level_wh - saved_wh, 0.0)
         sunk = ca.fmin(v.gliding * saved_wh, off_wh) / v.ceiling_wh
         flown = ca.fmin(share / (sunk + _NOTHING), 1.0)
         return flown * saved_wh, share - flown * sunk
+
+
+def _held(charged: Any) -> Any:
+    """State of charge of a battery that can hold no more than 1, without a kink there."""
+    beyond = charged - 1.0
+    return charged - (beyond + ca.sqrt(beyond * beyond + _FILLING * _FILLING)) / 2.0
