@@ -8,6 +8,7 @@ its temperature has each day that of the day's mean air, and keeps its state of 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,13 +20,7 @@ from missions.mission import Mission, Scenarios
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, run_lengths
 from sizing.aircraft import Aircraft
-from sizing.design import (
-    Design,
-    ImpossibleDesignError,
-    bus_voltage_v,
-    design_of,
-    thermal_shape,
-)
+from sizing.design import Design, ImpossibleDesignError, bus_voltage_v, design_of, thermal_shape
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import CarriedDays, carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
@@ -152,11 +147,8 @@ class LoadInAir:
         known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
         total = np.zeros(wide[0].shape)
         for k, one in enumerate(powers):
-            others = np.delete(known_k, k)
-            weight = np.ones(warm_k.shape)
-            for other in others:
-                weight = weight * (warm_k - other) / (known_k[k] - other)
-            total += weight * one
+            apart = [(warm_k - other) / (known_k[k] - other) for other in np.delete(known_k, k)]
+            total += math.prod(apart, start=one)
         return total
 
 
@@ -342,7 +334,9 @@ def weather_performance(
     """
     days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
     design = design_of(aircraft, mission)
-    parts = LoadInAir.of(aircraft, mission, design, days.ambient_c)
+    # As fast as each day's wind a design has the efficiency of that airspeed.
+    level = days.wind_m_per_s is None
+    parts = LoadInAir.of(aircraft, mission, design, days.ambient_c) if level else None
     skies = (days.light.recorded, days.light.clear)
     recorded, clear = (days.flown(design, sky, parts) for sky in skies)
     return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)

@@ -14,10 +14,11 @@ from sizing.altitude.climb_chain import ClimbChain
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.altitude.climb_levels import flight_levels
 from sizing.design import FlightConditions, design_of, parametric_design
-from sizing.performance import performance, performance_of_designs
+from sizing.performance import cycle_of_variants, performance, performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import solar_day
+from sizing.varying_load import DesignLoads
 from solar.types import FloatArray
 
 TWIN = sizing.load_aircraft("twin-boom-design")
@@ -182,3 +183,15 @@ def test_a_design_does_not_depend_on_its_batch() -> None:
     batch = excess(spans)
     for place, span in enumerate(spans):
         assert excess(np.array([span]))[0] == pytest.approx(batch[place], abs=1e-7)
+
+
+def test_variants_flown_together_are_those_flown_alone() -> None:
+    lossy = sizing.load_aircraft(
+        "twin-boom-design", {"airframe.propulsion.wiring_resistance_ohm": 0.2}
+    )
+    day, both = solar_day(TWIN, HIGH), (TWIN, lossy)
+    loads = [(one, DesignLoads.of(one, HIGH, design_of(one, HIGH), day)) for one in both]
+    together = cycle_of_variants(loads).excess_time_h[:, 0]
+    alone = [float(performance(one, HIGH).cycle.excess_time_h[0]) for one in both]
+    assert together == pytest.approx(alone, abs=1e-7)
+    assert alone[0] > alone[1] + 0.02
