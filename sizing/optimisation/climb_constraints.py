@@ -48,7 +48,7 @@ _NOTHING = 1e-9
 # kink there, at every node another one, optima between two heights are seldom found.
 _FILLING = 0.002
 # Likewise between the climbs that the surplus allows and those that the rated power does.
-_BLEND, _TINY_WH = 0.3, 1e-6
+_BLEND, _TINY_WH = 0.1, 1e-6
 
 
 class ClimbValues(NamedTuple):
