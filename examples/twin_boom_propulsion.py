@@ -41,16 +41,8 @@ def chain_efficiency(flown: sizing.Analysis, voltages_v: list[float]) -> np.ndar
             diameter_m=float(diameter_m), pitch_m=float(diameter_m), blades=2
         )
         for row, speed_constant in enumerate(SPEED_CONSTANTS):
-            # Motors of one size: resistance goes with 1/K_V^2, no-load current with K_V.
-            ratio = float(speed_constant) / propulsor.motor.speed_constant_rpm_per_v
-            motor = propulsor.motor.model_copy(
-                update={
-                    "speed_constant_rpm_per_v": float(speed_constant),
-                    "resistance_ohm": propulsor.motor.resistance_ohm / ratio**2,
-                    "no_load_current_a": propulsor.motor.no_load_current_a * ratio,
-                    "maximum_current_a": None,
-                }
-            )
+            motor = propulsor.motor.rewound(float(speed_constant))
+            motor = motor.model_copy(update={"maximum_current_a": None})
             one = dataclasses.replace(propulsor, propeller=propeller, motor=motor)
             point = sizing.operating_point(one, thrust_n, airspeed, air, np.array(voltages_v))
             found[:, row, column] = point.efficiency

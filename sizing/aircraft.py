@@ -327,14 +327,19 @@ class Limit(Record):
         return self
 
 
-PROPULSION_VARIABLES = ("propeller_diameter_m", "propeller_pitch_m", "gear_ratio")
+PROPULSION_VARIABLES = (
+    "propeller_diameter_m",
+    "propeller_pitch_m",
+    "gear_ratio",
+    "motor_speed_constant_rpm_per_v",
+)
 
 
 class DesignSpace(Record):
     """Bounds within which the optimiser may choose.
 
-    Aspect ratio, lift coefficient, propeller and gear stay as they are on the airframe if they have
-    no range here.
+    Aspect ratio, lift coefficient, propeller, gear and winding of the motor stay as they are on the
+    airframe if they have no range here.
     ``limits`` bounds any other quantity of the design.
     """
 
@@ -346,6 +351,7 @@ class DesignSpace(Record):
     propeller_diameter_m: Range | None = None
     propeller_pitch_m: Range | None = None
     gear_ratio: Range | None = None
+    motor_speed_constant_rpm_per_v: Range | None = None
     maximum_total_mass_kg: PositiveReal | None = None
     maximum_wing_loading_kg_per_m2: PositiveReal | None = None
     minimum_stall_margin: Annotated[float, Strict(), Field(ge=1.0, le=5.0)] | None = None

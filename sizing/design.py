@@ -27,7 +27,12 @@ from sizing.aerodynamics.parabolic import (
     scaled_power_w,
 )
 from sizing.aerodynamics.wing_polar import WingPolar
-from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
+from sizing.aircraft import (
+    PROPULSION_VARIABLES,
+    Aircraft,
+    MeasuredAirframe,
+    ParametricAirframe,
+)
 from sizing.balance.in_design import (
     polar_with_tail,
     structure_with_tail,
@@ -63,7 +68,7 @@ class ImpossibleDesignError(ValueError):
 class DesignVariables(NamedTuple):
     """What the optimiser chooses.
 
-    The last six are chosen on request; None stands for what aircraft and mission say.
+    The last seven are chosen on request; None stands for what aircraft and mission say.
     """
 
     wingspan_m: Value
@@ -76,11 +81,12 @@ class DesignVariables(NamedTuple):
     propeller_diameter_m: Value | None = None
     propeller_pitch_m: Value | None = None
     gear_ratio: Value | None = None
+    motor_speed_constant_rpm_per_v: Value | None = None
 
     @property
-    def of_propulsion(self) -> tuple[Value | None, Value | None, Value | None]:
-        """Diameter and pitch of the propeller [m] and gear."""
-        return self.propeller_diameter_m, self.propeller_pitch_m, self.gear_ratio
+    def of_propulsion(self) -> tuple[Value | None, ...]:
+        """Diameter and pitch of the propeller [m], gear and speed constant of the motor [rpm/V]."""
+        return self[-len(PROPULSION_VARIABLES) :]
 
     def mapped(self, function: Callable[[Value], Value]) -> DesignVariables:
         """Apply a function to every variable that is chosen."""

@@ -12,12 +12,14 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import Design, FlightConditions, level_flight
+from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
 from solar.types import FloatArray
 
 __all__ = [
     "POWER_AGAINST_WIND",
     "faster_flight_w",
+    "flight_against_wind",
     "power_against_wind_w",
     "refuse_held_station",
     "refuse_one_airspeed",
@@ -51,25 +53,45 @@ def power_against_wind_w(
 
     Infinite where it exceeds the rated power. ``wind_m_per_s`` broadcasts against the designs.
     """
+    return flight_against_wind(aircraft, mission, design, wind_m_per_s)[0]
+
+
+def flight_against_wind(
+    aircraft: Aircraft, mission: Mission, design: Design, wind_m_per_s: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """As :func:`power_against_wind_w`, with the thrust power [W] and the airspeed [m/s]."""
     refuse_one_airspeed(aircraft, "wind.hold_station")
     conditions = FlightConditions.of(mission, aircraft)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        ratio = wind_m_per_s / np.asarray(design.airspeed_m_per_s)
-        power_w, rated_w = faster_flight_w(aircraft, conditions, design, np.maximum(ratio, 1.0))
-        calm = ratio <= 1.0
+        ratio = np.maximum(wind_m_per_s / np.asarray(design.airspeed_m_per_s), 1.0)
+        chain, power_w, speed = _faster_flight(aircraft, conditions, design, ratio)
+        rated_w, calm = _rated_w(design), ratio <= 1.0
+        thrust_w = power_w * np.asarray(chain.efficiency)
         power_w = np.where(calm, design.propulsion_power_w, power_w)
-        return np.where(calm | (power_w <= rated_w * (1.0 + _ROUNDING)), power_w, np.inf)
+        able = calm | (power_w <= rated_w * (1.0 + _ROUNDING))
+        return np.where(able, power_w, np.inf), thrust_w, np.asarray(speed)
 
 
 def faster_flight_w(
     aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
 ) -> tuple[Value, Value]:
     """Electric power of flight faster by a ratio, and the rated power; arrays or symbols."""
+    return _faster_flight(aircraft, conditions, design, ratio)[1], _rated_w(design)
+
+
+def _faster_flight(
+    aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
+) -> tuple[Propulsion, Value, Value]:
+    """Propulsion, electric power [W] and airspeed [m/s] of flight faster by a ratio."""
     airframe, lift = aircraft.airframe, design.variables.lift_coefficient
     assert isinstance(airframe, ParametricAirframe)
     own = airframe.aerodynamics.flight_lift_coefficient if lift is None else lift
     faster = design.variables._replace(lift_coefficient=own / ratio**2)
-    _, power_w, _ = level_flight(aircraft, conditions, faster, design.total_mass_kg)
+    return level_flight(aircraft, conditions, faster, design.total_mass_kg)
+
+
+def _rated_w(design: Design) -> Value:
+    """Rated electric power of a design [W]."""
     assert design.chain is not None
     weight_n = design.total_mass_kg * GRAVITY_M_PER_S2
-    return power_w, design.chain.rated_power_w(design.propulsion_power_w, weight_n=weight_n)
+    return design.chain.rated_power_w(design.propulsion_power_w, weight_n=weight_n)

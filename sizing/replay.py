@@ -18,10 +18,13 @@ from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import told
 from sizing.validity.ranges import Extrapolation
+from sizing.varying_load import by_own_charge, part_load_of
 from solar.sun import declination, solar_time_h, sun_times
 from solar.types import FloatArray
 
 CALENDAR_STEP_H = 1.0 / 60.0
+# Energy at the nodes [Wh], instants of full and of empty [h], and the load [W].
+_Flown = tuple[FloatArray, tuple[float, ...], float | None, FloatArray]
 
 
 @dataclass(frozen=True)
@@ -106,11 +109,23 @@ def calendar_run(
     )
     design = design_of(aircraft, mission)
     times = sun_times(latitude, declination(day))
-    load = load_profile(
-        (solar_clock % 24.0)[:, np.newaxis], design, mission, times.sunrise_h, times.sunset_h
-    )[:, 0]
     store = Store.of(aircraft.battery, design.battery_energy_wh)
-    stored, full, empty = _charge_until_empty(PowerBalance.of(clock, power, load), store, launch)
+    parts = part_load_of(aircraft, mission, design)
+    hour_h, around = (solar_clock % 24.0)[:, np.newaxis], (times.sunrise_h, times.sunset_h)
+
+    def load_w(bus_v: FloatArray | None) -> FloatArray:
+        volts = None if bus_v is None else np.atleast_1d(bus_v)[:, np.newaxis]
+        return np.asarray(load_profile(hour_h, design, mission, *around, parts, volts)[:, 0])
+
+    def fly(load: FloatArray) -> tuple[_Flown, FloatArray]:
+        flown = _charge_until_empty(PowerBalance.of(clock, power, load), store, launch)
+        charge = flown[0] / float(store.battery_energy_wh)
+        # An empty battery ends the flight.
+        return (*flown, load), np.append(charge, np.zeros(count - len(charge)))
+
+    stored, full, empty, load = (
+        fly(load_w(None))[0] if parts is None else by_own_charge(load_w, fly, aircraft.battery)
+    )
     flown = slice(len(stored))
     return CalendarRun(
         launch=launch,

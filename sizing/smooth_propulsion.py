@@ -148,9 +148,13 @@ def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> No
     assert propulsion is not None
     places = (("propeller", "diameter_m"), ("propeller", "pitch_m"), ("gear", "ratio"))
     parts = data["airframe"]["propulsion"]
-    for (part, key), value in zip(places, variables.of_propulsion, strict=True):
+    for (part, key), value in zip(places, variables.of_propulsion, strict=False):
         if value is not None:
             parts.setdefault(part, {})[key] = float(value)
+    if variables.motor_speed_constant_rpm_per_v is not None:
+        # A product of the catalogue has its own winding.
+        wound = propulsion.own_motor.rewound(float(variables.motor_speed_constant_rpm_per_v))
+        parts["motor"] = wound.model_dump(exclude_none=True)
     sized = any(one is not None for one in variables.of_propulsion[:2])
     mass_kg = propulsion.sized(*variables.mapped(float).of_propulsion).propeller.mass_kg
     if sized and mass_kg:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -93,6 +93,7 @@ class SolarDay:
     ``aloft_w_per_m2`` is the specific power at the levels of a mission with climbs
     (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one included, of shape ``(level,
     scenario, time)``, in the aircraft's own flow; None for flight at one altitude.
+    ``aloft_cooling``: as ``cooling``, of every level.
     """
 
     scenarios: Scenarios
@@ -102,6 +103,7 @@ class SolarDay:
     sunset_h: FloatArray
     cooling: Cooling | None = None
     aloft_w_per_m2: FloatArray | None = None
+    aloft_cooling: tuple[Cooling | None, ...] = ()
 
     @classmethod
     def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
@@ -116,8 +118,12 @@ class SolarDay:
             np.concatenate([d.specific_power_w_per_m2 for d in days]),
             np.concatenate([d.sunrise_h for d in days]),
             np.concatenate([d.sunset_h for d in days]),
-            _cooled([d.cooling for d in days], np.concatenate),
+            joined_cooling([d.cooling for d in days], np.concatenate),
             np.concatenate(aloft, axis=1) if aloft else None,
+            tuple(
+                joined_cooling(level, np.concatenate)
+                for level in zip(*(d.aloft_cooling for d in days), strict=True)
+            ),
         )
 
     def scaled(self, factor: float | FloatArray) -> SolarDay:
@@ -135,9 +141,17 @@ class SolarDay:
 
     def coarsened(self, steps: int) -> SolarDay:
         """Same day with some steps in one."""
-        cooling = _cooled([self.cooling], lambda parts: parts[0][..., ::steps])
         coarse = self._with(lambda power: power[..., ::steps])
-        return replace(coarse, time_h=self.time_h[::steps], cooling=cooling)
+        cooling, aloft = self._cooling_at((..., slice(None, None, steps)))
+        return replace(coarse, time_h=self.time_h[::steps], cooling=cooling, aloft_cooling=aloft)
+
+    def _cooling_at(self, some: Any) -> tuple[Cooling | None, tuple[Cooling | None, ...]]:
+        """Cooling of a part of the scenarios or times, and that aloft."""
+        first, *aloft = (
+            joined_cooling([one], lambda parts: parts[0][some])
+            for one in (self.cooling, *self.aloft_cooling)
+        )
+        return first, tuple(aloft)
 
     def _with(self, changed: Callable[[FloatArray], FloatArray]) -> SolarDay:
         """Same day with another power, at all its levels."""
@@ -152,14 +166,16 @@ class SolarDay:
         """Same day in some of its scenarios."""
         some = np.asarray(indices, int)
         of = self.scenarios
+        cooling, aloft = self._cooling_at(some)
         return SolarDay(
             Scenarios(of.latitude_deg[some], of.day_of_year[some]),
             self.time_h,
             self.specific_power_w_per_m2[some],
             np.asarray(self.sunrise_h)[some],
             np.asarray(self.sunset_h)[some],
-            _cooled([self.cooling], lambda parts: parts[0][some]),
+            cooling,
             None if self.aloft_w_per_m2 is None else self.aloft_w_per_m2[:, some],
+            aloft,
         )
 
     def power_of(self, design: Design, mission: Mission, *, paired: bool = False) -> FloatArray:
@@ -187,7 +203,7 @@ class SolarDay:
         return self.specific_power_w_per_m2 * cooling.factor(flow)
 
 
-def _cooled(
+def joined_cooling(
     parts: Sequence[Cooling | None], join: Callable[[Sequence[FloatArray]], FloatArray]
 ) -> Cooling | None:
     """Cooling of joined or cut days."""
@@ -281,18 +297,18 @@ class Sunlight:
         corrected = power if factor == 1.0 else power * factor
         latitude_deg, day = self.scenarios.latitude_deg, self.scenarios.noon_day
         times = sun_times(latitude_deg, declination(day))
-        aloft = self._aloft(solar)
-        return SolarDay(
+        lowest = SolarDay(
             *(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h),
             self._cooling_of(solar.model),
-            None if aloft is None else np.stack([corrected, *aloft]),
         )
-
-    def _aloft(self, solar: SolarModel) -> list[FloatArray] | None:
-        """Specific power at the higher levels of a mission with climbs; None without any."""
         if self.mission.climb is None:
-            return None
-        return [level.day(solar).specific_power_w_per_m2 for level in self._levels]
+            return lowest
+        levels = [lowest, *(level.day(solar) for level in self._levels)]
+        return replace(
+            lowest,
+            aloft_w_per_m2=np.stack([one.specific_power_w_per_m2 for one in levels]),
+            aloft_cooling=tuple(one.cooling for one in levels),
+        )
 
     @cached_property
     def _levels(self) -> list[Sunlight]:

@@ -7,10 +7,10 @@ day is marched with the voltages of the march before, until they stay.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +29,7 @@ from sizing.design import (
 from sizing.energy.battery import Battery, Store
 from sizing.energy.battery_voltage import CHARGE_SHARES, FIRST_CHARGE
 from sizing.energy.cycle import Cycle, simulate_cycle
-from sizing.held_station import power_against_wind_w
+from sizing.held_station import flight_against_wind
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.smooth import Value
@@ -38,11 +38,15 @@ from solar.types import FloatArray
 
 __all__ = [
     "DesignLoads",
+    "Flight",
+    "by_own_charge",
     "flight_of",
     "flown_cycle",
     "interpolation_error",
     "load_shape",
     "part_load_of",
+    "part_load_over",
+    "powers_of_loads_w",
     "smooth_loads_w",
 ]
 
@@ -52,6 +56,8 @@ _SETTLED, _ROUNDS = 1e-6, 6
 # Extra thrust power by thermals for which a program's straight line is exact: the power bends from
 # it by a few thousandths between none and half of level flight's.
 _THERMAL = 0.25
+
+Flown = TypeVar("Flown")
 
 
 def part_load_of(
@@ -73,7 +79,7 @@ def part_load_of(
     own, flight = flight_of(aircraft, mission, design)
     volts, flies = bus_voltage_v(aircraft), np.isfinite(level_w)
     if not (own.is_exact and level_w.ndim == 0 and flies):
-        return _part_load(own, flight, np.where(flies, level_w, np.inf), ends, volts)
+        return part_load_over(own, flight, np.where(flies, level_w, np.inf), ends, volts)
     numbers = Flight(
         float(flight.thrust_w),
         float(flight.airspeed_m_per_s),
@@ -88,6 +94,24 @@ def part_load_of(
             f"flight, in turbulence and thermals of {mission.name}: {reason}"
         )
     return found
+
+
+def by_own_charge(
+    load_w: Callable[[FloatArray], FloatArray],
+    fly: Callable[[FloatArray], tuple[Flown, FloatArray]],
+    battery: Battery,
+) -> Flown:
+    """Flight whose load has the voltages of its own charge.
+
+    ``load_w``: of voltages; ``fly``: flight of a load, and its state of charge where that is.
+    """
+    load = load_w(battery.bus_voltage_v(np.array(FIRST_CHARGE)))
+    for _ in range(_ROUNDS):
+        flown, charge = fly(load)
+        before, load = load, load_w(battery.bus_voltage_v(charge))
+        if np.all(np.abs(load - before) <= _SETTLED * before):
+            break
+    return flown
 
 
 def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
@@ -133,17 +157,44 @@ def load_shape(mission: Mission, day: SolarDay) -> FloatArray:
     return np.asarray(1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal)
 
 
-def _part_load(
+def part_load_over(
     own: OperatingPointPropulsion,
     flight: Flight,
     level_w: FloatArray,
     loads: tuple[FloatArray, FloatArray],
     volts: tuple[float, float],
 ) -> PartLoad:
+    """Power of a propulsion over loads and voltages, relative to that of a level flight.
+
+    ``level_w``: electric power of that flight [W], of the shape of what ``flight`` has.
+    """
+
     def power_w(load: FloatArray, bus_v: FloatArray) -> Any:
         return own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
 
     return PartLoad.of(power_w, level_w, loads, volts)
+
+
+def _part_load_against_wind(
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+    power_w: FloatArray,
+    thrust_w: FloatArray,
+    airspeed_m_per_s: FloatArray,
+) -> PartLoad | None:
+    """Power over load and voltage of flight at airspeeds of its own; None by constants.
+
+    ``power_w``: of level flight at them; of scenarios, ``design`` with an axis for them.
+    """
+    propulsion = getattr(aircraft.airframe, "propulsion", None)
+    if not isinstance(propulsion, OperatingPointPropulsion):
+        return None
+    own, flies = propulsion.sized(*design.variables.of_propulsion), np.isfinite(power_w)
+    air = FlightConditions.of(mission, aircraft).air
+    flight = Flight(np.where(flies, thrust_w, 1.0), np.where(flies, airspeed_m_per_s, 1.0), air)
+    loads = load_range(mission.turbulence.all_day, mission.turbulence.thermal)
+    return part_load_over(own, flight, power_w, loads, bus_voltage_v(aircraft))
 
 
 @lru_cache(maxsize=16)
@@ -156,7 +207,7 @@ def _part_load_of_one(
 ) -> PartLoad:
     """Table of one design, which several flights share: its rotations are searched for once."""
     ends = np.asarray(loads[0]), np.asarray(loads[1])
-    return _part_load(own, flight, np.asarray(level_w), ends, volts)
+    return part_load_over(own, flight, np.asarray(level_w), ends, volts)
 
 
 def smooth_loads_w(
@@ -167,19 +218,30 @@ def smooth_loads_w(
     Of numbers, arrays or symbols. The efficiency of parts is that of the turbulence of all hours at
     the voltage of a half charged battery; in thermals the load is a straight line from there.
     """
+    steady = 1.0 + conditions.turbulence
+    found = powers_of_loads_w(aircraft, design, conditions, (steady, steady + _THERMAL))
+    if found is None:
+        return design.load_in_turbulence_w(conditions.turbulence), design.propulsion_power_w
+    calm_w, rough_w = found
+    return calm_w + design.constant_power_w, (rough_w - calm_w) / _THERMAL
+
+
+def powers_of_loads_w(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions, loads: Sequence[Value]
+) -> list[Value] | None:
+    """Electric power of thrust powers over that of level flight, with a half charged battery [W].
+
+    Of numbers, arrays or symbols; None for constant efficiencies.
+    """
     propulsion = getattr(aircraft.airframe, "propulsion", None)
     if not isinstance(propulsion, OperatingPointPropulsion):
-        return design.load_in_turbulence_w(conditions.turbulence), design.propulsion_power_w
+        return None
     assert design.chain is not None
     thrust_w = design.propulsion_power_w * design.chain.efficiency
     own = propulsion.sized(*design.variables.of_propulsion)
     bus_v = float(aircraft.battery.bus_voltage_v(np.array(FIRST_CHARGE)))
-    steady = 1.0 + conditions.turbulence
-    calm_w, rough_w = (
-        own.bus_power_w(thrust_w * load, design.airspeed_m_per_s, conditions.air, bus_v)
-        for load in (steady, steady + _THERMAL)
-    )
-    return calm_w + design.constant_power_w, (rough_w - calm_w) / _THERMAL
+    speed, air = design.airspeed_m_per_s, conditions.air
+    return [own.bus_power_w(thrust_w * load, speed, air, bus_v) for load in loads]
 
 
 @dataclass(frozen=True)
@@ -221,8 +283,9 @@ class DesignLoads:
         """Same flight, as fast as the wind of each scenario."""
         winds = self.mission.scenario_winds_m_per_s(self.day.scenarios)
         spread = self.design.mapped(self._over_scenarios)
-        power_w = power_against_wind_w(aircraft, self.mission, spread, winds)
-        return replace(self, own_propulsion_w=power_w)
+        flown = flight_against_wind(aircraft, self.mission, spread, winds)
+        power_w, part = flown[0], _part_load_against_wind(aircraft, self.mission, spread, *flown)
+        return replace(self, own_propulsion_w=power_w, part_load=part)
 
     @cached_property
     def solar_w(self) -> FloatArray:
@@ -275,7 +338,10 @@ class DesignLoads:
     @cached_property
     def _part(self) -> PartLoad | None:
         """Part load with axes for scenarios and time."""
-        return None if self.part_load is None else self.part_load.spread(2 - self.paired)
+        if self.part_load is None:
+            return None
+        # As fast as the wind every scenario has its own already.
+        return self.part_load.spread(1 if self.own_propulsion_w is not None else 2 - self.paired)
 
     def _over_scenarios(self, value: ArrayLike) -> FloatArray:
         return np.asarray(value) if self.paired else np.asarray(value)[..., np.newaxis]

@@ -11,24 +11,34 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from missions.air import ZERO_CELSIUS_K
+from missions.air import ZERO_CELSIUS_K, air_at
 from missions.files.errors import file_error
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, runs_of
 from sizing.aircraft import Aircraft
-from sizing.design import Design, design_of, thermal_shape
+from sizing.design import (
+    Design,
+    ImpossibleDesignError,
+    bus_voltage_v,
+    design_of,
+    thermal_shape,
+)
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import CarriedDays, carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
+from sizing.held_station import power_against_wind_w
+from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.sunlight import UNCORRECTED_CAM, Lit, SolarModel, power_in_light
+from sizing.varying_load import Flight, by_own_charge, flight_of, part_load_of, part_load_over
 from solar.clearsky import Irradiance
 from solar.sun import declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
 
 HOURS_PER_DAY = 24.0
+_NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself, or be as fast as the wind
 # A record that begins this near to midnight begins a day.
 _NEAR_MIDNIGHT_H = 3.0
 
@@ -94,15 +104,73 @@ class DayAxis:
 
 
 @dataclass(frozen=True)
+class LoadInAir:
+    """Electric power of a design in air that changes its temperature, relative to its own.
+
+    ``part_load``: at some temperatures, ``temperatures_k``, between which a parabola passes.
+    """
+
+    part_load: PartLoad
+    temperatures_k: FloatArray
+
+    @classmethod
+    def of(
+        cls, aircraft: Aircraft, mission: Mission, design: Design, air_c: ArrayLike
+    ) -> LoadInAir | None:
+        """Power between the ends of temperatures [C]; None for constant efficiencies.
+
+        At the pressure of an altitude airspeed and drag times airspeed go with the square root of
+        the absolute temperature. Raises :class:`ImpossibleDesignError` where the propeller's data
+        end before the greatest load.
+        """
+        if mission.holds_station or part_load_of(aircraft, mission, design) is None:
+            return None  # a place is held with the efficiency at each day's airspeed
+        own, flight = flight_of(aircraft, mission, design)
+        least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
+        warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
+        faster = np.sqrt(warm_k / flight.air.temperature_k)
+        there = Flight(
+            np.asarray(flight.thrust_w * faster),
+            flight.airspeed_m_per_s * faster,
+            air_at(warm_k, flight.air.pressure_pa),
+        )
+        turbulence = mission.turbulence
+        loads = load_range(turbulence.all_day, turbulence.thermal)
+        level_w = np.full(warm_k.shape, float(design.propulsion_power_w))
+        part = part_load_over(own, there, level_w, loads, bus_voltage_v(aircraft))
+        if np.any(part.beyond):
+            raise ImpossibleDesignError(
+                f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
+                f"power of level flight in air of {least_c:.0f} to {most_c:.0f} C"
+            )
+        return cls(part, warm_k)
+
+    def at(self, load: FloatArray, air_c: FloatArray, bus_v: FloatArray) -> FloatArray:
+        """Power over that of level flight in the mission's air [-]; arguments broadcast."""
+        wide = np.broadcast_arrays(load, air_c, bus_v)
+        powers = self.part_load.spread(wide[0].ndim).at(wide[0], wide[2])
+        known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
+        total = np.zeros(wide[0].shape)
+        for k, one in enumerate(powers):
+            others = np.delete(known_k, k)
+            weight = np.ones(warm_k.shape)
+            for other in others:
+                weight = weight * (warm_k - other) / (known_k[k] - other)
+            total += weight * one
+        return total
+
+
+@dataclass(frozen=True)
 class WeatherDays:
     """What the days of a record are to every design of an aircraft.
 
     ``aircraft``, ``mission``, ``solar``: technology; altitude, air and turbulence at the record's
     site; solar power model. ``light``: along the record. ``ambient_c``, ``module_c``: temperature
     of the air and of the modules along the record [C]. ``propulsion_ratio``: propulsion power over
-    that of level flight in the mission's air [-]. ``more_heater_w``: heater of the battery beyond
-    that of the mission's air [W]. ``capacity_ratio``: capacity of the battery over that in the
-    mission's air [-].
+    that of level flight in the mission's air [-]. ``wind_m_per_s``: of each day as the airspeed of
+    the same lift coefficient in the mission's air [m/s]; None unless the mission holds its place.
+    ``more_heater_w``: heater of the battery beyond that of the mission's air [W].
+    ``capacity_ratio``: capacity of the battery over that in the mission's air [-].
     """
 
     aircraft: Aircraft
@@ -113,6 +181,7 @@ class WeatherDays:
     ambient_c: FloatArray
     module_c: FloatArray
     propulsion_ratio: FloatArray
+    wind_m_per_s: FloatArray | None
     more_heater_w: FloatArray
     capacity_ratio: FloatArray
 
@@ -137,6 +206,7 @@ class WeatherDays:
         return cls(
             *(aircraft, mission, solar, light, axis, ambient_c, module_c),
             propulsion_ratio=_propulsion_ratio(mission, axis, air_c),
+            wind_m_per_s=_wind_m_per_s(mission, axis, air_c),
             more_heater_w=_more_heater_w(aircraft, mission, air_c),
             capacity_ratio=_capacity_of_days(aircraft, mission, air_c),
         )
@@ -151,10 +221,42 @@ class WeatherDays:
         power = power_in_light(self.aircraft, self.mission, self.solar, sunlit)
         return np.asarray(power[self.axis.nodes])
 
-    def load_w(self, design: Design) -> FloatArray:
-        """Load of a design at the nodes [W], shape ``(day, node)``."""
-        level_w, constant_w = float(design.propulsion_power_w), float(design.constant_power_w)
-        return np.asarray(level_w * self.propulsion_ratio + constant_w + self.more_heater_w)
+    def load_w(self, design: Design, ratio: FloatArray | None = None) -> FloatArray:
+        """Load of a design at the nodes [W], shape ``(day, node)``.
+
+        ``ratio``: of the propulsion power, by default that of constant efficiencies.
+        """
+        level_w, constant_w = self.level_w(design)[0], float(design.constant_power_w)
+        ratio = self.propulsion_ratio if ratio is None else ratio
+        return np.asarray(level_w[:, np.newaxis] * ratio + constant_w + self.more_heater_w)
+
+    def flown(self, design: Design, sky: Irradiance, parts: LoadInAir | None) -> WeatherRun:
+        """Run of a design under a sky along the record, with the efficiency of the moment."""
+        store = self.store(design.battery_energy_wh)
+        solar_w = self.aircraft.modules.area_m2 * self.specific_power_w_per_m2(sky)
+        if parts is None:
+            return _march_record(self.axis, solar_w, self.load_w(design), store)
+        profile, air_c = _profile(self.mission, self.axis), self.ambient_c[self.axis.nodes]
+
+        def load_w(bus_v: FloatArray) -> FloatArray:
+            return self.load_w(design, parts.at(profile, air_c, bus_v))
+
+        def fly(load_w: FloatArray) -> tuple[WeatherRun, FloatArray]:
+            run = _march_record(self.axis, solar_w, load_w, store)
+            return run, run.state_of_charge()
+
+        return by_own_charge(load_w, fly, self.aircraft.battery)
+
+    def level_w(self, design: Design) -> FloatArray:
+        """Propulsion power of designs in level flight in the mission's air [W], ``(design, day)``.
+
+        A single day for all, unless the mission holds its place: then as fast as each day's wind.
+        """
+        power_w = np.atleast_1d(np.asarray(design.propulsion_power_w, float))[:, np.newaxis]
+        if self.wind_m_per_s is not None:
+            each = design.mapped(lambda one: np.atleast_1d(np.asarray(one))[:, np.newaxis])
+            power_w = power_against_wind_w(self.aircraft, self.mission, each, self.wind_m_per_s)
+        return np.where(np.isfinite(power_w), power_w, _NO_FLIGHT_W)
 
     def store(self, battery_energy_wh: float) -> Store:
         """Battery of each day, of an energy at full charge in the mission's air [Wh]."""
@@ -240,12 +342,9 @@ def weather_performance(
     """
     days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
     design = design_of(aircraft, mission)
-    load, store = days.load_w(design), days.store(design.battery_energy_wh)
-    area_m2 = aircraft.modules.area_m2
-    recorded, clear = (
-        _march_record(days.axis, area_m2 * days.specific_power_w_per_m2(sky), load, store)
-        for sky in (days.light.recorded, days.light.clear)
-    )
+    parts = LoadInAir.of(aircraft, mission, design, days.ambient_c)
+    skies = (days.light.recorded, days.light.clear)
+    recorded, clear = (days.flown(design, sky, parts) for sky in skies)
     return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
 
 
@@ -286,12 +385,32 @@ def _propulsion_ratio(mission: Mission, axis: DayAxis, ambient_c: FloatArray) ->
     altitude that is the square root of the absolute temperature (Anderson, Aircraft Performance and
     Design, equation 5.56). Turbulence and thermals are the mission's.
     """
+    assumed_k = float(mission.air_state().temperature_k)
+    return np.asarray(_profile(mission, axis) * np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k))
+
+
+def _profile(mission: Mission, axis: DayAxis) -> FloatArray:
+    """Thrust power at the nodes over that of level flight in their air [-], ``(day, node)``."""
     times = sun_times(mission.latitudes()[0], declination(axis.day_of_year + 0.5))
     clock_h = axis.time_h + axis.midnight_h[:, np.newaxis]
     thermal = thermal_shape(clock_h, times.sunrise_h, times.sunset_h)
-    profile = 1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal
+    turbulence = mission.turbulence
+    return np.asarray(1.0 + turbulence.all_day + turbulence.thermal * thermal)
+
+
+def _wind_m_per_s(mission: Mission, axis: DayAxis, air_c: FloatArray) -> FloatArray | None:
+    """Wind of each day's month where the mission holds its place, for the mission's air [m/s].
+
+    With the wind ``v`` in air of the density ``rho`` the lift coefficient is that at
+    ``v (rho / rho_0)^0.5`` in the mission's, and the power that at this airspeed times
+    ``(rho_0 / rho)^0.5``, which :func:`_propulsion_ratio` has.
+    """
+    if not mission.holds_station:
+        return None
+    latitude_deg = np.full(len(axis), mission.latitudes()[0])
+    wind = mission.scenario_winds_m_per_s(Scenarios(latitude_deg, axis.day_of_year))
     assumed_k = float(mission.air_state().temperature_k)
-    return np.asarray(profile * np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k))
+    return np.asarray(wind / np.sqrt((np.mean(air_c, axis=1) + ZERO_CELSIUS_K) / assumed_k))
 
 
 def _more_heater_w(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:

@@ -94,7 +94,7 @@ class ClimbChain:
     """
 
     parts: OperatingPointPropulsion
-    sizes: tuple[FloatArray | None, FloatArray | None, FloatArray | None]
+    sizes: tuple[FloatArray | None, ...]
     factor: FloatArray
     thrust_w: FloatArray
     airspeed_m_per_s: FloatArray
@@ -122,14 +122,13 @@ class ClimbChain:
         thrust_w, speed = rows(thrust), rows([one.airspeed_m_per_s for one in flown])
         flies = np.isfinite(thrust_w).all(axis=0) & np.isfinite(speed).all(axis=0)
         airs = [FlightConditions.of(one, aircraft).air for one in missions]
-        sizes = (
+        sizes = tuple(
             None if one is None else np.broadcast_to(np.asarray(one, float), shape).ravel()
             for one in flown[0].variables.of_propulsion
         )
-        diameter, pitch, gear = sizes
         return cls(
             parts.model_copy(update={"efficiency_factor": 1.0}),
-            (diameter, pitch, gear),
+            sizes,
             rows([parts.efficiency_factor])[0],
             np.where(flies, thrust_w, 1.0),
             np.where(flies, speed, 1.0),
@@ -169,10 +168,9 @@ class ClimbChain:
 
     def select(self, some: IntArray) -> ClimbChain:
         """Chain of some of the designs."""
-        diameter, pitch, gear = (None if one is None else one[some] for one in self.sizes)
         return replace(
             self,
-            sizes=(diameter, pitch, gear),
+            sizes=tuple(None if one is None else one[some] for one in self.sizes),
             factor=self.factor[some],
             thrust_w=self.thrust_w[:, some],
             airspeed_m_per_s=self.airspeed_m_per_s[:, some],
@@ -212,18 +210,19 @@ class ClimbChain:
     def _tables(self) -> _Tables:
         """Tables of all designs and levels."""
         turns, shaft_w = self._propellers()
-        known = np.isfinite(turns) & np.isfinite(shaft_w)
-        # Where the propeller's data end the tables go on, beyond its limit.
-        turns, shaft_w = (_continued(one, known) for one in (turns, shaft_w))
         bus_v = np.linspace(*self.volts, _VOLTS if self.follows_voltage else 1)
         volts = bus_v[:, np.newaxis, np.newaxis, np.newaxis]
-        parts = self._sized()
-        power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, volts)) / self.factor
-        air = Air(*(one[np.newaxis] for one in self.air))
-        shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, volts)
-        used = np.max(np.broadcast_arrays(*shares.values()), axis=0)
-        used = np.where(known, used, 2.0)
-        log_power, used = np.log(_rows(power)), _rows(np.broadcast_to(used, power.shape))
+        parts, air = self._sized(), Air(*(one[np.newaxis] for one in self.air))
+        with np.errstate(invalid="ignore", over="ignore"):
+            power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, volts)) / self.factor
+            shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, volts)
+            used = np.max(np.broadcast_arrays(*shares.values(), power)[:-1], axis=0)
+            # Where the propeller's data end, or the wiring cannot pass the power, the tables go on,
+            # beyond a limit.
+            rises = np.diff(power, axis=1, prepend=0.0) > 0.0
+            known = np.isfinite(power) & (power > 0.0) & np.isfinite(used) & rises
+        power, used = _continued(power, known), np.where(known, used, 2.0)
+        log_power, used = np.log(_rows(power)), _rows(used)
         rows, voltages, _ = log_power.shape
         fine = np.linspace(0.0, len(_LOADS) - 1.0, _FINE)
         over, log_load = _between(fine, log_power), np.log(_LEAST) + np.log(_RATIO) * fine
@@ -341,17 +340,15 @@ def _through(values: FloatArray, some: IntArray, every: IntArray) -> FloatArray:
 
 
 def _continued(values: FloatArray, known: BoolArray) -> FloatArray:
-    """Values along the first axis; unknown ones go on from the next in step with the load."""
+    """Powers along the second axis, loads; unknown ones go on from the next with the load."""
     if known.all():
         return values
     found = np.where(known, values, 1.0)
-    for order in (range(1, len(found)), range(len(found) - 2, -1, -1)):
-        done = known[0] if order.step > 0 else known[-1]
-        done = done.copy()
+    count = found.shape[1]
+    for order, grow in ((range(1, count), _RATIO), (range(count - 2, -1, -1), 1.0 / _RATIO)):
+        done = known[:, order.start - order.step].copy()
         for k in order:
-            before = k - order.step
-            grow = _RATIO if order.step > 0 else 1.0 / _RATIO
-            take = done & ~known[k]
-            found[k] = np.where(take, found[before] * grow, found[k])
-            done = done | known[k]
+            take = done & ~known[:, k]
+            found[:, k] = np.where(take, found[:, k - order.step] * grow, found[:, k])
+            done |= known[:, k]
     return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -21,7 +21,8 @@ from sizing.design import (
     parametric_design,
     thermal_shape,
 )
-from sizing.sunlight import SolarDay
+from sizing.module_power import Cooling, convection_of
+from sizing.sunlight import SolarDay, joined_cooling
 from solar.types import BoolArray, FloatArray, IntArray
 
 _GLIDE_POINTS = 2001
@@ -79,6 +80,17 @@ class FlightLevels:
     flies: BoolArray
     design: IntArray
     chain: ClimbChain | None = None
+    cooling: tuple[Cooling | None, ...] = ()
+    convection_w_per_m2k: FloatArray | None = None
+
+    def cooling_factor(self, level: int) -> FloatArray | None:
+        """Factor on the specific power by an element's own flow, ``(element, time)``; None: 1."""
+        cooling = self.cooling[level] if self.cooling else None
+        if cooling is None:
+            return None
+        assert self.convection_w_per_m2k is not None
+        own = cooling.with_arrays([one[self.scenario] for one in cooling.arrays()])
+        return own.factor(self.convection_w_per_m2k[level, :, np.newaxis])
 
     @property
     def thrust_power_w(self) -> FloatArray:
@@ -96,6 +108,8 @@ class FlightLevels:
         """Flights of a part of the elements."""
         by_level = ("potential_energy_wh", "propulsion_power_w")
         rows = {name: getattr(self, name)[:, some] for name in by_level}
+        if self.convection_w_per_m2k is not None:
+            rows["convection_w_per_m2k"] = self.convection_w_per_m2k[:, some]
         rows |= {name: getattr(self, name)[some] for name in _OF_EACH}
         chain = self.chain
         if chain is not None and chain.count > _DESIGNS_AT_ONCE:
@@ -118,6 +132,12 @@ class FlightLevels:
         }
         places = [one.scenario + n for one, n in zip(several, first, strict=False)]
         arrays["scenario"] = np.concatenate(places)
+        known = (one.convection_w_per_m2k for one in several)
+        flows = [one for one in known if one is not None]
+        if flows:
+            arrays["convection_w_per_m2k"] = np.concatenate(flows, axis=1)
+            levels = zip(*(one.cooling for one in several), strict=True)
+            arrays["cooling"] = tuple(joined_cooling(one, np.concatenate) for one in levels)
         chains = [one.chain for one in several if one.chain is not None]
         if len(chains) < len(several):
             return cls(several[0].altitude_m, **arrays)
@@ -248,7 +268,27 @@ def flight_levels(
         flies=np.asarray(flies),
         design=np.asarray(each(np.arange(max(math.prod(batch), 1)).reshape(batch)), int),
         chain=ClimbChain.of(aircraft, missions, flown),
+        cooling=day.aloft_cooling,
+        convection_w_per_m2k=_convection(day, missions, flown, each),
     )
+
+
+def _convection(
+    day: SolarDay,
+    missions: Sequence[Mission],
+    flown: Sequence[Design],
+    each: Callable[[object], FloatArray],
+) -> FloatArray | None:
+    """Convection of every element at all levels; None of a day without it."""
+    if not day.aloft_cooling:
+        return None
+    known = [
+        0.0
+        if cooling is None
+        else convection_of(one, there, cooling.transition_reynolds, cooling.convection)
+        for cooling, one, there in zip(day.aloft_cooling, flown, missions, strict=True)
+    ]
+    return np.stack([each(one) for one in known])
 
 
 _TWICE_GRAVITY = 2.0 * GRAVITY_M_PER_S2

@@ -56,6 +56,10 @@ class March:
         self.places, self._nothing = np.arange(self.count), np.zeros(self.count)
         # Of every node: solar power at all levels, one after the other, and turbulence.
         light = np.moveaxis(levels.specific_power_w_per_m2, -1, 0)[:, :, levels.scenario]
+        for number in range(light.shape[1]):
+            factor = levels.cooling_factor(number)
+            if factor is not None:
+                light[:, number] *= factor.T
         self.solar_at = (light * levels.module_area_m2).reshape(len(light), -1)
         self.factor = levels.turbulence_factor.T[:, levels.scenario]
         self.counts_as_full_wh = FULL * store.battery_energy_wh

@@ -24,10 +24,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sizing.energy.batch import Cells
 from sizing.energy.battery import Store
-from sizing.energy.march import DayRun, first_repetition, full_after_h, repeated_wh, unserved_h
+from sizing.energy.march import (
+    ChargingDay,
+    DayRun,
+    first_repetition,
+    full_after_h,
+    repeated_wh,
+    unserved_h,
+)
 from sizing.energy.power_balance import (
+    Cells,
     PowerBalance,
     blocks,
     crossing_fraction,
@@ -215,15 +222,11 @@ def simulate_cycle(
         Arrays of shape ``...``; ``energy_wh`` has a last axis of ``time``.
     """
     cells, batch = Cells.of(time_h, solar_power_w, load_w, store, nominal_load_w)
-    return _simulated_in_blocks(cells, batch, keep_trajectory=keep_trajectory)
-
-
-def _simulated_in_blocks(cells: Cells, batch: tuple[int, ...], *, keep_trajectory: bool) -> Cycle:
-    """Cycle of a batch, in blocks; elements that do not settle at once come last, together."""
+    # In blocks; elements that do not settle at once come last, together.
     parts, unsettled, highest_wh = [], [], []
     for some in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
         block = cells.select(some)
-        first = first_repetition(block.day, block.store)
+        first = first_repetition(ChargingDay.of(block.balance), block.store)
         parts.append(measured(block, first.run, keep_trajectory))
         unsettled.append(some.start + first.unsettled)
         highest_wh.append(first.highest_wh)
@@ -231,8 +234,8 @@ def _simulated_in_blocks(cells: Cells, batch: tuple[int, ...], *, keep_trajector
     late = []
     for some in blocks(len(places), CELLS_AT_ONCE) if len(places) else ():
         block = cells.select(places[some])
-        start_wh = repeated_wh(block.day, block.store, highest[some])
-        run = block.day.run(block.store, start_wh)
+        day = ChargingDay.of(block.balance)
+        run = day.run(block.store, repeated_wh(day, block.store, highest[some]))
         late.append((places[some], measured(block, run, keep_trajectory)))
 
     def column(pick: Callable[[Cycle], Any]) -> Any:

@@ -15,10 +15,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sizing.energy.batch import Cells
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, dawn_wh, equal_power, measured
 from sizing.energy.march import ChargingDay, repeated_day
+from sizing.energy.power_balance import Cells
 from solar.types import FloatArray
 
 # Of the battery's energy: charge at the morning's equal power that counts as that of the fixed
@@ -73,9 +73,9 @@ def _counted(cells: Cells) -> FloatArray:
     days, places = np.full(count, np.inf), np.arange(count)
     number, stride = np.ones(count), np.ones(count)
     equal = equal_power(cells.time_h, cells.above_nominal_w())
-    target = dawn_wh(cells.balance, repeated_day(cells.day, cells.store), equal)
+    day = ChargingDay.of(cells.balance)
+    target = dawn_wh(cells.balance, repeated_day(day, cells.store), equal)
     energy = _evening_of_the_launch(cells)
-    day = cells.day
     while True:
         run = day.run(cells.store, energy)
         dawn = dawn_wh(cells.balance, run, equal)
@@ -90,7 +90,8 @@ def _counted(cells: Cells) -> FloatArray:
             return days
         if len(kept) < len(places):
             cells, places, target = cells.select(kept), places[kept], target[kept]
-            day, equal = cells.day, equal_power(cells.time_h, cells.above_nominal_w())
+            day = ChargingDay.of(cells.balance)
+            equal = equal_power(cells.time_h, cells.above_nominal_w())
             number, stride, energy, gain, at_least = (
                 v[kept] for v in (number, stride, energy, gain, at_least)
             )
@@ -161,8 +162,9 @@ def simulate_days(
         energy = (
             _evening_of_the_launch(cells)
             if energy is None
-            else cells.day.end_wh(cells.store, energy)
+            else ChargingDay.of(cells.balance).end_wh(cells.store, energy)
         )
     assert energy is not None
     cells, batch = Cells.of(time_h, *last, store, nominal_load_w)
-    return measured(cells, cells.day.run(cells.store, energy), keep_trajectory).reshaped(batch)
+    run = ChargingDay.of(cells.balance).run(cells.store, energy)
+    return measured(cells, run, keep_trajectory).reshaped(batch)

@@ -138,14 +138,14 @@ class Survival:
 
 # Values of an array that designs are flown in at once.
 _AT_ONCE = 2_000_000
-_NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself
 
 
 class Powers(NamedTuple):
     """What a design is to a record, arrays of shape ``(design,)``.
 
-    ``area_m2``: module area [m2]. ``level_w``, ``constant_w``: propulsion power of level flight,
-    and what draws power at all times [W]. ``battery_wh``: energy at full charge in the mission's
+    ``area_m2``: module area [m2]. ``level_w``, ``constant_w``: propulsion power of level flight on
+    the record's days, ``(design, day)`` or one for all, and what draws power at all times [W].
+    ``battery_wh``: energy at full charge in the mission's
     air [Wh].
     """
 
@@ -155,16 +155,14 @@ class Powers(NamedTuple):
     battery_wh: FloatArray
 
     @classmethod
-    def of(cls, design: Design) -> Powers:
-        """Powers of a design or of a batch of them."""
-        level = np.atleast_1d(np.asarray(design.propulsion_power_w, float))
-        parts = (
-            design.variables.module_area_m2,
-            np.where(np.isfinite(level), level, _NO_FLIGHT_W),
-            design.constant_power_w,
-            design.battery_energy_wh,
-        )
-        return cls(*(np.array(v) for v in np.broadcast_arrays(*map(np.atleast_1d, parts))))
+    def of(cls, design: Design, days: WeatherDays) -> Powers:
+        """Powers of a design or of a batch of them, on the days of a record."""
+        level = days.level_w(design)
+        single = design.variables.module_area_m2, design.constant_power_w, design.battery_energy_wh
+        batch = np.broadcast_shapes((len(level),), *(np.shape(np.atleast_1d(v)) for v in single))
+        area, constant, battery = (np.array(np.broadcast_to(v, batch)) for v in single)
+        level = np.array(np.broadcast_to(level, (*batch, level.shape[1])))
+        return cls(area, level, constant, battery)
 
     def scaled(self, income: FloatArray, storage: FloatArray) -> Powers:
         """Designs with that many times the income and the storage of this single one.
@@ -174,7 +172,7 @@ class Powers(NamedTuple):
         one = np.ones(len(income))
         return Powers(
             income * self.area_m2,
-            one * self.level_w,
+            one[:, np.newaxis] * self.level_w,
             one * self.constant_w,
             storage * self.battery_wh,
         )
@@ -186,7 +184,7 @@ class Powers(NamedTuple):
     @property
     def place(self) -> FloatArray:
         """Logarithms of income [m2/W] and storage [h], shape ``(2, design)``."""
-        load = self.level_w + self.constant_w
+        load = np.mean(self.level_w, axis=1) + self.constant_w
         return np.log([self.area_m2 / load, self.battery_wh / load])
 
 
@@ -270,7 +268,9 @@ class SeasonFlights:
         def each(values: FloatArray) -> FloatArray:
             return values[:, np.newaxis, np.newaxis]
 
-        load = each(designs.level_w) * days.propulsion_ratio[some]
+        level = designs.level_w
+        level = level if level.shape[1] == 1 else level[:, some]
+        load = level[:, :, np.newaxis] * days.propulsion_ratio[some]
         load += each(designs.constant_w) + days.more_heater_w[some]
         power = each(designs.area_m2) * self.specific_w_per_m2
         full = designs.battery_wh[:, np.newaxis] * days.capacity_ratio[some]

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,7 +27,8 @@ from sizing.sunlight import SolarModel, solar_day
 from solar.types import FloatArray, IntArray
 
 # The program's day: one with a night of about twelve hours at any site. Which one does not matter,
-# as factors on income and storage are free.
+# as factors on income and storage are free. Where a place is held, it has the season's strongest
+# wind.
 _EQUINOX, _HIGHEST_LATITUDE_DEG = 80, 45.0
 _DAY_STEP_H = 0.5
 # Logarithms of factors on income and storage.
@@ -91,12 +93,17 @@ class SeasonSearch(MarginSearch):
         latitude = min(max(latitude, -_HIGHEST_LATITUDE_DEG), _HIGHEST_LATITUDE_DEG)
         where = Scenarios(np.array([latitude]), np.array([_EQUINOX]))
         day = solar_day(aircraft, mission, solar, scenarios=where, step_h=_DAY_STEP_H)
+        winds = flights.days.wind_m_per_s
+        if winds is not None:
+            season = flights.kept[flights.counted]
+            strongest = flights.days.axis.day_of_year[season[[np.argmax(winds[season])]]]
+            day = replace(day, scenarios=Scenarios(np.array(mission.latitudes()[:1]), strongest))
         super().__init__(aircraft, mission, objective, solar, day, problems)
         self.flights, self.coarse, self.steps = flights, coarse, steps
 
     def reached(self, design: Design) -> float:
         """Days of the season that close."""
-        return int(self.flights.that_close(Powers.of(design))[0])
+        return int(self.flights.that_close(Powers.of(design, self.flights.days))[0])
 
     def _cost(self, one: Trial) -> float:
         """Logarithm of what is to be small, or the negative of what is to be large."""
@@ -136,7 +143,8 @@ class SeasonSearch(MarginSearch):
         ``flights``: by default those on coarse nodes, less what these find otherwise of the
         trial itself. Returns days, of logarithms of factors on income and storage.
         """
-        own, flown = Powers.of(one.design), self.coarse if flights is None else flights
+        flown = self.coarse if flights is None else flights
+        own = Powers.of(one.design, flown.days)
 
         def count(income: FloatArray, storage: FloatArray) -> IntArray:
             return flown.that_close(own.scaled(np.exp(income), np.exp(storage)))
@@ -167,9 +175,13 @@ class SeasonSearch(MarginSearch):
         """Go to the best place along a stretch of the edge."""
         for step in min(width / 2.0, _SLOPE_STEP) * np.eye(2):
             self.trial(here.factors + step, start=here.variables)
-        near = [one for one in self.found if np.all(np.abs(_on_plane(one) - _on_plane(here)) < 1.0)]
+        near = [
+            one
+            for one in self.found
+            if np.all(np.abs(self._on_plane(one) - self._on_plane(here)) < 1.0)
+        ]
         cost = fitted(
-            np.array([_on_plane(one) for one in near]),
+            np.array([self._on_plane(one) for one in near]),
             np.array([self._cost(one) for one in near]),
             next(i for i, one in enumerate(near) if one is here),
         )
@@ -178,7 +190,7 @@ class SeasonSearch(MarginSearch):
         edge = np.stack([incomes, storages], axis=-1)[np.isfinite(incomes)]
         if not len(edge):
             return
-        step = edge[np.argmin(cost(_on_plane(here) + edge))]
+        step = edge[np.argmin(cost(self._on_plane(here) + edge))]
         for _ in range(_BACK):
             one = self.trial(here.factors - step, start=here.variables)
             if one is not None:
@@ -194,7 +206,7 @@ class SeasonSearch(MarginSearch):
             if one.reached >= needed and step > -_TUNED:
                 return
             other = self.trial(one.factors - step, start=one.variables)
-            if other is None or np.allclose(_on_plane(other), _on_plane(one), atol=1e-6):
+            if other is None or np.allclose(self._on_plane(other), self._on_plane(one), atol=1e-6):
                 return
             one = other
 
@@ -215,7 +227,6 @@ class SeasonSearch(MarginSearch):
                     self._tuned(one, needed)
                     return
 
-
-def _on_plane(one: Trial) -> FloatArray:
-    """Logarithms of a design's income and storage, shape ``(2,)``."""
-    return np.asarray(Powers.of(one.design).place[:, 0])
+    def _on_plane(self, one: Trial) -> FloatArray:
+        """Logarithms of a design's income and storage, shape ``(2,)``."""
+        return np.asarray(Powers.of(one.design, self.flights.days).place[:, 0])

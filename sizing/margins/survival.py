@@ -140,7 +140,7 @@ class _SurvivalSizing:
         shown = best or max(self.search.found, key=lambda one: (one.reached, one.merit))
         survival = Survival(
             *(self.weather, self.mission, self.required),
-            days=SeasonDays.of(self.record, Powers.of(shown.design)),
+            days=SeasonDays.of(self.record, Powers.of(shown.design, self.record.days)),
             clear_sky_status=clear.status,
             clear_sky_objective=clear.objective_value,
             clear_sky_days=self._clear_days(clear),
@@ -166,12 +166,12 @@ class _SurvivalSizing:
 
     def _days_of(self, one: Trial) -> int:
         """Days that close in all of the record."""
-        return int(self.record.that_close(Powers.of(one.design))[0])
+        return int(self.record.that_close(Powers.of(one.design, self.record.days))[0])
 
     def _clear_days(self, clear: SizingResult) -> SeasonDays | None:
         if clear.design is None:
             return None
-        return SeasonDays.of(self.record, Powers.of(clear.design))
+        return SeasonDays.of(self.record, Powers.of(clear.design, self.record.days))
 
     # --- verdicts ----------------------------------------------------------------------------
 

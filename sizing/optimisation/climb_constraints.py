@@ -2,8 +2,8 @@
 
 The program's counterpart of :mod:`sizing.altitude.climb_march`: battery and potential energy over
 the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling,
-sunlight and the power of level flight are parabolas of the potential energy; those of the simulator
-are linear between levels at most 500 m apart.
+sunlight and the logarithm of the power of level flight are parabolas of the potential energy, since
+density falls exponentially; the simulator's are linear between levels at most 500 m apart.
 
 The days close where the night leaves at least the potential energy that the day begins with, which
 is a variable of the program. What parabolas and longer steps do to an excess time is taken back by
@@ -34,6 +34,7 @@ from sizing.optimisation.energy_constraints import (
     mean_positive,
 )
 from sizing.smooth import smooth_minimum
+from sizing.varying_load import powers_of_loads_w
 from solar.types import FloatArray
 
 Strategy = Literal["battery_full", "surplus"]
@@ -43,6 +44,8 @@ CLIMB_SUN_PARAMETERS = 4 * NODES + 3
 # Conditions in the middle and at the ceiling, and how far above the floor they are [m].
 ALOFT_PARAMETERS = 2 * (len(FlightConditions._fields) + 1)
 _DARK_STEPS = 12
+# Thrust powers over level flight's by which the efficiency of a propulsion by parts is known.
+_LEVEL, _CLIMB, _GLIDE = (1.0,), (2.0,), (0.5, 0.25)
 _NOTHING = 1e-9
 # Of the battery, about what an interval charges next to full: over this climbs begin. With a
 # kink there, at every node another one, optima between two heights are seldom found.
@@ -56,7 +59,9 @@ class ClimbValues(NamedTuple):
 
     Power of level flight in calm air at floor, middle and ceiling [W], potential energy of the
     middle and the ceiling [Wh], efficiency and largest power of the propulsion [W], power of
-    avionics and payload [W], and level flight's factor of the turbulence of all hours.
+    avionics and payload [W], and level flight's factor of the turbulence of all hours. Thrust power
+    over electric power beyond level flight's in climbs, below it in glides with a part of the
+    power, and with so little that the motor runs for a part of the time.
     """
 
     floor_w: Any
@@ -68,6 +73,9 @@ class ClimbValues(NamedTuple):
     maximum_w: Any
     constant_w: Any
     steady: Any
+    climbing: Any
+    gliding: Any
+    intermittent: Any
 
 
 def aloft_parameters(mission: Mission, aircraft: Aircraft) -> FloatArray:
@@ -100,14 +108,27 @@ def climb_values(
         )
         faster = flown.airspeed_m_per_s**2 - design.airspeed_m_per_s**2
         height_m = aloft[part + size - 1] + faster / (2.0 * GRAVITY_M_PER_S2)
-        power_w.append(flown.propulsion_power_w)
+        loads_w = powers_of_loads_w(aircraft, flown, there, _LEVEL)
+        power_w.append(flown.propulsion_power_w if loads_w is None else loads_w[0])
         energy_wh.append(weight_n * height_m / 3600.0)
     limits = climb_limits(aircraft, design)
     (middle_w, ceiling_w), (middle_wh, ceiling_wh) = power_w, energy_wh
+    floor_w, efficiency = design.propulsion_power_w, limits.efficiency
+    gains = [efficiency] * 3
+    loads_w = powers_of_loads_w(aircraft, design, conditions, _LEVEL + _CLIMB + _GLIDE)
+    if loads_w is not None:
+        thrust_w = floor_w * efficiency
+        floor_w, climb_w, partial_w, least_w = loads_w
+        efficiency = thrust_w / floor_w
+        gains = [
+            thrust_w * (_CLIMB[0] - 1.0) / (climb_w - floor_w),
+            thrust_w * (1.0 - _GLIDE[0]) / (floor_w - partial_w),
+            thrust_w * _GLIDE[1] / least_w,
+        ]
     return ClimbValues(
-        *(design.propulsion_power_w, middle_w, ceiling_w, middle_wh, ceiling_wh),
-        *(limits.efficiency, limits.maximum_power_w),
-        *(design.constant_power_w, 1.0 + conditions.turbulence),
+        *(floor_w, middle_w, ceiling_w, middle_wh, ceiling_wh),
+        *(efficiency, limits.maximum_power_w),
+        *(design.constant_power_w, 1.0 + conditions.turbulence, *gains),
     )
 
 
@@ -125,7 +146,9 @@ class _Parabola:
 
 
 @lru_cache(maxsize=32)
-def climbing_cycle_function(charge_limit: ChargeLimit, strategy: Strategy) -> ca.Function:
+def climbing_cycle_function(
+    charge_limit: ChargeLimit, strategy: Strategy, *, by_parts: bool = False
+) -> ca.Function:
     """Deficit of the night, state of charge after the day, and potential energy.
 
     Arguments: module area [m2], capacity [Wh], state of charge at dawn, potential energy from which
@@ -134,7 +157,7 @@ def climbing_cycle_function(charge_limit: ChargeLimit, strategy: Strategy) -> ca
     aloft (:func:`sizing.optimisation.energy_constraints.sun_parameters`). Returns deficit and
     charge relative to the capacity, the potential energy that the day's surplus reaches over that
     of the ceiling, and the hours of gliding from the height that is left at the morning's equal
-    power [h].
+    power [h]. ``by_parts``: the efficiency follows the load.
 
     The day begins with less than the night leaves, by the margin times the deficit. Where the
     aircraft climbs once the battery is full, a battery that fills a little later leaves less time
@@ -145,7 +168,8 @@ def climbing_cycle_function(charge_limit: ChargeLimit, strategy: Strategy) -> ca
     vector = ca.SX.sym("climb", len(ClimbValues._fields))
     efficiencies, margin = ca.SX.sym("efficiencies", 2), ca.SX.sym("margin")
     sun = ca.SX.sym("sun", CLIMB_SUN_PARAMETERS)
-    day = _Day(area, capacity_wh, ClimbValues(*ca.vertsplit(vector)), sun, efficiencies[0])
+    kind = _DayByParts if by_parts else _Day
+    day = kind(area, capacity_wh, ClimbValues(*ca.vertsplit(vector)), sun, efficiencies[0])
     charge = charge_step_function(charge_limit)
     deficit_wh, left_h = day.deficit(height)
     deficit = deficit_wh / (efficiencies[1] * capacity_wh)
@@ -177,7 +201,8 @@ class _Day:
     ) -> None:
         self.values, self.rate = values, charge_efficiency / capacity_wh
         place = values.middle_wh / values.ceiling_wh
-        self.motor_w = _Parabola(values.floor_w, values.middle_w, values.ceiling_w, place)
+        low, half, high = map(ca.log, (values.floor_w, values.middle_w, values.ceiling_w))
+        self._log_power = _Parabola(low, half, high, place)
         floor, middle, top = (area * sun[n * NODES : (n + 1) * NODES] for n in (0, 2, 3))
         self.solar_w = [_Parabola(floor[k], middle[k], top[k], place) for k in range(NODES)]
         self.factor = values.steady + sun[NODES : 2 * NODES]
@@ -185,9 +210,13 @@ class _Day:
         # Electric energy that the height of the ceiling stands for.
         self.store_wh = values.ceiling_wh / values.efficiency
 
+    def motor_w(self, at: Any) -> Any:
+        """Power of level flight in calm air at a share of the height [W]."""
+        return ca.exp(self._log_power.at(at))
+
     def balance(self, k: int, at: Any) -> _Balance:
         """What the sun leaves over and lacks between two nodes, at a share of the height."""
-        v, motor_w = self.values, self.motor_w.at(at)
+        v, motor_w = self.values, self.motor_w(at)
         first, last = (self.solar_w[n].at(at) for n in (k, k + 1))
         left = first - motor_w * self.factor[k] - v.constant_w
         right = last - motor_w * self.factor[k + 1] - v.constant_w
@@ -211,12 +240,22 @@ class _Day:
             if not always:
                 full = 1.0 - (stored + _NOTHING) / (charged - soc + _NOTHING)
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
-            mean_w = self.motor_w.at(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
+            mean_w = self.motor_w(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
             used_wh = smooth_minimum(ca.fmax(usable_wh, 0.0) + _TINY_WH, room_wh + _TINY_WH, _BLEND)
-            reached = reached + used_wh / self.store_wh
+            reached = reached + self.lifted(used_wh)
             soc = charged
         return soc, reached
+
+    def lifted(self, climb_wh: Any) -> Any:
+        """Share of the ceiling's height that electric energy lifts by."""
+        return climb_wh / self.store_wh
+
+    def glided(self, k: int, saved_wh: Any, share: Any) -> tuple[Any, Any]:
+        """Electric energy that sinking saves from a node on [Wh], and the height after it."""
+        del k
+        glide_wh = ca.fmin(saved_wh, share * self.store_wh)
+        return glide_wh, share - glide_wh / self.store_wh
 
     def deficit(self, height: Any) -> tuple[Any, Any]:
         """Energy that the battery gives [Wh], and hours of gliding from what is left at dawn [h].
@@ -226,24 +265,43 @@ class _Day:
         v, share, deficit_wh = self.values, height, 0.0
         for k in range(NODES // 2, NODES - 1):
             one = self.balance(k, share)
-            glide_wh = ca.fmin(ca.fmax(one.of_motor_wh, 0.0), share * self.store_wh)
-            share = share - glide_wh / self.store_wh
+            glide_wh, share = self.glided(k, ca.fmax(one.of_motor_wh, 0.0), share)
             deficit_wh = deficit_wh + one.lacking_wh - glide_wh
         hours = self.dark_h / _DARK_STEPS
         for _ in range(_DARK_STEPS):
             sinks = v.steady * hours / self.store_wh
-            at = ca.fmax(share - sinks * self.motor_w.at(share) / 2.0, 0.0)
-            wanted_wh = self.motor_w.at(at) * v.steady * hours
+            at = ca.fmax(share - sinks * self.motor_w(share) / 2.0, 0.0)
+            wanted_wh = self.motor_w(at) * v.steady * hours
             glide_wh = ca.fmin(wanted_wh, share * self.store_wh)
             share = share - glide_wh / self.store_wh
             deficit_wh = deficit_wh + wanted_wh + v.constant_w * hours - glide_wh
         for k in range(NODES // 2):
             one = self.balance(k, share)
-            glide_wh = ca.fmin(ca.fmax(one.of_motor_wh, 0.0), share * self.store_wh)
-            share = share - glide_wh / self.store_wh
+            glide_wh, share = self.glided(k, ca.fmax(one.of_motor_wh, 0.0), share)
             deficit_wh = deficit_wh + one.lacking_wh - glide_wh
-        sinking_w = v.efficiency * self.motor_w.at(share / 2.0) * v.steady
+        sinking_w = v.efficiency * self.motor_w(share / 2.0) * v.steady
         return deficit_wh, share * v.ceiling_wh / sinking_w
+
+
+class _DayByParts(_Day):
+    """Day of a propulsion whose efficiency follows the load.
+
+    The electric power over the thrust power is two straight lines: from level flight down to a
+    quarter of its thrust, and below, where the motor runs for a part of the time.
+    """
+
+    def lifted(self, climb_wh: Any) -> Any:
+        """As by constants, with the efficiency of climbs."""
+        return climb_wh * self.values.climbing / self.values.ceiling_wh
+
+    def glided(self, k: int, saved_wh: Any, share: Any) -> tuple[Any, Any]:
+        """As by constants, with that of the power that is left for the motor."""
+        v, factor = self.values, (self.factor[k] + self.factor[k + 1]) / 2.0
+        level_wh = self.motor_w(share) * factor * self.step_h
+        off_wh = v.efficiency * level_wh - v.intermittent * ca.fmax(level_wh - saved_wh, 0.0)
+        sunk = ca.fmin(v.gliding * saved_wh, off_wh) / v.ceiling_wh
+        flown = ca.fmin(share / (sunk + _NOTHING), 1.0)
+        return flown * saved_wh, share - flown * sunk
 
 
 def _held(charged: Any) -> Any:

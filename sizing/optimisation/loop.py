@@ -199,10 +199,12 @@ class Search:
         goal_h, margin = self.instance.goal_h, self.instance.margin
         if self._short is not None and self._enough is not None:
             goal_h, margin = self._between(self._short, self._enough)
-        elif simulated.excess_time_h <= 0.0:
+        elif simulated.excess_time_h <= 0.0 and not self.current.climbs:
             # The battery runs empty over many days: the day must return more.
             goal_h, margin = goal_h + self.cushion_h, 3.0 * margin
         else:
+            if simulated.excess_time_h <= 0.0:  # with climbs the night may take more as well
+                margin = 3.0 * margin
             shifted_h = goal_h + self.required_h - simulated.excess_time_h + self.cushion_h
             if shifted_h > self.ceiling_h:
                 shifted_h = (goal_h + self.ceiling_h) / 2.0
@@ -211,8 +213,11 @@ class Search:
 
     def _between(self, short: _Bound, enough: _Bound) -> tuple[float, float]:
         """Goal and margin between those that are too low and those that waste, by regula falsi."""
-        aim_h = self.required_h + self.cushion_h - short.excess_time_h
-        share = aim_h / (enough.excess_time_h - short.excess_time_h)
+        aim_h = self.required_h + self.cushion_h
+        share = (aim_h - short.excess_time_h) / (enough.excess_time_h - short.excess_time_h)
+        if self.current.climbs and short.excess_time_h <= 0.0 < enough.goal_h - short.goal_h:
+            # What a battery that runs empty lacks is of another scale: an hour of goal for an hour.
+            share = 1.0 - (enough.excess_time_h - aim_h) / (enough.goal_h - short.goal_h)
         share = min(max(share, _LEAST_SHARE), 1.0 - _LEAST_SHARE)
         goal_h = short.goal_h + share * (enough.goal_h - short.goal_h)
         return goal_h, short.margin * (enough.margin / short.margin) ** share

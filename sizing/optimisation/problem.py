@@ -80,7 +80,10 @@ from solar.types import FloatArray
 ALWAYS_LIT_MARGIN = 1e-5
 
 # Technology that stays a number of the formulas: what compares it or looks it up takes no symbol.
-_NUMBERS_OF_A_KIND = ("airframe.structure.cruise_gust_m_per_s",)
+_NUMBERS_OF_A_KIND = (
+    "airframe.structure.cruise_gust_m_per_s",
+    "airframe.propulsion.motor.speed_constant_rpm_per_v",
+)
 _POLAR = "airframe.aerodynamics."
 
 # Programs that are kept, each with its solvers: some megabytes.
@@ -349,7 +352,8 @@ def _program(
             )
             reserve_h = dawn_soc[i] * usable_h
         else:
-            climbing = climbing_cycle_function(kind.battery.charge_limit, climb)
+            parts = isinstance(getattr(kind.airframe, "propulsion", None), OperatingPointPropulsion)
+            climbing = climbing_cycle_function(kind.battery.charge_limit, climb, by_parts=parts)
             deficit, charged, reached, glide_h = climbing(
                 *(lit_area, capacity_wh, dawn_soc[i], heights[i], store),
                 *(efficiencies, margin, sun[:, i]),

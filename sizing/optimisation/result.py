@@ -168,6 +168,11 @@ class Solution:
         )
         return float(cost / (whole or 1.0))
 
+    @property
+    def climbs(self) -> bool:
+        """Whether the aircraft climbs by day."""
+        return any(v.role is Role.height for v in self.variables)
+
     def ceiling_multipliers(self) -> dict[int, float]:
         """Multipliers of the ceiling of climbs by scenario; empty without climbs."""
         found: dict[int, float] = {}

@@ -50,6 +50,8 @@ _STILL, _STILL_KEPT, _CLEARLY_MISSED = 30, 1e-3, 0.01
 # Heights of climbs whose solutions a program starts from as well: optima of several heights, none
 # among them, are common where the battery must be full before the aircraft climbs.
 _HELD_HEIGHTS = (0.0, 1.0)
+# As well where the ceiling is further above the floor than that [m], where few designs reach it.
+_HELD_BETWEEN, _FAR_M = (0.4, 0.6, 0.8), 12e3
 # Held where only level flight has been solved: short of the ceiling all rows have a way to give.
 _BELOW_CEILING = 0.99
 _SETTLED = 1e-6  # what rows and derivatives may lack at an optimum without a kink
@@ -95,6 +97,8 @@ class ProgramSolver:
         climb = mission.climb
         self.climb: Strategy | None = None if climb is None else climb.strategy
         self._aloft = None if climb is None else aloft_parameters(mission, self.aircraft)
+        far = climb is not None and climb.ceiling_m - mission.altitude_m > _FAR_M
+        self._held_between = _HELD_BETWEEN if far else ()
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self._winds = mission.scenario_winds_m_per_s(day.scenarios)
         self.work = SolverReport()
@@ -124,7 +128,8 @@ class ProgramSolver:
             return self.solve(instance, distinct, starts, efforts=efforts)
         # An eased program only points the way: sizings confirm what it finds.
         if self.climb is not None and not posed.problem.of_role(Role.wind):
-            found += [self._risen(posed, h, starts, previous) for h in _HELD_HEIGHTS]
+            held = [*self._held_between, *_HELD_HEIGHTS]
+            found += [self._risen(posed, h, starts, previous) for h in held]
             if found[0] is None and found[-1] is None:
                 found.append(self._risen(posed, _BELOW_CEILING, starts, previous))
         # Of several the best: a little height may be worth less than none, and more than either.

@@ -152,7 +152,11 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         **space.requested_ranges(),
     }
     variables = (
-        Variable(name, unit(name), ends.minimum, ends.maximum) for name, ends in ranges.items()
+        Variable(
+            *(name, unit(name), ends.minimum, ends.maximum),
+            first_guess=min((ends.minimum * ends.maximum) ** 0.5, ends.maximum / 2.0),
+        )
+        for name, ends in ranges.items()
     )
     always: tuple[Variable, ...] = (
         *variables,

@@ -21,7 +21,7 @@ from pydantic_core import PydanticCustomError
 from missions.air import GAS_CONSTANT_AIR, Air
 from sizing.catalogues.choice import OfCatalogue, Taken, found_entry, taken
 from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
-from sizing.parameters import all_replaced
+from sizing.parameters import all_replaced, replaced
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.propulsion.part_masses import (
     GEAR_EXPONENT,
@@ -183,10 +183,17 @@ class OperatingPointPropulsion(Record):
         return self
 
     def sized(
-        self, diameter_m: Value | None, pitch_m: Value | None, gear_ratio: Value | None
+        self,
+        diameter_m: Value | None,
+        pitch_m: Value | None,
+        gear_ratio: Value | None,
+        speed_constant_rpm_per_v: Value | None = None,
     ) -> Self:
-        """These parts with a chosen diameter and pitch [m] and gear; None leaves the file's."""
-        sizes = {
+        """These parts with a chosen diameter and pitch [m], gear and winding of the motor.
+
+        None leaves the file's. A motor that is wound anew has the mass that it had.
+        """
+        sizes: dict[str, Any] = {
             "propeller.diameter_m": diameter_m,
             "propeller.pitch_m": pitch_m,
             "gear.ratio": gear_ratio,
@@ -195,6 +202,9 @@ class OperatingPointPropulsion(Record):
             # The file's mass is that of the file's diameter.
             larger = diameter_m / self.propeller.diameter_m
             sizes["propeller.mass_kg"] = scaled_blade_mass(self.propeller.mass_kg, larger)
+        if speed_constant_rpm_per_v is not None:
+            wound = self.own_motor.rewound(speed_constant_rpm_per_v)
+            sizes["motor"] = replaced(wound, ["mass_kg"], self.motor_mass_kg)
         chosen = {key: value for key, value in sizes.items() if value is not None}
         return all_replaced(self, chosen) if chosen else self
 
@@ -324,10 +334,10 @@ class OperatingPointPropulsion(Record):
     def motor_mass_kg(self) -> float | None:
         """Mass of a motor [kg], by its continuous torque where it is not known, else None."""
         motor = self.own_motor
-        torque = continuous_torque_nm(motor)
-        if motor.mass_kg is not None or not torque:
+        if motor.mass_kg is not None:
             return motor.mass_kg
-        return motor_mass_fit().mass_kg(torque)
+        torque = continuous_torque_nm(motor)
+        return motor_mass_fit().mass_kg(torque) if torque else None
 
     def with_links(
         self, efficiencies: Mapping[str, Any], torque_nm: Value = 0.0, level_w: Value = 1.0

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from sizing.catalogues.choice import entry
 from sizing.catalogues.entries import MotorEntry
+from sizing.parameters import all_replaced
 from sizing.smooth import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
@@ -77,6 +78,37 @@ class Motor(Record):
             maximum_current_a=motor.maximum_current_a,
             mass_kg=motor.mass_kg,
         )
+
+    def rewound(self, speed_constant_rpm_per_v: Value) -> Motor:
+        """Same motor with other turns of its windings, for another speed constant.
+
+        ``N`` turns in the same slots have ``K_v ~ 1/N`` and, of wire with ``1/N`` of the section,
+        ``R ~ N^2``: with ``k`` the ratio of the speed constants ``R/k^2``, and currents times ``k``
+        for the same torque and field in iron and air gap. So torque, losses and best efficiency at
+        a speed stay, as do mass and limit of power, and the voltage goes with ``1/k``: Hughes, A.,
+        and Drury, B., Electric Motors and Drives, 4th ed., chapter 1, on the rated voltage.
+
+        Parameters
+        ----------
+        speed_constant_rpm_per_v
+            Number, array or symbol [rpm/V].
+
+        Returns
+        -------
+        Motor
+            Not validated.
+        """
+        ratio = speed_constant_rpm_per_v / self.speed_constant_rpm_per_v
+        currents = (
+            "no_load_current_a",
+            "no_load_current_rise_a_per_1000_rpm",
+            "maximum_current_a",
+        )
+        given = {key: getattr(self, key) for key in currents}
+        constants = {key: ratio * one for key, one in given.items() if one is not None}
+        constants["speed_constant_rpm_per_v"] = speed_constant_rpm_per_v
+        constants["resistance_ohm"] = self.resistance_ohm / ratio**2
+        return all_replaced(self, constants)
 
     def state(self, speed_rpm: ArrayLike, torque_nm: ArrayLike) -> MotorState:
         """Current and voltage at a speed and a torque.

@@ -48,7 +48,6 @@ from sizing.sunlight import SolarModel, consecutive_days, solar_day
 from sizing.validity.extrapolations import (
     extrapolations,
     level_flight_at,
-    of_level_flight,
     with_worth,
     worst_of,
 )
@@ -176,27 +175,14 @@ class Analysis(Result):
         """What lies outside the range of a model, each quantity once."""
         outside = extrapolations(self.aircraft, self.performance)
         outside = worst_of([*outside, *(() if self.flight is None else self.flight.extrapolations)])
-        return with_worth(outside, self.aircraft, self._level_flight, of_what=self._of_level_flight)
+        of_what = "" if self.days is None else "of the repeated day"
+        return with_worth(outside, self.aircraft, self._repeated_day, of_what=of_what)
 
-    def _level_flight(self) -> Performance | None:
-        """Day repeated at one altitude, of climbs the highest; None where none can be flown."""
-        if self.climb is None and self.days is None:
+    def _repeated_day(self) -> Performance | None:
+        """Day that repeats itself; None where none can be flown."""
+        if self.days is None:
             return self.performance
-        altitude_m = self.mission.altitude_m if self._highest_m is None else self._highest_m
-        return level_flight_at(self.aircraft, self.mission, self.performance.solar, altitude_m)
-
-    @property
-    def _of_level_flight(self) -> str:
-        """Which excess time that day has, where it is not the analysis' own."""
-        if self._highest_m is not None:
-            return of_level_flight(self._highest_m)
-        return "" if self.days is None else "of the repeated day"
-
-    @property
-    def _highest_m(self) -> float | None:
-        """Highest altitude of a flight with climbs [m]; None without."""
-        highest_m = self.performance.maximum_altitude_m
-        return None if highest_m is None else float(np.max(highest_m))
+        return level_flight_at(self.aircraft, self.performance, self.mission.altitude_m)
 
     @cached_property
     def structure(self) -> StructureAssessment | None:

@@ -144,6 +144,9 @@ PAYLOAD_POWER = _of_design(
 PROPELLER_DIAMETER = _of_design("propeller_diameter_m", ".3f", "variables.propeller_diameter_m")
 PROPELLER_PITCH = _of_design("propeller_pitch_m", ".3f", "variables.propeller_pitch_m")
 GEAR_RATIO = _of_design("gear_ratio", ".2f", "variables.gear_ratio")
+SPEED_CONSTANT = _of_design(
+    "motor_speed_constant_rpm_per_v", ".0f", "variables.motor_speed_constant_rpm_per_v"
+)
 TOTAL_MASS = _of_design("total_mass_kg", ".3f")
 WING_AREA = _of_design("wing_area_m2", ".3f")
 AIRSPEED = _of_design("airspeed_m_per_s", ".2f")
@@ -258,7 +261,7 @@ MAP = (
 )
 CHOSEN = (WINGSPAN, ASPECT_RATIO, BATTERY_MASS, MODULE_AREA)
 # Where they are chosen.
-CHOSEN_PROPULSION = (PROPELLER_DIAMETER, PROPELLER_PITCH, GEAR_RATIO)
+CHOSEN_PROPULSION = (PROPELLER_DIAMETER, PROPELLER_PITCH, GEAR_RATIO, SPEED_CONSTANT)
 DESIGN_COLUMNS = (*CHOSEN, PAYLOAD_MASS, PAYLOAD_POWER, TOTAL_MASS)
 # Frame of the draws of uncertain inputs.
 DRAWN = (EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS, PROPULSION_POWER)

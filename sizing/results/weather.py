@@ -14,7 +14,7 @@ from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
 from sizing.energy.battery_condition import BatteryTemperature
-from sizing.results.conditions import battery_line_of_days, battery_record_of_days
+from sizing.results.conditions import battery_line_of_days, battery_record_of_days, wind_rows
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import (
     check_subjects,
@@ -290,6 +290,7 @@ class WeatherAnalysis(Result):
             ("light, share of the clear sky's", f"{100 * self.share_of_clear_light():.0f} %"),
             ("dawn: earliest, latest (solar time)", _dawns(run)),
             ("flight altitude", f"{self.mission.altitude_m:.0f} m"),
+            *(wind_rows(self.mission) if self.mission.holds_station else []),
         ]
         wind = self.wind_above_airspeed_share()
         if wind is not None:
@@ -397,8 +398,6 @@ def analyse_weather(
         notes = (*notes, "the mission's clearness plays no part: the clouds are the record's")
     if mission.climb is not None:
         notes = (*notes, "flown at constant altitude: the mission's climb plays no part")
-    if mission.holds_station:
-        notes = (*notes, "flown at the design's airspeed: hold_station plays no part")
     if mission.launch is not None:
         notes = (*notes, "launched at every dawn: the mission's launch plays no part")
     return WeatherAnalysis(aircraft, done, notes)

@@ -8,7 +8,6 @@ from missions.mission import Mission
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.held_station import refuse_held_station
 from sizing.margins.survival import check_survival, in_the_record, size_surviving
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import with_smooth_chain
@@ -80,7 +79,6 @@ def size_in_weather(
     check_subjects(aircraft, mission)
     wanted, solar = checked_objective(objective), SolarModel(model, correction)
     check_survival(wanted, survive)
-    refuse_held_station(mission, "a sizing in the weather")
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
     moved, notes = mission_at_site(mission, weather)

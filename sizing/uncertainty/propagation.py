@@ -252,7 +252,7 @@ class Propagation:
             self._specific_power(case, scenario, level, altitude_m)
             for level, altitude_m in enumerate(mission.climb_levels_m)
         ]
-        own = day.at(np.full(case.count, scenario))
+        own = replace(day, aloft_cooling=()).at(np.full(case.count, scenario))
         own = replace(own, aloft_w_per_m2=np.stack(aloft))
         design = case.design._replace(total_mass_kg=case.mass_kg)
         levels = flight_levels(case.aircraft, mission, design, own, paired=True)

@@ -12,13 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from missions.mission import Mission, Scenarios
-from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError
+from missions.mission import Scenarios
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.design import ImpossibleDesignError, closed_design, design_of
 from sizing.energy.battery_condition import BatteryTemperature
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import solar_day
 from sizing.validity.checks import flight_checks
 from sizing.validity.ranges import (
     EXPERIENCE,
@@ -163,14 +163,19 @@ def with_worth(
 ) -> tuple[Extrapolation, ...]:
     """Add to what is told of modules and battery in cold air what the assumption is worth.
 
-    ``flown``: gives a single design's repeated day, whose worst scenario is flown again; asked only
-    where an assumption is told. None where nothing flies. ``of_what``: which excess time it is,
-    where it is not the one that the result tells. Returns in the same order.
+    ``flown``: gives a single design's repeated day, whose worst scenario is flown again, of climbs
+    in level flight at their highest altitude; asked only where an assumption is told. None where
+    nothing flies. ``of_what``: which excess time it is, where it is not the one that the result
+    tells. Returns in the same order.
     """
     notes = tuple(extrapolations)
     perf = None
     if any((one.quantity, one.model) in _WITHOUT for one in notes):
         perf = flown()
+    if perf is not None and perf.maximum_altitude_m is not None:
+        highest_m = float(np.max(perf.maximum_altitude_m))
+        of_what = f"in level flight at {highest_m:.0f} m"
+        perf = level_flight_at(aircraft, perf, highest_m)
     if perf is None:
         return notes
     once = _worst_scenario(aircraft, perf)
@@ -181,29 +186,20 @@ def with_worth(
     )
 
 
-def level_flight_at(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    altitude_m: float,
-    *,
-    scenarios: Scenarios | None = None,
-) -> Performance | None:
-    """Day repeated at one altitude, such as the highest of a flight with climbs.
-
-    ``scenarios``: others than the mission's own. None where it cannot be flown there.
-    """
-    there = mission.at_altitude(altitude_m)
+def level_flight_at(aircraft: Aircraft, perf: Performance, altitude_m: float) -> Performance | None:
+    """Day of the same design repeated at one altitude; None where it cannot be flown there."""
+    there = perf.mission.at_altitude(altitude_m)
     try:
-        day = solar_day(aircraft, there, solar, scenarios=scenarios)
-        return performance(aircraft, there, solar, day=day)
+        if isinstance(aircraft.airframe, ParametricAirframe):
+            design = closed_design(aircraft, there, perf.design.variables)
+        else:
+            design = design_of(aircraft, there)
+        if not np.all(np.isfinite(design.propulsion_power_w)):
+            return None
+        day = solar_day(aircraft, there, perf.solar, scenarios=perf.day.scenarios)
+        return performance(aircraft, there, perf.solar, day=day, design=design)
     except ImpossibleDesignError:
         return None
-
-
-def of_level_flight(altitude_m: float) -> str:
-    """Which excess time that day has, where a flight with climbs has another."""
-    return f"in level flight at {altitude_m:.0f} m"
 
 
 def _worst_scenario(aircraft: Aircraft, perf: Performance) -> Performance:

@@ -69,9 +69,10 @@ class Extrapolation:
     def text(self) -> str:
         """In a line: quantity, value, and the range in which the model holds."""
         unit = "" if self.unit == "1" else f" {unit_text(self.unit)}"
-        ends = [_readable(end) for end in (self.minimum, self.maximum) if end is not None]
+        both = (self.minimum, self.maximum)
+        ends = [_readable(end, unit=self.unit) for end in both if end is not None]
         digits = 3
-        while (value := _readable(self.value, digits)) in ends and digits < _MOST_DIGITS:
+        while (value := _readable(self.value, digits, self.unit)) in ends and digits < _MOST_DIGITS:
             digits += 1
         held = range_text(self.minimum, self.maximum, self.unit)
         among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
@@ -121,7 +122,7 @@ def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
 
     Empty without any end.
     """
-    low, high = (None if end is None else _readable(end) for end in (minimum, maximum))
+    low, high = (None if end is None else _readable(end, unit=unit) for end in (minimum, maximum))
     if low is None and high is None:
         return ""
     text = f"up to {high}" if low is None else f"from {low}" if high is None else f"{low} to {high}"
@@ -261,10 +262,14 @@ def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapol
     )
 
 
-def _readable(value: float, digits: int = 3) -> str:
-    """Number as people read it, of so many digits and no fewer than its integer part."""
+def _readable(value: float, digits: int = 3, unit: str = "") -> str:
+    """Number as people read it, of so many digits and no fewer than its integer part.
+
+    Thousands are set apart, but not in metres, as wherever altitudes are printed.
+    """
     size = abs(value)
     whole = len(str(int(size))) if size >= 1.0 else 1
     if size >= 10000.0:
-        return f"{round(value, min(digits - whole, 0)):,.0f}"
+        rounded = round(value, min(digits - whole, 0))
+        return f"{rounded:.0f}" if unit == "m" else f"{rounded:,.0f}"
     return f"{value:.{max(digits, whole)}g}"

@@ -6,16 +6,19 @@ in ``studies.cli.bodies``, imported with everything heavy once the options go to
 
 from __future__ import annotations
 
+import math
 import os
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, fields
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from missions.places import latitude_deg
+from studies.cli.telling import tell_error
 from studies.output.figures.options import TooManyDotsError
 
 # Headings of ``--help`` for the options that many commands have, and these below each in their
@@ -38,6 +41,7 @@ _SUBJECTS = {
 }
 _OWN = "Options"
 _BODIES = "studies.cli.bodies"
+_MAXIMUM_GRID = 2000  # numbers of first:last:step
 _LONGEST_CHOICE = 40  # characters beside the name of the option
 
 
@@ -216,3 +220,133 @@ def _with_choices(option: click.Option, left: str, right: str) -> tuple[str, str
     if len(listed) <= _LONGEST_CHOICE:
         return f"{left} [{listed}]", right
     return f"{left} NAME", f"One of {', '.join(names)}. {right}"
+
+
+# ---- Types of values
+
+
+if TYPE_CHECKING:
+    from click import ParamType as ParamType
+else:
+
+    class ParamType(click.ParamType):
+        """Base of the types below; click before 8.4 does not say of which values one is."""
+
+        def __class_getitem__(cls, item: Any) -> type[ParamType]:
+            """Take the type of values, for readers alone."""
+            return cls
+
+
+class Parsed(ParamType[Any]):
+    """Values that a function of a study reads; it is imported when there is a value.
+
+    ``reader``: module and function, ``package.module:function``; it takes text, and raises
+    ValueError. ``stepped``: whether ``first:last:step`` may stand in a value, of which ``values``
+    then are read.
+    """
+
+    def __init__(self, name: str, reader: str, *, stepped: bool = False) -> None:
+        self.name, self._reader, self._stepped = name, reader, stepped
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read a value."""
+        module, _, function = self._reader.partition(":")
+        try:
+            converted = getattr(import_module(module), function)(str(value))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+        if self._stepped and str(value).count(":") == 2:
+            written = f"{param.opts[0] if param else ''} {value}".strip()
+            note_last(converted.values[-1], float(str(value).split(":")[1]), written)
+        return converted
+
+
+class Grid(ParamType["list[float]"]):
+    """Numbers ``first:last:step``: first, and steps from there that do not lead beyond last.
+
+    Where they do not lead to ``last`` itself, a note on standard error says where they end.
+    """
+
+    name = "first:last:step"
+
+    def __init__(
+        self, lowest: float, highest: float, *, whole: bool = False, latitudes: bool = False
+    ) -> None:
+        self.lowest, self.highest, self.whole = lowest, highest, whole
+        self.latitudes = latitudes
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> list[float]:
+        """Read the numbers and check their range.
+
+        Returns from the first to the last in steps, both in the unit of the option.
+        """
+        try:
+            parts = str(value).split(":")
+            first, last, step = map(float, self._in_numbers(parts) if self.latitudes else parts)
+        except ValueError:
+            self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
+        # NaN is no number that rises, and a step without end none that could be added.
+        if not (self.lowest <= first <= last <= self.highest and 0.0 < step < math.inf):
+            self.fail(
+                f"must rise within {self.lowest:g} to {self.highest:g} by a positive step "
+                f"(got {value})",
+                param,
+                ctx,
+            )
+        if self.whole and not (first.is_integer() and step.is_integer()):
+            self.fail(f"takes whole numbers (got {value})", param, ctx)
+        steps = (last - first) / step + 1e-9
+        if steps >= _MAXIMUM_GRID:
+            self.fail(f"has more than the {_MAXIMUM_GRID} numbers that are allowed", param, ctx)
+        numbers = [first + i * step for i in range(int(steps) + 1)]
+        note_last(numbers[-1], last, f"{param.opts[0] if param else ''} {value}".strip())
+        return numbers
+
+    def _in_numbers(self, parts: list[str]) -> list[Any]:
+        """Ends that may be written as 40N and 20S, and what follows them."""
+        return [*map(latitude_deg, parts[:2]), *parts[2:]]
+
+
+def note_last(reached: float, last: float, written: str) -> None:
+    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``."""
+    if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
+        text = f"{written} ends at {reached:g}: no whole number of steps leads to {last:g}"
+        tell_error(f"solar-uav: {text}")
+
+
+class RealRange(click.FloatRange):
+    """Numbers of a range; unlike click's own it refuses NaN, which passes every comparison.
+
+    ``above``, ``below``: whether numbers must lie above the lowest, and below the highest.
+    """
+
+    def __init__(
+        self, lowest: float, highest: float, *, unit: str, above: bool = False, below: bool = False
+    ) -> None:
+        super().__init__(lowest, highest, min_open=above, max_open=below)
+        self.unit = unit
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Read the number and check its range.
+
+        Returns in :attr:`unit`, within the range.
+        """
+        number = float(super().convert(value, param, ctx))
+        if math.isnan(number):
+            self.fail(f"must be a number of {self.unit}", param, ctx)
+        return number
+
+
+def completes(name: str) -> Callable[[click.Context, click.Parameter, str], Any]:
+    """What completes an argument or option on the command line, imported when a shell asks."""
+
+    def values(ctx: click.Context, param: click.Parameter, incomplete: str) -> Any:
+        from studies.cli.completion import values_for
+
+        return values_for(name, incomplete)
+
+    return values

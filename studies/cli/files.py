@@ -319,10 +319,16 @@ def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
         raise InputError(problems)
 
 
-def refuse_climb(case: Case, command: str) -> None:
+# Why a study cannot fly climbs.
+IN_WEATHER = "a weather record does not tell how high its clouds are"
+IN_WINDS = "the percentiles of the winds at several heights have none in common"
+OFFLINE = "its page has the light of one altitude"
+
+
+def refuse_climb(case: Case, command: str, why: str) -> None:
     """Refuse a mission with climbs where flight at constant altitude is meant."""
     if case.mission.climb is not None:
-        message = f"{command} flies at constant altitude; remove climb"
+        message = f"{command} flies at constant altitude, as {why}; remove climb"
         raise located_error(case.where.document, ("climb",), message)
 
 

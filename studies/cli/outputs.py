@@ -33,56 +33,45 @@ PAGE, PRINTED = ".html", ".pdf"
 
 # Makes what a file holds, by its name.
 Content: TypeAlias = Callable[[str], bytes]
-
-
-def tell(
-    case: Case,
-    record: Any,
-    shown: Result | Summary | Table | Callable[[], Result | Summary | Table],
-    *,
-    out_dir: str | None = None,
-    files: Iterable[str | os.PathLike[str] | None] = (),
-    next_step: str | None = None,
-) -> None:
-    """Print a result: aircraft and mission first, which JSON has among its keys.
-
-    ``shown``: what is printed, or a function that makes it where it is. ``files``: files that were
-    written, to be named; None where one was not asked for. ``next_step``: what to do next, for
-    somebody at a terminal.
-    """
-    if case.as_json:
-        print_json(record)
-        return
-    result = shown if isinstance(shown, Result | Summary | Table) else shown()
-    show(_headed(result.summary() if isinstance(result, Result) else result, case))
-    for place in (*files, out_dir):
-        if place is not None:
-            tell_line(f"written to {place}")
-    suggest(next_step)
+Shown: TypeAlias = Result | Summary | Table
 
 
 @contextmanager
 def told(
     case: Case,
     record: Any,
-    shown: Result | Summary | Table | Callable[[], Result | Summary | Table],
+    shown: Shown | Callable[[], Shown],
     *,
-    out_dir: str | None = None,
     files: Iterable[str | os.PathLike[str] | None] = (),
     next_step: str | None = None,
 ) -> Iterator[None]:
-    """Print a result once its files are written, and also where one of them cannot be.
+    """Print a result once its files are written, inside; also where one of them cannot be.
 
-    ``case``, ``record``, ``shown``, ``out_dir``, ``files``, ``next_step``: as for
-    :func:`tell`; what the files are is not told where writing them failed. Returns files are
-    written inside.
+    Aircraft and mission come first, which JSON has among its keys.
+
+    ``shown``: what is printed, or a function that makes it where it is. ``files``: files and
+    folders that were written, to be named, unless writing failed; None where one was not asked for.
+    ``next_step``: what to do next, for somebody at a terminal.
     """
     try:
         yield
     except BaseException:  # a signal, too: a report takes seconds
-        tell(case, record, shown)
+        _print_result(case, record, shown)
         raise
-    tell(*(case, record, shown), out_dir=out_dir, files=files, next_step=next_step)
+    _print_result(case, record, shown)
+    if not case.as_json:
+        for place in files:
+            if place is not None:
+                tell_line(f"written to {place}")
+        suggest(next_step)
+
+
+def _print_result(case: Case, record: Any, shown: Shown | Callable[[], Shown]) -> None:
+    if case.as_json:
+        print_json(record)
+        return
+    result = shown if isinstance(shown, Result | Summary | Table) else shown()
+    show(_headed(result.summary() if isinstance(result, Result) else result, case))
 
 
 def suggest(step: str | None) -> None:
@@ -121,7 +110,7 @@ def _headed(shown: Summary | Table, case: Case) -> Summary:
 def deliver(
     case: Case,
     record: Any,
-    shown: Result | Summary | Table | Callable[[], Result | Summary | Table],
+    shown: Shown | Callable[[], Shown],
     files: Mapping[str | None, Content],
     *,
     next_step: str | None = None,

@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Awaitable, Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
 from importlib import resources
-from typing import Any
+from typing import Any, TypeVar
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
@@ -19,7 +19,6 @@ from starlette.types import ASGIApp
 
 from missions.files.writing import to_json
 from sizing.optimisation.objectives import Objective
-from studies.explorer.latest import Latest, SupersededError
 from studies.explorer.security import BodyTooLongError, BodyTooSlowError, Guard, error_body
 from studies.explorer.session import Session
 from studies.explorer.settings import Refusal, RefusedError, shown
@@ -42,6 +41,7 @@ _SEASONS = ("none", "coarse", "exact")
 _STATUS = {"refused": 422, "contradiction": 422, "impossible": 422}
 _LOOK_S = 0.2  # between two looks whether the page still waits for a sizing
 
+T = TypeVar("T")
 Answer = Callable[[Request, dict[str, Any]], Awaitable[Any]]
 
 
@@ -255,3 +255,40 @@ async def _no_such(request: Request, error: Exception) -> Response:
 
 async def _broken(request: Request, error: Exception) -> Response:
     return _error(500, "internal", "the explorer made a mistake; its terminal says which")
+
+
+# ---- Of many requests of a page only the latest matters
+
+
+class SupersededError(RuntimeError):
+    """A later request took the place of this one."""
+
+
+class Latest:
+    """Turns of an executor, at most one waiting for each client.
+
+    Computing happens in one thread; a request that waits for it is dropped as soon as the same page
+    sends another one.
+    """
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+        self._turn = asyncio.Lock()
+        self._newest: dict[str, object] = {}
+
+    @property
+    def waiting(self) -> int:
+        """Number of clients whose request waits or is computed."""
+        return len(self._newest)
+
+    async def run(self, client: str, work: Callable[[], T]) -> T:
+        """Compute when it is this request's turn."""
+        mine = self._newest[client] = object()
+        try:
+            async with self._turn:
+                if self._newest.get(client) is not mine:
+                    raise SupersededError
+                return await asyncio.get_running_loop().run_in_executor(self._executor, work)
+        finally:
+            if self._newest.get(client) is mine:
+                del self._newest[client]

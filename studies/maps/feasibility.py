@@ -26,7 +26,7 @@ from sizing.validity.checks import (
     design_checks,
     wind_check,
 )
-from sizing.validity.extrapolations import level_flight_at, of_level_flight, told, with_worth
+from sizing.validity.extrapolations import told, with_worth
 from sizing.validity.ranges import Check, Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
@@ -161,7 +161,7 @@ def _extrapolations_of_map(
     where, in_wind = configuration.mission, []
     if "wind" in columns:  # of each cell; that of the mission's own latitudes plays no part
         where, winds = where.in_wind(0.0), columns["wind"][known]
-        in_wind = list(wind_check(design, winds))
+        in_wind = [] if configuration.mission.holds_station else list(wind_check(design, winds))
     of_design = list(design_checks(configuration.aircraft, where, design, configuration.solar))
     if MAXIMUM_ALTITUDE.variable in columns:
         highest_m = columns[MAXIMUM_ALTITUDE.variable][known]
@@ -181,22 +181,8 @@ def _extrapolations_of_map(
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = np.unravel_index(int(np.argmax(excess_h)), excess_h.shape)
     cell = Scenarios(latitude[best][np.newaxis], day[best][np.newaxis])
-    if MAXIMUM_ALTITUDE.variable not in columns:
-        return with_worth(
-            extrapolations, configuration.aircraft, lambda: _in_cells(configuration, cell)
-        )
-    highest_m = float(columns[MAXIMUM_ALTITUDE.variable][best])
     return with_worth(
-        extrapolations,
-        configuration.aircraft,
-        lambda: level_flight_at(
-            configuration.aircraft,
-            configuration.mission,
-            configuration.solar,
-            highest_m,
-            scenarios=cell,
-        ),
-        of_what=of_level_flight(highest_m),
+        extrapolations, configuration.aircraft, lambda: _in_cells(configuration, cell)
     )
 
 

@@ -25,7 +25,7 @@ from sizing.performance import performance, performance_of_designs
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.tables import Column, Line, Result, Summary, Table
-from sizing.sunlight import SolarDay, SolarModel, Sunlight
+from sizing.sunlight import SolarModel, Sunlight
 from sizing.validity.checks import (
     at_highest,
     charge_rate_check,
@@ -42,6 +42,7 @@ from studies.models.solar_models import (
     attitude_is_known,
     combinations,
     model_label,
+    perpetual_line,
     reference_model,
 )
 
@@ -261,25 +262,6 @@ _PREDICTED = (
     Column("endurance"),
     Column("season_days", "season", "d"),
 )
-
-
-def perpetual_line(perpetual: Sequence[bool]) -> str:
-    """How many of the models and corrections say that the flight is not perpetual."""
-    count, limited = len(perpetual), sum(not one for one in perpetual)
-    pairs = f"{count} pair{'' if count == 1 else 's'} of model and correction"
-    if limited == 0:
-        return f"All {pairs} predict perpetual flight." if count > 1 else f"{pairs}: perpetual."
-    return f"{limited} of {pairs} {'does' if limited == 1 else 'do'} not predict perpetual flight."
-
-
-def perpetual_by_model(aircraft: Aircraft, mission: Mission) -> dict[SolarModel, bool]:
-    """Whether each model with each correction predicts perpetual flight in every scenario."""
-    sun = Sunlight(aircraft, mission)
-    every = combinations(None, None, attitude=attitude_is_known(aircraft, mission))
-    together = SolarDay.joined([sun.day(solar) for solar in every])
-    found = performance(aircraft, mission, every[0], day=together, keep_trajectory=False)
-    by_model = np.reshape(found.cycle.perpetual, (len(every), -1))
-    return {solar: bool(np.all(one)) for solar, one in zip(every, by_model, strict=True)}
 
 
 def compare(

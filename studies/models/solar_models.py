@@ -1,12 +1,15 @@
-"""Solar power models with their corrections, and the one that comes closest to the truth."""
+"""Solar power models with their corrections: the closest to the truth, and what each says."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.sunlight import SolarModel
+from sizing.performance import performance
+from sizing.sunlight import SolarDay, SolarModel, Sunlight
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 
 # The best knowledge of the solar power there is: the Full Model on the flight path without the
@@ -76,3 +79,22 @@ def model_label(solar: SolarModel) -> str:
         "report": f"corrected {solar.model}",
         "loiter": f"loiter-corrected {solar.model}",
     }[solar.correction]
+
+
+def perpetual_line(perpetual: Sequence[bool]) -> str:
+    """How many of the models and corrections say that the flight is not perpetual."""
+    count, limited = len(perpetual), sum(not one for one in perpetual)
+    pairs = f"{count} pair{'' if count == 1 else 's'} of model and correction"
+    if limited == 0:
+        return f"All {pairs} predict perpetual flight." if count > 1 else f"{pairs}: perpetual."
+    return f"{limited} of {pairs} {'does' if limited == 1 else 'do'} not predict perpetual flight."
+
+
+def perpetual_by_model(aircraft: Aircraft, mission: Mission) -> dict[SolarModel, bool]:
+    """Whether each model with each correction predicts perpetual flight in every scenario."""
+    sun = Sunlight(aircraft, mission)
+    every = combinations(None, None, attitude=attitude_is_known(aircraft, mission))
+    together = SolarDay.joined([sun.day(solar) for solar in every])
+    found = performance(aircraft, mission, every[0], day=together, keep_trajectory=False)
+    by_model = np.reshape(found.cycle.perpetual, (len(every), -1))
+    return {solar: bool(np.all(one)) for solar, one in zip(every, by_model, strict=True)}

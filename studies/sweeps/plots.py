@@ -44,7 +44,7 @@ from studies.output.figures.drawing import (
 from studies.output.figures.options import DEFAULT, NAMES
 from studies.output.gridded import status_names, to_table
 from studies.sweeps.axes import axis_label, unit_label
-from studies.sweeps.ranking import MORE_IS_BETTER, pareto_table
+from studies.sweeps.results import MORE_IS_BETTER, pareto_table
 from studies.sweeps.study import feasible
 
 MAXIMUM_PANELS = 12

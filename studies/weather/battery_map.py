@@ -100,7 +100,7 @@ def battery_map(
     designs = [_with_battery(aircraft, moved, factor) for factor in factors]
     able = [i for i, one in enumerate(designs) if one is not None]
     closes = np.full((len(factors), len(flights)), -1, np.int8)
-    powers = [Powers.of(one) for one in designs if one is not None]
+    powers = [Powers.of(one, flights.days) for one in designs if one is not None]
     if powers:
         batch = Powers(*(np.concatenate(values) for values in zip(*powers, strict=True)))
         closes[able] = flights.closes(batch)

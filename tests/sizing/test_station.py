@@ -14,12 +14,13 @@ from hypothesis import strategies as st
 from missions.air import standard_air
 from missions.mission import Mission, Scenarios
 from missions.winds.table import COLUMNS, shipped_winds, wind_table_from_text
-from sizing import analyse_uncertainty, size
+from sizing import analyse_uncertainty, load_aircraft, operating_point, size
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import design_of
+from sizing.design import FlightConditions, design_of, parametric_design, variables_of
 from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import performance, performance_in_pairs
+from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.station import FASTEST, faster_flight, station_keeping
 from sizing.sunlight import UNCORRECTED_CAM, solar_day
 from sizing.uncertainty.propagation import Propagation
@@ -166,6 +167,41 @@ def test_only_a_wind_above_the_own_airspeed_takes_more_power(tmp_path: Path) -> 
     extra = np.interp(1.15 * own, airspeeds, powers) - powers[0]
     # Linear between airspeeds 1 % apart, of a power that grows with the cube.
     assert held.nominal_load_w - free.nominal_load_w == pytest.approx(extra, rel=1e-3)
+
+
+def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path: Path) -> None:
+    """The exact chain at the airspeed of the wind, the thermals and the voltage of the hour."""
+    own, where = load_aircraft("twin-boom-design"), holding(in_winds(tmp_path, 4.0, 11.0))
+    wind = float(where.scenario_winds_m_per_s()[0])
+    turbulence = where.turbulence.model_copy(update={"all_day": 0.05, "thermal": 0.3})
+    where = where.model_copy(update={"turbulence": turbulence})
+    flown = performance(own, where)
+    assert np.isfinite(flown.load_w).all()
+    design = flown.design
+    parts = getattr(own.airframe, "propulsion", None)
+    assert isinstance(parts, OperatingPointPropulsion)
+    # At the same mass: the lift coefficient goes with the inverse square of the airspeed.
+    speed = float(design.airspeed_m_per_s)
+    polar = own.airframe.aerodynamics  # type: ignore[union-attr]  # parametric
+    slow = polar.flight_lift_coefficient * (speed / wind) ** 2
+    variables = variables_of(own)._replace(lift_coefficient=slow)
+    faster = parametric_design(own, where, variables, design.total_mass_kg)
+    assert faster.chain is not None
+    assert float(faster.airspeed_m_per_s) == pytest.approx(wind)
+    thrust_w = float(faster.propulsion_power_w) * faster.chain.efficiency
+    charge = flown.cycle.energy_wh[0] / float(design.battery_energy_wh)
+    bus_v = own.battery.bus_voltage_v(charge)
+    day = flown.day
+    half = (day.sunset_h[0] - day.sunrise_h[0]) / 2.0
+    load = 1.05 + 0.3 * np.maximum(1.0 - np.abs(day.time_h - 12.0) / half, 0.0)
+    air = FlightConditions.of(where, own).air
+    some = slice(0, None, 24)
+    point = operating_point(
+        *(parts.propulsor, (thrust_w * load / wind / parts.propulsors)[some], wind, air),
+        bus_v[some],
+    )
+    power_w = flown.load_w[0, some] - float(design.constant_power_w)
+    assert power_w == pytest.approx(parts.propulsors * point.bus_power_w, rel=3e-5)
 
 
 def test_what_is_sized_to_hold_its_place_does_so(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,19 +10,25 @@ import numpy as np
 import pytest
 from propulsors import VOLTAGE, aircraft
 from scipy.integrate import solve_ivp
+from weather_files import clear_record
 
 import sizing
+from missions.air import air_at
 from missions.library import load_mission
 from missions.mission import Mission
+from missions.weather.site import mission_at_site
 from sizing.altitude.climb_cycle import climb_performance
 from sizing.design import DesignVariables, FlightConditions, ImpossibleDesignError, design_of
 from sizing.energy.cycle import simulate_cycle
 from sizing.performance import performance, performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.replay import calendar_run
 from sizing.results.propulsion import varying_efficiency
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import solar_day
 from sizing.varying_load import interpolation_error, part_load_of
+from sizing.weather_run import _temperatures_c, weather_performance
+from solar.sun import declination, sun_times
 from solar.types import FloatArray
 
 MISSION = load_mission("rafz-july")
@@ -219,6 +226,57 @@ def test_parts_beyond_their_limits_are_told() -> None:
     }
     text = str(sizing.analyse(atlantiksolar(motor=motor), rough(0.0, 1.0)).summary())
     assert "Beyond the parts: motor current" in " ".join(text.split())
+
+
+def test_a_flight_on_the_calendar_has_the_load_of_its_own_charge() -> None:
+    own = AIRCRAFT["twin-boom"]
+    launch = {
+        "date": "06-21",
+        "time_local": "12:00",
+        "utc_offset_h": 2.0,
+        "state_of_charge": 0.8,
+        "duration_h": 24.0,
+    }
+    mission = load_mission("rafz-july", {"launch": launch, "longitude_deg": 8.53})
+    flown = calendar_run(own, mission)
+    some = slice(5, None, 120)
+    bus_v = own.battery.bus_voltage_v(flown.state_of_charge[some])
+    power_w = exact_w(own, mission, np.ones(bus_v.shape), bus_v)
+    assert np.ptp(power_w) > 0.02
+    assert flown.load_w[some] - float(flown.design.constant_power_w) == pytest.approx(
+        power_w, rel=2e-5
+    )
+
+
+@pytest.mark.parametrize("name", list(AIRCRAFT))
+def test_a_record_has_the_load_of_its_air_and_charge(name: str) -> None:
+    own, record = AIRCRAFT[name], clear_record(2, first="2001-07-14", interval_s=600.0)
+    record = replace(record, temperature_c=12.0 + 14.0 * np.linspace(0.0, 1.0, len(record.start_s)))
+    mission, _ = mission_at_site(rough(0.05, 0.3), record, chosen=False)
+    done = weather_performance(own, mission, record)
+    run, design = done.recorded, done.design
+    parts = getattr(own.airframe, "propulsion", None)
+    assert isinstance(parts, OperatingPointPropulsion)
+    assert design.chain is not None
+    thrust_w = float(design.propulsion_power_w) * design.chain.efficiency
+    assumed = mission.air_state()
+    air_c, _ = _temperatures_c(mission, done.light)
+    for node in (20, 150, 200):
+        day, at = 1, node
+        warm_k = float(air_c[run.axis.nodes[day, at]]) + 273.15
+        faster = np.sqrt(warm_k / float(assumed.temperature_k))
+        speed = float(design.airspeed_m_per_s) * faster
+        hour, light = run.axis.time_h[at] + run.axis.midnight_h[day], done.light
+        rise = sun_times(light.site.latitude_deg, declination(run.axis.day_of_year[day] + 0.5))
+        half = float(rise.sunset_h - rise.sunrise_h) / 2.0
+        load = 1.05 + 0.3 * max(1.0 - abs(hour - 12.0) / half, 0.0)
+        bus_v = own.battery.bus_voltage_v(run.state_of_charge()[day, at])
+        thrust_n = thrust_w * faster * load / speed / parts.propulsors
+        air = air_at(warm_k, assumed.pressure_pa)
+        point = sizing.operating_point(parts.propulsor, thrust_n, speed, air, bus_v)
+        power_w = parts.propulsors * float(point.bus_power_w)
+        heater_w = run.load_w[day, at] - power_w - float(design.constant_power_w)
+        assert heater_w == pytest.approx(0.0, abs=3e-5 * power_w)
 
 
 def test_a_climb_begins_with_the_load_of_the_moment() -> None:

@@ -8,13 +8,16 @@ from missions.library import load_mission
 from missions.weather.light import light_at_altitude
 from missions.weather.record import Site
 from missions.weather.site import mission_at_site
+from missions.winds.table import COLUMNS
 from sizing.library import load_aircraft
-from sizing.performance import perpetual_days
+from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
 from sizing.sunlight import SolarModel
 from sizing.weather_run import DayAxis, run_lengths, wait_for_window, weather_performance
 
 AS2 = load_aircraft("atlantiksolar-as2")
+# Profile drag whatever the Reynolds number.
+NO_VISCOSITY = {"airframe.aerodynamics.reynolds_exponent": 0.0}
 
 
 def mission_at(record, **overrides):
@@ -48,6 +51,34 @@ def test_a_clear_record_is_the_flight_on_the_calendar():
     there = np.interp(clock_h[inside], replayed.clock_h, replayed.state_of_charge)
     # Nodes of five minutes against one: the largest difference is at the corners of full charge.
     assert charge[inside] == pytest.approx(there, abs=2e-3)
+
+
+@pytest.fixture
+def windy_file(tmp_path):
+    """Table of winds of 11 m/s, 1.3 times the airspeed of the shipped design."""
+    path = tmp_path / "winds.csv"
+    rows = [f"{x},{z},{m},95,11" for x in (-90, 90) for z in (0, 2000) for m in range(1, 13)]
+    path.write_text("\n".join([",".join(COLUMNS), *rows]))
+    return str(path)
+
+
+def test_a_held_place_is_flown_as_fast_as_the_wind_in_the_air_of_each_day(windy_file):
+    design = load_aircraft("atlantiksolar-design", NO_VISCOSITY)
+    wind = {"percentile": 95.0, "hold_station": True, "file": windy_file}
+    record = clear_record(5, first="2001-07-14", interval_s=300.0)
+    mission = mission_at(record, wind=wind)
+    day = replace(record, temperature_c=None)
+    flown = weather_performance(design, mission, day).recorded
+    assert np.allclose(flown.load_w, performance(design, mission).load_w[0, 0], rtol=1e-12)
+    for warm_c in (-10.0, 40.0):
+        other = replace(record, temperature_c=np.full(len(record.start_s), warm_c))
+        done = weather_performance(design, mission, other)
+        air_c = float(done.air_of_days_c[0])
+        air = mission.model_copy(update={"air": type(mission.air)(ambient_temperature_c=air_c)})
+        there = performance(design, air).load_w[0, 0]
+        # The structure that is sized in the other air is up to 0.1 % heavier or lighter.
+        assert np.allclose(done.recorded.load_w, there, rtol=2e-3)
+        assert abs(there / flown.load_w[0, 0] - 1.0) > 0.005
 
 
 def test_a_clear_year_closes_on_the_days_of_the_season():

@@ -24,7 +24,8 @@ from sizing.varying_load import DesignLoads
 from studies.ceiling import perpetual_ceiling
 from studies.maps.feasibility import feasibility_map
 from studies.maps.results import seasons_table
-from studies.models.comparison import compare, perpetual_by_model
+from studies.models.comparison import compare
+from studies.models.solar_models import perpetual_by_model
 from studies.sweeps.results import points_record
 from studies.sweeps.study import sweep
 

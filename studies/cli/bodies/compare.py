@@ -41,7 +41,7 @@ def compare(options: Compare) -> None:
         options.table_file: table_of(compared.to_frame, "models"),
         options.plot_file: drawing,
     }
-    with told(case, record, compared, out_dir=folder, files=files):
+    with told(case, record, compared, files=(*files, folder)):
         write_results(files)
         if folder is not None:
             contents = {"comparison.csv": csv_bytes(compared.to_frame())}

@@ -9,6 +9,7 @@ import click
 from missions.files.writing import write_text_atomically
 from studies.cli.commands.explore import Explore
 from studies.cli.files import (
+    OFFLINE,
     load,
     refuse_climb,
     refuse_held_station,
@@ -28,7 +29,7 @@ def explore(options: Explore) -> None:
     require_path(case)
     require_climber(case)
     if options.static_file is not None:
-        refuse_climb(case, "explore --static")
+        refuse_climb(case, "explore --static", OFFLINE)
         refuse_held_station(case, "explore --static")
     where, overrides = case.where.document.source.removesuffix(" (shipped)"), options.case.overrides
     words = [options.case.aircraft, "-m", where, *(w for one in overrides for w in ("--set", one))]

@@ -50,7 +50,7 @@ def fit(options: Fit) -> None:
         record["prediction"] = prediction.to_dict()
         shown = shown + Summary((prediction.table(),))
     write_file, folder = (options.write_file, options.out_dir) if fitted.fitted else (None, None)
-    with told(case, record, shown, out_dir=folder, files=(write_file,)):
+    with told(case, record, shown, files=(write_file, folder)):
         if write_file is not None or folder is not None:
             document = _fitted(case, fitted, log_files)
             if write_file is not None:

@@ -22,6 +22,7 @@ from studies.cli.files import Case, load
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import check_report, figure_of, told
 from studies.cli.telling import progress_of
+from studies.models.solar_models import perpetual_by_model, perpetual_line
 from studies.output.run_folder import write_run_folder
 from studies.output.sizing_files import sized_inputs, sizing_figures, sizing_tables
 
@@ -48,8 +49,7 @@ def size(options: Size) -> None:
         case,
         record,
         lambda: _summary(study, options),
-        out_dir=folder,
-        files=(report,),
+        files=(report, folder),
         next_step=step,
     ):
         if folder is not None:
@@ -70,8 +70,6 @@ def _summary(study: SizingStudy, options: Size) -> Summary:
     found = study.summary()
     if not study.feasible or options.weather_file is not None:
         return found
-    from studies.models.comparison import perpetual_by_model, perpetual_line  # not for --json
-
     aircraft, mission = study.sized_aircraft(), study.sized_mission()
     path = mission.flight_path
     blown = path is not None and path_trouble(path, mission.wind) is not None
@@ -86,13 +84,11 @@ def _check(case: Case, options: Size) -> None:
     measured = "a measured aircraft cannot be sized; allowed: parametric"
     checks.require_parametric(case, measured)
     if options.weather_file is not None:
-        checks.refuse_climb(case, "size --weather")
+        checks.refuse_climb(case, "size --weather", checks.IN_WEATHER)
     checks.require_climb_power(case)
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)
     checks.require_path(case)
-    if options.survive is not None:
-        checks.refuse_held_station(case, "size --survive")
     if options.whole_cells:
         checks.require_whole_cells(case)
     least = options.reliability

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from studies.cli.commands.station import Station
-from studies.cli.files import load, refuse_climb, require_parametric, require_path
+from studies.cli.files import IN_WINDS, load, refuse_climb, require_parametric, require_path
 from studies.cli.outputs import deliver, figure_of
 from studies.output.formats import csv_bytes, grid_format, table_bytes
 from studies.output.gridded import to_netcdf_bytes
@@ -14,7 +14,7 @@ from studies.station import station as station_by_month
 def station(options: Station) -> None:
     """Compute the time on station of each month, and tell it."""
     case = load(options.case)
-    refuse_climb(case, "station")
+    refuse_climb(case, "station", IN_WINDS)
     require_path(case)
     require_parametric(case, "station needs a parametric aircraft, this one is measured")
     result = station_by_month(

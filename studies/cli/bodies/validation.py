@@ -6,7 +6,6 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from missions.files.writing import write_text_atomically
 from missions.flight_path import largest_wind_m_per_s
 from studies.cli.commands.validation import (
     Efficiencies,
@@ -23,7 +22,7 @@ from studies.cli.files import (
     require_path,
 )
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import deliver, figure_of, print_json, table_of, tell, told, write_results
+from studies.cli.outputs import deliver, figure_of, print_json, table_of, told, write_results
 from studies.cli.telling import progress_of
 from studies.models import component_efficiencies, transfer
 from studies.output.run_folder import write_run_folder
@@ -68,9 +67,8 @@ def loiter_correction(options: LoiterCorrection) -> None:
     winds = [w for w in transfer.WINDS_M_PER_S if w < limit]
     errors = transfer.transferred_errors(case.aircraft, case.mission, winds_m_per_s=winds)
     table = transfer.transfer_table(errors)
-    if options.markdown_file is not None:
-        write_text_atomically(options.markdown_file, table.to_markdown())
-    tell(case, case.named({"errors": [asdict(error) for error in errors]}), table)
+    with told(case, case.named({"errors": [asdict(error) for error in errors]}), table):
+        write_results({options.markdown_file: lambda _: table.to_markdown().encode()})
 
 
 def efficiencies(options: Efficiencies) -> None:
@@ -95,7 +93,7 @@ def reproduce_report(options: ReproduceReport) -> None:
     case = Case(aircraft, mission, as_json=options.as_json)
     result = study.reproduce(case.aircraft, case.mission, vary=True)
     record = case.named(result.to_dict())
-    with told(case, record, result, out_dir=folder):
+    with told(case, record, result, files=(folder,)):
         if folder is not None:
             tables = "\n".join(table.to_markdown() for table in result.tables())
             drawing = figure_of(lambda: study.reproduction_figure(result, figure=options.figure))

@@ -33,7 +33,7 @@ def verify(options: Verify) -> None:
         correct=not options.as_logged,
     )
     record = case.named(result.to_dict())
-    with told(case, record, result, out_dir=folder, files=(report,)):
+    with told(case, record, result, files=(report, folder)):
         if folder is not None:
             contents = {_SAMPLES: result.to_csv().encode()}
             drawn = {

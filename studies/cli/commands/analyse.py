@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import click
 
-from studies.cli.command import Command, option
+from studies.cli.command import Command, RealRange, option
 from studies.cli.options import (
     CaseOptions,
     PlaceOptions,
-    RealRange,
     case_options,
     figure_options,
     place_options,

@@ -4,15 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from studies.cli.command import Command, option
-from studies.cli.options import (
-    CaseOptions,
-    RealRange,
-    case_options,
-    figure_options,
-    plot_option,
-    table_option,
-)
+from studies.cli.command import Command, RealRange, option
+from studies.cli.options import CaseOptions, case_options, figure_options, plot_option, table_option
 from studies.output.figures.options import FigureOptions
 
 _HIGHEST_M, _LEAST_STEP_M = 32000.0, 10.0

@@ -10,10 +10,9 @@ from click.shell_completion import CompletionItem
 
 from sizing.optimisation.objectives import RESIZE_NAMES
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
-from studies.cli.command import Command, option
+from studies.cli.command import Command, ParamType, option
 from studies.cli.options import (
     CaseOptions,
-    ParamType,
     case_options,
     figure_options,
     out_option,

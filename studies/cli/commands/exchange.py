@@ -7,8 +7,8 @@ from typing import Literal
 
 import click
 
-from studies.cli.command import Command, OutputFile, argument, option
-from studies.cli.options import CaseOptions, case_options, completes, table_option
+from studies.cli.command import Command, OutputFile, argument, completes, option
+from studies.cli.options import CaseOptions, case_options, table_option
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from studies.cli.command import Command, argument, option
-from studies.cli.options import completes, json_option
+from studies.cli.command import Command, argument, completes, option
+from studies.cli.options import json_option
 
 if TYPE_CHECKING:
     from sizing.catalogues.choice import Kind

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from studies.cli.command import Command, OutputFile, argument, option
+from studies.cli.command import Command, OutputFile, RealRange, argument, completes, option
 from studies.cli.options import (
     CaseOptions,
     LogOptions,
-    RealRange,
     aircraft_argument,
     case_options,
-    completes,
     figure_options,
     json_option,
     log_options,

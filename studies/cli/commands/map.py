@@ -8,10 +8,9 @@ import click
 from click.core import ParameterSource
 
 from sizing.optimisation.objectives import RESIZE_NAMES
-from studies.cli.command import Command, option
+from studies.cli.command import Command, Grid, option
 from studies.cli.options import (
     CaseOptions,
-    Grid,
     WorkOptions,
     case_options,
     figure_options,

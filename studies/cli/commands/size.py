@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import click
 
 from sizing.optimisation.objectives import OBJECTIVE_NAMES, Objective
-from studies.cli.command import Command, option
+from studies.cli.command import Command, RealRange, option
 from studies.cli.options import (
     CaseOptions,
     PlaceOptions,
-    RealRange,
     case_options,
     figure_options,
     out_option,

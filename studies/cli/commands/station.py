@@ -4,15 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from studies.cli.command import Command, option
-from studies.cli.options import (
-    CaseOptions,
-    Grid,
-    case_options,
-    figure_options,
-    grid_option,
-    plot_option,
-)
+from studies.cli.command import Command, Grid, option
+from studies.cli.options import CaseOptions, case_options, figure_options, grid_option, plot_option
 from studies.output.figures.options import FigureOptions
 
 

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 import click
 
 from sizing.optimisation.objectives import RESIZE_NAMES
-from studies.cli.command import Command, option
+from studies.cli.command import Command, Parsed, completes, option
 from studies.cli.options import (
     CaseOptions,
-    Parsed,
     WorkOptions,
     case_options,
-    completes,
     figure_options,
     grid_option,
     plot_option,

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from studies.cli.command import Command, option
+from studies.cli.command import Command, Parsed, RealRange, option
 from studies.cli.options import (
     CaseOptions,
     LogOptions,
-    Parsed,
-    RealRange,
     case_options,
     figure_options,
     log_options,

@@ -123,7 +123,7 @@ def _begun(options: FigureOptions, size_in: tuple[float, float], *, lines: bool)
     A figure without a size grows with its type, by half as much. One of a given width has the
     height between that of its proportions and that of its lines of text, their geometric mean.
     """
-    from studies.output.figures.canvas import StyledFigure  # half a second, for those who draw
+    from studies.output.figures.layout import StyledFigure  # half a second, for those who draw
 
     type_size = _setting("font.size") / _USUAL_TYPE
     usual = (size_in[0] * math.sqrt(type_size), None)

@@ -1,4 +1,4 @@
-"""Layout in which every text has its place, whatever the size of the figure and of its type.
+"""A figure in a style, with a layout in which every text has its place whatever its size.
 
 Matplotlib's constrained layout makes room for axes; it leaves labels that are longer than their
 axis, ticks that run into each other, legends wider than the page. Those are wrapped, thinned and
@@ -22,7 +22,8 @@ from matplotlib.text import Annotation, Text
 from matplotlib.ticker import FuncFormatter
 from matplotlib.transforms import Bbox
 
-from studies.output.figures.options import LEVELS, NAMES, ROWS
+from studies.output.figures import options as settings
+from studies.output.figures.options import LEVELS, NAMES, ROWS, FigureOptions
 
 _ROUNDS = 3
 _LEAST_TYPE = 0.5  # of the size that a style asks for
@@ -404,3 +405,40 @@ def _arrange(legend: Legend, items: Sequence[Any], count: int) -> None:
 
 def _set_columns(legend: Legend, columns: list[Any]) -> None:
     _legend_columns(legend)[:] = columns
+
+
+class StyledFigure(Figure):
+    """Figure in a style."""
+
+    def __init__(self, options: FigureOptions, size_in: tuple[float, float]) -> None:
+        super().__init__(figsize=size_in, layout=FittedLayout())
+        self.options = options
+        self.notes = ""
+
+    def set_heading(self, title: str, notes: str) -> None:
+        """Write a title, and notes below it in smaller type."""
+        self.suptitle(title)
+        self.notes = notes
+        engine = self.get_layout_engine()
+        assert isinstance(engine, FittedLayout)
+        engine.notes = notes
+
+    def draw(self, renderer: Any) -> None:
+        """Draw the figure in its style: its layout writes texts anew, in a notebook as well."""
+        with settings.in_style(self.options):
+            layout = self.get_layout_engine()
+            if isinstance(layout, FittedLayout) and self.canvas.is_saving():
+                # Matplotlib draws twice to save: first for the layout alone, the strokes going
+                # nowhere, then without a layout engine. The first time needs no strokes.
+                layout.execute(self)
+            else:
+                super().draw(renderer)
+
+    def savefig(self, fname: Any, **kwargs: Any) -> None:
+        """Write the figure as :meth:`matplotlib.figure.Figure.savefig` does, in its style.
+
+        ``**kwargs``: as there; the resolution is by default that of the options.
+        """
+        kwargs.setdefault("dpi", self.options.dots_per_inch or settings.DOTS_PER_INCH)
+        with settings.in_style(self.options):
+            super().savefig(fname, **kwargs)

@@ -9,6 +9,7 @@ from weather_files import clear_record
 import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
+from missions.winds.table import COLUMNS
 from sizing.design import DesignVariables, closed_design, design_of
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
@@ -17,6 +18,7 @@ from sizing.margins.season_flights import Powers, SeasonDays, SeasonFlights
 from sizing.margins.season_search import SeasonSearch
 from sizing.margins.survival import _SurvivalSizing
 from sizing.relaxed_flight import Relaxation
+from sizing.weather_run import weather_performance
 
 pytestmark = pytest.mark.slow
 
@@ -110,8 +112,31 @@ def test_no_design_of_a_grid_is_better(objective, most):
     # The tolerance that the documentation states.
     better = np.flatnonzero(sound & (cost < best.result.objective_value * (1.0 - 0.003)))
     assert len(better) > 200
-    powers = Powers(*(values[better] for values in Powers.of(designs)))
+    powers = Powers(*(values[better] for values in Powers.of(designs, flights.days)))
     assert flights.that_close(powers).max() < 27
+
+
+def windy(folder, wind_m_per_s):
+    path = folder / f"winds-{wind_m_per_s:g}.csv"
+    rows = [
+        f"{x},{z},{m},95,{wind_m_per_s}" for x in (0, 90) for z in (0, 2000) for m in range(1, 13)
+    ]
+    path.write_text("\n".join([",".join(COLUMNS), *rows]))
+    wind = {"percentile": 95.0, "hold_station": True, "file": str(path)}
+    return load_mission(
+        "rafz-july", PLACE | {"dates": MISSION.dates.model_dump(by_alias=True)} | {"wind": wind}
+    )
+
+
+def test_a_held_place_costs_span_and_the_record_confirms_it(most, tmp_path):
+    calm, held = (sized(0.9, mission=windy(tmp_path, wind)) for wind in (3.0, 12.0))
+    # The search walks by designs of the program, which are within 0.1 % of each other.
+    assert calm.result.objective_value == pytest.approx(most.result.objective_value, rel=2e-3)
+    assert held.result.objective_value > 1.05 * most.result.objective_value
+    craft = held.sized_aircraft()
+    again = weather_performance(craft, held.mission, RECORD, held.solar, step_s=STEP_S)
+    inside = SeasonFlights.of(craft, held.mission, RECORD, held.solar, step_s=STEP_S).counted
+    assert again.recorded.closes[inside].sum() >= 27
 
 
 def test_a_larger_share_costs_more_and_is_reached(most):
@@ -182,7 +207,7 @@ def test_years_are_told_apart_and_a_season_may_cross_the_new_year():
     )
     assert len(flights) == 8
     assert set(flights.days.axis.day_of_year[flights.counted]) == {364, 365, 1, 2}
-    days = SeasonDays.of(flights, Powers.of(design_of(DESIGN, mission)))
+    days = SeasonDays.of(flights, Powers.of(design_of(DESIGN, mission), flights.days))
     assert [(one["year"], one["days"]) for one in days.by_year()] == [
         (2001, 2),
         (2002, 4),

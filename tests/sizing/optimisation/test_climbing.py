@@ -77,7 +77,7 @@ def test_the_program_has_the_day_of_the_march(strategy: str, ceiling_m: float) -
             *(0.0, sun_parameters(day, there)[0]),
         )
     )
-    # Parabolas and steps of 10 min, against levels 500 m apart and 1 min.
+    # Three levels and steps of 10 min, against levels 500 m apart and 1 min.
     assert deficit == pytest.approx(drawn, rel=3e-3)
     assert charged > 1.0
     assert reached > highest == pytest.approx(1.0)
@@ -138,6 +138,17 @@ def test_a_higher_ceiling_takes_less_span() -> None:
     ]
     assert spans == sorted(spans, reverse=True)
     assert spans[0] > 1.02 * spans[-1]
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_a_ceiling_far_above_what_is_reached_takes_nothing(strategy: str) -> None:
+    lower = sized(Objective.min_mass, 14000.0, strategy, "07-15").objective_value
+    assert lower is not None
+    for ceiling_m in (16000.0, 20000.0, 25000.0, 32000.0):
+        higher = sized(Objective.min_mass, ceiling_m, strategy, "07-15").objective_value
+        assert higher is not None
+        # Searches over simulated designs find the least at 20 and 32 km, 1.3 and 2 % below 14 km's.
+        assert higher < 1.002 * lower
 
 
 def test_a_day_between_two_others_takes_a_mass_between_theirs() -> None:

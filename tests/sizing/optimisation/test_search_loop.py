@@ -19,6 +19,7 @@ class Found:
     """As much of a solution as the loop looks at: a wing that grows with the goal."""
 
     instance: ProblemInstance
+    climbs: bool = False
 
     @property
     def design(self) -> DesignVariables:
@@ -82,6 +83,23 @@ def test_battery_that_runs_empty_asks_for_more_recharge() -> None:
     search, _ = searched([5.0], rounds=1)
     assert search.best is None
     assert search.instance.margin == pytest.approx(3.0 * ProblemInstance({}, 0.0).margin)
+
+
+def test_night_that_takes_more_with_climbs_moves_the_goal_as_well() -> None:
+    # The simulator's night takes half an hour more than the program's, and below zero it says so by
+    # another scale.
+    def simulate(searches: Sequence[Search]) -> list[Simulated]:
+        excess_h = searches[0].current.instance.goal_h - 0.5
+        seen.append(excess_h)
+        return [Simulated(excess_h if excess_h > 0.0 else 1.6 * excess_h, 0, 0.0, sound=True)]
+
+    seen = list[float]()
+    instance = ProblemInstance.of(Objective.min_wingspan, 0.0)
+    search = Search(instance, 0.0, [0], lambda s: cast(Any, Found(s.instance, True)), count=1)
+    run([search], simulate)
+    assert search.best is not None
+    assert 0.0 < seen[-1] < 0.02
+    assert len(seen) <= 4
 
 
 def test_leap_of_the_excess_time_is_enclosed_and_no_more() -> None:

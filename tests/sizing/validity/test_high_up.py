@@ -157,6 +157,18 @@ def test_a_sizing_tells_the_worth_of_its_own_design() -> None:
     assert found[MODULES].excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-5)
 
 
+def test_a_sizing_with_climbs_tells_the_worth_at_the_height_it_names() -> None:
+    """The note is that of the analysis of the sized aircraft."""
+    where = mission(climb={"ceiling_m": 4536.0}, clearness=0.9)
+    study = size(DESIGN, where, "min_wingspan")
+    told = notes(study)[BATTERY]
+    assert "in level flight at" in told.text
+    again = notes(analyse(study.sized_aircraft(), study.sized_mission()))[BATTERY]
+    assert told.excess_time_h == pytest.approx(again.excess_time_h, abs=0.02)
+    # Marched in steps of five minutes and of one.
+    assert told.value == pytest.approx(again.value, abs=20.0)
+
+
 def test_an_infeasible_sizing_tells_the_worth_of_its_nearest_design() -> None:
     study = size(DESIGN, HIGH, "min_mass", required_excess_time_h=12.0)
     assert not study.feasible

@@ -166,20 +166,21 @@ def test_columns_without_climb_stay_as_they_are(run: Run, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("command", "options"),
+    ("command", "options", "why"),
     [
-        ("station", []),
-        ("map --weather", ["--weather", "any.csv"]),
-        ("size --weather", ["--weather", "any.csv", "--survive", "0.9"]),
-        ("explore --static", ["--static", "page.html"]),
+        ("station", [], "winds at several heights have none in common"),
+        ("map --weather", ["--weather", "any.csv"], "not tell how high its clouds are"),
+        ("size --weather", ["--weather", "any.csv", "--survive", "0.9"], "how high its clouds are"),
+        ("explore --static", ["--static", "page.html"], "its page has the light of one altitude"),
     ],
 )
-def test_commands_at_constant_altitude_refuse_climbs(
-    run: Run, climb: str, command: str, options: list[str]
+def test_commands_at_constant_altitude_refuse_climbs_and_say_why(
+    run: Run, climb: str, command: str, options: list[str], why: str
 ) -> None:
     outcome = run(command.partition(" ")[0], "atlantiksolar-design", "-m", climb, *options)
     assert outcome.code == 2
     assert f"climb.yaml:5:1: climb: {command} flies at constant altitude" in outcome.err
+    assert f"{why}; remove climb" in outcome.err
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
     done = run(*call)
     assert done.code == 0
     assert "in the weather of Somewhere" in " ".join(done.out.split())
-    assert "15 Jul to 17 Jul: 3 of 3, 100.0 % (asked for 100 %)" in " ".join(done.out.split())
+    assert "15 Jul to 17 Jul: 3 of 3, 100.0 % (required 100 %)" in " ".join(done.out.split())
     written = json.loads((folder / "results.json").read_text())
     assert written["weather"]["days_that_close"] == 3
     assert len(json.loads((folder / "run.json").read_text())["inputs"]["weather"]["sha256"]) == 64

@@ -4,7 +4,11 @@ import asyncio
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
-from studies.explorer.latest import Latest, SupersededError
+import pytest
+
+pytest.importorskip("starlette")
+
+from studies.explorer.app import Latest, SupersededError
 
 
 def outcomes(clients: list[str]) -> list[str]:

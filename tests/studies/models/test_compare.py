@@ -23,6 +23,7 @@ from sizing.sunlight import SolarModel
 from studies.cli import __main__ as cli
 from studies.maps.season import Season
 from studies.models import comparison as study
+from studies.models import solar_models
 from studies.models.plots import plot_comparison, spans
 
 pytestmark = pytest.mark.slow
@@ -208,12 +209,12 @@ def test_rows_of_a_report_belong_to_the_scenario_they_name(designs: study.Compar
 
 
 def test_models_that_deny_perpetual_flight_are_counted(designs: study.Comparison) -> None:
-    by_model = study.perpetual_by_model(designs.aircraft, designs.mission)
+    by_model = solar_models.perpetual_by_model(designs.aircraft, designs.mission)
     assert [by_model[c.solar] for c in designs.cases] == [
         c.prediction.perpetual for c in designs.cases
     ]
-    assert study.perpetual_line([True, False, False]).startswith("2 of 3 pairs")
-    assert study.perpetual_line([True, True]).startswith("All 2 pairs")
+    assert solar_models.perpetual_line([True, False, False]).startswith("2 of 3 pairs")
+    assert solar_models.perpetual_line([True, True]).startswith("All 2 pairs")
 
 
 def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -> None:

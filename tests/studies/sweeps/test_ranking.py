@@ -10,8 +10,14 @@ import missions
 import sizing
 from sizing.performance import performance
 from studies.output.gridded import to_table
-from studies.sweeps.ranking import best_first, pareto_table, point_names, sorted_by
-from studies.sweeps.results import front_record, points_summary
+from studies.sweeps.results import (
+    best_first,
+    front_record,
+    pareto_table,
+    point_names,
+    points_summary,
+    sorted_by,
+)
 from studies.sweeps.study import sweep
 
 MISSION = missions.load_mission("rafz-july")

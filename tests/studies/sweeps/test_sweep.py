@@ -38,7 +38,7 @@ from studies.output.gridded import to_table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.points import held, judge_points, plain_data
-from studies.sweeps.ranking import pareto_front
+from studies.sweeps.results import pareto_front
 from studies.sweeps.study import dataset, prepare, sweep
 
 AS2 = load_aircraft("atlantiksolar-as2")

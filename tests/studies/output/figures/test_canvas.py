@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from sizing import analyse
 from studies.output.cycle_plots import plot_cycle
-from studies.output.figures.canvas import StyledFigure
+from studies.output.figures.layout import StyledFigure
 
 
 @pytest.mark.parametrize("kind", ["svg", "png", "pdf"])

@@ -1,0 +1,130 @@
+"""Tests of motors wound anew, and of the speed constant as a design variable."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from propulsors import PARTS
+
+import sizing
+from missions.files.errors import InputError
+from missions.library import load_mission
+from sizing.catalogues.files import entries
+from sizing.design import ImpossibleDesignError, design_of
+from sizing.propulsion.electric import Motor
+from sizing.propulsion.part_masses import continuous_torque_nm
+
+MISSION = load_mission("rafz-july")
+MOTOR = Motor(
+    speed_constant_rpm_per_v=317.0,
+    resistance_ohm=0.299,
+    no_load_current_a=0.137,
+    no_load_current_rise_a_per_1000_rpm=0.02,
+    maximum_current_a=6.0,
+    mass_kg=0.3,
+)
+RANGE = {"design_space.motor_speed_constant_rpm_per_v": {"minimum": 60.0, "maximum": 900.0}}
+# Weaker by far than needs be at the empty battery, so that the winding matters.
+WEAK = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0, 4.2]}
+
+
+def aircraft(*changes: dict[str, Any]) -> sizing.Aircraft:
+    parts = PARTS | {"motor": MOTOR.model_dump(exclude_none=True)}
+    values: dict[str, Any] = {"battery.voltage": WEAK, "airframe.propulsion": parts}
+    for one in changes:
+        values |= one
+    return sizing.load_aircraft("atlantiksolar-design", values)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 1.0, 2.5])
+def test_speed_and_torque_cost_the_same_in_every_winding(ratio: float) -> None:
+    """At a shaft's state power and losses are equal, voltage and current exchange a factor."""
+    wound = MOTOR.rewound(ratio * MOTOR.speed_constant_rpm_per_v)
+    rpm, torque_nm = np.array([1000.0, 4600.0, 9000.0]), np.array([0.02, 0.06, 0.15])
+    one, other = MOTOR.state(rpm, torque_nm), wound.state(rpm, torque_nm)
+    assert other.current_a == pytest.approx(ratio * one.current_a, rel=1e-12)
+    assert other.voltage_v == pytest.approx(one.voltage_v / ratio, rel=1e-12)
+    # So does what size and limits are made of: torque and copper's losses at the largest current.
+    assert continuous_torque_nm(wound) == pytest.approx(continuous_torque_nm(MOTOR), rel=1e-12)
+    assert wound.maximum_current_a is not None
+    assert wound.maximum_current_a**2 * wound.resistance_ohm == pytest.approx(36.0 * 0.299)
+
+
+@pytest.mark.parametrize(
+    ("known", "other"), [("axi-4120-18", "axi-4120-20"), ("axi-4130-16", "axi-4130-20")]
+)
+def test_windings_of_one_frame_in_the_catalogue(known: str, other: str) -> None:
+    """Makers' data of two windings each: turns stand in the name, and masses are equal."""
+    one, two = (entries("motors")[name].numbers() for name in (known, other))
+    assert one["mass_kg"] == two["mass_kg"]
+    wound = Motor.from_catalogue(known).rewound(two["speed_constant_rpm_per_v"])
+    assert wound.resistance_ohm == pytest.approx(two["resistance_ohm"], rel=0.05)
+    # Published with one decimal, at voltages that are not told.
+    assert wound.no_load_current_a == pytest.approx(two["no_load_current_a"], abs=0.2)
+    turns = int(known.rpartition("-")[2]) / int(other.rpartition("-")[2])
+    ratio = two["speed_constant_rpm_per_v"] / one["speed_constant_rpm_per_v"]
+    assert ratio == pytest.approx(turns, rel=0.02)
+
+
+@pytest.fixture(scope="module")
+def sized() -> sizing.SizingStudy:
+    return sizing.size(aircraft(RANGE), MISSION, objective="min_mass", required_excess_time_h=3.0)
+
+
+def test_no_winding_of_a_scan_is_better(sized: sizing.SizingStudy) -> None:
+    assert sized.feasible
+    assert sized.design is not None
+    best = float(sized.design.variables.motor_speed_constant_rpm_per_v)
+
+    def lightest_kg(share: float) -> float:
+        wound = MOTOR.rewound(share * best).model_dump(exclude_none=True)
+        given = aircraft({"airframe.propulsion": PARTS | {"motor": wound}})
+        study = sizing.size(given, MISSION, objective="min_mass", required_excess_time_h=3.0)
+        assert study.design is not None
+        return float(study.design.total_mass_kg)
+
+    masses = [lightest_kg(share) for share in (1.01, 1.1, 1.4)]
+    found = float(sized.design.total_mass_kg)
+    assert found < masses[0] < masses[1] < masses[2]
+    assert masses[0] == pytest.approx(found, rel=1e-3)
+    # With any less the empty battery's voltage does not suffice.
+    with pytest.raises(ImpossibleDesignError, match="bus voltage 18 V is below 18"):
+        lightest_kg(0.98)
+
+
+def test_the_winding_is_limited_by_the_empty_battery(sized: sizing.SizingStudy) -> None:
+    """All windings are as efficient as each other, but for what the duty costs."""
+    assert "bus_voltage" in sized.result.active_constraints
+
+
+def test_the_sized_file_has_the_motor_that_was_wound(sized: sizing.SizingStudy) -> None:
+    assert sized.design is not None
+    built = sized.sized_aircraft()
+    motor = built.airframe.propulsion.own_motor  # type: ignore[union-attr]  # of parts
+    found = float(sized.design.variables.motor_speed_constant_rpm_per_v)
+    assert motor.speed_constant_rpm_per_v == pytest.approx(found)
+    assert motor.resistance_ohm == pytest.approx(0.299 * (317.0 / found) ** 2)
+    assert motor.mass_kg == MOTOR.mass_kg
+    again = design_of(built, MISSION)
+    assert float(again.total_mass_kg) == pytest.approx(float(sized.design.total_mass_kg), rel=1e-5)
+    assert sized.to_dict()["motor_speed_constant_rpm_per_v"] == pytest.approx(found)
+
+
+def test_a_motor_of_the_catalogue_is_wound_as_well() -> None:
+    """Its mass by its torque is that of the file, whatever the winding."""
+    given = MOTOR.model_dump(exclude_none=True, exclude={"mass_kg"})
+    parts = [PARTS | {"motor": one} for one in ("maxon-re40-148867", given)]
+    for part in parts:
+        study = sizing.size(aircraft(RANGE, {"airframe.propulsion": part}), MISSION)
+        assert study.feasible
+        built = study.sized_aircraft()
+        before = aircraft({"airframe.propulsion": part}).airframe.propulsion
+        after = built.airframe.propulsion  # type: ignore[union-attr]  # of parts
+        assert after.motor_mass_kg == pytest.approx(before.motor_mass_kg, rel=1e-9)  # type: ignore[union-attr]
+
+
+def test_a_chain_of_constants_has_no_winding() -> None:
+    with pytest.raises(InputError, match=r"motor_speed_constant_rpm_per_v: goes with airframe"):
+        sizing.load_aircraft("atlantiksolar-design", RANGE)
