@@ -620,7 +620,17 @@ class Mission(FileRecord):
         return level.model_copy(update={"climb": climb})
 
     def flown_between(self, floor_m: float, ceiling_m: float) -> Mission:
-        """Same mission with climbs between other altitudes, through the same weather."""
+        """Same mission with climbs between other altitudes, through the same weather.
+
+        Parameters
+        ----------
+        floor_m, ceiling_m : float
+            Night's floor and ceiling [m].
+
+        Returns
+        -------
+        Mission
+        """
         assert self.climb is not None
         there = self if floor_m == self.altitude_m else self.climbing_from(floor_m)
         assert there.climb is not None

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -132,7 +133,7 @@ class _AltitudeSearch:
     def _merit(self, at: Altitudes) -> float:
         if at not in self.known:
             self.known[at] = self._sized(self.mission.flown_between(*at))
-            better = max(self.known, key=lambda one: self._merit_known(one))
+            better = max(self.known, key=self._merit_known)
             found = self.known[better]
             if found is not None and found.design is not None:
                 self.start = found.design.variables
@@ -145,13 +146,15 @@ class _AltitudeSearch:
     def _sized(self, mission: Mission) -> SizingResult | None:
         """Sizing between some altitudes; None where the propulsion cannot fly there."""
         given = (mission, self.objective, self.solar)
-        options = {"required_excess_time_h": self.required_h}
+        options: dict[str, Any] = {"required_excess_time_h": self.required_h}
         try:
             aircraft, start = with_smooth_chain(self.aircraft, *given, **options)
             start = self.start or start
             if self.start is None or aircraft is not self.aircraft:
                 aircraft, start = with_flow_of_optimum(aircraft, *given, start=start, **options)
-                if getattr(self.aircraft.airframe.propulsion, "is_exact", False) is False:
+                if not getattr(
+                    getattr(self.aircraft.airframe, "propulsion", None), "is_exact", False
+                ):
                     self.aircraft = aircraft  # its modules are cooled as those of an optimum are
             if self.objective.of_range:
                 return widest_range(aircraft, *given, **options).sizing

@@ -51,7 +51,7 @@ _NOTHING = 1e-9
 # kink there, at every node another one, optima between two heights are seldom found.
 _FILLING = 0.002
 # Likewise between the climbs that the surplus allows and those that the rated power does.
-_BLEND, _TINY_WH = 0.3, 1e-6
+_BLEND, _TINY_WH = 0.1, 1e-6
 
 
 class ClimbValues(NamedTuple):
@@ -242,9 +242,8 @@ class _Day:
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
             mean_w = self.motor_w(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
-            climb_wh = smooth_minimum(
-                ca.fmax(usable_wh, 0.0) + _TINY_WH, room_wh + _TINY_WH, _BLEND
-            )
+            wanted_wh = ca.fmax(usable_wh, 0.0) + _TINY_WH
+            climb_wh = smooth_minimum(wanted_wh, room_wh + _TINY_WH, _BLEND)
             reached = reached + self.lifted(climb_wh)
             soc = charged
         return soc, reached
