@@ -65,9 +65,9 @@ class Diagnosis:
     """What the power says of log, modules and sky.
 
     ``factor``: logged power over that in watts. ``findings``: causes in the order of what they
-    explain. ``clock``, ``heading``, ``haze``: how far they are off, with standard deviations [s,
-    rad]; None if the power does not tell. ``fit``: all that is known. ``expected_w``: power of all
-    samples if nothing were lost; ``limited``: those in which charging may be limited.
+    explain. ``clock``, ``heading``: how far they are off, with standard deviations [s, rad]; None
+    if the power does not tell. ``fit``: all that is known. ``expected_w``: power of all samples if
+    nothing were lost; ``limited``: those in which charging may be limited.
     """
 
     factor: float
@@ -76,7 +76,6 @@ class Diagnosis:
     findings: tuple[Finding, ...] = ()
     clock: tuple[float, float] | None = None
     heading: tuple[float, float] | None = None
-    haze: tuple[float, float] | None = None
     fit: Fit | None = None
     notes: tuple[str, ...] = ()
 
@@ -88,10 +87,10 @@ class Diagnosis:
     @property
     def sky(self) -> tuple[float, float] | None:
         """Extinction per air mass beyond the model's, if clear days do not have it, and sigma."""
-        if self.haze is None or self.named("haze"):
+        if self.fit is None or self.named("haze"):
             return None
-        value, sigma = self.haze
-        return self.haze if abs(value) > max(UNUSUAL_HAZE, 3.0 * sigma) else None
+        value, sigma = self.fit.values["haze"], self.fit.sigmas["haze"]
+        return (value, sigma) if abs(value) > max(UNUSUAL_HAZE, 3.0 * sigma) else None
 
     def named(self, free: str) -> bool:
         """Whether an error of the log is among what may be wrong."""
@@ -162,10 +161,8 @@ def diagnose(
     if noise is None:
         return known
 
-    clock, heading, haze = (
-        _offset(data, fit, name, noise) for name in ("clock_s", "heading", "haze")
-    )
-    return replace(known, clock=clock, heading=heading, haze=haze)
+    clock, heading = (_offset(data, fit, name, noise) for name in ("clock_s", "heading"))
+    return replace(known, clock=clock, heading=heading)
 
 
 def _battery(log: FlightLog, finding: Finding) -> str:
@@ -238,13 +235,13 @@ def _same_sun(data: Data, alike: list[Candidate]) -> bool:
 
 
 def _offset(data: Data, base: Fit, name: str, noise: Noise) -> tuple[float, float] | None:
-    """Clock [s], heading [rad] or haze with its standard deviation, left free."""
-    if name not in (*data.geometric, "haze"):
+    """Clock [s] or heading [rad] with its standard deviation, left free."""
+    if name not in data.geometric:
         return None
     free = tuple(dict.fromkeys((*base.hypothesis.free, name)))
     known = base.hypothesis._replace(start=base.error, free=free, sizes=())
     fit = fitted(data, known, noise, base)
-    return float(getattr(fit.error, name, 0.0)) + fit.values[name], fit.sigmas[name]
+    return float(getattr(fit.error, name)) + fit.values[name], fit.sigmas[name]
 
 
 def _factor(measured: FloatArray, modelled: FloatArray) -> float:
