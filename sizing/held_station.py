@@ -16,15 +16,6 @@ from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
 from solar.types import FloatArray
 
-__all__ = [
-    "POWER_AGAINST_WIND",
-    "faster_flight_w",
-    "flight_against_wind",
-    "power_against_wind_w",
-    "refuse_held_station",
-    "refuse_one_airspeed",
-]
-
 POWER_AGAINST_WIND = "power_against_wind"  # requirement of a scenario
 _ROUNDING = 1e-6  # of the rated power: what the solver of a sizing leaves
 

@@ -36,20 +36,6 @@ from sizing.smooth import Value
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 
-__all__ = [
-    "DesignLoads",
-    "Flight",
-    "by_own_charge",
-    "flight_of",
-    "flown_cycle",
-    "interpolation_error",
-    "load_shape",
-    "part_load_of",
-    "part_load_over",
-    "powers_of_loads_w",
-    "smooth_loads_w",
-]
-
 # A day is marched again until load and nominal load stay within this, relative, which is 1e-5 h of
 # excess time. Each march leaves less than a hundredth of the error of the one before.
 _SETTLED, _ROUNDS = 1e-6, 6

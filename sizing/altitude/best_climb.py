@@ -43,8 +43,6 @@ from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from solar.types import FloatArray
 
-__all__ = ["BestClimb", "best_climb"]
-
 _STEPS = 288  # of 5 min
 _FINE = 5  # steps of the simulation in one
 _DEGREE = 5  # of polynomials over the potential energy

@@ -27,8 +27,6 @@ from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.shafts import power_of_shafts_w, shares_of_limits
 from solar.types import BoolArray, FloatArray, IntArray
 
-__all__ = ["ClimbChain", "Place"]
-
 # Thrust power over that of level flight: steps of 4^(1/6) from a quarter to eight times.
 _LEAST, _RATIO = 0.25, 4.0 ** (1.0 / 6.0)
 _LOADS = _LEAST * _RATIO ** np.arange(16)

@@ -9,8 +9,6 @@ import numpy as np
 from sizing.altitude.climb_chain import Place
 from solar.types import FloatArray
 
-__all__ = ["DayRun", "Drawn", "Moves", "Power", "Stored"]
-
 
 class Stored(NamedTuple):
     """Energy in the battery, and potential energy above the lowest level [Wh]; per element."""

@@ -25,8 +25,6 @@ from sizing.design import Design, FlightConditions, balance_inputs, flown_at
 from sizing.limits import DesignInFlight
 from sizing.smooth import Value
 
-__all__ = ["BalanceAssessment", "balance_assessment", "drag_shares"]
-
 _SLOW = 1.2  # speed over the stall speed at which the controls are assessed
 
 

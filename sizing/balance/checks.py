@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from sizing.balance.surfaces import Planform
     from sizing.layout.cells import CellLayout
 
-__all__ = ["cells_on_planform", "check_balance", "check_planforms", "without_own_constants"]
 
 # Chords over the mean chord that count as the same: a table of cells may have four digits.
 _SAME_CHORD = 1e-3

@@ -20,8 +20,6 @@ from sizing.balance.surfaces import Tail, TailPlanes, Wing
 from sizing.smooth import Value
 from solar.schema import NonNegativeReal, PositiveInteger, PositiveReal, Record, UnitInterval
 
-__all__ = ["BuiltUpPolar", "DragComponents", "DragShares", "Pod", "skin_friction"]
-
 
 def skin_friction(reynolds: Value, laminar_fraction: float) -> Value:
     """Skin friction coefficient of a flat plate, laminar over a share of it [-].

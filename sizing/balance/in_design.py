@@ -16,8 +16,6 @@ from sizing.structures.rib_wing import RibWingStructure
 if TYPE_CHECKING:
     from sizing.aircraft import Aircraft, ParametricAirframe
 
-__all__ = ["polar_with_tail", "structure_with_tail", "with_horizontal_tail"]
-
 
 def with_horizontal_tail(aircraft: Aircraft, volume: Value | None) -> Aircraft:
     """Aircraft whose horizontal tail has another volume coefficient; itself with None."""

@@ -17,8 +17,6 @@ from sizing.smooth import Value
 from sizing.structures.rib_wing_keys import StructureParts
 from solar.schema import Name, PositiveReal, Real, Record
 
-__all__ = ["Balance", "Item", "Movable", "Positions", "WeighedMass", "centre_of_gravity"]
-
 # What a static margin may be had by: a mass that is free to lie anywhere.
 Movable = Literal["battery", "avionics", "other"]
 # What a static margin is held by: the place of that mass, or the size of the horizontal tail.

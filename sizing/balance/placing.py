@@ -28,16 +28,6 @@ from sizing.structures.loads import StructureInputs
 from sizing.structures.rib_wing import RibWingStructure
 from solar.types import FloatArray
 
-__all__ = [
-    "balance_items",
-    "balance_rows",
-    "balanced_airframe",
-    "body_volume_m3",
-    "margin_error",
-    "sizes_tail",
-    "tail_volume",
-]
-
 # Of the secant search for a tail's size: rounds, and what is left of the volume coefficient.
 _ROUNDS, _SETTLED = 40, 1e-14
 

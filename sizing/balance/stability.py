@@ -11,18 +11,6 @@ from typing import NamedTuple
 from sizing.balance.surfaces import Tail, TailPlanes, Wing, lift_slope
 from sizing.smooth import Value
 
-__all__ = [
-    "DirectionalStability",
-    "NeutralPoint",
-    "Trim",
-    "control_effectiveness",
-    "directional_stability",
-    "downwash_slope",
-    "elevator_deflection",
-    "neutral_point",
-    "trim",
-]
-
 # Spacing of the rolled-up tip vortices of an elliptic lift over the span (Phillips, section 4.5).
 _VORTEX_SPACING = pi / 4.0
 # Share of a hinged flap's theoretical effect at an unsealed hinge (Phillips, section 1.7).

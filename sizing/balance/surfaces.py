@@ -16,8 +16,6 @@ from sizing.parameters import all_replaced
 from sizing.smooth import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
 
-__all__ = ["QUARTER", "Planform", "Tail", "TailPlanes", "Wing", "lift_slope"]
-
 QUARTER = 0.25  # aerodynamic centre of a thin section over its chord
 _ControlChord = Annotated[float, Strict(), Field(ge=0.05, le=1.0)]
 _Deflection = Annotated[float, Strict(), Field(gt=0.0, le=45.0)]

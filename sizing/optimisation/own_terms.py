@@ -32,8 +32,6 @@ from sizing.parameters import replaced
 from sizing.performance import Performance
 from sizing.smooth import Value
 
-__all__ = ["NAMES", "OwnObjective", "with_own_terms"]
-
 OwnFunction = Callable[[Any], Any]
 
 _ENERGY = (

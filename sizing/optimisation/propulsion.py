@@ -31,8 +31,6 @@ from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.smooth_propulsion import corrected, smooth_propulsion, with_propulsion
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
-__all__ = ["sized_smoothly", "with_smooth_chain"]
-
 _ROUNDS, _NARROWED = 12, 2
 # What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
 _SETTLED, _SETTLED_CONSTANT, _SHRINKS = 1e-6, 1e-4, 0.5

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-__all__ = ["OPTIONS", "TOLERANCE", "Effort"]
-
 Effort = Literal["quick", "still", "steady", "next", "direct"]
 
 TOLERANCE = 1e-8  # of the interior-point method, in the program

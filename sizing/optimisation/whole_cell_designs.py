@@ -27,8 +27,6 @@ from sizing.smooth_propulsion import put_parts_in
 from sizing.sunlight import SolarModel
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
-__all__ = ["CellDesigns", "Found", "Neighbour", "Numbers", "without_whole_cells"]
-
 # Objectives that differ by less are equal: the lighter design is then the better one.
 _SAME = 1e-6
 # The solver meets its rows to about 1e-8.

@@ -23,8 +23,6 @@ from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.whole_cell_designs import ROW_ROOM, CellDesigns, Found, Neighbour, Numbers
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
-__all__ = ["WholeCells", "size_whole_cells"]
-
 # Rings around the rounded optimum that are tried before the search gives up.
 _RINGS = 4
 # Numbers of cells on half of the wing that are looked at, below and above the rounded optimum.

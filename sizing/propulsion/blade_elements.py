@@ -20,8 +20,6 @@ from missions.air import Air
 from sizing.propulsion.propeller import Coefficients
 from solar.types import FloatArray
 
-__all__ = ["BladeElementPropeller", "section_coefficients"]
-
 # Chord over radius at r/R of 0.15 to 1 in steps of 0.05, as measured: UIUC Propeller Database
 # (Brandt & Selig et al.), the mean of APC Thin Electric 9x6, 11x5.5 and 11x8, and of APC Slow Flyer
 # 10x4.7 and 10x7.

@@ -44,7 +44,6 @@ from solar.schema import (
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint, Propulsor
 
-__all__ = ["LINKS", "AnyPropulsion", "OperatingPointPropulsion", "Propulsion"]
 
 _MassFactor = Annotated[float, Strict(), Field(gt=0.0, le=20.0)]
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.

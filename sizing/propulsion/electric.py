@@ -14,8 +14,6 @@ from sizing.smooth import Value
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
 
-__all__ = ["Controller", "Gear", "Motor", "MotorState"]
-
 _RPM_PER_RAD_PER_S = 30.0 / np.pi
 
 

@@ -15,8 +15,6 @@ from sizing.propulsion.propeller import Propeller, tip_mach
 from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 
-__all__ = ["OperatingPoint", "Propulsor", "bus_power_w", "operating_point", "propeller_state"]
-
 _FASTEST_TIP_MACH = 0.95
 _SLOWEST_SHARE = 1e-3
 _WIRING_ROUNDS = 60

@@ -17,8 +17,6 @@ from numpy.typing import ArrayLike
 from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 
-__all__ = ["PartLoad", "load_range"]
-
 # Points along the load where it spans little or much of itself, and along the voltage.
 _FEW, _MANY, _MUCH, _VOLTS = 5, 9, 1.5, 4
 # Relative power that is no dependence on the voltage: rounding of the chain.

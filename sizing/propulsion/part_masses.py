@@ -14,8 +14,6 @@ from sizing.catalogues.entries import MotorEntry, PropellerEntry
 from sizing.propulsion.electric import Motor
 from sizing.smooth import Value
 
-__all__ = ["GEAR_EXPONENT", "MassFit", "gear_mass_kg", "motor_mass_fit", "propeller_mass_fit"]
-
 # NASA/TM-2009-215680: masses of gearboxes of more than fifty rotorcraft, tiltrotors and turboprops
 # over beta = (hp / rpm_out)^0.75 ratio^0.15. The line through their logarithms is that of
 # AeroSandbox (MIT licence), made to extrapolate: 10^2.00836 lb beta^1.04452. Those gearboxes have

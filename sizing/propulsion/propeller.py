@@ -15,15 +15,6 @@ from numpy.typing import ArrayLike
 from missions.air import GAS_CONSTANT_AIR, Air
 from solar.types import FloatArray
 
-__all__ = [
-    "HEAT_CAPACITY_RATIO",
-    "Coefficients",
-    "Propeller",
-    "PropellerTable",
-    "SpeedCurve",
-    "tip_mach",
-]
-
 HEAT_CAPACITY_RATIO = 1.4
 # Rounding of an advance ratio that lies on the edge of a table.
 _EDGE = 1e-9

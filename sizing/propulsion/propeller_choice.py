@@ -16,8 +16,6 @@ from solar.schema import Flag, NonNegativeReal, PositiveReal, Text
 if TYPE_CHECKING:
     from sizing.propulsion.propeller import Propeller
 
-__all__ = ["PropellerChoice"]
-
 
 class PropellerChoice(OfCatalogue):
     """A propeller by its diameter and pitch, or by the files of its table.

@@ -14,8 +14,6 @@ from missions.files.errors import InputError, Problem, file_error, printable, sh
 from missions.files.texts import read_text
 from sizing.propulsion.propeller import PropellerTable, SpeedCurve
 
-__all__ = ["read_propeller"]
-
 _INCH_M = 0.0254
 _MPH_M_PER_S = 0.44704
 # Names of propellers are in inches, of some in millimetres; no model propeller has 40 inches.

@@ -14,8 +14,6 @@ from sizing.propulsion.electric import MotorState
 from sizing.propulsion.propeller import HEAT_CAPACITY_RATIO
 from sizing.smooth import Value
 
-__all__ = ["inlet", "motor_state", "power_of_shafts_w", "shares_of_limits"]
-
 # Rounds of the voltage behind the wiring, of which each leaves a hundredth of the error or less.
 _WIRING_ROUNDS = 5
 

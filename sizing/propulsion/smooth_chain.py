@@ -26,8 +26,6 @@ from sizing.smooth import Value, chebyshev_series, smooth_maximum
 from solar.schema import Record
 from solar.types import FloatArray
 
-__all__ = ["PropellerSurface", "SmoothPropulsion", "fitted_surface"]
-
 # Degrees in loading, Reynolds number and pitch over diameter, of a narrow and a wide range of it.
 _NARROW, _DEGREES, _WIDE_DEGREES = 0.35, (9, 4, 3), (9, 4, 5)
 # More nodes than degrees; advance ratios over pitch/diameter in which loadings are searched for.
