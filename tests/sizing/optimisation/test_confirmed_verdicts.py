@@ -19,9 +19,12 @@ from sizing.sunlight import SolarModel, solar_day
 
 pytestmark = pytest.mark.slow
 
+# A battery that is warm at no cost, and modules as cold as the air: as near the ground.
+WARM = "battery.temperature={held_c: 25, heat_loss_w_per_k: 0.000001}"
 # A heavy structure at 8 km: the payload is a fiftieth of the mass.
 HEAVY = builders.aircraft(
     "sky-sailor",
+    WARM,
     "airframe.structure={model: power_law_all, coefficient_kg: 0.14200525731361266, "
     "span_exponent: 2.5462921681818944, aspect_ratio_exponent: -0.5120003039542694}",
     "airframe.aerodynamics={model: wing_polar, airfoil: sd7037, design_aspect_ratio: 13.2, "
@@ -40,6 +43,7 @@ HIGH = builders.mission(
     latitude_deg={"from_deg": -2.402233674540703, "to_deg": 17.390815197845132, "count": 3},
     dates={"from": "12-19", "to": "01-18"},
     altitude_m=8130.6177171614645,
+    air={"module_temperature_c": -37.78},
     clearness=0.7186088060060842,
     turbulence={"thermal": 0.3},
     uncertainty_margins={"battery_capacity": 0.8},
@@ -48,6 +52,7 @@ CDM = SolarModel("CDM", "report")
 # A payload of 3 kg is next to the largest one that there is.
 NARROW = builders.aircraft(
     "atlantiksolar-design",
+    WARM,
     "airframe.structure={model: spar, calibration: 0.530477767102663, "
     "safety_factor: 1.9396134321440504, minimum_moment_fraction: 0.5749577317027619}",
     "airframe.aerodynamics={lift_coefficient: 0.6752011557645274, maximum_lift_coefficient: 1.4, "
@@ -110,6 +115,7 @@ def test_verdict_next_to_the_largest_payload(payload_kg: float, status: SizingSt
         latitude_deg={"from_deg": -61.25783210261999, "to_deg": -46.88770106591673, "count": 3},
         dates={"on": "11-27"},
         altitude_m=18202.702748137206,
+        air={"module_temperature_c": -56.5},
         clearness=0.8388611635211468,
         payload={"mass_kg": payload_kg},
         uncertainty_margins={"solar_model_sigmas": 2.0},
