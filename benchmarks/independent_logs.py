@@ -244,7 +244,7 @@ def power_of_modules(
     left = _mppt(sum(each) / rated)
     if truth.cause in ("mppt", "power_loss"):
         left = np.where(inside, (1.0 - truth.size) * left, left)
-    return np.maximum(left[:, np.newaxis] * np.stack(each, axis=1), 0.0)
+    return np.asarray(np.maximum(left[:, np.newaxis] * np.stack(each, axis=1), 0.0))
 
 
 def _mppt(load: FloatArray) -> FloatArray:
