@@ -1,0 +1,40 @@
+"""Latitudes as people write them."""
+
+from __future__ import annotations
+
+import pytest
+
+from studies.cli.command import latitude_deg
+
+
+@pytest.mark.parametrize(
+    ("text", "degrees"),
+    [
+        ("40.4N", 40.4),
+        ("48 S", -48.0),
+        ("48° S", -48.0),
+        ("33.9s", -33.9),
+        (".5 n", 0.5),
+        ("-33.9", -33.9),
+        (" 47.6 ", 47.6),
+        ("90S", -90.0),
+    ],
+)
+def test_hemispheres(text: str, degrees: float) -> None:
+    assert latitude_deg(text) == degrees
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("95N", r"must be from -90 to 90 \(got 95N\)"),
+        ("nan", "must be from -90 to 90"),
+        ("-48 S", "is not a number of degrees"),  # which of the two is meant
+        ("48 W", "north is positive"),
+        ("4_8", "is not a number of degrees"),
+        ("", "is not a number of degrees"),
+    ],
+)
+def test_other_texts_are_refused(text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        latitude_deg(text)
