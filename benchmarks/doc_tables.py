@@ -25,7 +25,8 @@ from sizing.catalogues.choice import KINDS, Kind
 from sizing.energy.battery_condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
 from sizing.performance import performance
-from sizing.results.sizing import SizingStudy, size
+from sizing.results.sizing import size
+from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Column, Table
 from sizing.results.weather_sizing import size_in_weather
 from sizing.validity.ranges import ranges

@@ -69,7 +69,7 @@ def true_values(aircraft: Aircraft, cells: Cells) -> dict[str, float]:
         "module_efficiency": efficiency,
         "temperature_rise": coefficient * light / cells.heat_transfer,
         # A measured aircraft, as below.
-        "level_power": aircraft.airframe.level_flight.electric_power_w,  # type: ignore[union-attr]
+        "level_power": aircraft.airframe.level_flight.electric_power_w,  # type: ignore[union-attr]  # measured
         "specific_energy": aircraft.battery.specific_energy_wh_per_kg or 0.0,
     }
 
@@ -140,7 +140,7 @@ def _thinner(aircraft: Aircraft, place: Place, air_c: FloatArray) -> FloatArray:
     pressure = 101325.0 * (1.0 - 2.25577e-5 * place.altitude) ** 5.25588
     density = pressure / (287.05287 * (air_c + 273.15))
     # The aircraft is a measured one.
-    measured = aircraft.airframe.level_flight.density_kg_per_m3  # type: ignore[union-attr]
+    measured = aircraft.airframe.level_flight.density_kg_per_m3  # type: ignore[union-attr]  # measured
     return np.asarray(np.sqrt(measured / density))
 
 

@@ -1,8 +1,9 @@
 """Truth against verdict on flight logs of an independent simulation.
 
 ``python -m benchmarks.log_causes`` prints the table of ``docs/verify.md``, of logs that were not
-looked at while the causes were tuned; ``--tuning`` those that were, ``--by-side`` modules and clean
-logs with a column for the MPPT of each side of the wing.
+looked at while the causes were tuned; ``--tuning`` those that were, ``--seeds`` other series,
+``--clean`` only the logs without fault, ``--by-side`` modules and clean logs with a column for the
+MPPT of each side of the wing.
 """
 
 from __future__ import annotations
@@ -41,6 +42,9 @@ class Case:
     more: tuple[str, ...]  # causes of further findings
     error: float | None  # of clock [s] or heading [deg], where that is the truth
     text: str
+    # Errors of clock and heading over their stated standard deviation, where they should be known.
+    clock_z: float | None = None
+    heading_z: float | None = None
 
     @property
     def expected(self) -> str:
@@ -91,7 +95,8 @@ def judged(number: int, seed: int, by_side: bool = False) -> Case:
     blamed = [names for names in more if names and names[0] not in NO_BLAME]
     others = tuple(name for names in blamed for name in names)
     texts = [text for text, wrong in result.log_verdicts() if wrong or "sky" in text]
-    return Case(number, truth, said, others, _error(result, truth), " | ".join(texts))
+    error, z = _error(result, truth), _in_sigmas(result, truth)
+    return Case(number, truth, said, others, error, " | ".join(texts), *z)
 
 
 def _said(result: Verification) -> Iterator[tuple[str, ...]]:
@@ -123,6 +128,20 @@ def _error(result: Verification, truth: Truth) -> float | None:
     return None
 
 
+def _in_sigmas(result: Verification, truth: Truth) -> tuple[float | None, float | None]:
+    """Errors of clock and heading over their standard deviations, where nothing else is wrong."""
+    found = result.diagnosis
+    if found is None or truth.cause not in ("nothing", "clock", "heading"):
+        return None, None
+    clock = 60.0 * truth.size if truth.cause == "clock" else 0.0
+    turned = np.radians(truth.size) if truth.cause == "heading" else 0.0
+    turn = None if found.heading is None else (found.heading[0] - turned + np.pi) % (2.0 * np.pi)
+    return (
+        None if found.clock is None else (found.clock[0] - clock) / found.clock[1],
+        None if found.heading is None or turn is None else (turn - np.pi) / found.heading[1],
+    )
+
+
 def every(
     seed: int, numbers: Sequence[int] | None = None, workers: int = 1, *, by_side: bool = False
 ) -> list[Case]:
@@ -142,16 +161,29 @@ def rates(cases: Sequence[Case]) -> dict[str, float]:
     clocks = [abs(c.error) for c in faulty if c.truth.cause == "clock" and c.error is not None]
     headings = [abs(c.error) for c in faulty if c.truth.cause == "heading" and c.error is not None]
     return {
-        "right cause first": float(np.mean([one.right for one in faulty])),
-        "wrong blame": float(np.mean([one.wrong for one in faulty])),
-        "false alarms": float(np.mean([one.blames for one in clean])),
+        "right cause first": _mean([one.right for one in faulty]),
+        "wrong blame": _mean([one.wrong for one in faulty]),
+        "false alarms": _mean([one.blames for one in clean]),
         "clocks within 2 min": _share(clocks, CLOCK_S),
         "headings within 3 deg": _share(headings, HEADING_DEG),
     }
 
 
 def _share(errors: Sequence[float], most: float) -> float:
-    return float(np.mean(np.array(errors) <= most)) if errors else float("nan")
+    return _mean([one <= most for one in errors])
+
+
+def _mean(values: Sequence[float]) -> float:
+    return float(np.mean(values)) if values else float("nan")
+
+
+def in_sigmas(cases: Sequence[Case]) -> dict[str, float]:
+    """RMS of the errors of clock and heading over their stated standard deviations: one is aim."""
+    every_z = {
+        "clock": [one.clock_z for one in cases if one.clock_z is not None],
+        "heading": [one.heading_z for one in cases if one.heading_z is not None],
+    }
+    return {name: _mean([z**2 for z in some]) ** 0.5 for name, some in every_z.items()}
 
 
 def table(cases: Sequence[Case]) -> str:
@@ -172,18 +204,25 @@ def main() -> None:
     """Print tables and rates."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tuning", action="store_true")
+    parser.add_argument("--seeds", type=int, nargs="+", help="first seeds of series")
+    parser.add_argument("--clean", action="store_true")
     parser.add_argument("--by-side", action="store_true")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--each", action="store_true", help="print every log")
     options = parser.parse_args()
-    numbers = None
+    causes = {one.cause for one in TRUTHS}
     if options.by_side:
-        numbers = [i for i, one in enumerate(TRUTHS) if one.cause in ("nothing", "modules")]
-    for seed in TUNING if options.tuning else (HOLD_OUT,):
+        causes = {"nothing", "modules"}
+    if options.clean:
+        causes = {"nothing"}
+    numbers = [i for i, one in enumerate(TRUTHS) if one.cause in causes]
+    for seed in options.seeds or (TUNING if options.tuning else (HOLD_OUT,)):
         cases = every(seed, numbers, options.workers, by_side=options.by_side)
         print(f"\nseeds from {seed}: {len(cases)} logs\n\n{table(cases)}\n")
         for what, share in rates(cases).items():
             print(f"{what}: {100.0 * share:.1f} %")
+        for what, size in in_sigmas(cases).items():
+            print(f"error of the {what} over its standard deviation, RMS: {size:.2f}")
         for one in cases:
             if options.each or not (one.right or (one.expected == "nothing" and not one.said)):
                 print(f"{one.number:3d} {one.truth}: {one.said} {one.more} {one.error} {one.text}")

@@ -19,10 +19,10 @@ import numpy as np
 from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.design import design_of
 from sizing.energy.battery import Store
 from sizing.energy.cycle import ENDS
 from sizing.library import load_aircraft
+from sizing.mass_budget import design_of
 from sizing.sunlight import SolarModel, day_axis_h
 from solar.clearsky import coefficients, pressure_ratio
 from solar.sun import declination, hour_angle, sun_arc

@@ -17,8 +17,9 @@ import click
 import numpy as np
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, ParametricAirframe, Range
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import variables_of
+from sizing.design_space import Range
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
 from sizing.optimisation.cross_check import cross_check, design_grid

@@ -29,10 +29,10 @@ from missions.weather.files import load_weather
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
-from sizing.design import design_of
 from sizing.energy.carried_days import carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
 from sizing.library import load_aircraft
+from sizing.mass_budget import design_of
 from sizing.parameters import MISSION_PREFIX
 from sizing.results.analysis import analyse
 from sizing.results.uncertainty import DEFAULT_SAMPLES
@@ -73,7 +73,13 @@ class Year(NamedTuple):
         power = aircraft.modules.area_m2 * days.specific_power_w_per_m2(days.light.recorded)
         noon_h = HOURS_PER_DAY / 2.0 - days.axis.midnight_h
         store = days.store(design.battery_energy_wh)
-        return cls(days.axis.time_h, power, days.load_w(design), noon_h, store)
+        return cls(
+            days.axis.time_h,
+            power,
+            days.flown(design, days.light.recorded, None).load_w,
+            noon_h,
+            store,
+        )
 
 
 def weather_year() -> list[dict[str, Any]]:

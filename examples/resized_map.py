@@ -14,7 +14,7 @@ import numpy as np
 import missions
 import sizing
 import studies
-from studies.output.columns import SIZED, SizingStatus
+from studies.output.gridded import SIZED, SizingStatus
 
 LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0, 10.0), np.arange(1, 366, 14)
 

@@ -180,7 +180,8 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
     if samples < 1:
         raise ValueError(f"samples must be at least 1 (got {samples})")
     if isinstance(path, Level):
-        return _level_orbit()
+        zero = np.zeros(1)
+        return Orbit(zero, zero, zero, zero, zero, zero, zero, weights=np.ones(1), duration_s=0.0)
     _check_wind(path, wind)
     _check_bank_of(path, wind)
     motion = Motion(
@@ -329,8 +330,3 @@ def _joined_laps(laps: list[Orbit]) -> Orbit:
     joined = {name: np.concatenate([getattr(lap, name) for lap in laps]) for name in names}
     joined["weights"] = joined["weights"] / len(laps)
     return Orbit(**joined, duration_s=laps[0].duration_s)
-
-
-def _level_orbit() -> Orbit:
-    zero = np.zeros(1)
-    return Orbit(zero, zero, zero, zero, zero, zero, zero, weights=np.ones(1), duration_s=0.0)

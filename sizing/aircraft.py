@@ -24,9 +24,10 @@ from sizing.balance.masses import Balance
 from sizing.balance.surfaces import Planform, Tail
 from sizing.catalogues.choice import OfCatalogue, Taken, own_entries, taken
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
+from sizing.design_space import PROPULSION_VARIABLES, DesignSpace
 from sizing.energy.battery import Battery
 from sizing.layout.cells import CellLayout, PlacedCell, Wing
-from sizing.layout.filling import check_layout, laid_out, mppt_mass_kg
+from sizing.layout.filling import check_layout, laid_out
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion
 from sizing.structures.models import SparStructure, Structure
 from solar.geometry import ModuleGeometry
@@ -220,15 +221,19 @@ class SolarModules(OfCatalogue, SolarCell):
     def _with_layout(
         cls, data: Any, handler: ModelWrapValidatorHandler[SolarModules]
     ) -> SolarModules:
+        if not isinstance(data, Mapping) or data.get("layout") is None:
+            return handler(data)
         data, new = laid_out(data)
         record = handler(data)
-        mass_kg = mppt_mass_kg(record.layout)
-        if mass_kg is not None:
+        assert record.layout is not None
+        strings = record.layout.strings
+        if strings is not None and strings.mppt.mass_kg is not None:
             if "mppt_mass_kg_per_w" in data:
                 text = "leave it out: modules.layout.strings.mppt.mass_kg gives it"
                 raise wrong_value("mppt_mass_kg_per_w", text)
             rated_w = STC_IRRADIANCE_W_PER_M2 * record.efficiency_stc * record.area_m2
             new |= {"mppt_mass_kg_per_w"}
+            mass_kg = strings.mppts(record.layout.count) * strings.mppt.mass_kg
             data = {**data, "mppt_mass_kg_per_w": mass_kg / rated_w}
             record = handler(data)
         record.__pydantic_fields_set__.difference_update(new)
@@ -257,191 +262,6 @@ class Power(Record):
 
     avionics_w: NonNegativeReal
     supply_efficiency: Fraction = 1.0
-
-
-class Range(Record):
-    """Bounds of a design variable."""
-
-    minimum: PositiveReal
-    maximum: PositiveReal
-
-    @model_validator(mode="after")
-    def _ends_in_order(self) -> Range:
-        if self.minimum >= self.maximum:
-            raise ValueError(
-                f"minimum must be below maximum (got {self.minimum:g} and {self.maximum:g})"
-            )
-        return self
-
-
-# Quantities of a design that a file may bound; their formulas are in sizing.limits.
-LimitedQuantity = Literal[
-    "total_mass_kg",
-    "structure_mass_kg",
-    "battery_energy_wh",
-    "battery_fraction",
-    "payload_fraction",
-    "wing_area_m2",
-    "chord_m",
-    "module_coverage",
-    "wing_loading_kg_per_m2",
-    "airspeed_m_per_s",
-    "stall_speed_m_per_s",
-    "stall_margin",
-    "lift_coefficient",
-    "reynolds_number",
-    "propulsion_power_w",
-    "rated_power_w",
-    "load_w",
-    "climb_rate_m_per_s",
-    "cruise_discharge_rate_per_h",
-    "climb_discharge_rate_per_h",
-]
-
-
-LimitEnd = Literal["minimum", "maximum"]
-
-# Limits that have a key of their own.
-_NAMED_LIMITS: dict[str, tuple[LimitedQuantity, LimitEnd]] = {
-    "maximum_wing_loading_kg_per_m2": ("wing_loading_kg_per_m2", "maximum"),
-    "minimum_stall_margin": ("stall_margin", "minimum"),
-    "minimum_climb_rate_m_per_s": ("climb_rate_m_per_s", "minimum"),
-    "maximum_climb_discharge_rate_per_h": ("climb_discharge_rate_per_h", "maximum"),
-}
-
-
-class Limit(Record):
-    """Least and largest value that a quantity of the design may have; one of them may be left."""
-
-    minimum: PositiveReal | None = None
-    maximum: PositiveReal | None = None
-
-    @model_validator(mode="after")
-    def _ends_in_order(self) -> Limit:
-        if self.minimum is None and self.maximum is None:
-            raise ValueError("give a minimum, a maximum or both")
-        if self.minimum is not None and self.maximum is not None and self.minimum > self.maximum:
-            raise ValueError(
-                f"minimum must not exceed maximum (got {self.minimum:g} and {self.maximum:g})"
-            )
-        return self
-
-
-PROPULSION_VARIABLES = (
-    "propeller_diameter_m",
-    "propeller_pitch_m",
-    "gear_ratio",
-    "motor_speed_constant_rpm_per_v",
-)
-
-
-class DesignSpace(Record):
-    """Bounds within which the optimiser may choose.
-
-    Aspect ratio, lift coefficient, propeller, gear and winding of the motor stay as they are on the
-    airframe if they have no range here.
-    ``limits`` bounds any other quantity of the design.
-    """
-
-    wingspan_m: Range = Range(minimum=1.0, maximum=15.0)
-    battery_mass_kg: Range = Range(minimum=0.1, maximum=50.0)
-    module_area_m2: Range = Range(minimum=0.05, maximum=25.0)
-    aspect_ratio: Range | None = None
-    lift_coefficient: Range | None = None
-    propeller_diameter_m: Range | None = None
-    propeller_pitch_m: Range | None = None
-    gear_ratio: Range | None = None
-    motor_speed_constant_rpm_per_v: Range | None = None
-    maximum_total_mass_kg: PositiveReal | None = None
-    maximum_wing_loading_kg_per_m2: PositiveReal | None = None
-    minimum_stall_margin: Annotated[float, Strict(), Field(ge=1.0, le=5.0)] | None = None
-    minimum_climb_rate_m_per_s: PositiveReal | None = None
-    maximum_climb_discharge_rate_per_h: PositiveReal | None = None
-    limits: dict[LimitedQuantity, Limit] = Field(default_factory=dict)
-
-    def requested_ranges(self) -> dict[str, Range]:
-        """Bounds of the variables that are chosen on request, by name; of those that are."""
-        names = ("aspect_ratio", "lift_coefficient", *PROPULSION_VARIABLES)
-        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
-
-    def __hash__(self) -> int:
-        # A mapping has no hash of its own; aircraft serve as keys of what is kept for them.
-        others = (getattr(self, name) for name in type(self).model_fields if name != "limits")
-        return hash((*others, frozenset(self.limits.items())))
-
-    def all_limits(self) -> dict[LimitedQuantity, Limit]:
-        """Every limit on a quantity of the design, whichever key it was given by."""
-        named = {
-            quantity: Limit(**{end: getattr(self, key)})
-            for key, (quantity, end) in _NAMED_LIMITS.items()
-            if getattr(self, key) is not None
-        }
-        return named | self.limits
-
-    def own_requirements(self, it: Any) -> list[Any]:
-        """Requirements of the user's own on a design in flight; a file has none."""
-        return []
-
-    def key_of_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> str:
-        """Key by which a limit was given.
-
-        Parameters
-        ----------
-        quantity : str
-            Quantity of the design that is limited.
-        end : {"minimum", "maximum"}
-            Which of its limits.
-
-        Returns
-        -------
-        str
-            Key of its own, such as ``minimum_stall_margin``, if that one is given; else
-            ``limits.<quantity>.<end>``, whether or not it is given.
-        """
-        for key, place in _NAMED_LIMITS.items():
-            if place == (quantity, end) and getattr(self, key) is not None:
-                return key
-        return f"limits.{quantity}.{end}"
-
-    def with_limit(
-        self, quantity: LimitedQuantity, end: LimitEnd, value: float | None
-    ) -> DesignSpace:
-        """Same space with a limit that it has at another value; not validated.
-
-        Parameters
-        ----------
-        quantity, end
-            As for :meth:`key_of_limit`.
-        value : float or None
-            New limit in the quantity's unit; None takes it away.
-
-        Returns
-        -------
-        DesignSpace
-            Copy; a limit with a key of its own keeps that key.
-        """
-        key = self.key_of_limit(quantity, end)
-        if key in _NAMED_LIMITS:
-            return self.model_copy(update={key: value})
-        limit = self.limits[quantity].model_copy(update={end: value})
-        return self.model_copy(update={"limits": self.limits | {quantity: limit}})
-
-    @model_validator(mode="after")
-    def _check_mass(self) -> DesignSpace:
-        heaviest, battery = self.maximum_total_mass_kg, self.battery_mass_kg.minimum
-        twice = [
-            key
-            for key, (quantity, _) in _NAMED_LIMITS.items()
-            if getattr(self, key) is not None and quantity in self.limits
-        ]
-        if twice:
-            raise ValueError(f"{twice[0]} and the same quantity in limits: give one of them")
-        if heaviest is not None and heaviest <= battery:
-            raise ValueError(
-                "maximum_total_mass_kg must be above the least battery mass "
-                f"(got {heaviest:g} and {battery:g})"
-            )
-        return self
 
 
 class Aircraft(FileRecord):
@@ -486,6 +306,24 @@ class Aircraft(FileRecord):
         return texts
 
     @property
+    def parametric(self) -> ParametricAirframe:
+        """Airframe that is sized; TypeError for a measured aircraft."""
+        if not isinstance(self.airframe, ParametricAirframe):
+            raise TypeError(f"{self.name} is a measured aircraft: it has no mass budget to size")
+        return self.airframe
+
+    def with_airframe(self, **changes: Any) -> Aircraft:
+        """Aircraft with some values of its airframe changed, not validated."""
+        airframe = self.airframe.model_copy(update=changes)
+        return self.model_copy(update={"airframe": airframe})
+
+    @property
+    def sizes_tail(self) -> bool:
+        """Whether the horizontal tail has the size that a static margin asks for."""
+        balance = getattr(self.airframe, "balance", None)
+        return balance is not None and bool(balance.sizes_tail)
+
+    @property
     def propulsion_by_parts(self) -> OperatingPointPropulsion | None:
         """Propulsion that has an operating point; None for constants and measured aircraft."""
         propulsion = getattr(self.airframe, "propulsion", None)
@@ -505,11 +343,6 @@ class Aircraft(FileRecord):
     @classmethod
     def _cells_on_planform(cls, data: Any) -> Any:
         return cells_on_planform(data)
-
-    @model_validator(mode="after")
-    def _check_planforms(self) -> Aircraft:
-        check_planforms(getattr(self.airframe, "planform", None), self.modules.layout)
-        return self
 
     @model_validator(mode="after")
     def _check_lift(self) -> Aircraft:
@@ -565,23 +398,19 @@ class Aircraft(FileRecord):
         return [] if layout is None else layout.placed(self.wing, self.modules.tail)
 
     @model_validator(mode="after")
-    def _check_layout(self) -> Aircraft:
+    def _check_room(self) -> Aircraft:
         modules = self.modules
-        if modules.layout is not None:
+        if modules.layout is not None:  # every cell has its place
+            check_planforms(getattr(self.airframe, "planform", None), modules.layout)
             loss_per_k, ends_v = modules.temperature_coefficient_per_k, self.battery.ends_v
             check_layout(modules.layout, self.wing, modules.tail, loss_per_k, ends_v)
-        return self
-
-    @model_validator(mode="after")
-    def _check_coverage(self) -> Aircraft:
+            return self
         wing_area_m2 = self.airframe.wingspan_m**2 / self.airframe.aspect_ratio
-        if self.modules.layout is not None:
-            return self  # every cell has its place
-        if self.modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
+        if modules.area_m2 > wing_area_m2 * (1.0 + _FULL_WING):
             raise wrong_value(
                 "modules.area_m2",
                 f"must not exceed the wing area of {wing_area_m2:.3g} m², wingspan "
                 "squared over aspect_ratio or wingspan times chord_m (got "
-                f"{self.modules.area_m2:g})",
+                f"{modules.area_m2:g})",
             )
         return self

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import ImpossibleDesignError, design_of
+from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.propulsion.chain import LINKS, Propulsion
 from sizing.propulsion.operating_point import OperatingPoint, Propulsor, operating_point
 
@@ -103,5 +103,4 @@ def _with_efficiencies(aircraft: Aircraft, point: OperatingPoint) -> Aircraft:
             },
         }
     )
-    airframe = aircraft.airframe.model_copy(update={"propulsion": changed})
-    return aircraft.model_copy(update={"airframe": airframe})
+    return aircraft.with_airframe(propulsion=changed)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import Design, FlightConditions, level_flight
@@ -56,7 +55,7 @@ def flight_against_wind(
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         ratio = np.maximum(wind_m_per_s / np.asarray(design.airspeed_m_per_s), 1.0)
         chain, power_w, speed = _faster_flight(aircraft, conditions, design, ratio)
-        rated_w, calm = _rated_w(design), ratio <= 1.0
+        rated_w, calm = design.rated_power_w, ratio <= 1.0
         thrust_w = power_w * np.asarray(chain.efficiency)
         power_w = np.where(calm, design.propulsion_power_w, power_w)
         able = calm | (power_w <= rated_w * (1.0 + _ROUNDING))
@@ -67,22 +66,14 @@ def faster_flight_w(
     aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
 ) -> tuple[Value, Value]:
     """Electric power of flight faster by a ratio, and the rated power; arrays or symbols."""
-    return _faster_flight(aircraft, conditions, design, ratio)[1], _rated_w(design)
+    return _faster_flight(aircraft, conditions, design, ratio)[1], design.rated_power_w
 
 
 def _faster_flight(
     aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
 ) -> tuple[Propulsion, Value, Value]:
     """Propulsion, electric power [W] and airspeed [m/s] of flight faster by a ratio."""
-    airframe, lift = aircraft.airframe, design.variables.lift_coefficient
-    assert isinstance(airframe, ParametricAirframe)
-    own = airframe.aerodynamics.flight_lift_coefficient if lift is None else lift
+    lift = design.variables.lift_coefficient
+    own = aircraft.parametric.aerodynamics.flight_lift_coefficient if lift is None else lift
     faster = design.variables._replace(lift_coefficient=own / ratio**2)
     return level_flight(aircraft, conditions, faster, design.total_mass_kg)
-
-
-def _rated_w(design: Design) -> Value:
-    """Rated electric power of a design [W]."""
-    assert design.chain is not None
-    weight_n = design.total_mass_kg * GRAVITY_M_PER_S2
-    return design.chain.rated_power_w(design.propulsion_power_w, weight_n=weight_n)

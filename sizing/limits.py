@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
-from sizing.aircraft import PROPULSION_VARIABLES, Aircraft, LimitedQuantity, ParametricAirframe
-from sizing.design import Design, FlightConditions, flown_at, margin_rows, propulsion_margins
+from sizing.aircraft import Aircraft
+from sizing.balance.in_design import balance_rows
+from sizing.design import Design, FlightConditions, balance_inputs, bus_voltage_v, flown_at
+from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.parameters import label, unit
-from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
 
 MASS_BUDGET, STATIC_MARGIN = "mass_budget", "static_margin"
@@ -34,30 +35,17 @@ class DesignInFlight(NamedTuple):
     conditions: FlightConditions
 
     @property
-    def airframe(self) -> ParametricAirframe:
-        """Airframe of the aircraft."""
-        airframe = self.aircraft.airframe
-        assert isinstance(airframe, ParametricAirframe)
-        return airframe
-
-    @property
-    def chain(self) -> Propulsion:
-        """Propulsion with its efficiencies in level flight."""
-        assert self.design.chain is not None
-        return self.design.chain
-
-    @property
     def lift_coefficient(self) -> Value:
         """Lift coefficient of level flight [-]."""
         chosen = self.design.variables.lift_coefficient
-        polar = self.airframe.aerodynamics
+        polar = self.aircraft.parametric.aerodynamics
         return polar.flight_lift_coefficient if chosen is None else chosen
 
     @property
     def stall_margin(self) -> Value:
         """Airspeed over the stall speed [-]."""
         chosen = self.design.variables.lift_coefficient
-        highest = flown_at(self.airframe.aerodynamics, chosen).maximum_lift_coefficient
+        highest = flown_at(self.aircraft.parametric.aerodynamics, chosen).maximum_lift_coefficient
         return (highest / self.lift_coefficient) ** 0.5
 
     @property
@@ -67,16 +55,9 @@ class DesignInFlight(NamedTuple):
         return variables.wingspan_m / variables.aspect_ratio
 
     @property
-    def rated_power_w(self) -> Value:
-        """Largest electric power of the propulsion [W]."""
-        weight_n = self.design.total_mass_kg * GRAVITY_M_PER_S2
-        return self.chain.rated_power_w(self.design.propulsion_power_w, weight_n=weight_n)
-
-    @property
     def drag_n(self) -> Value:
         """Drag of level flight [N]: what the propulsion gives over airspeed, ``P eta / v``."""
-        thrust_w = self.design.propulsion_power_w * self.chain.efficiency
-        return thrust_w / self.design.airspeed_m_per_s
+        return self.design.thrust_power_w / self.design.airspeed_m_per_s
 
     @property
     def lift_to_drag(self) -> Value:
@@ -86,9 +67,10 @@ class DesignInFlight(NamedTuple):
     @property
     def climb_rate_m_per_s(self) -> Value:
         """Climb at the airspeed of level flight and rated power [m/s]: excess power over weight."""
-        spare_w = self.rated_power_w - self.design.propulsion_power_w
-        weight_n = self.design.total_mass_kg * GRAVITY_M_PER_S2
-        return spare_w * self.chain.efficiency / weight_n
+        chain, weight_n = self.design.chain, self.design.total_mass_kg * GRAVITY_M_PER_S2
+        assert chain is not None
+        spare_w = self.design.rated_power_w - self.design.propulsion_power_w
+        return spare_w * chain.efficiency / weight_n
 
     @property
     def load_w(self) -> Value:
@@ -124,12 +106,12 @@ QUANTITIES: dict[LimitedQuantity, Callable[[DesignInFlight], Value]] = {
     "lift_coefficient": lambda it: it.lift_coefficient,
     "reynolds_number": lambda it: it.reynolds_number,
     "propulsion_power_w": lambda it: it.design.propulsion_power_w,
-    "rated_power_w": lambda it: it.rated_power_w,
+    "rated_power_w": lambda it: it.design.rated_power_w,
     "load_w": lambda it: it.load_w,
     "climb_rate_m_per_s": lambda it: it.climb_rate_m_per_s,
     "cruise_discharge_rate_per_h": lambda it: it.load_w / it.design.battery_energy_wh,
     "climb_discharge_rate_per_h": lambda it: (
-        (it.rated_power_w + it.design.constant_power_w) / it.design.battery_energy_wh
+        (it.design.rated_power_w + it.design.constant_power_w) / it.design.battery_energy_wh
     ),
 }
 
@@ -158,6 +140,19 @@ _OF_PROPULSION = {
 }
 
 
+def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
+    """How far a propulsion by formulas is from the limits of its parts; empty for others."""
+    propulsion, design = it.aircraft.propulsion_by_parts, it.design
+    if propulsion is None or propulsion.is_exact:
+        return {}
+    from sizing.propulsion.smooth_chain import SmoothPropulsion
+
+    assert isinstance(propulsion, SmoothPropulsion)
+    own = propulsion.sized(*design.variables.of_propulsion)
+    speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(it.aircraft)
+    return own.margins(design.thrust_power_w, speed, it.conditions.air, bus_v)
+
+
 def design_requirements(
     aircraft: Aircraft, design: Design, conditions: FlightConditions
 ) -> list[Requirement]:
@@ -166,7 +161,7 @@ def design_requirements(
     Texts say what is wrong when the requirement is missed; ``{missed}`` stands for by how much.
     """
     it = DesignInFlight(aircraft, design, conditions)
-    covered = it.airframe.maximum_module_coverage * design.wing_area_m2
+    covered = aircraft.parametric.maximum_module_coverage * design.wing_area_m2
     rows = [
         Requirement(
             MASS_BUDGET,
@@ -194,10 +189,12 @@ def design_requirements(
         if limit.maximum is not None:
             text = f"{label(name)} exceeds its maximum {limit.maximum:g}{of} by {{missed}}"
             rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
-    margin = margin_rows(aircraft, conditions, design)
-    rows += [Requirement(name, value, _OF_MARGIN[name]) for name, value in margin.items()]
+    balance = aircraft.parametric.balance
+    if balance is not None and balance.static_margin is not None:
+        margin = balance_rows(*balance_inputs(aircraft, conditions, design))
+        rows += [Requirement(name, value, _OF_MARGIN[name]) for name, value in margin.items()]
     if aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES):
-        margins = propulsion_margins(aircraft, design, conditions)
+        margins = _propulsion_margins(it)
         rows += [Requirement(name, one, _OF_PROPULSION[name]) for name, one in margins.items()]
     return [*rows, *aircraft.design_space.own_requirements(it)]
 

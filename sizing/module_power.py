@@ -5,7 +5,7 @@ And the air around them: what cools modules, and what another flow makes of thei
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +15,8 @@ from missions.air import GRAVITY_M_PER_S2, plate_convection_w_per_m2k, thin_air_
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, closed_design, first_chain, measured_design, variables_of
-from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.design import Design, variables_of
+from sizing.mass_budget import closed_design, first_chain, measured_design
 from solar.clearsky import pressure_ratio
 from solar.heat_balance import EARTH_ALBEDO, Surroundings
 from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power, in_surroundings
@@ -126,9 +126,8 @@ def convection_in_flight(aircraft: Aircraft, mission: Mission) -> float:
         design = measured_design(aircraft, mission)
         loading = float(design.total_mass_kg) / (airframe.wingspan_m * chord)
     else:
-        if isinstance(airframe.propulsion, OperatingPointPropulsion):
-            usual = airframe.model_copy(update={"propulsion": first_chain(airframe.propulsion)})
-            aircraft = aircraft.model_copy(update={"airframe": usual})
+        if (parts := aircraft.propulsion_by_parts) is not None:
+            aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
         design = closed_design(aircraft, mission, variables_of(aircraft))
     weight = 2.0 * loading * GRAVITY_M_PER_S2
     speed = np.sqrt(weight / (air.density_kg_per_m3 * _LIFT_COEFFICIENT))
@@ -245,4 +244,16 @@ def specific_power(
         ambient_temperature_c=float(mission.air_state().temperature_c),
         module_temperature_c=mission.module_temperature_c(),
         surroundings=around,
+    )
+
+
+def joined_cooling(
+    parts: Sequence[Cooling | None], join: Callable[[Sequence[FloatArray]], FloatArray]
+) -> Cooling | None:
+    """Cooling of joined or cut days."""
+    known = [part for part in parts if part is not None]
+    if not known:
+        return None
+    return known[0].with_arrays(
+        [join(one) for one in zip(*(k.arrays() for k in known), strict=True)]
     )

@@ -109,10 +109,15 @@ def parameter_value(owner: BaseModel, mission: Mission | None, key: str) -> floa
     Returns in the parameter's unit; None where neither has one.
     """
     on_mission = key.startswith(MISSION_PREFIX)
-    node: Any = mission if on_mission else owner
-    for part in key.removeprefix(MISSION_PREFIX).split("."):
+    found = value_at(mission if on_mission else owner, key.removeprefix(MISSION_PREFIX))
+    return float(found) if isinstance(found, int | float) else None
+
+
+def value_at(node: Any, key: str) -> Any:
+    """What stands below a record at a key with dots; None where nothing does."""
+    for part in key.split("."):
         node = getattr(node, part, None)
-    return float(node) if isinstance(node, (int, float)) else None
+    return node
 
 
 def with_parameter(owner: M, mission: Mission, key: str, value: Value) -> tuple[M, Mission]:

@@ -16,14 +16,16 @@ from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_day import cycles_with_climb
+from sizing.altitude.climb_endurance import ClimbFlights
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
-from sizing.design import Design, DesignVariables, closed_design, design_of
+from sizing.design import Design, DesignVariables
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
+from sizing.mass_budget import closed_design, design_of
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.varying_load import DesignLoads, flown_cycle
 from solar.types import BoolArray, FloatArray
@@ -59,8 +61,8 @@ class Performance:
 
     Arrays have the scenarios on their last batch axis; with a batch of designs those come first.
     Of a mission with climbs the cycles are those of the flight with climbs, and
-    ``maximum_altitude_m`` their highest altitudes; solar power, load and the longest flights are
-    those of level flight at the night's floor.
+    ``maximum_altitude_m`` their highest altitudes; so are the longest flights, by their ``levels``.
+    Solar power and load are those of level flight at the night's floor.
     """
 
     design: Design
@@ -73,6 +75,7 @@ class Performance:
     store: Store
     cycle: Cycle
     maximum_altitude_m: FloatArray | None = None
+    levels: FlightLevels | None = None
 
     def __repr__(self) -> str:
         excess_h = np.asarray(self.cycle.excess_time_h)
@@ -131,10 +134,14 @@ class Performance:
         ndarray, shape (launch,)
             Hours of flight, infinite beyond 366 days [h].
         """
+        launches = np.asarray(launch_h, float)
+        climbing = self._climbing([scenario])
+        if climbing is not None:
+            return climbing.hours(np.zeros(len(launches), int), launches)
         one = slice(scenario, scenario + 1)
         balance = PowerBalance.of(self.day.time_h, self.solar_power_w[one], self.load_w[one])
         store = self.store.flat(self.cycle.status.shape).select(one)
-        return flight_time_h(balance, store, np.asarray(launch_h, float)[:, np.newaxis])[:, 0]
+        return flight_time_h(balance, store, launches[:, np.newaxis])[:, 0]
 
     def flight(
         self, scenario: int, launch_h: float, hours: float
@@ -154,6 +161,9 @@ class Performance:
             Solar time since the midnight before the launch [h], power [W], and state of charge,
             zero from when the battery is empty.
         """
+        climbing = self._climbing([scenario])
+        if climbing is not None:
+            return climbing.trajectory(0, launch_h, hours)
         end_h, day_h = launch_h + hours, self.day.time_h
         days = [day_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
         clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
@@ -199,9 +209,23 @@ class Performance:
         for block in blocks(len(which), _SCENARIOS_AT_ONCE):
             some = which[block]
             at = np.unravel_index(some, shape)
-            flights = longest_flight(self.day.time_h, solar[at], load[at], store.select(some))
+            climbing = self._climbing(some) if len(some) else None
+            flights = (
+                longest_flight(self.day.time_h, solar[at], load[at], store.select(some))
+                if climbing is None
+                else climbing.longest()
+            )
             hours[some], launch[some] = flights.endurance_h, flights.launch_h
         return Endurance(hours.reshape(shape), launch.reshape(shape))
+
+    def _climbing(self, some: ArrayLike) -> ClimbFlights | None:
+        """Flights with climbs of some of all elements; None for a mission without."""
+        if self.levels is None:
+            return None
+        assert self.mission.climb is not None
+        levels, store = self.levels.select(np.asarray(some, int)), self.store
+        own = store.flat(self.cycle.status.shape).select(np.asarray(some, int))
+        return ClimbFlights.of(self.day.time_h, levels, own, self.mission.climb.strategy)
 
 
 def performance(
@@ -347,7 +371,7 @@ def _simulate(
         level_w, nominal = loads.load_w(), loads.nominal_w()
         return Performance(
             *(design, mission, solar, day, loads.solar_w, level_w, nominal, store),
-            *(cycle.reshaped(batch), highest_m.reshape(batch)),
+            *(cycle.reshaped(batch), highest_m.reshape(batch), levels),
         )
     cycle, load_w, nominal = flown_cycle(
         loads, store, aircraft.battery, keep_trajectory=keep_trajectory

@@ -14,7 +14,8 @@ from typing import Literal
 import numpy as np
 
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, closed_design, measured_design, variables_of
+from sizing.design import Design, variables_of
+from sizing.mass_budget import closed_design, measured_design
 from sizing.parameters import all_replaced, parameter
 from sizing.performance import Performance, performance
 from solar.types import FloatArray

@@ -9,16 +9,18 @@ import numpy as np
 from missions import dates
 from missions.mission import Launch, Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import Design, design_of, load_profile
+from sizing.design import Design
 from sizing.energy.battery import Store
 from sizing.energy.cycle import FULL
 from sizing.energy.march import empty_after_h, full_after_h, march
 from sizing.energy.power_balance import PowerBalance
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, power_on_calendar
+from sizing.mass_budget import design_of
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from sizing.sunlight_at_instants import power_on_calendar
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import told
 from sizing.validity.ranges import Extrapolation
-from sizing.varying_load import by_own_charge, part_load_of
+from sizing.varying_load import by_own_charge, load_profile, part_load_of
 from solar.sun import declination, solar_time_h, sun_times
 from solar.types import FloatArray
 

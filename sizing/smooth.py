@@ -6,6 +6,7 @@ A hyperbola replaces the kink: its derivatives exist everywhere, which Newton's 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import reduce
 from typing import Any
 
 # A number, an array or a symbolic expression: whatever the arithmetic is asked to carry.
@@ -57,3 +58,8 @@ def chebyshev_series(coefficients: Iterable[Value], x: Value) -> Value:
     for coefficient in reversed(others):
         one, two = coefficient + 2.0 * x * one - two, one
     return first + x * one - two
+
+
+def largest(needs: dict[str, Value]) -> Value:
+    """Smooth maximum of what several criteria ask for, in their order."""
+    return reduce(smooth_maximum, needs.values())

@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from math import isfinite, log, pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, Range
+from sizing.aircraft import Aircraft
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
-from sizing.design import (
-    Design,
-    FlightConditions,
+from sizing.design import Design, FlightConditions, parametric_design, variables_of
+from sizing.design_space import Range
+from sizing.mass_budget import (
     ImpossibleDesignError,
     closed_design,
     design_of,
     first_chain,
     level_point,
     operating_trouble,
-    parametric_design,
-    variables_of,
 )
-from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.operating_point import OperatingPoint
 from sizing.propulsion.smooth_chain import SmoothPropulsion, fitted_surface
-
-if TYPE_CHECKING:
-    from sizing.propulsion.operating_point import OperatingPoint
 
 # Logarithms within which a search moves from the design that is fitted around: loading of the
 # propeller, Reynolds number, pitch over diameter. Centres are rounded: alike cases share a surface.
@@ -43,9 +39,9 @@ def smooth_at(aircraft: Aircraft, mission: Mission) -> Aircraft:
     design = design_of(aircraft, mission)
     if propulsion.propeller.table is not None:
         assert design.chain is not None
-        return with_propulsion(aircraft, design.chain)
+        return aircraft.with_airframe(propulsion=design.chain)
     smooth = smooth_propulsion(aircraft, mission, propulsion)
-    return with_propulsion(aircraft, corrected(smooth, aircraft, mission, design))
+    return aircraft.with_airframe(propulsion=corrected(smooth, aircraft, mission, design))
 
 
 def corrected(
@@ -98,9 +94,8 @@ def smooth_propulsion(
         assert own.diameter_m is not None
         assert own.pitch_m is not None
         diameter_m, pitch_m = own.diameter_m, own.pitch_m
-    assert flown.chain is not None
     air = FlightConditions.of(mission, aircraft).air
-    thrust_w = float(flown.propulsion_power_w * flown.chain.efficiency) / propulsion.propulsors
+    thrust_w = float(flown.thrust_power_w) / propulsion.propulsors
     speed = float(flown.airspeed_m_per_s)
     loading = thrust_w / (air.density_kg_per_m3 * speed**3 * diameter_m**2)
     reynolds = air.density_kg_per_m3 * speed * diameter_m / air.dynamic_viscosity_pa_s
@@ -118,7 +113,7 @@ def _usual_design(
     aircraft: Aircraft, mission: Mission, propulsion: OperatingPointPropulsion
 ) -> Design:
     """Design in the file with usual efficiencies, whether or not its propulsion can fly it."""
-    usual = with_propulsion(aircraft, first_chain(propulsion))
+    usual = aircraft.with_airframe(propulsion=first_chain(propulsion))
     variables = variables_of(aircraft)
     mass_kg = float(closed_design(usual, mission, variables).total_mass_kg)
     if not isfinite(mass_kg):
@@ -132,14 +127,6 @@ def _middle(ends: Range | None, value: float) -> tuple[float, float]:
     if ends is None:
         return value, 0.0
     return (ends.minimum * ends.maximum) ** 0.5, 0.5 * log(ends.maximum / ends.minimum)
-
-
-def with_propulsion(
-    aircraft: Aircraft, propulsion: Propulsion | OperatingPointPropulsion
-) -> Aircraft:
-    """Aircraft with another propulsion."""
-    airframe = aircraft.airframe.model_copy(update={"propulsion": propulsion})
-    return aircraft.model_copy(update={"airframe": airframe})
 
 
 def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> None:

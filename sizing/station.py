@@ -15,8 +15,9 @@ from missions.dates import month_and_day
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import Design, design_of
+from sizing.design import Design
 from sizing.held_station import power_against_wind_w, refuse_one_airspeed
+from sizing.mass_budget import design_of
 from sizing.performance import performance_in_pairs
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray

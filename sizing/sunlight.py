@@ -9,13 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.files.errors import file_error
-from missions.loiter_power import Daylight, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design
@@ -25,14 +23,10 @@ from sizing.module_power import (
     balances_heat,
     convection_in_flight,
     convection_of,
-    flown_modules,
-    own_surroundings,
+    joined_cooling,
     power_in_surroundings,
-    specific_power,
     surroundings,
 )
-from solar.clearsky import Irradiance
-from solar.horizontal_models import HORIZONTAL_MODELS, in_surroundings
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.sun import declination, sun_times
 from solar.systematic_errors import correction
@@ -167,15 +161,13 @@ class SolarDay:
         some = np.asarray(indices, int)
         of = self.scenarios
         cooling, aloft = self._cooling_at(some)
-        return SolarDay(
-            Scenarios(of.latitude_deg[some], of.day_of_year[some]),
-            self.time_h,
-            self.specific_power_w_per_m2[some],
-            np.asarray(self.sunrise_h)[some],
-            np.asarray(self.sunset_h)[some],
-            cooling,
-            None if self.aloft_w_per_m2 is None else self.aloft_w_per_m2[:, some],
-            aloft,
+        return replace(
+            self._with(lambda power: power[..., some, :]),
+            scenarios=Scenarios(of.latitude_deg[some], of.day_of_year[some]),
+            sunrise_h=np.asarray(self.sunrise_h)[some],
+            sunset_h=np.asarray(self.sunset_h)[some],
+            cooling=cooling,
+            aloft_cooling=aloft,
         )
 
     def power_of(self, design: Design, mission: Mission, *, paired: bool = False) -> FloatArray:
@@ -201,18 +193,6 @@ class SolarDay:
         flow = convection_of(design, mission, cooling.transition_reynolds, cooling.convection)
         flow = flow[..., np.newaxis] if paired else flow[..., np.newaxis, np.newaxis]
         return self.specific_power_w_per_m2 * cooling.factor(flow)
-
-
-def joined_cooling(
-    parts: Sequence[Cooling | None], join: Callable[[Sequence[FloatArray]], FloatArray]
-) -> Cooling | None:
-    """Cooling of joined or cut days."""
-    known = [part for part in parts if part is not None]
-    if not known:
-        return None
-    return known[0].with_arrays(
-        [join(one) for one in zip(*(k.arrays() for k in known), strict=True)]
-    )
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:
@@ -268,7 +248,10 @@ class Sunlight:
         model = "CAM" if model in ATTITUDE_MODELS else model
         if model not in self._cooling:
             own, transition = self._convection, self.aircraft.modules.thermal.transition_reynolds
-            powers = [self._in_flow(model, flow * own) for flow in FLOWS]
+            powers = [
+                self.modelled_power(model) if flow == 1.0 else self._in_flow(model, flow * own)
+                for flow in FLOWS
+            ]
             cold = self._in_flow(model, None)
             self._cooling[model] = Cooling.through(cold, powers, own, transition)
         return self._cooling[model]
@@ -312,14 +295,10 @@ class Sunlight:
 
     @cached_property
     def _levels(self) -> list[Sunlight]:
-        return [
-            self._sunlight_at(self.mission.at_altitude(h)) for h in self.mission.climb_levels_m[1:]
-        ]
-
-    def _sunlight_at(self, there: Mission) -> Sunlight:
-        """Sunlight of the same scenarios at another altitude."""
+        """Sunlight of the same scenarios at the higher levels of the climbs."""
+        higher = (self.mission.at_altitude(level_m) for level_m in self.mission.climb_levels_m[1:])
         step_h = float(self.time_h[1])
-        return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h)
+        return [Sunlight(self.aircraft, m, self.scenarios, step_h=step_h) for m in higher]
 
 
 def solar_day(
@@ -368,98 +347,3 @@ def consecutive_days(
     scenarios = Scenarios(np.tile(first.latitude_deg, days + 1), dates)
     whole = solar_day(aircraft, mission, solar, scenarios=scenarios)
     return tuple(whole.at(np.arange(k * count, (k + 1) * count)) for k in range(days + 1))
-
-
-def power_on_calendar(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel,
-    day_of_year: FloatArray,
-    time_solar_h: FloatArray,
-) -> FloatArray:
-    """Specific power at a mission's single latitude while the date advances, corrected.
-
-    ``day_of_year``, ``time_solar_h``: fractional day of year and local solar time [h] at each
-    instant. Returns electric power per area of module [W/m2].
-    """
-    _check_one_wind(mission, solar)
-    latitude = mission.latitudes()[0]
-    around = own_surroundings(aircraft, mission)
-    given = (aircraft, mission, solar.model, latitude, day_of_year, time_solar_h, around)
-    power = specific_power(*given)
-    if solar.correction == "loiter":
-        power = power * _loiter_ratio_on(aircraft, mission, solar.model, day_of_year)
-    return power * mission.pessimistic_power_factor(solar.model, solar.correction)
-
-
-class Lit(NamedTuple):
-    """Light and temperatures at instants along a record, all of shape ``(time,)``.
-
-    ``day_of_year``, ``time_solar_h``: fractional day of year and local solar time [h].
-    ``cos_zenith``: cosine of the sun's zenith angle [-]. ``irradiance``: direct normal and diffuse
-    horizontal light at flight altitude [W/m2]. ``ambient_c``, ``module_c``: temperature of the air
-    and, of the models with a constant one, of the modules [C].
-    """
-
-    day_of_year: FloatArray
-    time_solar_h: FloatArray
-    cos_zenith: FloatArray
-    irradiance: Irradiance
-    ambient_c: FloatArray
-    module_c: FloatArray
-
-
-def power_in_light(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel, sunlit: Lit
-) -> FloatArray:
-    """Specific power in given light, such as a weather record's, corrected.
-
-    The mission's own clearness plays no part; its margin of the model's error does.
-
-    ``aircraft``, ``mission``, ``solar``: as for :func:`solar_day`; the mission has a single
-    latitude. Returns electric power per area of module [W/m2].
-    """
-    _check_one_wind(mission, solar)
-    around = own_surroundings(aircraft, mission)
-    if solar.model in ATTITUDE_MODELS:
-        power = mean_power_on_path(
-            solar.model,
-            flown_modules(aircraft, mission, solar.model),
-            Daylight(
-                mission.latitudes()[0],
-                sunlit.day_of_year,
-                sunlit.time_solar_h,
-                irradiance=sunlit.irradiance,
-                albedo=mission.air.albedo or 0.0,
-            ),
-            ambient_temperature_c=sunlit.ambient_c,
-            module_temperature_c=sunlit.module_c,
-            surroundings=around,
-        )
-    else:
-        convert = HORIZONTAL_MODELS[solar.model]
-        up = sunlit.cos_zenith > 0.0
-        if around is not None:
-            convert = in_surroundings(convert, around._replace(ambient_c=sunlit.ambient_c[up]))
-        power = np.zeros(up.shape)
-        some = Irradiance(sunlit.irradiance.dni[up], sunlit.irradiance.dhi[up])
-        power[up] = convert(some, sunlit.cos_zenith[up], aircraft.modules, sunlit.module_c[up])
-    if solar.correction == "loiter":
-        power = power * _loiter_ratio_on(aircraft, mission, solar.model, sunlit.day_of_year)
-    return power * mission.pessimistic_power_factor(solar.model, solar.correction)
-
-
-def _loiter_ratio_on(
-    aircraft: Aircraft, mission: Mission, model: ModelName, day_of_year: FloatArray
-) -> FloatArray:
-    """Loiter ratio of each instant's day under the clear sky, at a mission's single latitude."""
-    days, place = np.unique(np.floor(day_of_year).astype(int), return_inverse=True)
-    scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), (days - 1) % 365 + 1)
-    return np.asarray(Sunlight(aircraft, mission, scenarios).loiter_ratio(model)[place, 0])
-
-
-def _check_one_wind(mission: Mission, solar: SolarModel) -> None:
-    """Refuse winds that change while a path is flown from day to day."""
-    if solar.needs_path and mission.wind_statistics is not None:
-        message = "needs one wind from day to day: give wind_m_per_s in place of wind"
-        raise file_error(mission.name, f"{solar.label} on a flight path {message}")

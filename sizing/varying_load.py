@@ -18,18 +18,12 @@ from numpy.typing import ArrayLike
 from missions.air import Air
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import (
-    Design,
-    FlightConditions,
-    ImpossibleDesignError,
-    bus_voltage_v,
-    load_profile,
-    thermal_shape,
-)
+from sizing.design import Design, FlightConditions, bus_voltage_v
 from sizing.energy.battery import Battery, Store
 from sizing.energy.battery_voltage import CHARGE_SHARES, FIRST_CHARGE
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.held_station import flight_against_wind
+from sizing.mass_budget import ImpossibleDesignError
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.smooth import Value
@@ -39,9 +33,6 @@ from solar.types import FloatArray
 # A day is marched again until load and nominal load stay within this, relative, which is 1e-5 h of
 # excess time. Each march leaves less than a hundredth of the error of the one before.
 _SETTLED, _ROUNDS = 1e-6, 6
-# Extra thrust power by thermals for which a program's straight line is exact: the power bends from
-# it by a few thousandths between none and half of level flight's.
-_THERMAL = 0.25
 
 Flown = TypeVar("Flown")
 
@@ -56,8 +47,7 @@ def part_load_of(
     The load is that of the mission's turbulence and thermals. Raises
     :class:`ImpossibleDesignError` for a single design whose propeller's data end before.
     """
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    if aircraft.propulsion_by_parts is None:
         return None
     turbulence = mission.turbulence
     ends = load_range(turbulence.all_day, turbulence.thermal)
@@ -123,11 +113,10 @@ def flight_of(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> tuple[OperatingPointPropulsion, Flight]:
     """Propulsion of a design's size, and its level flight; 1 for a design that cannot fly."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    assert isinstance(propulsion, OperatingPointPropulsion)
-    assert design.chain is not None
+    propulsion = aircraft.propulsion_by_parts
+    assert propulsion is not None
     with np.errstate(invalid="ignore"):
-        thrust_w = np.asarray(design.propulsion_power_w * np.asarray(design.chain.efficiency))
+        thrust_w = np.asarray(design.thrust_power_w)
     flies = np.isfinite(thrust_w)
     variables = design.variables.mapped(lambda one: float(one) if np.ndim(one) == 0 else one)
     return propulsion.sized(*variables.of_propulsion), Flight(
@@ -135,12 +124,6 @@ def flight_of(
         np.where(flies, design.airspeed_m_per_s, 1.0),
         FlightConditions.of(mission, aircraft).air,
     )
-
-
-def load_shape(mission: Mission, day: SolarDay) -> FloatArray:
-    """Thrust power over that of level flight at the nodes [-], ``(scenario, time)``."""
-    thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
-    return np.asarray(1.0 + mission.turbulence.all_day + mission.turbulence.thermal * thermal)
 
 
 def part_load_over(
@@ -173,8 +156,7 @@ def _part_load_against_wind(
 
     ``power_w``: of level flight at them; of scenarios, ``design`` with an axis for them.
     """
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
+    if (propulsion := aircraft.propulsion_by_parts) is None:
         return None
     own, flies = propulsion.sized(*design.variables.of_propulsion), np.isfinite(power_w)
     air = FlightConditions.of(mission, aircraft).air
@@ -194,40 +176,6 @@ def _part_load_of_one(
     """Table of one design, which several flights share: its rotations are searched for once."""
     ends = np.asarray(loads[0]), np.asarray(loads[1])
     return part_load_over(own, flight, np.asarray(level_w), ends, volts)
-
-
-def smooth_loads_w(
-    aircraft: Aircraft, design: Design, conditions: FlightConditions
-) -> tuple[Value, Value]:
-    """Nominal load, and more of it per extra thrust power over that of level flight [W].
-
-    Of numbers, arrays or symbols. The efficiency of parts is that of the turbulence of all hours at
-    the voltage of a half charged battery; in thermals the load is a straight line from there.
-    """
-    steady = 1.0 + conditions.turbulence
-    found = powers_of_loads_w(aircraft, design, conditions, (steady, steady + _THERMAL))
-    if found is None:
-        return design.load_in_turbulence_w(conditions.turbulence), design.propulsion_power_w
-    calm_w, rough_w = found
-    return calm_w + design.constant_power_w, (rough_w - calm_w) / _THERMAL
-
-
-def powers_of_loads_w(
-    aircraft: Aircraft, design: Design, conditions: FlightConditions, loads: Sequence[Value]
-) -> list[Value] | None:
-    """Electric power of thrust powers over that of level flight, with a half charged battery [W].
-
-    Of numbers, arrays or symbols; None for constant efficiencies.
-    """
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion):
-        return None
-    assert design.chain is not None
-    thrust_w = design.propulsion_power_w * design.chain.efficiency
-    own = propulsion.sized(*design.variables.of_propulsion)
-    bus_v = float(aircraft.battery.bus_voltage_v(np.array(FIRST_CHARGE)))
-    speed, air = design.airspeed_m_per_s, conditions.air
-    return [own.bus_power_w(thrust_w * load, speed, air, bus_v) for load in loads]
 
 
 @dataclass(frozen=True)
@@ -393,3 +341,53 @@ def _charge_at_dawn(cycle: Cycle, nominal_w: FloatArray, store: Store) -> FloatA
     hours = np.where(np.isfinite(cycle.excess_time_h), np.maximum(cycle.excess_time_h, 0.0), 0.0)
     usable_wh = np.asarray(store.battery_energy_wh) * store.discharge_efficiency
     return np.clip(hours * nominal_w / usable_wh, 0.0, 1.0)
+
+
+def load_profile(
+    time_h: ArrayLike,
+    design: Design,
+    mission: Mission,
+    sunrise_h: ArrayLike,
+    sunset_h: ArrayLike,
+    part_load: PartLoad | None = None,
+    bus_v: FloatArray | None = None,
+) -> Value:
+    """Load over the day: level flight, turbulence and thermals.
+
+    ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: power of a
+    propulsion whose efficiency is that of the moment, with axes for scenarios and time; ``bus_v``:
+    voltage at the nodes, by default that of :meth:`PartLoad.at`. Returns power that the aircraft
+    draws [W].
+    """
+    propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
+    constant = np.asarray(design.constant_power_w)[..., np.newaxis]
+    if part_load is None and not np.any(mission.turbulence.thermal):
+        load = propulsion * (1.0 + np.asarray(mission.turbulence.all_day, float)[..., np.newaxis])
+        load = load + constant
+        shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))
+        return np.broadcast_to(load, shape)
+    thrust = load_shape(mission, time_h, sunrise_h, sunset_h)
+    return propulsion * (thrust if part_load is None else part_load.at(thrust, bus_v)) + constant
+
+
+def load_shape(
+    mission: Mission, time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike
+) -> FloatArray:
+    """Thrust power over that of level flight at the nodes [-], with the time as last axis."""
+    all_day, most = (
+        np.asarray(value, float)[..., np.newaxis]
+        for value in (mission.turbulence.all_day, mission.turbulence.thermal)
+    )
+    return np.asarray(1.0 + all_day + most * thermal_shape(time_h, sunrise_h, sunset_h))
+
+
+def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) -> Value:
+    """Triangle over the lit day: 0 at sunrise and sunset, 1 half-way between.
+
+    Returns share of the thermals' extra power [-].
+    """
+    rise = np.asarray(sunrise_h, float)[..., np.newaxis]
+    half = (np.asarray(sunset_h, float)[..., np.newaxis] - rise) / 2.0
+    distance = np.abs(np.asarray(time_h, float) - (rise + half))
+    sunlit = half > 0.0
+    return np.where(sunlit, np.maximum(1.0 - distance / np.where(sunlit, half, 1.0), 0.0), 0.0)

@@ -9,7 +9,7 @@ its temperature has each day that of the day's mean air, and keeps its state of 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,14 +20,23 @@ from missions.mission import Mission, Scenarios
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, run_lengths
 from sizing.aircraft import Aircraft
-from sizing.design import Design, ImpossibleDesignError, bus_voltage_v, design_of, thermal_shape
+from sizing.design import Design, bus_voltage_v
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import CarriedDays, carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
-from sizing.held_station import power_against_wind_w
+from sizing.held_station import flight_against_wind, power_against_wind_w
+from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.propulsion.part_load import PartLoad, load_range
-from sizing.sunlight import UNCORRECTED_CAM, Lit, SolarModel, power_in_light
-from sizing.varying_load import Flight, by_own_charge, flight_of, part_load_of, part_load_over
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from sizing.sunlight_at_instants import Lit, power_in_light
+from sizing.varying_load import (
+    Flight,
+    by_own_charge,
+    flight_of,
+    load_shape,
+    part_load_of,
+    part_load_over,
+)
 from solar.clearsky import Irradiance
 from solar.sun import declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
@@ -102,48 +111,75 @@ class DayAxis:
 class LoadInAir:
     """Electric power of a design in air that changes its temperature, relative to its own.
 
-    ``part_load``: at some temperatures, ``temperatures_k``, between which a parabola passes.
+    ``level_w``: propulsion power of level flight in the mission's air [W], of every day where each
+    has an airspeed of its own. ``part_load``: power over it at some temperatures,
+    ``temperatures_k``, between which a parabola passes.
     """
 
+    level_w: FloatArray
     part_load: PartLoad
     temperatures_k: FloatArray
 
     @classmethod
     def of(
-        cls, aircraft: Aircraft, mission: Mission, design: Design, air_c: ArrayLike
+        cls,
+        aircraft: Aircraft,
+        mission: Mission,
+        design: Design,
+        air_c: ArrayLike,
+        wind_m_per_s: FloatArray | None = None,
     ) -> LoadInAir | None:
         """Power between the ends of temperatures [C]; None for constant efficiencies.
 
         At the pressure of an altitude airspeed and drag times airspeed go with the square root of
-        the absolute temperature. Raises :class:`ImpossibleDesignError` where the propeller's data
-        end before the greatest load.
+        the absolute temperature. ``wind_m_per_s``: of each day, where the mission holds its place;
+        power is then over that of the day's airspeed. Raises :class:`ImpossibleDesignError` where
+        the propeller's data end before the greatest load of level flight; a day whose wind is too
+        strong has no power instead.
         """
-        if mission.holds_station or part_load_of(aircraft, mission, design) is None:
-            return None  # a place is held with the efficiency at each day's airspeed
+        if aircraft.propulsion_by_parts is None:
+            return None
+        if wind_m_per_s is None:
+            part_load_of(aircraft, mission, design)  # which says what its own air is too much for
         own, flight = flight_of(aircraft, mission, design)
+        level_w: FloatArray = np.asarray(design.propulsion_power_w)
+        day: IntArray | None = None
+        if wind_m_per_s is not None:
+            # Days of equal wind, and of less than the airspeed, are one flight.
+            each = np.maximum(wind_m_per_s, np.asarray(design.airspeed_m_per_s, float))
+            some, day = np.unique(each, return_inverse=True)
+            level_w, thrust_w, speed = flight_against_wind(aircraft, mission, design, some)
+            flies = np.isfinite(level_w)
+            flight = Flight(np.where(flies, thrust_w, 1.0), np.where(flies, speed, 1.0), flight.air)
         least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
         warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
-        faster = np.sqrt(warm_k / flight.air.temperature_k)
+        # Temperatures first, then the days.
+        of_each = warm_k.reshape(-1, *(1,) * level_w.ndim)
+        faster = np.sqrt(of_each / flight.air.temperature_k)
         there = Flight(
             np.asarray(flight.thrust_w * faster),
             flight.airspeed_m_per_s * faster,
-            air_at(warm_k, flight.air.pressure_pa),
+            air_at(of_each, flight.air.pressure_pa),
         )
         turbulence = mission.turbulence
         loads = load_range(turbulence.all_day, turbulence.thermal)
-        level_w = np.full(warm_k.shape, float(design.propulsion_power_w))
-        part = part_load_over(own, there, level_w, loads, bus_voltage_v(aircraft))
-        if np.any(part.beyond):
+        wide = np.broadcast_to(level_w, there.thrust_w.shape)
+        part = part_load_over(own, there, wide, loads, bus_voltage_v(aircraft))
+        if wind_m_per_s is None and np.any(part.beyond):
             raise ImpossibleDesignError(
                 f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
                 f"power of level flight in air of {least_c:.0f} to {most_c:.0f} C"
             )
-        return cls(part, warm_k)
+        if day is None:
+            return cls(level_w, part, warm_k)
+        part = replace(part, coefficients=part.coefficients[..., day])
+        return cls(level_w[day], part, warm_k)
 
     def at(self, load: FloatArray, air_c: FloatArray, bus_v: FloatArray) -> FloatArray:
         """Power over that of level flight in the mission's air [-]; arguments broadcast."""
         wide = np.broadcast_arrays(load, air_c, bus_v)
-        powers = self.part_load.spread(wide[0].ndim).at(wide[0], wide[2])
+        axes = wide[0].ndim - (self.part_load.coefficients.ndim - 3)  # less that of the days
+        powers = self.part_load.spread(axes).at(wide[0], wide[2])
         known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
         total = np.zeros(wide[0].shape)
         for k, one in enumerate(powers):
@@ -213,25 +249,20 @@ class WeatherDays:
         power = power_in_light(self.aircraft, self.mission, self.solar, sunlit)
         return np.asarray(power[self.axis.nodes])
 
-    def load_w(self, design: Design, ratio: FloatArray | None = None) -> FloatArray:
-        """Load of a design at the nodes [W], shape ``(day, node)``.
-
-        ``ratio``: of the propulsion power, by default that of constant efficiencies.
-        """
-        level_w, constant_w = self.level_w(design)[0], float(design.constant_power_w)
-        ratio = self.propulsion_ratio if ratio is None else ratio
-        return np.asarray(level_w[:, np.newaxis] * ratio + constant_w + self.more_heater_w)
-
     def flown(self, design: Design, sky: Irradiance, parts: LoadInAir | None) -> WeatherRun:
         """Run of a design under a sky along the record, with the efficiency of the moment."""
         store = self.store(design.battery_energy_wh)
         solar_w = self.aircraft.modules.area_m2 * self.specific_power_w_per_m2(sky)
+        other_w = float(design.constant_power_w) + self.more_heater_w
         if parts is None:
-            return _march_record(self.axis, solar_w, self.load_w(design), store)
+            load = self.level_w(design)[0][:, np.newaxis] * self.propulsion_ratio + other_w
+            return _march_record(self.axis, solar_w, load, store)
         profile, air_c = _profile(self.mission, self.axis), self.ambient_c[self.axis.nodes]
+        level_w = np.atleast_1d(parts.level_w)[:, np.newaxis]
+        level_w = np.where(np.isfinite(level_w), level_w, _NO_FLIGHT_W)
 
         def load_w(bus_v: FloatArray) -> FloatArray:
-            return self.load_w(design, parts.at(profile, air_c, bus_v))
+            return np.asarray(level_w * parts.at(profile, air_c, bus_v) + other_w)
 
         def fly(load_w: FloatArray) -> tuple[WeatherRun, FloatArray]:
             run = _march_record(self.axis, solar_w, load_w, store)
@@ -334,9 +365,7 @@ def weather_performance(
     """
     days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
     design = design_of(aircraft, mission)
-    # As fast as each day's wind a design has the efficiency of that airspeed.
-    level = days.wind_m_per_s is None
-    parts = LoadInAir.of(aircraft, mission, design, days.ambient_c) if level else None
+    parts = LoadInAir.of(aircraft, mission, design, days.ambient_c, days.wind_m_per_s)
     skies = (days.light.recorded, days.light.clear)
     recorded, clear = (days.flown(design, sky, parts) for sky in skies)
     return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
@@ -387,9 +416,7 @@ def _profile(mission: Mission, axis: DayAxis) -> FloatArray:
     """Thrust power at the nodes over that of level flight in their air [-], ``(day, node)``."""
     times = sun_times(mission.latitudes()[0], declination(axis.day_of_year + 0.5))
     clock_h = axis.time_h + axis.midnight_h[:, np.newaxis]
-    thermal = thermal_shape(clock_h, times.sunrise_h, times.sunset_h)
-    turbulence = mission.turbulence
-    return np.asarray(1.0 + turbulence.all_day + turbulence.thermal * thermal)
+    return load_shape(mission, clock_h, times.sunrise_h, times.sunset_h)
 
 
 def _wind_m_per_s(mission: Mission, axis: DayAxis, air_c: FloatArray) -> FloatArray | None:

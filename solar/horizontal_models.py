@@ -283,14 +283,13 @@ def _fill(
     """Compute a result block by block along its first axis of more than one element."""
     if not result.size:
         return
-    wide = [axis for axis in range(-result.ndim, 0) if result.shape[axis] > 1]
-    first = wide[0] if wide else None
-    step = 1 if first is None else max(1, _POINTS_AT_ONCE * result.shape[first] // result.size)
-    for start in range(0, 1 if first is None else result.shape[first], step):
+    first = next((axis for axis in range(-result.ndim, 0) if result.shape[axis] > 1), -1)
+    count = result.shape[first] if result.ndim else 1
+    step = max(1, _POINTS_AT_ONCE * count // result.size)
+    for start in range(0, count, step):
         cut = slice(start, start + step)
-        some = skies if first is None else _Skies(*(_cut(v, first, cut) for v in skies))
-        hours = cos_hour if first is None else _cut(cos_hour, first, cut)
-        block = result if first is None else _cut(result, first, cut)
+        some = _Skies(*(_cut(v, first, cut) for v in skies))
+        hours, block = _cut(cos_hour, first, cut), _cut(result, first, cut)
         cosine = np.asarray(some.mean + some.amplitude * hours)
         sunlit = cosine > 0.0
         if time_axis is not None and cosine.ndim:

@@ -40,8 +40,7 @@ class _Described(ModelMetaclass):
                 if field.is_required()
                 else field.get_default(call_default_factory=True),
             )
-            # The class is one of records, which mypy does not know of a metaclass.
-            for name, field in self.model_fields.items()  # type: ignore[attr-defined]
+            for name, field in self.model_fields.items()  # type: ignore[attr-defined]  # of records
         ]
         return inspect.Signature(parameters)
 
@@ -191,7 +190,8 @@ Integer = Annotated[int, Strict()]
 PositiveInteger = Annotated[int, Strict(), Field(gt=0)]
 NonNegativeInteger = Annotated[int, Strict(), Field(ge=0)]
 # Of cells and strings: more than any aircraft has, Helios of 75 m span had 62 120 solar cells.
-CellCount = Annotated[int, Strict(), Field(gt=0, le=100_000)]
+MOST_CELLS = 100_000
+CellCount = Annotated[int, Strict(), Field(gt=0, le=MOST_CELLS)]
 
 Flag = Annotated[bool, Strict()]
 

@@ -29,9 +29,9 @@ from .models.component_efficiencies import plot_efficiencies as plot_efficiencie
 from .models.plots import plot_comparison as plot_comparison
 from .output.cycle_plots import plot_cycle as plot_cycle
 from .output.cycle_plots import plot_flight as plot_flight
-from .output.cycle_plots import plot_masses as plot_masses
-from .output.cycle_plots import plot_sensitivities as plot_sensitivities
-from .output.envelope_plot import plot_flight_envelope as plot_flight_envelope
+from .output.design_plots import plot_flight_envelope as plot_flight_envelope
+from .output.design_plots import plot_masses as plot_masses
+from .output.design_plots import plot_sensitivities as plot_sensitivities
 from .output.figures.drawing import save_figure as save_figure
 from .output.figures.options import FigureOptions as FigureOptions
 from .output.gridded import to_table as to_table
@@ -39,7 +39,7 @@ from .report.document import make_report as make_report
 from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep
 from .sweeps.study import sweep as sweep
-from .uncertainty.plots import plot_uncertainty as plot_uncertainty
+from .uncertainty import plot_uncertainty as plot_uncertainty
 from .weather.battery_map import battery_map as battery_map
 from .weather.battery_map import plot_battery_map as plot_battery_map
 from .weather.plots import plot_weather as plot_weather

@@ -15,7 +15,7 @@ from sizing.altitude.ceiling import (
     PerpetualCeiling,
     highest_perpetual_altitude,
 )
-from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.notes import extrapolation_blocks, extrapolation_caption, extrapolation_records
 from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME, MAXIMUM_ALTITUDE
 from sizing.results.records import finite, finite_values, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
@@ -30,7 +30,6 @@ from studies.output.figures.drawing import (
     SUN,
     Canvas,
     new_figure,
-    outside_ranges,
     styled,
 )
 from studies.output.figures.options import DEFAULT
@@ -235,7 +234,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         notes=(
             result.solar.label,
             "" if climb is None else f"climbs to {climb.ceiling_m:g} m {climb.when}",
-            outside_ranges(result.extrapolations),
+            extrapolation_caption(result.extrapolations),
         ),
         size_in=(9.0, 5.2),
         sharey=True,

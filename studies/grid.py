@@ -25,8 +25,7 @@ from solar.names import ATTITUDE_MODELS
 from solar.types import FloatArray, IntArray
 from studies.engine.run import Outcome, pieces
 from studies.engine.workers import Cell, Job
-from studies.output.columns import extrapolation_attribute, variables
-from studies.output.gridded import Gridded, Labelled
+from studies.output.gridded import Gridded, Labelled, extrapolation_attribute, variables
 
 if TYPE_CHECKING:
     import xarray as xr

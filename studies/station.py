@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from missions.dates import MONTH_NAMES, day_of_year
 from missions.mission import Mission, Scenarios, latitude_label
 from sizing.aircraft import Aircraft
-from sizing.design import design_of
+from sizing.mass_budget import design_of
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import finite
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
@@ -25,10 +25,9 @@ from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
-from studies.output.columns import attributes, extrapolation_attribute
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
-from studies.output.gridded import Gridded, Labelled
+from studies.output.gridded import Gridded, Labelled, attributes, extrapolation_attribute
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,6 +8,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from unittest.mock import patch
 
+# Two workers whose matrices take two threads each wait for each other on two cores: tests took four
+# times the processor time. To be set before numpy is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from browser_pages import chromium, open_page, pytest_collection_modifyitems
 from command_line import Outcome, Run
@@ -32,9 +36,11 @@ def _full_model_computed_once() -> Iterator[None]:
     Tests of the model itself call it where it is defined.
     """
     with pytest.MonkeyPatch.context() as context:
-        from sizing import sunlight
+        from sizing import module_power, sunlight_at_instants
 
-        context.setattr(sunlight, "mean_power_on_path", computed_once(sunlight.mean_power_on_path))
+        once = computed_once(module_power.mean_power_on_path)
+        context.setattr(module_power, "mean_power_on_path", once)
+        context.setattr(sunlight_at_instants, "mean_power_on_path", once)
         yield
 
 

@@ -13,7 +13,7 @@ import yaml
 from missions.mission import Mission
 from sizing import analyse, load_aircraft
 from sizing.aircraft import Aircraft
-from sizing.design import with_total_mass
+from sizing.mass_budget import with_total_mass
 
 _UNFAVOURABLE, _FAVOURABLE = 0, 1
 

@@ -279,7 +279,8 @@ def _stall_speed(polar: WingPolar, case: PowerCase) -> float:
         wing_area_m2=case.wing_area_m2,
         density_kg_per_m3=case.density_kg_per_m3,
     )
-    return float(polar.stall_speed_m_per_s(flight_speed))
+    ratio = polar.flight_lift_coefficient / polar.maximum_lift_coefficient
+    return float(flight_speed * ratio**0.5)
 
 
 def power_curve_image(image_format: str = "png", figure: FigureOptions = DEFAULT) -> bytes:

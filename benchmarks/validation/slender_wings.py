@@ -13,11 +13,11 @@ from benchmarks.validation.found_designs import CASES
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import structure_assessment
 from sizing.library import load_aircraft
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.results.tables import Column, Table
+from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import assess
 from studies.output.terminal import show
 from studies.validation.built_aircraft import (

@@ -25,10 +25,11 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from missions.files.errors import OVERRIDE, InputError, KeyPath, Problem, dotted, shown
 from missions.files.yaml import Document
+from solar.schema import wrong_value
 from solar.versions import DeprecatedKeyWarning, deprecation
 
 M = TypeVar("M", bound=BaseModel)
@@ -66,6 +67,15 @@ def located_error(document: Document, path: Sequence[str | int], message: str) -
     nearest mapping around it.
     """
     return InputError([_located(document, tuple(path), message)])
+
+
+def wrong_file(key: str, error: InputError | OSError) -> PydanticCustomError:
+    """Error of a validator at a key that names a file which is wrong, or cannot be read."""
+    if isinstance(error, OSError):
+        return wrong_value(key, f"cannot read {error.filename!r}: {error.strerror}")
+    if (count := len(error.problems)) == 1:
+        return wrong_value(key, str(error.problems[0]))
+    return wrong_value(key, f"has {count} mistakes", problems=error.problems)
 
 
 def _located(document: Document, path: KeyPath, message: str, *, at_key: bool = False) -> Problem:

@@ -216,8 +216,7 @@ def check_writable_folder(folder: Path) -> None:
     existing = next((p for p in (folder, *folder.parents) if p.exists()), None)
     if existing is None or not existing.is_dir():
         raise OutputError(f"cannot write to {name}: {existing or name} is not a folder")
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise OutputError(f"cannot write to {name}: permission denied")
+    probe(existing, f"to {name}")
 
 
 @dataclass(frozen=True)

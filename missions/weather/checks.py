@@ -7,15 +7,15 @@ filled rows follow the clear sky, not the clock: what is carried over is the sha
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from missions.files.errors import InputError, Problem, file_error, shown
-from missions.weather.air import MAXIMUM_IMPOSSIBLE, TEMPERATURE, WIND, checked_air
-from missions.weather.raw import END, RawTable
+from missions.files.errors import file_error, shown
+from missions.weather.raw import END, RawTable, row_error
 from missions.weather.record import (
     SECONDS_PER_DAY,
     SECONDS_PER_HOUR,
@@ -33,6 +33,7 @@ from solar.types import BoolArray, FloatArray, IntArray
 SHORT_GAP_H = 3.0
 LONGEST_GAP_H = 120.0
 MAXIMUM_FILLED = 0.1  # share of a record that may be filled
+MAXIMUM_IMPOSSIBLE = 0.01  # share of a record whose values cannot be true, which are taken out
 MAXIMUM_DAYS = 366 * 60
 EARLIEST_YEAR, LATEST_YEAR = 1900, 2200
 LIGHT = ("ghi", "dni", "dhi")
@@ -104,9 +105,8 @@ def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> Fl
     text = np.flatnonzero(np.isnan(values) & column.notna().to_numpy())
     if len(text):
         at = int(text[0])
-        more = f" (and {len(text) - 1} more rows)" if len(text) > 1 else ""
-        message = f"must be a number (got {shown(str(column.iloc[at]))}){more}"
-        raise InputError([Problem(source, int(lines[at]) or None, None, name, message)])
+        message = f"must be a number (got {shown(str(column.iloc[at]))})"
+        raise row_error(source, lines[at], name, message, len(text))
     return values
 
 
@@ -121,7 +121,7 @@ def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
         at = int(wrong[0])
         got = "no time" if index[at] is pd.NaT else str(index[at].year)
         message = f"years must be from {EARLIEST_YEAR} to {LATEST_YEAR} (got {got})"
-        raise InputError([Problem(source, int(lines[at]) or None, None, "time", message)])
+        raise row_error(source, lines[at], "time", message)
     utc = index.tz_convert("UTC") if index.tz is not None else index.tz_localize("UTC")
     time_s = utc.tz_localize(None).to_numpy("datetime64[ns]").astype(np.int64) / 1e9
     backwards = np.flatnonzero(np.diff(time_s) <= 0.0)
@@ -131,11 +131,8 @@ def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
     if typical is None:
         at = int(backwards[0]) + 1
         what = "is the same as before" if time_s[at] == time_s[at - 1] else "goes back in time"
-        more = f" (and {len(backwards) - 1} more rows)" if len(backwards) > 1 else ""
-        line = int(lines[at]) or None
-        raise InputError(
-            [Problem(source, line, None, "", f"{index[at]} {what}: rows must be in order{more}")]
-        )
+        message = f"{index[at]} {what}: rows must be in order"
+        raise row_error(source, lines[at], "", message, len(backwards))
     return typical, lines, True
 
 
@@ -183,12 +180,8 @@ def _on_grid(
     nearest = np.rint(place).astype(int)
     off = np.flatnonzero(np.abs(place - nearest) > 0.02)
     if len(off):
-        line = int(lines[off[0]]) or None
-        message = (
-            f"is not a whole number of {interval_s / 60:g} minutes after the first row"
-            f" (and {len(off) - 1} more rows)"
-        )
-        raise InputError([Problem(source, line, None, "time", message)])
+        message = f"is not a whole number of {interval_s / 60:g} minutes after the first row"
+        raise row_error(source, lines[off[0]], "time", message, len(off))
     count = int(nearest[-1]) + 1
     if count * interval_s > MAXIMUM_DAYS * SECONDS_PER_DAY:
         raise file_error(source, f"spans more than {MAXIMUM_DAYS // 366} years")
@@ -268,7 +261,7 @@ def _without_impossible(
             f"{count} of {len(up)} rows have light that cannot be (first here): is the time zone "
             "or the unit wrong? W/m² are needed"
         )
-        raise InputError([Problem(source, int(lines[first]) or None, None, "", message)])
+        raise row_error(source, lines[first], "", message)
     return [f"{count} rows with impossible light taken out"] if count else []
 
 
@@ -391,3 +384,61 @@ def _from_next_day(share: FloatArray, bridge: FloatArray, begin: int, per_day: i
         if np.isfinite(filled).all():
             break
     return np.where(np.isnan(filled), bridge, filled)
+
+
+# ---- Temperature and wind
+
+
+_LEAST_KNOWN = 0.8  # share of a record without which a quantity is not used
+# What stands for "missing": EPW (99.9 C, 999 m/s), TMY3 (-9900), BSRN (-99.9, -999) and others.
+MISSING = (99.9, 99.99, 999.0, 999.9, 9999.0, 99999.0, -99.0, -99.9, -999.0, -9999.0, -9900.0)
+
+
+class Quantity(NamedTuple):
+    """A column beside the light, and what it can be."""
+
+    column: str
+    name: str
+    lowest: float
+    highest: float
+    unit: str
+
+
+# Around the records of the WMO (World Weather & Climate Extremes Archive): -89.2 C, 56.7 C, and
+# 113 m/s in a gust.
+TEMPERATURE = Quantity("temp_air", "temperature", -90.0, 70.0, "C")
+WIND = Quantity("wind_speed", "wind speed", 0.0, 120.0, "m/s")
+
+
+def checked_air(
+    quantity: Quantity, columns: Mapping[str, FloatArray], lines: IntArray, source: str
+) -> tuple[FloatArray | None, list[str]]:
+    """Temperature or wind without gaps, and what was taken out of it.
+
+    ``columns``: columns of the record, NaN where a value is missing. ``lines``: line of each row in
+    the file; 0 where there is none. None where the record does not have it, or in too few rows.
+    Returns what was taken out.
+    """
+    values = columns.get(quantity.column)
+    if values is None:
+        return None, []
+    lowest, highest, notes = quantity.lowest, quantity.highest, []
+    with np.errstate(invalid="ignore"):
+        possible = (values >= lowest) & (values <= highest)
+    wrong = np.flatnonzero(~possible & ~np.isnan(values) & ~np.isin(values, MISSING))
+    what = f"a {quantity.name} outside of {lowest:g} to {highest:g} {quantity.unit}"
+    if len(wrong) > MAXIMUM_IMPOSSIBLE * len(values):
+        first = int(wrong[0])
+        message = (
+            f"{len(wrong)} of {len(values)} rows have {what} (first here, {values[first]:g}): "
+            "is the unit wrong?"
+        )
+        raise row_error(source, lines[first], quantity.column, message)
+    if len(wrong):
+        notes.append(f"{len(wrong)} rows with {what} taken out")
+    known = np.flatnonzero(possible)
+    if len(known) >= _LEAST_KNOWN * len(values):
+        return np.interp(np.arange(len(values)), known, values[known]), notes
+    if len(known):
+        notes.append(f"{quantity.name} not used: it lacks in {len(values) - len(known)} rows")
+    return None, notes

@@ -19,7 +19,7 @@ import pandas as pd
 from missions.air import GRAVITY_M_PER_S2, pressure_altitude_m
 from missions.files.errors import file_error
 from missions.mission import Mission
-from missions.weather.air import MISSING
+from missions.weather.checks import MISSING
 from missions.weather.raw import END, START, RawTable, text_of
 from missions.weather.record import SECONDS_PER_HOUR, Site
 from missions.winds.netcdf import (

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error
-from missions.weather.raw import START, RawTable, text_of
+from missions.weather.raw import START, RawTable, row_error, text_of
 from missions.weather.record import Site
 
 _SITE_KEYS = {
@@ -144,7 +144,6 @@ def _plain_times(column: pd.Series, meta: dict[str, Any], source: str, first: in
     wrong = times.isna().to_numpy().nonzero()[0]
     if len(wrong):
         row = int(wrong[0])
-        more = f" (and {len(wrong) - 1} more rows)" if len(wrong) > 1 else ""
         message = f"must be ISO 8601 like 2023-06-21T12:00Z (got {str(column.iloc[row])[:40]!r})"
-        raise InputError([Problem(source, first + row, None, "time_utc", message + more)])
+        raise row_error(source, first + row, "time_utc", message, len(wrong))
     return pd.DatetimeIndex(times)

@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
-from missions.files.errors import file_error, printable
+from missions.files.errors import InputError, Problem, file_error, printable
 from missions.weather.record import Site
 
 if TYPE_CHECKING:
@@ -48,6 +48,12 @@ class RawTable(NamedTuple):
     first_line: int = 0
     air_altitude_m: float | None = None
     notes: tuple[str, ...] = ()
+
+
+def row_error(source: str, line: int, key: str, message: str, rows: int = 1) -> InputError:
+    """Error at the first of some rows; the line is 0 where a row is no line."""
+    more = f" (and {rows - 1} more rows)" if rows > 1 else ""
+    return InputError([Problem(source, int(line) or None, None, key, message + more)])
 
 
 def head_of(path: Path, source: str) -> list[str]:

@@ -51,7 +51,7 @@ def wind_table_from_netcdf(
     with opened(path, source) as data:
         u, v = (_component(data, name, source) for name in _COMPONENTS)
         u, v = (_arranged(one, source) for one in (u, v))
-        factors = [_factor(one, source) for one in (u, v)]
+        factors = [_to_m_per_s(one, source) for one in (u, v)]
         if u.shape != v.shape:
             raise file_error(source, "has components of the wind on different axes")
         u, v, at = _at_longitude(u, v, longitude_deg, source)
@@ -114,7 +114,7 @@ def _component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArra
     raise file_error(source, f"has no {standard_name} (variables named {', '.join(names)})")
 
 
-def _factor(one: xr.DataArray, source: str) -> float:
+def _to_m_per_s(one: xr.DataArray, source: str) -> float:
     """Factor from a component's unit to m/s; without a unit it is taken as that."""
     unit = str(one.attrs.get("units", "m/s"))
     plain = unit.lower().replace(" ", "").replace("*", "").replace("^", "")

@@ -1,23 +1,21 @@
-"""``wind`` of a mission: a percentile of the wind at its latitudes, altitude and months."""
+"""``wind`` of a mission: the share of the time in which a wind is not exceeded."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, Strict, field_serializer
-from pydantic_core.core_schema import SerializationInfo
+from pydantic import Field, SerializationInfo, Strict, field_serializer
 
 from missions.dates import month_and_day
 from missions.files.errors import printable
 from missions.files.texts import read_text
+from missions.winds.netcdf import wind_table_from_netcdf
 from missions.winds.table import WindTable, shipped_winds, wind_table_from_text
 from solar.schema import Flag, Record, Text
-
-if TYPE_CHECKING:
-    from solar.types import FloatArray, IntArray
+from solar.types import FloatArray, IntArray
 
 _NETCDF = (".nc", ".nc4", ".cdf", ".netcdf")
 
@@ -84,6 +82,4 @@ def _read(
     """Table of a file; ``state`` tells a changed one from the one that is kept."""
     if percentile is None:
         return wind_table_from_text(read_text(path), printable(path))
-    from missions.winds.netcdf import wind_table_from_netcdf  # xarray takes longer than a mission
-
     return wind_table_from_netcdf(path, longitude_deg, also=percentile)

@@ -92,10 +92,6 @@ class AtLiftCoefficient(Record):
         weight = mass_kg * GRAVITY_M_PER_S2
         return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
 
-    def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
-        """Stall speed [m/s] that belongs to an airspeed of level flight."""
-        return airspeed_m_per_s * (self.lift_coefficient / self.maximum_lift_coefficient) ** 0.5
-
 
 class DragPolar(AtLiftCoefficient):
     """Parabolic polar with a profile drag that depends on the Reynolds number of the wing.

@@ -21,6 +21,7 @@ from pydantic import (
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.files.errors import InputError
+from missions.files.validation import wrong_file
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
 from sizing.aerodynamics.polar_merging import parse_polar
 from sizing.aerodynamics.polar_table import (
@@ -39,6 +40,11 @@ from solar.schema import (
     Text,
     wrong_value,
 )
+
+
+def plane_form_factor(thickness_ratio: float) -> float:
+    """Form factor of a section: Hoerner, Fluid-Dynamic Drag, chapter 6."""
+    return 1.0 + 2.0 * thickness_ratio + 60.0 * thickness_ratio**4
 
 
 class DragBuildUp(NamedTuple):
@@ -134,16 +140,8 @@ class WingPolar(Record):
     def _check_airfoil_and_stall(self) -> WingPolar:
         try:
             highest = self.highest_lift_coefficient
-        except InputError as error:
-            first, count = str(error.problems[0]), len(error.problems)
-            if count == 1:
-                raise wrong_value("airfoil", first) from error
-            why = f"has {count} mistakes"
-            raise wrong_value("airfoil", why, problems=error.problems) from error
-        except OSError as error:
-            raise wrong_value(
-                "airfoil", f"cannot read {self.airfoil!r}: {error.strerror}"
-            ) from error
+        except (InputError, OSError) as error:
+            raise wrong_file("airfoil", error) from error
         except ValueError as error:
             raise wrong_value("airfoil", str(error)) from error
         if self.lift_coefficient is not None and self.lift_coefficient > highest:
@@ -246,8 +244,7 @@ class WingPolar(Record):
         Flat plates of tail (laminar, ``1.328 Re^-1/2``) and fuselage (turbulent, ``0.074
         Re^-1/5``), Schlichting; sources of the factors at the head of the class.
         """
-        thickness = self.tail_thickness_ratio
-        tail_form = 1.0 + 2.0 * thickness + 60.0 * thickness**4
+        tail_form = plane_form_factor(self.tail_thickness_ratio)
         tail = 2.0 * 1.328 * (self.tail_chord_ratio * reynolds) ** -0.5 * tail_form
         fuselage = 0.074 * (self.fuselage_length_chords * reynolds) ** -0.2
         return DragBuildUp(
@@ -271,11 +268,6 @@ class WingPolar(Record):
         """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
         pressure = mass_kg * GRAVITY_M_PER_S2 / (wing_area_m2 * self.flight_lift_coefficient)
         return (2.0 * pressure / density_kg_per_m3) ** 0.5
-
-    def stall_speed_m_per_s(self, airspeed_m_per_s: Value) -> Value:
-        """Stall speed [m/s] that belongs to an airspeed of level flight, at the design point."""
-        ratio = self.flight_lift_coefficient / self.maximum_lift_coefficient
-        return airspeed_m_per_s * ratio**0.5
 
 
 def _of_a_wing(data: Any) -> dict[str, float]:

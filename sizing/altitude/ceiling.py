@@ -22,7 +22,7 @@ from scipy.optimize import brentq, minimize_scalar
 from missions.air import MAXIMUM_ALTITUDE_M
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError, operating_reason, operating_trouble
+from sizing.mass_budget import ImpossibleDesignError, operating_reason, operating_trouble
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from sizing.validity.extrapolations import extrapolations

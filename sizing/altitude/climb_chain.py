@@ -106,8 +106,7 @@ class ClimbChain:
         cls, aircraft: Aircraft, missions: list[Mission], flown: list[Design]
     ) -> ClimbChain | None:
         """Chain of designs at the levels of some missions; None for constant efficiencies."""
-        parts = getattr(aircraft.airframe, "propulsion", None)
-        if not isinstance(parts, OperatingPointPropulsion):
+        if (parts := aircraft.propulsion_by_parts) is None:
             return None
         shape = np.shape(flown[0].propulsion_power_w)
         with np.errstate(invalid="ignore"):

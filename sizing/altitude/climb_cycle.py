@@ -33,7 +33,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_day import ClimbCycle, simulate_climb
 from sizing.altitude.climb_levels import ClimbLimits, checked_climb_limits, flight_levels
-from sizing.design import design_of
+from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
@@ -90,5 +90,6 @@ def climb_performance(
         load_w=flown.load_w[:, flown.nodes],
         cycle=flown.cycle,
         maximum_altitude_m=flown.maximum_altitude_m,
+        levels=levels,
     )
     return ClimbPerformance(ours, constant, flown, limits)

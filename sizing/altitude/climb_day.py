@@ -104,7 +104,7 @@ def simulate_climb(
     Returns arrays of the elements.
     """
     steps = climb_march.STEPS_PER_NODE if steps_per_node is None else steps_per_node
-    return _settled_day(March(time_h, levels, store, strategy, steps)).result()
+    return settled_day(March(time_h, levels, store, strategy, steps)).result()
 
 
 def cycles_with_climb(
@@ -117,7 +117,7 @@ def cycles_with_climb(
     """
     parts, highest_m = [], []
     for some in blocks(len(levels.scenario), _ELEMENTS_AT_ONCE):
-        day = _settled_day(March(time_h, levels.select(some), store.select(some), strategy, 1))
+        day = settled_day(March(time_h, levels.select(some), store.select(some), strategy, 1))
         parts.append(day.cycle())
         highest_m.append(day.maximum_altitude_m())
     return _joined(parts), np.concatenate(highest_m)
@@ -139,9 +139,9 @@ def _joined(parts: Sequence[Cycle]) -> Cycle:
     )
 
 
-def _settled_day(march: March) -> _Day:
+def settled_day(march: March) -> Day:
     """Day with the voltages of its own charge, where the propulsion follows them."""
-    day, chain = _Day(march), march.levels.chain
+    day, chain = Day(march), march.levels.chain
     if chain is None or not chain.follows_voltage:
         return day
     bus_v, nominal_w = march.bus_v, march.nominal_w
@@ -154,11 +154,11 @@ def _settled_day(march: March) -> _Day:
         if not np.any(moved):
             break
         bus_v, nominal_w = np.where(moved, next_v, bus_v), np.where(moved, next_w, nominal_w)
-        day = _Day(march.at_voltages(bus_v, nominal_w))
+        day = Day(march.at_voltages(bus_v, nominal_w))
     return day
 
 
-class _Day:
+class Day:
     """Trajectory, flows and metrics of the day that repeats itself; time is the first axis."""
 
     def __init__(self, march: March) -> None:

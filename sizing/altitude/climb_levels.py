@@ -13,16 +13,11 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_chain import ClimbChain
-from sizing.design import (
-    Design,
-    ImpossibleDesignError,
-    measured_design,
-    operating_trouble,
-    parametric_design,
-    thermal_shape,
-)
-from sizing.module_power import Cooling, convection_of
-from sizing.sunlight import SolarDay, joined_cooling
+from sizing.design import Design, parametric_design
+from sizing.mass_budget import ImpossibleDesignError, measured_design, operating_trouble
+from sizing.module_power import Cooling, convection_of, joined_cooling
+from sizing.sunlight import SolarDay
+from sizing.varying_load import thermal_shape
 from solar.types import BoolArray, FloatArray, IntArray
 
 _GLIDE_POINTS = 2001
@@ -192,9 +187,7 @@ def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
         assert flight.maximum_electric_power_w is not None
         return ClimbLimits(flight.propulsion_efficiency, flight.maximum_electric_power_w)
     assert design.chain is not None
-    weight_n = design.total_mass_kg * GRAVITY_M_PER_S2
-    rated = design.chain.rated_power_w(design.propulsion_power_w, weight_n=weight_n)
-    return ClimbLimits(design.chain.efficiency, rated)
+    return ClimbLimits(design.chain.efficiency, design.rated_power_w)
 
 
 def checked_climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:

@@ -12,7 +12,7 @@ import numpy as np
 
 from sizing.altitude.climb_chain import Place
 from sizing.altitude.climb_levels import FlightLevels
-from sizing.altitude.climb_run import DayRun, Drawn, Moves, Power, Stored
+from sizing.altitude.climb_run import DayRun, Drawn, Moves, Power, Record, Stored
 from sizing.energy.battery import Store
 from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.energy.cycle import FULL
@@ -104,15 +104,21 @@ class March:
         constant = self.levels.efficiency if self.levels.chain is None else None
         return DayRun(self.at_floor, self.floor_thrust_w, self.hours, constant)
 
-    def end_of_day(self, stored: Stored, run: DayRun | None = None) -> Stored:
-        """What is stored at the end of the day, from what is at its start; kept in a run."""
-        if run is not None:
+    def end_of_day(
+        self, stored: Stored, run: Record | None = None, first: IntArray | None = None
+    ) -> Stored:
+        """What is stored at the end of the day, from what is at its start; kept in a run.
+
+        ``first``: step with which every element begins, and until which it keeps what it has.
+        """
+        if isinstance(run, DayRun):
             run.energy_wh[0], run.potential_wh[0] = stored
+        launched, all_fly = stored, 0 if first is None else int(np.max(first))
         before, number = stored.potential_wh, 0
         while number < len(self._hours):
             at_floor = not (stored.potential_wh.any() or before.any())
             until = self._dark_until[number]
-            if at_floor and until > number:
+            if at_floor and until > number >= all_fly:
                 stored = self._discharged(stored, slice(number, until), run)
                 before, number = stored.potential_wh, until
                 continue
@@ -129,6 +135,11 @@ class March:
             if run is not None:
                 run.keep(number, moves, None if at_floor else power, place)
             before, stored, number = stored.potential_wh, moves.end, number + 1
+            if first is not None and number <= all_fly:
+                waits = first >= number
+                stored = Stored(
+                    *(np.where(waits, a, b) for a, b in zip(launched, stored, strict=True))
+                )
         return stored
 
     @cached_property
@@ -190,22 +201,14 @@ class March:
         zero = np.zeros((1, self.count))
         return np.concatenate([zero, np.cumsum(self.at_floor.deficit_wh, axis=0)])
 
-    def _discharged(self, stored: Stored, steps: slice, run: DayRun | None) -> Stored:
+    def _discharged(self, stored: Stored, steps: slice, run: Record | None) -> Stored:
         """Fly on the battery at the lowest altitude, without any surplus."""
         eta, sums = self.store.discharge_efficiency, self._floor_deficit_wh
-        if run is None:
-            used_wh = (sums[steps.stop] - sums[steps.start]) / eta
-            return stored._replace(battery_wh=np.maximum(stored.battery_wh - used_wh, 0.0))
-        used_wh = (sums[steps.start + 1 : steps.stop + 1] - sums[steps.start]) / eta
-        energy_wh = np.maximum(stored.battery_wh - used_wh, 0.0)
-        run.energy_wh[steps.start + 1 : steps.stop + 1] = energy_wh
-        drawn_wh = -np.diff(np.concatenate([stored.battery_wh[np.newaxis], energy_wh]), axis=0)
-        run.drawn[steps] = drawn_wh
-        lacking_wh = self.at_floor.deficit_wh[steps] - eta * drawn_wh
-        # What rounding leaves of a deficit that is met is none.
-        unmet = energy_wh <= 0.0
-        run.unserved[steps] = np.where(unmet, np.maximum(lacking_wh, 0.0), 0.0)
-        return stored._replace(battery_wh=energy_wh[-1])
+        if run is not None:
+            used_wh = (sums[steps.start + 1 : steps.stop + 1] - sums[steps.start]) / eta
+            run.discharge(steps, stored, used_wh, eta)
+        used_wh = (sums[steps.stop] - sums[steps.start]) / eta
+        return stored._replace(battery_wh=np.maximum(stored.battery_wh - used_wh, 0.0))
 
     def _power_at(self, number: int, potential_wh: FloatArray) -> tuple[Power, Place | None]:
         """Power of one step at a potential energy, and its place."""

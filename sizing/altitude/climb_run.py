@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -60,6 +60,18 @@ class Moves(NamedTuple):
     end: Stored
 
 
+class Record(Protocol):
+    """What is told of every step of a day that is flown."""
+
+    def keep(self, number: int, moves: Moves, power: Power | None, place: Place | None) -> None:
+        """What a step does; ``power`` where it is above the lowest altitude."""
+
+    def discharge(
+        self, steps: slice, stored: Stored, used_wh: FloatArray, eta: float | FloatArray
+    ) -> None:
+        """Steps on the battery alone; ``used_wh``: what they have taken of it together."""
+
+
 class DayRun:
     """What a day has done, step by step; time is the first axis, elements the second.
 
@@ -102,6 +114,18 @@ class DayRun:
                 row[number] = values
         if place is not None:
             self.thrust_w[number] = place.thrust_w
+
+    def discharge(
+        self, steps: slice, stored: Stored, used_wh: FloatArray, eta: float | FloatArray
+    ) -> None:
+        """Keep steps on the battery alone; ``used_wh``: what they have taken of it together."""
+        energy_wh = np.maximum(stored.battery_wh - used_wh, 0.0)
+        self.energy_wh[steps.start + 1 : steps.stop + 1] = energy_wh
+        drawn_wh = -np.diff(np.concatenate([stored.battery_wh[np.newaxis], energy_wh]), axis=0)
+        self.drawn[steps] = drawn_wh
+        lacking_wh = self.power.deficit_wh[steps] - eta * drawn_wh
+        # What rounding leaves of a deficit that is met is none.
+        self.unserved[steps] = np.where(energy_wh <= 0.0, np.maximum(lacking_wh, 0.0), 0.0)
 
     @property
     def solar_wh(self) -> FloatArray:

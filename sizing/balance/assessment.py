@@ -9,9 +9,13 @@ from typing import Any
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import DragShares
-from sizing.balance.in_design import polar_with_tail, with_horizontal_tail
+from sizing.balance.in_design import (
+    balance_items,
+    body_volume_m3,
+    polar_with_tail,
+    with_horizontal_tail,
+)
 from sizing.balance.masses import Item, centre_of_gravity
-from sizing.balance.placing import balance_items, balanced_airframe, body_volume_m3
 from sizing.balance.stability import (
     NeutralPoint,
     Trim,
@@ -125,10 +129,11 @@ def balance_assessment(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> BalanceAssessment | None:
     """Balance of a design of floats; None where the file has no tail or no balance."""
-    own = balanced_airframe(with_horizontal_tail(aircraft, design.horizontal_volume))
-    if own is None:
+    airframe = with_horizontal_tail(aircraft, design.horizontal_volume).airframe
+    if not isinstance(airframe, ParametricAirframe) or airframe.balance is None:
         return None
-    airframe, tail, balance = own
+    tail, balance = airframe.tail, airframe.balance
+    assert tail is not None  # refused at validation
     conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     it = DesignInFlight(aircraft, design, conditions)
     variables = design.variables
@@ -136,11 +141,9 @@ def balance_assessment(
     wing = Wing(*(float(one) for one in wing))
     planes, body_m3 = tail.planes(wing), body_volume_m3(airframe)
     found = neutral_point(wing, tail, planes, body_m3)
-    _, inputs = balance_inputs(aircraft, conditions, design)
-    own_masses = (airframe, design.masses, inputs)
     items = tuple(
         Item(one.name, float(one.mass_kg), float(one.x_m))
-        for one in balance_items(*own_masses)
+        for one in balance_items(*balance_inputs(aircraft, conditions, design))
         if float(one.mass_kg) > 0.0
     )
     asked = balance.moved if balance.moves_mass else None

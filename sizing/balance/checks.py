@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 
 from sizing.structures.rib_wing import RibWingStructure
+from solar.schema import wrong_value
 
 if TYPE_CHECKING:
     from sizing.balance.surfaces import Planform
@@ -61,16 +61,18 @@ def _mapping(holder: Any, key: str) -> Mapping[str, Any]:
     return found if isinstance(found, Mapping) else {}
 
 
-def check_planforms(wing: Planform | None, layout: CellLayout | None) -> None:
+def check_planforms(wing: Planform | None, layout: CellLayout) -> None:
     """Refuse cells on another planform than that of the wing."""
-    if wing is None or layout is None or layout.planform is None:
+    if wing is None or layout.planform is None:
         return
     cells, shape = layout.planform, _relative_chords(wing.inner_fraction, wing.taper_ratio)
     places = sorted({*cells.half_span, *shape["half_span"]})
     own = np.interp(places, cells.half_span, cells.relative_chord)
     if not np.allclose(own, np.interp(places, shape["half_span"], shape["relative_chord"]),
                        atol=_SAME_CHORD):  # fmt: skip
-        _refuse("modules.layout.planform", "is another wing than airframe.planform; give one")
+        raise wrong_value(
+            "modules.layout.planform", "is another wing than airframe.planform; give one"
+        )
 
 
 def check_balance(airframe: Any) -> None:
@@ -78,34 +80,37 @@ def check_balance(airframe: Any) -> None:
     balance = airframe.balance
     for key in ("drag", "balance"):
         if getattr(airframe, key) is not None and airframe.tail is None:
-            _refuse("tail", f"required key is missing: airframe.{key} needs it")
+            raise wrong_value("tail", f"required key is missing: airframe.{key} needs it")
     if airframe.tail is not None:
         _check_structure(airframe.structure)
     trimmed = balance is not None and balance.static_margin is not None
     polar = airframe.aerodynamics
     if polar.model == "own" and (airframe.drag is not None or trimmed):
         key = "drag" if airframe.drag is not None else "balance.static_margin"
-        _refuse("aerodynamics.model", f"must be parabolic or wing_polar with airframe.{key} "
-                "(got own)")  # fmt: skip
+        raise wrong_value(
+            "aerodynamics.model", f"must be parabolic or wing_polar with airframe.{key} (got own)"
+        )
     if airframe.drag is not None and polar.model == "wing_polar":
         for key in _DRAG_CONSTANTS["wing_polar"]:
             if (value := getattr(polar, key)) > 0.0:
                 text = f"must be 0 with airframe.drag, which has that part (got {value:g})"
-                _refuse(f"aerodynamics.{key}", text)
+                raise wrong_value(f"aerodynamics.{key}", text)
     if balance is not None and balance.moves_mass:
         _check_moved(airframe)
 
 
 def _check_structure(structure: Any) -> None:
     if not isinstance(structure, RibWingStructure):
-        _refuse("structure.model", "must be rib_wing with airframe.tail, as it alone has the tail "
-                f"as a part (got {structure.model})")  # fmt: skip
+        text = "must be rib_wing with airframe.tail, as it alone has the tail as a part"
+        raise wrong_value("structure.model", f"{text} (got {structure.model})")
     if structure.booms == 0:
-        _refuse("structure.booms", "must be 1 or 2 with airframe.tail (got 0)")
+        raise wrong_value("structure.booms", "must be 1 or 2 with airframe.tail (got 0)")
     for key in _TAIL_KEYS:
         if key in structure.model_fields_set and not structure.is_unchecked():
             value = getattr(structure, key)
-            _refuse(f"structure.{key}", f"follows from airframe.tail; give one (got {value:g})")
+            raise wrong_value(
+                f"structure.{key}", f"follows from airframe.tail; give one (got {value:g})"
+            )
 
 
 def _check_moved(airframe: Any) -> None:
@@ -119,8 +124,4 @@ def _check_moved(airframe: Any) -> None:
     if nothing[moved]:
         allowed = ", ".join(name for name, none in nothing.items() if not none) or "none has mass"
         why = "is all in the wing's spar" if moved == "battery" else "has no mass"
-        _refuse("balance.moved", f"{moved} {why}; allowed here: {allowed} (got {moved})")
-
-
-def _refuse(key: str, text: str) -> None:
-    raise PydanticCustomError("balance", "{text}", {"key": key, "text": text})
+        raise wrong_value("balance.moved", f"{moved} {why}; allowed here: {allowed} (got {moved})")

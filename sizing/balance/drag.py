@@ -11,14 +11,20 @@ from math import asin, pi
 from typing import NamedTuple
 
 from pydantic import model_validator
-from pydantic_core import PydanticCustomError
 
 from sizing.aerodynamics.parabolic import DragPolar
-from sizing.aerodynamics.wing_polar import WingPolar
+from sizing.aerodynamics.wing_polar import WingPolar, plane_form_factor
 from sizing.balance.stability import neutral_point, trim
 from sizing.balance.surfaces import Tail, TailPlanes, Wing
 from sizing.smooth import Value
-from solar.schema import NonNegativeReal, PositiveInteger, PositiveReal, Record, UnitInterval
+from solar.schema import (
+    NonNegativeReal,
+    PositiveInteger,
+    PositiveReal,
+    Record,
+    UnitInterval,
+    check_order,
+)
 
 
 def skin_friction(reynolds: Value, laminar_fraction: float) -> Value:
@@ -29,11 +35,6 @@ def skin_friction(reynolds: Value, laminar_fraction: float) -> Value:
     """
     laminar, turbulent = 1.328 * reynolds**-0.5, 0.074 * reynolds**-0.2
     return laminar_fraction * laminar + (1.0 - laminar_fraction) * turbulent
-
-
-def _plane_form(thickness_ratio: float) -> float:
-    """Form factor of a section: Hoerner, Fluid-Dynamic Drag, chapter 6, as for wing polars."""
-    return 1.0 + 2.0 * thickness_ratio + 60.0 * thickness_ratio**4
 
 
 def _plane_wetted(thickness_ratio: float) -> float:
@@ -60,14 +61,7 @@ class Pod(Record):
 
     @model_validator(mode="after")
     def _check_slender(self) -> Pod:
-        if self.length_m <= self.diameter_m:
-            message = "must be above diameter_m, {diameter} (got {length})"
-            context = {
-                "key": "length_m",
-                "diameter": f"{self.diameter_m:g}",
-                "length": f"{self.length_m:g}",
-            }
-            raise PydanticCustomError("pod", message, context)
+        check_order(self, "diameter_m", "length_m")
         return self
 
     @property
@@ -210,7 +204,7 @@ class BuiltUpPolar:
             return (0.0,) * 5
         planes, tail, area_m2 = self.planes, self.tail, self.wing.area_m2
         per_m = reynolds / self.wing.mean_chord_m
-        plane = _plane_form(tail.thickness_ratio) * _plane_wetted(tail.thickness_ratio)
+        plane = plane_form_factor(tail.thickness_ratio) * _plane_wetted(tail.thickness_ratio)
         plane = plane * it.tail_interference / area_m2
         horizontal, vertical = (
             plane * m2 * skin_friction(per_m * chord_m, it.tail_laminar_fraction)

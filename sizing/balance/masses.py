@@ -10,12 +10,11 @@ from collections.abc import Sequence
 from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, Strict, model_validator
-from pydantic_core import PydanticCustomError
 
 from sizing.balance.surfaces import Wing
 from sizing.smooth import Value
 from sizing.structures.rib_wing_keys import StructureParts
-from solar.schema import Name, PositiveReal, Real, Record
+from solar.schema import Name, PositiveReal, Real, Record, check_order, wrong_value
 
 # What a static margin may be had by: a mass that is free to lie anywhere.
 Movable = Literal["battery", "avionics", "other"]
@@ -93,22 +92,16 @@ class Balance(Record):
     @model_validator(mode="after")
     def _check_choice(self) -> Balance:
         fore, rear = self.foremost_chords, self.rearmost_chords
-        if self.weighed and self.static_margin is not None:
-            message = "follows from weighed; give one of them (got {value})"
-            context = {"key": "static_margin", "value": f"{self.static_margin:g}"}
-            raise PydanticCustomError("balance", message, context)
-        if fore is not None and rear is not None and fore >= rear:
-            message = "must be above foremost_chords, {fore} (got {rear})"
-            context = {"key": "rearmost_chords", "fore": f"{fore:g}", "rear": f"{rear:g}"}
-            raise PydanticCustomError("balance", message, context)
-        if self.held_by == "horizontal_tail" and self.static_margin is None:
-            message = "required key is missing: held_by is horizontal_tail"
-            raise PydanticCustomError("balance", message, {"key": "static_margin"})
-        least, most = self.minimum_horizontal_volume, self.maximum_horizontal_volume
-        if least >= most:
-            message = "must be above minimum_horizontal_volume, {least} (got {most})"
-            context = {"key": "maximum_horizontal_volume", "least": f"{least:g}"}
-            raise PydanticCustomError("balance", message, context | {"most": f"{most:g}"})
+        margin = self.static_margin
+        if self.weighed and margin is not None:
+            text = f"follows from weighed; give one of them (got {margin:g})"
+            raise wrong_value("static_margin", text)
+        if fore is not None and rear is not None:
+            check_order(self, "foremost_chords", "rearmost_chords")
+        if self.held_by == "horizontal_tail" and margin is None:
+            text = "required key is missing: held_by is horizontal_tail"
+            raise wrong_value("static_margin", text)
+        check_order(self, "minimum_horizontal_volume", "maximum_horizontal_volume")
         return self
 
     @property

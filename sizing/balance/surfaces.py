@@ -10,11 +10,10 @@ from math import pi
 from typing import Annotated, NamedTuple
 
 from pydantic import Field, Strict, model_validator
-from pydantic_core import PydanticCustomError
 
 from sizing.parameters import all_replaced
 from sizing.smooth import Value
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, wrong_value
 
 QUARTER = 0.25  # aerodynamic centre of a thin section over its chord
 _ControlChord = Annotated[float, Strict(), Field(ge=0.05, le=1.0)]
@@ -138,15 +137,10 @@ class Tail(Record):
         ):
             given = [key for key in (one, other) if getattr(self, key) is not None]
             if not given:
-                context = {"key": one, "other": other}
-                raise PydanticCustomError(
-                    "tail_size", "required key is missing (or {other}, above 0)", context
-                )
+                raise wrong_value(one, f"required key is missing (or {other}, above 0)")
             if len(given) > 1:
-                context = {"key": other, "one": one, "value": f"{getattr(self, other):g}"}
-                raise PydanticCustomError(
-                    "tail_size", "give this or {one}, not both (got {value})", context
-                )
+                text = f"give this or {one}, not both (got {getattr(self, other):g})"
+                raise wrong_value(other, text)
         return self
 
     def with_volume(self, horizontal_volume: Value) -> Tail:

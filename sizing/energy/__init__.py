@@ -4,5 +4,5 @@
 * ``march``: the battery integrated over time, a batch of designs and scenarios at once
 * ``cycle``: metrics of one day repeated; ``endurance``: the longest flight
 * ``settling``: days from an empty battery, until the repeated day settles or as many as one likes
-* ``power_balance`` and ``bracketing``: exact integrals and roots that both use
+* ``power_balance``: exact integrals that both use
 """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any, Literal
@@ -199,6 +199,8 @@ class Battery(OfCatalogue):
     @model_validator(mode="wrap")
     @classmethod
     def _with_pack(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
+        if not isinstance(data, Mapping) or data.get("pack") is None:
+            return handler(data)
         data, new = packed(data)
         record = handler(data)
         record.__pydantic_fields_set__.difference_update(new)

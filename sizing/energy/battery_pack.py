@@ -9,6 +9,7 @@ from pydantic import ValidationError, model_validator
 
 from sizing.catalogues.choice import known_entry
 from solar.schema import (
+    MOST_CELLS,
     CellCount,
     PositiveReal,
     Record,
@@ -39,7 +40,11 @@ class BatteryPack(Record):
     maximum_state_of_charge: UnitInterval = 1.0
 
     @model_validator(mode="after")
-    def _check_window(self) -> BatteryPack:
+    def _check(self) -> BatteryPack:
+        if self.count > MOST_CELLS:
+            most = MOST_CELLS // self.cells_in_series
+            text = f"must be at most {most}, with {self.cells_in_series} in series {MOST_CELLS} "
+            raise wrong_value("cells_in_parallel", f"{text}cells (got {self.cells_in_parallel})")
         check_order(self, "minimum_state_of_charge", "maximum_state_of_charge")
         return self
 
@@ -64,12 +69,12 @@ class BatteryPack(Record):
         return self.count * self.cell_mass_kg / cell_mass_fraction
 
 
-def packed(data: Any) -> tuple[Any, set[str]]:
+def packed(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
     """Data of a battery with what its pack gives, and the keys that are new.
 
     Data that are wrong are left to the validation of the records.
     """
-    raw = data.get("pack") if isinstance(data, Mapping) else None
+    raw = data["pack"]
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, BatteryPack) else raw
     if not isinstance(raw, Mapping):
         return data, set()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from solar.schema import PositiveInteger, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
@@ -41,7 +40,7 @@ class BatteryVoltage(Record):
         elif np.any(np.diff(self.cell_voltage_v) < 0.0):
             wrong = "cell_voltage_v must not fall with the state of charge"
         if wrong:
-            raise PydanticCustomError("voltage_table", "{wrong}", {"wrong": wrong})
+            raise ValueError(wrong)
         return self
 
     @property

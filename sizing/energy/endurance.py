@@ -9,8 +9,9 @@ around the best launch, finds the longest flight to within seconds.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,12 +29,6 @@ from solar.types import BoolArray, FloatArray, IntArray
 
 HOURS_PER_DAY = 24.0
 MAXIMUM_DAYS = 366
-# Launches of the coarse search; each refinement divides their distance by four.
-_LAUNCHES = 60
-_REFINEMENTS = 5
-_CLOSER = np.array([-0.75, -0.5, -0.25, 0.25, 0.5, 0.75])
-# Flights marched at once: their day stays near the processor.
-_FLIGHTS_AT_ONCE = 16384
 # The day of the launch and the next: from then on a flight has midnights like any other.
 _DAYS_OF_LAUNCH = 2
 _SHORT = 1e-12  # state of charge below zero that counts as an empty battery
@@ -86,20 +81,8 @@ def longest_flight(
     solar, load = np.asarray(solar_power_w, float), np.asarray(load_w, float)
     balance = PowerBalance.of(np.asarray(time_h, float), solar, load)
     shape = balance.batch_shape
-    flights = _Flights.of(balance.flat(), store, shape)
-    dark_h = flights.balance.cumulative_deficit_h()
-    cells = np.arange(dark_h.shape[1])
-    spacing_h = dark_h[-1] / _LAUNCHES
-    tries_h = np.arange(_LAUNCHES)[:, np.newaxis] * spacing_h
-    search = _Search(flights, dark_h, np.broadcast_to(cells, tries_h.shape))
-    hours = search.hours(tries_h)
-    rank, cell = np.nonzero(_promising(hours, spacing_h))
-    best = search.at(cell).refined(tries_h[rank, cell], hours[rank, cell], spacing_h[cell])
-    # The last of equal cells stays, and that is the longest of its flights.
-    order = np.argsort(best.endurance_h, kind="stable")
-    longest, launch_h = np.empty((2, len(cells)))
-    longest[cell[order]], launch_h[cell[order]] = best.endurance_h[order], best.launch_h[order]
-    return Endurance(longest.reshape(shape), launch_h.reshape(shape))
+    found = _LevelFlights.of(balance.flat(), store, shape).longest()
+    return Endurance(found.endurance_h.reshape(shape), found.launch_h.reshape(shape))
 
 
 def _promising(hours: FloatArray, spacing_h: FloatArray) -> BoolArray:
@@ -120,7 +103,7 @@ def _promising(hours: FloatArray, spacing_h: FloatArray) -> BoolArray:
 class _Search:
     """Launches told by the hours of deficit between midnight and them, in some elements."""
 
-    flights: _Flights
+    flights: Flights
     dark_h: FloatArray
     cells: IntArray
 
@@ -144,17 +127,19 @@ class _Search:
 
     def refined(self, level_h: FloatArray, hours: FloatArray, spacing_h: FloatArray) -> Endurance:
         """Longest flight around one launch in each element, known to within a spacing."""
-        cells = np.broadcast_to(self.cells, (len(_CLOSER), len(self.cells)))
+        parts = self.flights.closer
+        shares = np.concatenate([np.arange(1 - parts, 0), np.arange(1, parts)]) / parts
+        cells = np.broadcast_to(self.cells, (len(shares), len(self.cells)))
         closer, every = self.at(cells), np.arange(len(self.cells))
         dark_h = np.maximum(self.dark_h[-1][self.cells], 1e-9)
-        for _ in range(_REFINEMENTS):
-            tries_h = (level_h + _CLOSER[:, np.newaxis] * spacing_h) % dark_h
+        for _ in range(self.flights.refinements):
+            tries_h = (level_h + shares[:, np.newaxis] * spacing_h) % dark_h
             tried = closer.hours(tries_h)
             pick = np.argmax(tried, axis=0)
             better = tried[pick, every] > hours
             hours = np.where(better, tried[pick, every], hours)
             level_h = np.where(better, tries_h[pick, every], level_h)
-            spacing_h = spacing_h / 4.0
+            spacing_h = spacing_h / parts
         return Endurance(hours, self.launch_h(level_h) % HOURS_PER_DAY)
 
 
@@ -176,91 +161,125 @@ def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> 
         Hours of flight, infinite beyond 366 days [h].
     """
     shape = balance.batch_shape
-    flights = _Flights.of(balance.flat(), store, shape)
+    flights = _LevelFlights.of(balance.flat(), store, shape)
     cells = np.arange(flights.balance.net_w.shape[1]).reshape(shape)
     places = np.broadcast_to(cells, launch_h.shape).reshape(-1)
     return flights.hours(places, launch_h.reshape(-1)).reshape(launch_h.shape)
 
 
-class _Flying(NamedTuple):
-    """Batteries in flight at midnight, and what past days have shown of them."""
+class Flying(NamedTuple):
+    """Aircraft in flight at midnight, and what past days have shown of them.
+
+    ``before_launch``: what of the first day lies before the launch, as the kind of flights counts
+    it; 0 on all other days.
+    """
 
     cell: IntArray
     energy_wh: FloatArray
-    settled_deficit_wh: FloatArray
+    potential_wh: FloatArray
+    before_launch: FloatArray
     loss_wh: FloatArray
     skipped_h: FloatArray
 
-    def select(self, some: IntArray | BoolArray) -> _Flying:
-        return _Flying(
+    @classmethod
+    def of(cls, cell: IntArray, energy_wh: FloatArray, before_launch: FloatArray) -> Flying:
+        """Aircraft at the midnight before their launch, without any height."""
+        none = np.zeros(len(cell))
+        return cls(cell, energy_wh, none, before_launch, np.full(len(cell), np.nan), none)
+
+    def select(self, some: IntArray | BoolArray) -> Flying:
+        """Some of them."""
+        return Flying(
             self.cell[some],
             self.energy_wh[some],
-            self.settled_deficit_wh[some],
+            self.potential_wh[some],
+            self.before_launch[some],
             self.loss_wh[some],
             self.skipped_h[some],
         )
 
-    def without_duplicates(self) -> tuple[_Flying, IntArray]:
-        """One of each equal battery, and where each is found: what comes is the same for all."""
-        order = np.lexsort((self.energy_wh, self.cell))
-        cell, energy = self.cell[order], self.energy_wh[order]
+    def without_duplicates(self) -> tuple[Flying, IntArray]:
+        """One of each equal aircraft, and where each is found: what comes is the same for all."""
+        order = np.lexsort((self.potential_wh, self.energy_wh, self.cell))
         new = np.ones(len(order), bool)
-        new[1:] = (cell[1:] != cell[:-1]) | (energy[1:] != energy[:-1])
+        new[1:] = False
+        for values in (self.cell, self.energy_wh, self.potential_wh):
+            sorted_values = values[order]
+            new[1:] |= sorted_values[1:] != sorted_values[:-1]
         place = np.empty(len(order), np.intp)
         place[order] = np.cumsum(new) - 1
         return self.select(order[new]), place
 
 
-class _FlownDay(NamedTuple):
-    """One more day: where flights ended, on the scale of the deficit since midnight [Wh]."""
+class FlownDay(NamedTuple):
+    """One more day: hour at which flights ended, NaN where none did, and what is stored [Wh].
 
-    end_level_wh: FloatArray
+    ``lowest_wh``: least energy of the battery over the day.
+    """
+
+    end_h: FloatArray
     midnight_wh: FloatArray
+    potential_wh: FloatArray
     lowest_wh: FloatArray
 
 
 @dataclass(frozen=True)
-class _Flights:
-    """Flights of a batch of days and batteries, any number of launches for each."""
+class Flights(ABC):
+    """Flights of a batch of days and batteries, any number of launches for each.
+
+    ``balance``: at the altitude of the launch. Of the coarse search's ``launches`` the best is
+    refined ``refinements`` times, to a part of the distance of the tries that ``closer`` says.
+    ``at_once``: flights marched together, so that their day stays near the processor.
+    """
 
     balance: PowerBalance
-    day: ChargingDay
     store: Store
-    deficit_at_nightfall_wh: FloatArray
+    launches: ClassVar[int] = 60
+    refinements: ClassVar[int] = 5
+    closer: ClassVar[int] = 4
+    at_once: ClassVar[int] = 16384
 
-    @classmethod
-    def of(cls, balance: PowerBalance, store: Store, shape: tuple[int, ...]) -> _Flights:
-        day = ChargingDay.of(balance)
-        at_nightfall = np.maximum.reduce(day.deficit_before_surplus_wh, axis=0, initial=-np.inf)
-        return cls(balance, day, store.flat(shape), at_nightfall)
+    @abstractmethod
+    def launched(self, cells: IntArray, launch_h: FloatArray) -> Flying:
+        """Aircraft on the first day, which are full at their launch [h]."""
+
+    @abstractmethod
+    def flown_day(self, flying: Flying) -> FlownDay:
+        """One more day of theirs."""
+
+    def longest(self) -> Endurance:
+        """Longest flight of every element over all launches."""
+        dark_h = self.balance.cumulative_deficit_h()
+        cells = np.arange(dark_h.shape[1])
+        spacing_h = dark_h[-1] / self.launches
+        tries_h = np.arange(self.launches)[:, np.newaxis] * spacing_h
+        search = _Search(self, dark_h, np.broadcast_to(cells, tries_h.shape))
+        hours = search.hours(tries_h)
+        rank, cell = np.nonzero(_promising(hours, spacing_h))
+        best = search.at(cell).refined(tries_h[rank, cell], hours[rank, cell], spacing_h[cell])
+        # The last of equal cells stays, and that is the longest of its flights.
+        order = np.argsort(best.endurance_h, kind="stable")
+        longest, launch_h = np.empty((2, len(cells)))
+        longest[cell[order]], launch_h[cell[order]] = best.endurance_h[order], best.launch_h[order]
+        return Endurance(longest, launch_h)
 
     def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """Flight time [h] in some elements of the batch from launches with a full battery."""
         result = np.empty(len(cells))
-        for part in blocks(len(cells), _FLIGHTS_AT_ONCE):
+        for part in blocks(len(cells), self.at_once):
             result[part] = self._hours(cells[part], launch_h[part])
         return result
 
     def _hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         flown = np.full(len(cells), np.inf)
         battery = np.arange(len(cells))  # of every flight, -1 when it is over
-        flying = _Flying(
-            cell=cells,
-            energy_wh=self.store.battery_energy_wh[cells],
-            # The deficit before the launch takes nothing from a full battery.
-            settled_deficit_wh=self._deficit_until_wh(launch_h, cells),
-            loss_wh=np.full(len(cells), np.nan),
-            skipped_h=np.zeros(len(cells)),
-        )
+        flying = self.launched(cells, launch_h)
         for number in range(MAXIMUM_DAYS + 1):
             if not len(flying.cell):
                 break
-            day = self._flown_day(flying)
-            ended = ~np.isnan(day.end_level_wh)
-            end_h = number * HOURS_PER_DAY + flying.skipped_h
-            level, cell = day.end_level_wh[ended], flying.cell[ended]
-            since_midnight_wh = self.day.cumulative_deficit_wh
-            end_h[ended] += hour_of_deficit(self.balance, since_midnight_wh, level, cell)
+            day = self.flown_day(flying)
+            ended = ~np.isnan(day.end_h)
+            end_h = number * HOURS_PER_DAY + flying.skipped_h + np.where(ended, day.end_h, 0.0)
             over = (battery >= 0) & ended[battery]
             flown[over] = end_h[battery[over]] - launch_h[over]
             goes_on = ~ended & ~self._perpetual(number, flying, day)
@@ -272,43 +291,94 @@ class _Flights:
             battery = np.where(battery >= 0, place[battery], -1)
         return np.where(flown > MAXIMUM_DAYS * HOURS_PER_DAY, np.inf, flown)
 
-    def _deficit_until_wh(self, clock_h: FloatArray, cells: IntArray) -> FloatArray:
-        """Deficit from midnight to an instant of the day [Wh]."""
+    def deficit_until_wh(
+        self, cumulative_wh: FloatArray, clock_h: FloatArray, cells: IntArray
+    ) -> FloatArray:
+        """Deficit from midnight to an instant of the day [Wh].
+
+        ``cumulative_wh``: that until every node of the day.
+        """
         time = self.balance.time_h
         number = np.clip(np.searchsorted(time, clock_h, side="right") - 1, 0, len(time) - 2)
         interval = self.balance.interval_of(number, cells)
         elapsed = np.minimum(clock_h - interval.start_h, interval.hours)
         here = interval.left_w + (interval.right_w - interval.left_w) * elapsed / interval.hours
         return np.asarray(
-            self.day.cumulative_deficit_wh[number, cells]
-            + positive_part_wh(-interval.left_w, -here, elapsed)
+            cumulative_wh[number, cells] + positive_part_wh(-interval.left_w, -here, elapsed)
         )
 
-    def _flown_day(self, flying: _Flying) -> _FlownDay:
+    def _perpetual(self, number: int, flying: Flying, day: FlownDay) -> BoolArray:
+        """From the second day on, a day that gives back what it takes is perpetual flight."""
+        least_wh = 1e-11 * self.store.battery_energy_wh[flying.cell]
+        perpetual = flying.energy_wh - day.midnight_wh <= least_wh
+        perpetual &= flying.potential_wh - day.potential_wh <= least_wh
+        return perpetual & (number >= _DAYS_OF_LAUNCH)
+
+    def _next_day(self, number: int, flying: Flying, day: FlownDay) -> Flying:
+        """Flights at the next midnight; whole days that lose the same energy are skipped."""
+        full = self.store.battery_energy_wh[flying.cell]
+        loss = flying.energy_wh - day.midnight_wh
+        alike = (np.abs(loss - flying.loss_wh) <= 1e-9 * full) & (loss > 1e-9 * full)
+        alike &= flying.potential_wh == day.potential_wh
+        days = np.floor(day.lowest_wh / np.where(alike, loss, 1.0)) - 1.0
+        days = np.where(alike, np.clip(days, 0.0, MAXIMUM_DAYS), 0.0)
+        return flying._replace(
+            energy_wh=day.midnight_wh - days * loss,
+            potential_wh=day.potential_wh,
+            before_launch=np.zeros(len(full)),
+            # The days of the launch are no measure, whatever flights have become equal.
+            loss_wh=loss if number >= _DAYS_OF_LAUNCH else np.full(len(loss), np.nan),
+            skipped_h=flying.skipped_h + days * HOURS_PER_DAY,
+        )
+
+
+@dataclass(frozen=True)
+class _LevelFlights(Flights):
+    """Flights at a constant altitude; before the launch lies a deficit [Wh]."""
+
+    day: ChargingDay
+    deficit_at_nightfall_wh: FloatArray
+
+    @classmethod
+    def of(cls, balance: PowerBalance, store: Store, shape: tuple[int, ...]) -> _LevelFlights:
+        day = ChargingDay.of(balance)
+        at_nightfall = np.maximum.reduce(day.deficit_before_surplus_wh, axis=0, initial=-np.inf)
+        return cls(balance, store.flat(shape), day, at_nightfall)
+
+    def launched(self, cells: IntArray, launch_h: FloatArray) -> Flying:
+        # The deficit before the launch takes nothing from a full battery.
+        settled = self.deficit_until_wh(self.day.cumulative_deficit_wh, launch_h, cells)
+        return Flying.of(cells, self.store.battery_energy_wh[cells], settled)
+
+    def flown_day(self, flying: Flying) -> FlownDay:
         level = np.full(len(flying.cell), np.nan)
-        energy, settled = flying.energy_wh.copy(), flying.settled_deficit_wh.copy()
+        energy, settled = flying.energy_wh.copy(), flying.before_launch.copy()
         lowest = energy.copy()
         # After the last surplus of the day nothing but the deficit is left.
-        sunlit = np.flatnonzero(
-            self.deficit_at_nightfall_wh[flying.cell] > flying.settled_deficit_wh
-        )
+        sunlit = np.flatnonzero(self.deficit_at_nightfall_wh[flying.cell] > settled)
         level[sunlit], energy[sunlit], settled[sunlit], lowest[sunlit] = self._lit_day(
             flying.select(sunlit)
         )
         store = self.store.select(flying.cell)
-        deficit = self.day.cumulative_deficit_wh[-1][flying.cell]
+        cumulative_wh = self.day.cumulative_deficit_wh
+        deficit = cumulative_wh[-1][flying.cell]
         midnight = energy - (deficit - settled) / store.discharge_efficiency
         last = (midnight < -_SHORT * store.battery_energy_wh) & np.isnan(level)
         level[last] = (deficit + store.discharge_efficiency * midnight)[last]
         midnight = np.maximum(midnight, 0.0)
-        return _FlownDay(level, midnight, np.maximum(np.minimum(lowest, midnight), 0.0))
+        ended, end_h = ~np.isnan(level), np.full(len(level), np.nan)
+        end_h[ended] = hour_of_deficit(
+            self.balance, cumulative_wh, level[ended], flying.cell[ended]
+        )
+        lowest = np.maximum(np.minimum(lowest, midnight), 0.0)
+        return FlownDay(end_h, midnight, np.zeros(len(level)), lowest)
 
-    def _lit_day(self, flying: _Flying) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def _lit_day(self, flying: Flying) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Deficit at the end of flights, then energy, settled deficit and lowest energy [Wh]."""
         day, store = self.day.without_nodes().select(flying.cell), self.store.select(flying.cell)
         least = -_SHORT * store.battery_energy_wh
         level = np.full(len(flying.cell), np.nan)
-        energy, settled, lowest = flying.energy_wh, flying.settled_deficit_wh, flying.energy_wh
+        energy, settled, lowest = flying.energy_wh, flying.before_launch, flying.energy_wh
         for step in day.charge(store, energy, settled):
             energy, settled = step.after_charge_wh, step.settled_deficit_wh
             lowest = np.minimum(lowest, step.drained_wh)
@@ -317,24 +387,3 @@ class _Flights:
                 first = short & np.isnan(level)
                 level[first] = (settled + store.discharge_efficiency * step.drained_wh)[first]
         return level, energy, settled, lowest
-
-    def _perpetual(self, number: int, flying: _Flying, day: _FlownDay) -> BoolArray:
-        """From the second day on, a day that gives back what it takes is perpetual flight."""
-        full = self.store.battery_energy_wh[flying.cell]
-        perpetual = flying.energy_wh - day.midnight_wh <= 1e-11 * full
-        return perpetual & (number >= _DAYS_OF_LAUNCH)
-
-    def _next_day(self, number: int, flying: _Flying, day: _FlownDay) -> _Flying:
-        """Flights at the next midnight; whole days that lose the same energy are skipped."""
-        full = self.store.battery_energy_wh[flying.cell]
-        loss = flying.energy_wh - day.midnight_wh
-        alike = (np.abs(loss - flying.loss_wh) <= 1e-9 * full) & (loss > 1e-9 * full)
-        days = np.floor(day.lowest_wh / np.where(alike, loss, 1.0)) - 1.0
-        days = np.where(alike, np.clip(days, 0.0, MAXIMUM_DAYS), 0.0)
-        return flying._replace(
-            energy_wh=day.midnight_wh - days * loss,
-            settled_deficit_wh=np.zeros(len(full)),
-            # The days of the launch are no measure, whatever flights have become equal.
-            loss_wh=loss if number >= _DAYS_OF_LAUNCH else np.full(len(loss), np.nan),
-            skipped_h=flying.skipped_h + days * HOURS_PER_DAY,
-        )

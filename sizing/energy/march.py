@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sizing.energy.battery import Store
-from sizing.energy.bracketing import falling_root
 from sizing.energy.power_balance import (
     Interval,
     PowerBalance,
@@ -34,6 +33,7 @@ from sizing.energy.power_balance import (
     sum_over_time,
     surplus_phase_h,
 )
+from sizing.roots import falling_root
 from solar.types import FloatArray, IntArray
 
 # Of the battery's energy: change of the stored energy over a day that counts as none.
@@ -342,7 +342,7 @@ def repeated_day(day: ChargingDay, store: Store) -> DayRun:
     from an empty battery leads to it. A cycle whose deficit exceeds all that could be stored
     passes through an empty battery, and from there one day leads to the fixed point. Any other
     cycle is marched from a full battery at nightfall; most fill it again within the day. The few
-    that are left are searched for, see :func:`sizing.energy.bracketing.falling_root`.
+    that are left are searched for, see :func:`sizing.roots.falling_root`.
 
     Returns start and end that agree to 1e-11 of the battery's energy.
     """

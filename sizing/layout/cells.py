@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 
 from sizing.layout.strings import Strings
 from solar.schema import (
+    MOST_CELLS,
     NonNegativeInteger,
     NonNegativeReal,
     PositiveReal,
@@ -31,8 +32,6 @@ from solar.shading import TailGeometry
 _ROUNDING = 1e-9
 # The mean of the chords may be off by what a file rounds.
 _MEAN_TOLERANCE = 0.01
-# Both halves and the tail: that of a single count.
-MOST_CELLS = 100_000
 _Row = Annotated[NonNegativeInteger, Field(le=MOST_CELLS)]
 
 
@@ -347,23 +346,19 @@ class CellLayout(Record):
             for _, count in self._stretches(bay, wing, front_m)
         )
 
-    def _inner_cells(self, wing: Wing, per_half: int) -> list[tuple[int, int]]:
-        """Bay and row of so many cells on half of a wing, from the middle outwards."""
-        found = [
-            (cell.right_m, row, number)
-            for number, bay in enumerate(self.bays)
-            for row, front_m in enumerate(self._fronts(bay, wing, self.rows_that_fit(bay, wing)))
-            for cell in islice(self._laid(self._stretches(bay, wing, front_m), front_m), per_half)
-        ]
-        return [(number, row) for _, row, number in sorted(found)[:per_half]]
-
     def with_cells(self, per_half: int, wing: Wing, strings: Strings | None) -> CellLayout:
         """Layout with so many cells on each half, from the middle outwards."""
         most = self.capacity(wing)
         if per_half > most:
             raise LayoutError("bays", f"half of the wing holds {most} cells, not {per_half}")
         counts = [[0] * self.rows_that_fit(bay, wing) for bay in self.bays]
-        for number, row in self._inner_cells(wing, per_half):
+        places = [
+            (cell.right_m, row, number)
+            for number, bay in enumerate(self.bays)
+            for row, front_m in enumerate(self._fronts(bay, wing, self.rows_that_fit(bay, wing)))
+            for cell in islice(self._laid(self._stretches(bay, wing, front_m), front_m), per_half)
+        ]
+        for _, row, number in sorted(places)[:per_half]:
             counts[number][row] += 1
         bays = [
             bay.model_copy(update={"cells": tuple(cells) if any(cells) else ()})

@@ -18,12 +18,12 @@ _OF_A_CELL = ("mpp_voltage_v", "open_circuit_voltage_v", "mpp_current_a")
 _HALF_A_CELL = 0.5
 
 
-def laid_out(data: Any) -> tuple[Any, set[str]]:
+def laid_out(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
     """Data of modules with the area of their layout's cells, and the keys that are new.
 
     Data that are wrong are left to the validation of the records.
     """
-    raw = data.get("layout") if isinstance(data, Mapping) else None
+    raw = data["layout"]
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, Record) else raw
     if not isinstance(raw, Mapping):
         return data, set()
@@ -74,13 +74,6 @@ def _part_of(raw: Mapping[str, Any], area_m2: float | None) -> float:
     if math.pi / 4.0 * outline <= area_m2 <= outline:
         return 1.0
     return (own if is_positive(own) else outline) / area_m2
-
-
-def mppt_mass_kg(layout: CellLayout | None) -> float | None:
-    """Mass of all MPPTs; None where a layout does not give it."""
-    if layout is None or layout.strings is None or layout.strings.mppt.mass_kg is None:
-        return None
-    return layout.strings.mppts(layout.count) * layout.strings.mppt.mass_kg
 
 
 def check_layout(

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
-from pydantic import model_validator
+from pydantic import Field, Strict, model_validator
 
 from solar.modules import STC_TEMPERATURE_C
 from solar.schema import (
     CellCount,
     NonNegativeReal,
     PositiveReal,
-    Real,
     Record,
     check_order,
     wrong_value,
@@ -48,6 +47,10 @@ class SeriesWindow(NamedTuple):
     why: str
 
 
+# Colder than any air up to 32 km, and as hot as modules are tested at most (IEC 61215: 85 C).
+ModuleTemperature = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
+
+
 class Strings(Record):
     """Cells in series, strings at an MPPT, and temperatures of the modules [C].
 
@@ -58,8 +61,8 @@ class Strings(Record):
 
     cells_in_series: CellCount
     strings_per_mppt: CellCount = 1
-    coldest_c: Real
-    hottest_c: Real
+    coldest_c: ModuleTemperature
+    hottest_c: ModuleTemperature
     mpp_voltage_v: PositiveReal | None = None
     open_circuit_voltage_v: PositiveReal | None = None
     mpp_current_a: PositiveReal | None = None

@@ -24,15 +24,15 @@ from statistics import NormalDist
 import numpy as np
 
 from missions.mission import Mission
-from sizing.aircraft import PROPULSION_VARIABLES, Aircraft
+from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables, variable_keys
+from sizing.design_space import PROPULSION_VARIABLES
 from sizing.margins.search import MarginSearch, Trial
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
-from sizing.smooth_propulsion import with_propulsion
 from sizing.sunlight import SolarModel, solar_day
 from sizing.uncertainty.inputs import (
     SOLAR_MODEL,
@@ -331,7 +331,9 @@ class _ReliableSizing(MarginSearch):
         aircraft, mission = self.aircraft, self.mission
         chosen = design.variables.chosen()
         if (propulsion := aircraft.propulsion_by_parts) is not None:
-            aircraft = with_propulsion(aircraft, propulsion.sized(*design.variables.of_propulsion))
+            aircraft = aircraft.with_airframe(
+                propulsion=propulsion.sized(*design.variables.of_propulsion)
+            )
         for key, name in variable_keys().items():
             if name in chosen and name not in PROPULSION_VARIABLES:
                 aircraft, mission = with_parameter(aircraft, mission, key, float(chosen[name]))

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, LimitedQuantity
+from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables
+from sizing.design_space import LimitedQuantity
 from sizing.limits import meets_requirements
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective

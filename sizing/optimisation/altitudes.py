@@ -17,11 +17,11 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, ImpossibleDesignError
+from sizing.design import DesignVariables
+from sizing.mass_budget import ImpossibleDesignError
 from sizing.optimisation.coverage import widest_range
-from sizing.optimisation.module_flow import with_flow_of_optimum
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.propulsion import with_smooth_chain
+from sizing.optimisation.propulsion import with_flow_of_optimum, with_smooth_chain
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import SolarModel
@@ -152,9 +152,7 @@ class _AltitudeSearch:
             start = self.start or start
             if self.start is None or aircraft is not self.aircraft:
                 aircraft, start = with_flow_of_optimum(aircraft, *given, start=start, **options)
-                if not getattr(
-                    getattr(self.aircraft.airframe, "propulsion", None), "is_exact", False
-                ):
+                if (parts := self.aircraft.propulsion_by_parts) is None or not parts.is_exact:
                     self.aircraft = aircraft  # its modules are cooled as those of an optimum are
             if self.objective.of_range:
                 return widest_range(aircraft, *given, **options).sizing

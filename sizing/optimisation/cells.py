@@ -304,7 +304,13 @@ class _Cells:
             merit_of(self.objective, perf),
             self._keeps_requirements(perf, cells),
         )
-        return [Simulated(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+        lowest = perf.solar_power_w.min(axis=-1) / np.repeat(perf.nominal_load_w, self.each) - 1.0
+        spare = [
+            min(own[[i % self.each for i in search.instance.sunlit]], default=0.0)
+            for search, own in zip(searches, lowest.reshape(-1, self.each), strict=True)
+        ]
+        rows = zip(*(c.tolist() for c in columns), [None] * len(spare), spare, strict=True)
+        return [Simulated(*row) for row in rows]
 
     def _cross_checked(
         self, cells: NDArray[np.int_], variables: DesignVariables, perf: Performance

@@ -32,9 +32,9 @@ from sizing.optimisation.energy_constraints import (
     NODES,
     charge_step_function,
     mean_positive,
+    powers_of_loads_w,
 )
 from sizing.smooth import smooth_minimum
-from sizing.varying_load import powers_of_loads_w
 from solar.types import FloatArray
 
 Strategy = Literal["battery_full", "surplus"]

@@ -8,7 +8,7 @@ simulator's are; the sun's curvature between nodes costs less than 0.01 h of exc
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -16,9 +16,13 @@ import casadi as ca
 import numpy as np
 
 from missions.mission import Mission
-from sizing.design import thermal_shape
+from sizing.aircraft import Aircraft
+from sizing.design import Design, FlightConditions
 from sizing.energy.battery import ChargeLimit, NoChargeLimit, RuleChargeLimit, TableChargeLimit
+from sizing.energy.battery_voltage import FIRST_CHARGE
+from sizing.smooth import Value
 from sizing.sunlight import SolarDay
+from sizing.varying_load import thermal_shape
 from solar.types import FloatArray
 
 # 10 min apart on a day of 16 h.
@@ -27,6 +31,9 @@ SUN_PARAMETERS = 2 * NODES + 3
 _SAME_POWER = 1e-6  # relative
 # Keeps an interval without any charge from dividing by zero [state of charge].
 _NOTHING = 1e-12
+# Extra thrust power by thermals for which a program's straight line is exact: the power bends from
+# it by a few thousandths between none and half of level flight's.
+_THERMAL = 0.25
 
 
 class _Taken(NamedTuple):
@@ -151,6 +158,38 @@ def node_balance(area: Any, nominal_w: Any, propulsion_w: Any, sun: Any) -> Node
     lacking = mean_positive(-net[:-1], -net[1:])
     deficit_wh = ca.sum1(lacking) * step_h + dark_h * nominal_w
     return NodeBalance(net, deficit_wh, step_h, dark_h)
+
+
+def smooth_loads_w(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions
+) -> tuple[Value, Value]:
+    """Nominal load, and more of it per extra thrust power over that of level flight [W].
+
+    Of numbers, arrays or symbols. The efficiency of parts is that of the turbulence of all hours at
+    the voltage of a half charged battery; in thermals the load is a straight line from there.
+    """
+    steady = 1.0 + conditions.turbulence
+    found = powers_of_loads_w(aircraft, design, conditions, (steady, steady + _THERMAL))
+    if found is None:
+        return design.load_in_turbulence_w(conditions.turbulence), design.propulsion_power_w
+    calm_w, rough_w = found
+    return calm_w + design.constant_power_w, (rough_w - calm_w) / _THERMAL
+
+
+def powers_of_loads_w(
+    aircraft: Aircraft, design: Design, conditions: FlightConditions, loads: Sequence[Value]
+) -> list[Value] | None:
+    """Electric power of thrust powers over that of level flight, with a half charged battery [W].
+
+    Of numbers, arrays or symbols; None for constant efficiencies.
+    """
+    if (propulsion := aircraft.propulsion_by_parts) is None:
+        return None
+    thrust_w = design.thrust_power_w
+    own = propulsion.sized(*design.variables.of_propulsion)
+    bus_v = float(aircraft.battery.bus_voltage_v(np.array(FIRST_CHARGE)))
+    speed, air = design.airspeed_m_per_s, conditions.air
+    return [own.bus_power_w(thrust_w * load, speed, air, bus_v) for load in loads]
 
 
 def mean_positive(left: Any, right: Any) -> Any:

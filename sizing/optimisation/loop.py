@@ -10,7 +10,7 @@ is the optimum.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,8 +18,14 @@ import numpy as np
 
 from sizing.design import DesignVariables
 from sizing.energy.cycle import Status
-from sizing.optimisation.result import GOAL_CUSHION_H, ProblemInstance, Solution
-from sizing.optimisation.variables import TOTAL_MASS, WORST_EXCESS
+from sizing.optimisation.problem import ALWAYS_LIT_MARGIN
+from sizing.optimisation.result import (
+    FIRST_MARGIN,
+    GOAL_CUSHION_H,
+    ProblemInstance,
+    Solution,
+)
+from sizing.optimisation.variables import EXCESS_SCALE_H, TOTAL_MASS, WORST_EXCESS
 from sizing.performance import Performance
 
 _ROUNDS = 12
@@ -27,8 +33,10 @@ _WASTE_H = 0.012  # excess time beyond the required one that another goal is to 
 _WASTE = 1e-3  # the same in what it costs of the objective, relative
 # Cost of a missed requirement: far above any multiplier, so that none is missed for a gain.
 PENALTY = 300.0
+_MARGIN_WASTE = 2e-3  # the same of a margin on the recharge that climbs may do with less of
 _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
+_LARGE_MARGIN = 0.1  # of the recharge: climbs that need more begin a longer night
 _LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
 
 
@@ -37,7 +45,8 @@ class Simulated(NamedTuple):
 
     The excess time is that of ``worst``, the scenario with the least, confirmed with a fine step;
     ``merit`` is the larger the better, and ``sound`` tells whether the design keeps every
-    requirement besides the excess time.
+    requirement besides the excess time. ``spare_sun``: :func:`spare_sun` of the scenarios that must
+    be always lit.
     """
 
     excess_time_h: float
@@ -45,6 +54,7 @@ class Simulated(NamedTuple):
     merit: float
     sound: bool
     performance: Performance | None = None
+    spare_sun: float = 0.0
 
 
 class Accepted(NamedTuple):
@@ -91,6 +101,7 @@ class Search:
         # Programs of these scenarios whose designs the simulator rejected and accepted last.
         self._short: _Bound | None = None
         self._enough: _Bound | None = None
+        self._longer_night = False  # than any margin on the recharge makes up for
         # Design of the last program whose goal turned out too low: as good as any can be.
         self.rejected: DesignVariables | None = None
 
@@ -117,8 +128,13 @@ class Search:
             self.best = Accepted(self.current, simulated)
         if accepted and simulated.worst in self.scenarios and not self._wasteful(simulated):
             return False
-        if accepted and self.instance.sunlit and np.isinf(simulated.excess_time_h):
-            return False  # nothing is worse than the others
+        unlimited = np.isinf(simulated.excess_time_h)  # nothing is worse than the others
+        if accepted and self.instance.sunlit and unlimited and not self._wastes_sun(simulated):
+            return False
+        if self.instance.sunlit and (unlimited or simulated.spare_sun < 0.0):
+            self.instance = self._relit(simulated.spare_sun)
+            self.previous, self.solution = self.solution, None
+            return True
         if simulated.worst in self.scenarios:
             bound = _Bound(self.instance.goal_h, self.instance.margin, simulated.excess_time_h)
             self._short, self._enough = (self._short, bound) if accepted else (bound, self._enough)
@@ -129,6 +145,19 @@ class Search:
         self._tighten(simulated)
         self.previous, self.solution = self.solution, None
         return True
+
+    def _wastes_sun(self, simulated: Simulated) -> bool:
+        """Whether a sun that must carry the load has more to spare than next to nothing costs."""
+        worth = self.current.cost(simulated.spare_sun * EXCESS_SCALE_H)
+        return worth > _WASTE and not self._unchanged()
+
+    def _relit(self, spare_sun: float) -> ProblemInstance:
+        """Instance with the sun that must carry the load as the simulator finds it.
+
+        It has the modules cooled by the design's own flow, the program by that of the first guess.
+        """
+        wanted = (1.0 + self.instance.spare_sun) * (1.0 + ALWAYS_LIT_MARGIN)
+        return replace(self.instance, spare_sun=wanted / (1.0 + spare_sun) - 1.0)
 
     def accepts(self, simulated: Simulated) -> bool:
         """Whether a design has enough excess time everywhere and keeps its requirements."""
@@ -144,6 +173,11 @@ class Search:
         surplus_h = simulated.excess_time_h - self.required_h
         if self._unchanged() or self.enclosed():
             return False
+        if self.current.climbs and self._short is not None:
+            # With climbs another margin, in between, may do.
+            margin = self.instance.margin - self._short.margin
+            if self.current.cost(0.0, margin) > _MARGIN_WASTE:
+                return True
         # Next to the largest excess time minutes cost much: what they are worth is known.
         worth = self.current.cost(1.0)
         if surplus_h * worth > _WASTE:
@@ -169,6 +203,11 @@ class Search:
         goal_h = self.ceiling_h - to_spare_h + self.cushion_h
         self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
 
+    @property
+    def knows_margin(self) -> bool:
+        """Whether a program of these scenarios is known to ask for too little."""
+        return self._short is not None
+
     def enclosed(self) -> bool:
         """Whether what lies between a rejected program and an accepted one is worth nothing.
 
@@ -179,7 +218,8 @@ class Search:
             return False
         hours = abs(self._enough.goal_h - self._short.goal_h)
         margin = abs(self._enough.margin - self._short.margin)
-        return last.cost(hours, margin) < _WASTE / 4.0
+        empties = last.climbs and self._short.excess_time_h <= 0.0
+        return last.cost(hours, margin) < (_MARGIN_WASTE if empties else _WASTE / 4.0)
 
     def _unchanged(self) -> bool:
         """Whether the last goal made no difference: another requirement decides."""
@@ -197,14 +237,18 @@ class Search:
             self._short = self._enough = None
             return
         goal_h, margin = self.instance.goal_h, self.instance.margin
+        factor, largest = (5.0, _LARGE_MARGIN) if self.current.climbs else (3.0, math.inf)
         if self._short is not None and self._enough is not None:
             goal_h, margin = self._between(self._short, self._enough)
-        elif simulated.excess_time_h <= 0.0 and not self.current.climbs:
+        elif simulated.excess_time_h <= 0.0 and not self._longer_night and margin < largest:
             # The battery runs empty over many days: the day must return more.
-            goal_h, margin = goal_h + self.cushion_h, 3.0 * margin
+            goal_h, margin = goal_h + self.cushion_h, factor * margin
         else:
             if simulated.excess_time_h <= 0.0:  # with climbs the night may take more as well
-                margin = 3.0 * margin
+                margin = 3.0 * (margin if self._longer_night else FIRST_MARGIN)
+                self._longer_night = True
+                bound = _Bound(goal_h, margin, simulated.excess_time_h)
+                self._short = None if self._short is None else bound
             shifted_h = goal_h + self.required_h - simulated.excess_time_h + self.cushion_h
             if shifted_h > self.ceiling_h:
                 shifted_h = (goal_h + self.ceiling_h) / 2.0
@@ -220,6 +264,8 @@ class Search:
             share = 1.0 - (enough.excess_time_h - aim_h) / (enough.goal_h - short.goal_h)
         share = min(max(share, _LEAST_SHARE), 1.0 - _LEAST_SHARE)
         goal_h = short.goal_h + share * (enough.goal_h - short.goal_h)
+        if self.current.climbs and short.excess_time_h <= 0.0:
+            share = 0.5  # how much a battery that runs empty lacks does not tell the margin
         return goal_h, short.margin * (enough.margin / short.margin) ** share
 
 
@@ -240,6 +286,15 @@ def run(
             return
         pairs = zip(searches, simulate(searches), strict=True)
         searches = [search for search, simulated in pairs if search.judge(simulated)]
+
+
+def spare_sun(perf: Performance, sunlit: Collection[int]) -> float:
+    """By how much the lowest sun of some scenarios exceeds the nominal load, relative; 0 of none.
+
+    ``perf``: of one design.
+    """
+    lowest = perf.solar_power_w.min(axis=-1) / perf.nominal_load_w
+    return float(np.min(lowest[list(sunlit)], initial=np.inf)) - 1.0 if sunlit else 0.0
 
 
 def telling_scenarios(perf: Performance, count: int) -> list[int]:

@@ -17,16 +17,11 @@ import numpy as np
 from pydantic import Field
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, DesignSpace
-from sizing.design import (
-    Design,
-    FlightConditions,
-    Masses,
-    closed_design,
-    parametric_design,
-    variables_of,
-)
+from sizing.aircraft import Aircraft
+from sizing.design import Design, FlightConditions, Masses, parametric_design, variables_of
+from sizing.design_space import DesignSpace
 from sizing.limits import QUANTITIES, DesignInFlight, Requirement, design_requirements
+from sizing.mass_budget import closed_design
 from sizing.optimisation.variables import OWN
 from sizing.parameters import replaced
 from sizing.performance import Performance

@@ -35,13 +35,7 @@ from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.held_station import POWER_AGAINST_WIND, faster_flight_w
-from sizing.limits import (
-    EQUATIONS,
-    STATIC_MARGIN,
-    DesignInFlight,
-    Requirement,
-    design_requirements,
-)
+from sizing.limits import EQUATIONS, STATIC_MARGIN, DesignInFlight, Requirement, design_requirements
 from sizing.optimisation.climb_constraints import (
     ALOFT_PARAMETERS,
     CLIMB_SUN_PARAMETERS,
@@ -50,9 +44,10 @@ from sizing.optimisation.climb_constraints import (
     climb_values,
     climbing_cycle_function,
 )
-from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function
+from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function, smooth_loads_w
 from sizing.optimisation.solver_options import OPTIONS, TOLERANCE, Effort
 from sizing.optimisation.variables import (
+    EXCESS_SCALE_H,
     HEIGHT,
     HORIZONTAL_VOLUME,
     OWN,
@@ -69,10 +64,7 @@ from sizing.optimisation.variables import (
     limit_rows,
 )
 from sizing.parameters import all_replaced, catalogue, parameter_value
-from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.smooth_chain import SmoothPropulsion
-from sizing.smooth_propulsion import with_propulsion
-from sizing.varying_load import smooth_loads_w
 from solar.types import FloatArray
 
 # By how much the lowest sun must exceed the load where it carries it at all times, relative: at
@@ -85,6 +77,9 @@ _NUMBERS_OF_A_KIND = (
     "airframe.propulsion.motor.speed_constant_rpm_per_v",
 )
 _POLAR = "airframe.aerodynamics."
+
+# Solutions with climbs take up to 60 steps in the wild problems that were looked at.
+_STEPS_WITH_CLIMBS = 80
 
 # Programs that are kept, each with its solvers: some megabytes.
 _PROGRAMS_KEPT = 32
@@ -130,6 +125,8 @@ class Program:
             if self.climbs and kind == "ipopt":
                 # Second derivatives of two stores over a day take seconds to build.
                 options = options | {"ipopt.hessian_approximation": "limited-memory"}
+                if effort != "steady":  # a height that no design reaches would take all steps
+                    options = options | {"ipopt.max_iter": _STEPS_WITH_CLIMBS}
             self._solvers[effort] = ca.nlpsol("sizing", kind, self.symbols, options)
         return self._solvers[effort]
 
@@ -244,8 +241,7 @@ def build_problem(
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    propulsion = aircraft.airframe.propulsion
-    if isinstance(propulsion, OperatingPointPropulsion) and propulsion.is_exact:
+    if (propulsion := aircraft.propulsion_by_parts) is not None and propulsion.is_exact:
         raise TypeError(
             f"the propulsion of {aircraft.name} is at its operating point: with_smooth_chain first"
         )
@@ -282,7 +278,7 @@ def _corrected_by(aircraft: Aircraft, correction: tuple[Any, ...]) -> Aircraft:
     if not isinstance(propulsion, SmoothPropulsion):
         return aircraft
     changed = propulsion.model_copy(update={"correction": correction})
-    return with_propulsion(aircraft, changed)
+    return aircraft.with_airframe(propulsion=changed)
 
 
 def numbers_taken_out(aircraft: Aircraft) -> tuple[str, ...]:
@@ -352,7 +348,7 @@ def _program(
             )
             reserve_h = dawn_soc[i] * usable_h
         else:
-            parts = isinstance(getattr(kind.airframe, "propulsion", None), OperatingPointPropulsion)
+            parts = kind.propulsion_by_parts is not None
             climbing = climbing_cycle_function(kind.battery.charge_limit, climb, by_parts=parts)
             deficit, charged, reached, glide_h = climbing(
                 *(lit_area, capacity_wh, dawn_soc[i], heights[i], store),
@@ -365,7 +361,7 @@ def _program(
         # The margin is slightly more charge than the night takes. At equality the cycle
         # stands on an edge: a day that returns any less lets the battery run empty over many days.
         recharged = charged - dawn_soc[i] - (1.0 + margin) * deficit
-        excess = Constraint("excess_time", i, "h", 2.4)
+        excess = Constraint("excess_time", i, "h", EXCESS_SCALE_H)
         # Where the sun carries the load at all times the excess time is unlimited, whatever the
         # battery holds at dawn.
         lowest = sun[-1, i]

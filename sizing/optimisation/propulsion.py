@@ -1,34 +1,41 @@
-"""Sizing with a propulsion at its operating point.
+"""What a sizing settles before the one that counts: propulsion, and the flow about its modules.
 
-The program has formulas that it can differentiate in place of the propulsion's own search for a
-speed of rotation. The exact chain judges the optimum: a factor makes the two equal there, and the
-program is solved again until that factor stays. A propeller by tables, which have corners, has
-constant efficiencies in the program, found in the same way.
+Of a propulsion at its operating point the program has formulas that it can differentiate in place
+of the propulsion's own search for a speed of rotation. The exact chain judges the optimum: a factor
+makes the two equal there, and the program is solved again until that factor stays. A propeller by
+tables, which have corners, has constant efficiencies in the program, found in the same way.
+
+The program takes the sun from the flow of the aircraft's first guess; the simulator gives each
+design its own (:mod:`sizing.module_power`). Where the two are far apart, the program weighs modules
+wrongly: its first optimum is the guess of the sizing that counts.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import Any
 
 from missions.mission import Mission
-from sizing.aircraft import PROPULSION_VARIABLES, Aircraft
-from sizing.design import (
-    DesignVariables,
+from sizing.aircraft import Aircraft
+from sizing.design import Design, DesignVariables, parametric_design
+from sizing.design_space import PROPULSION_VARIABLES
+from sizing.mass_budget import (
     ImpossibleDesignError,
     design_of,
     first_chain,
     level_point,
     mixed_chain,
     operating_trouble,
-    parametric_design,
 )
+from sizing.module_power import balances_heat
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
-from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.search import size_aircraft, unjudged_optimum
+from sizing.optimisation.variables import TOTAL_MASS
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
-from sizing.smooth_propulsion import corrected, smooth_propulsion, with_propulsion
+from sizing.smooth_propulsion import corrected, smooth_propulsion
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
 _ROUNDS, _NARROWED = 12, 2
@@ -53,6 +60,17 @@ class _Request:
         if self.objective.of_range:
             return widest_range(*given, required_excess_time_h=hours).sizing
         return size_aircraft(*given, required_excess_time_h=hours, start=start, explain=False)
+
+    def first_design(self, aircraft: Aircraft) -> Design | None:
+        """Design near the optimum with another propulsion; None where the quick way finds none."""
+        if self.objective.of_range:
+            return None
+        given = (aircraft, self.mission, self.objective, self.solar)
+        found = unjudged_optimum(*given, required_excess_time_h=self.required_h)
+        if found is None:
+            return None
+        mass_kg = found.value(TOTAL_MASS)
+        return parametric_design(aircraft, self.mission, found.design, mass_kg)
 
     def exact_chain(self, result: SizingResult) -> Propulsion:
         """Chain of the parts at an optimum."""
@@ -96,8 +114,8 @@ def sized_smoothly(
     required_excess_time_h: float | None = None,
 ) -> tuple[Aircraft, DesignVariables | None, SizingResult | None]:
     """As :func:`with_smooth_chain`, with the sizing of the aircraft that is returned, if it was."""
-    propulsion = getattr(aircraft.airframe, "propulsion", None)
-    if not isinstance(propulsion, OperatingPointPropulsion) or not propulsion.is_exact:
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None or not propulsion.is_exact:
         return aircraft, None, None
     request = _Request(aircraft, mission, objective, solar, required_excess_time_h)
     if propulsion.propeller.table is not None:
@@ -106,20 +124,24 @@ def sized_smoothly(
     start: DesignVariables | None = None
     sizes = set(PROPULSION_VARIABLES) & aircraft.design_space.requested_ranges().keys()
     for number in range(_ROUNDS):
-        flown = with_propulsion(aircraft, smooth)
-        result = request.optimum(flown, start)
-        if result.design is None:
-            return flown, start, None
-        start = result.design.variables
+        flown = aircraft.with_airframe(propulsion=smooth)
+        # The first round only tells where to compare.
+        design, result = None if number else request.first_design(flown), None
+        if design is None:
+            result = request.optimum(flown, start)
+            if result.design is None:
+                return flown, start, None
+            design = result.design
+        start = design.variables
         if sizes and number < _NARROWED:
             # Fitted anew, narrowly around the last optimum.
-            smooth = smooth_propulsion(aircraft, mission, propulsion, result.design)
-            smooth = corrected(smooth, aircraft, mission, result.design)
+            smooth = smooth_propulsion(aircraft, mission, propulsion, design)
+            smooth = corrected(smooth, aircraft, mission, design)
             continue
-        point = level_point(aircraft, mission, result.design)
-        before, smooth = smooth, corrected(smooth, aircraft, mission, result.design, point)
+        point = level_point(aircraft, mission, design)
+        before, smooth = smooth, corrected(smooth, aircraft, mission, design, point)
         moved = max(abs(a - b) for a, b in zip(smooth.correction, before.correction, strict=True))
-        if moved < _SETTLED:
+        if moved < _SETTLED and result is not None:
             if point.reason:
                 raise ImpossibleDesignError(operating_trouble(aircraft, mission, start))
             return flown, start, None if objective.of_range else result
@@ -137,18 +159,18 @@ def _with_constants(
     chain, before = first_chain(propulsion), 0.0
     start: DesignVariables | None = None
     for _ in range(_ROUNDS):
-        fixed = with_propulsion(aircraft, _in_two_links(chain))
+        fixed = aircraft.with_airframe(propulsion=_in_two_links(chain))
         result = request.optimum(fixed, start)
         if result.design is None:
             if start is None:
                 own = design_of(aircraft, request.mission).chain or chain
-                fixed = with_propulsion(aircraft, _in_two_links(own))
+                fixed = aircraft.with_airframe(propulsion=_in_two_links(own))
             return fixed, start
         start = result.design.variables
         exact = request.exact_chain(result)
         moved = exact.efficiency - chain.efficiency
         if abs(moved) < _SETTLED_CONSTANT:
-            return with_propulsion(aircraft, _in_two_links(exact)), start
+            return aircraft.with_airframe(propulsion=_in_two_links(exact)), start
         # Each round moves by a share of the one before: the rest of the row is its sum.
         share = moved / before if abs(moved) < _SHRINKS * abs(before) else 0.0
         chain = mixed_chain(exact, chain, share / (1.0 - share))
@@ -172,3 +194,35 @@ def _in_two_links(chain: Propulsion) -> Propulsion:
         "motor_efficiency": chain.efficiency / chain.propeller_efficiency,
     }
     return chain.model_copy(update=links)
+
+
+def with_flow_of_optimum(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    *,
+    start: DesignVariables | None = None,
+    **options: Any,
+) -> tuple[Aircraft, DesignVariables | None]:
+    """Aircraft whose first guess is about its optimum, and where to start; as it is elsewhere.
+
+    ``options``: as for :func:`~sizing.optimisation.search.size_aircraft`.
+    """
+    if objective.of_range or not balances_heat(mission):
+        return aircraft, start
+    first = size_aircraft(
+        *(aircraft, mission, objective, solar), start=start, explain=False, **options
+    )
+    if first.design is None or not first.feasible:
+        return aircraft, start
+    found = first.design.variables.mapped(float)
+    guess = aircraft.with_airframe(wingspan_m=found.wingspan_m, aspect_ratio=found.aspect_ratio)
+    parts: dict[str, Any] = {}
+    if aircraft.battery.pack is None:
+        battery = {"mass_kg": found.battery_mass_kg}
+        parts["battery"] = aircraft.battery.model_copy(update=battery)
+    if aircraft.modules.layout is None:
+        area = {"area_m2": found.module_area_m2}
+        parts["modules"] = aircraft.modules.model_copy(update=area)
+    return guess.model_copy(update=parts), found

@@ -15,13 +15,22 @@ from typing import NamedTuple
 import numpy as np
 
 from missions.mission import Mission, Scenarios
-from sizing.aircraft import Aircraft, LimitedQuantity, LimitEnd
+from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
+from sizing.design_space import LimitedQuantity, LimitEnd
 from sizing.limits import meets_requirements
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.latitudes import nearest_latitude
-from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
+from sizing.optimisation.loop import (
+    PENALTY,
+    Accepted,
+    Search,
+    Simulated,
+    run,
+    spare_sun,
+    telling_scenarios,
+)
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
@@ -281,7 +290,8 @@ class _Relaxations:
         worst = perf.worst_scenario()
         excess_h = float(perf.cycle.excess_time_h[worst])
         sound = bool(meets_requirements(aircraft, mission, perf.design))
-        return Simulated(excess_h, worst, merit, sound, perf)
+        spare = spare_sun(perf, solution.instance.sunlit)
+        return Simulated(excess_h, worst, merit, sound, perf, spare)
 
     def _confirmed_value(
         self,

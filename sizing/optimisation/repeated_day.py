@@ -19,32 +19,24 @@ from scipy.optimize import brentq
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.balance.placing import sizes_tail
-from sizing.design import (
-    DesignVariables,
-    FlightConditions,
-    ImpossibleDesignError,
-    design_of,
-    lightest_mass_kg,
-    parametric_design,
-    variables_of,
-)
+from sizing.design import DesignVariables, FlightConditions, parametric_design, variables_of
 from sizing.energy.battery import ChargeLimit
 from sizing.held_station import refuse_held_station
 from sizing.limits import design_requirements
+from sizing.mass_budget import ImpossibleDesignError, design_of, lightest_mass_kg
 from sizing.optimisation.energy_constraints import (
     NODES,
     SUN_PARAMETERS,
     charge_path,
     cycle_function,
     node_balance,
+    smooth_loads_w,
     sun_parameters,
 )
 from sizing.optimisation.problem import numbers_taken_out
 from sizing.optimisation.variables import HORIZONTAL_VOLUME, SOLAR_TECHNOLOGY
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.sunlight import SolarDay
-from sizing.varying_load import smooth_loads_w
 from solar.types import FloatArray
 
 # Of each scenario, in the order of the function's results. The last two are rows of the sizing
@@ -129,7 +121,7 @@ class DesignInDays:
             "payload_power_w": mission.payload.power_w,
         }
         values = variables_of(aircraft).chosen() | payload
-        if sizes_tail(aircraft):  # its user keeps the static margin by the row of that name
+        if aircraft.sizes_tail:  # its user keeps the static margin by the row of that name
             values[HORIZONTAL_VOLUME] = design_of(aircraft, mission).horizontal_volume
         values |= {key: parameter_value(aircraft, None, key) for key in keys}
         self.inputs = {name: float(value) for name, value in values.items()}

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from sizing.design import Design, DesignVariables, plain_design
+from sizing.design import Design, DesignVariables
 from sizing.limits import ROW_TOLERANCE
+from sizing.mass_budget import plain_design
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.objectives import SizingStatus as SizingStatus
 from sizing.optimisation.own_terms import OwnObjective
@@ -36,7 +37,7 @@ ABSOLUTE_TOLERANCE_H = 0.01
 # the distance: below 0.0007 of the largest in 60 random sizings. Those that limit were above 0.01.
 LIMITING_FRACTION = 1e-3
 
-_FIRST_MARGIN = 1e-3  # of the recharge, to begin with
+FIRST_MARGIN = 1e-3  # of the recharge, to begin with
 # The goal is a little more than what is required [h]: the program's time step flatters a design by
 # up to 0.003 h, the simulator's by another 0.002.
 GOAL_CUSHION_H = 0.006
@@ -58,7 +59,8 @@ class ProblemInstance:
     counts; None where every requirement must be met. ``margin``: by how much more charge the day
     must return than the night takes, relative. ``lit``: scenarios in which the sun must carry the
     nominal load at all times. Their excess time is unlimited and meets any requirement.
-    ``wind_m_per_s``: wind instead of the mission's strongest [m/s].
+    ``spare_sun``: by how much more than the program's modules need, relative. ``wind_m_per_s``:
+    wind instead of the mission's strongest [m/s].
     """
 
     cost: Mapping[str, float]
@@ -68,8 +70,9 @@ class ProblemInstance:
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     held: Mapping[str, float] = field(default_factory=dict)
     penalty: float | None = None
-    margin: float = _FIRST_MARGIN
+    margin: float = FIRST_MARGIN
     sunlit: frozenset[int] = frozenset()
+    spare_sun: float = 0.0
     wind_m_per_s: float | None = None
 
     @classmethod
@@ -112,7 +115,9 @@ class Solution:
     """Solution of a program.
 
     ``x`` is the decision vector of ``variables``, ``weights`` its cost, ``design`` what it says of
-    the aircraft; ``scenarios`` are those in the blocks.
+    the aircraft; ``scenarios`` are those in the blocks. ``rival``: cost of the second best optimum
+    that was found, at other heights of climbs; infinite without one. ``margin_cost``: what a unit
+    of margin on the recharge adds to the cost where it takes height from climbs as well.
     """
 
     instance: ProblemInstance
@@ -124,6 +129,8 @@ class Solution:
     weights: FloatArray
     constraint_multipliers: FloatArray
     bound_multipliers: FloatArray
+    rival: float = math.inf
+    margin_cost: float | None = None
 
     def value(self, name: str) -> float:
         """Value of a variable, in its unit."""
@@ -159,6 +166,8 @@ class Solution:
             return 0.0  # an excess time, or technology
         rows = zip(self.constraints, self.constraint_multipliers, strict=True)
         cost = sum(abs(m) / row.scale for row, m in rows if row.name == name)
+        if name == "energy_balance" and self.margin_cost is not None:
+            cost = self.margin_cost
         # The cost is a logarithm, or a payload over its scale.
         payload = [v for v in self.variables if v.name in self.instance.cost and v.scale]
         whole = sum(

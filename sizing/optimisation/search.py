@@ -24,7 +24,15 @@ from sizing.optimisation.infeasibility import (
     short_of_largest_excess,
     violations,
 )
-from sizing.optimisation.loop import PENALTY, Accepted, Search, Simulated, run, telling_scenarios
+from sizing.optimisation.loop import (
+    PENALTY,
+    Accepted,
+    Search,
+    Simulated,
+    run,
+    spare_sun,
+    telling_scenarios,
+)
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
@@ -78,12 +86,42 @@ def size_aircraft(
     searches in which failures are many and their reasons idle. ``enough_h``: excess time that will
     do [h]: the search takes shortcuts, and ends at the first design that has it.
     """
-    problems = checked_problems(aircraft, objective, problems)
-    required = mission.required_excess_time_h
-    required = required if required_excess_time_h is None else required_excess_time_h
-    sunlit = solar_day(aircraft, mission, solar) if day is None else day
-    solver = ProgramSolver(problems, mission, solar, sunlit, by_model=day is None)
+    solver, required = _solver_of(
+        *(aircraft, mission, objective, solar, required_excess_time_h, day, problems)
+    )
     return _sized(solver, objective, required, start, explain=explain, enough_h=enough_h)
+
+
+def unjudged_optimum(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    *,
+    required_excess_time_h: float | None = None,
+) -> Solution | None:
+    """Optimum of the program that a sizing begins with; None where it has none.
+
+    The simulator may find it wanting, and other scenarios worse: it is near the sizing's own.
+    """
+    solver, required = _solver_of(aircraft, mission, objective, solar, required_excess_time_h)
+    return _Sizing(solver, objective, required).first_solution()
+
+
+def _solver_of(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    required_h: float | None,
+    day: SolarDay | None = None,
+    problems: SizingProblems | None = None,
+) -> tuple[ProgramSolver, float]:
+    """Solver of an aircraft's programs for a mission, and the excess time required [h]."""
+    problems = checked_problems(aircraft, objective, problems)
+    required = mission.required_excess_time_h if required_h is None else required_h
+    sunlit = solar_day(aircraft, mission, solar) if day is None else day
+    return ProgramSolver(problems, mission, solar, sunlit, by_model=day is None), required
 
 
 def size_branch(
@@ -186,14 +224,7 @@ class _Sizing:
         self.largest: Accepted | None = None  # design of largest excess time, if it is enough
 
     def run(self) -> SizingResult:
-        count = len(self.day.scenarios)
-        self.search = Search(
-            self._instance(),
-            self.required_h,
-            self._first_scenarios(min(_FIRST_BLOCKS, count)),
-            self._solve_again,
-            count=count,
-        )
+        self.search = self._begun()
         # With a penalty the program says soonest that nothing meets all requirements.
         solution = self._solve([self.start], self.search.instance.penalised(PENALTY))
         nearly = self.solver.nearly
@@ -210,6 +241,16 @@ class _Sizing:
             plain = solution.cost_of_missing() > _PLAIN
             solution = None if plain else self._met_after_all(solution)
         return self._failure(self.first) if solution is None else self._settled(solution)
+
+    def first_solution(self) -> Solution | None:
+        """Optimum of the first program, which no simulation has judged."""
+        self.search = self._begun()
+        return self._solve([self.start])
+
+    def _begun(self) -> Search:
+        count = len(self.day.scenarios)
+        first = self._first_scenarios(min(_FIRST_BLOCKS, count))
+        return Search(self._instance(), self.required_h, first, self._solve_again, count=count)
 
     @property
     def rough(self) -> bool:
@@ -284,7 +325,9 @@ class _Sizing:
         assert search.previous is not None
         starts = [search.previous.design]
         starts += [] if self.largest is None else [self.largest.solution.design]
-        solution = self._solve(starts)
+        # With climbs there are several optima: the program is held to the one that it has chosen.
+        previous = search.previous if search.previous.climbs else None
+        solution = self._solve(starts, previous=previous)
         if solution is not None or not self.rough:
             return solution or self._solve(starts, effort="steady")
         soft = self._solve(starts, search.instance.penalised(PENALTY)) or self.solver.nearly
@@ -316,14 +359,16 @@ class _Sizing:
         sound = bool(meets_requirements(self.aircraft, self.solver.mission, perf.design))
         excess_h = self.solver.least_excess_h(perf, self.required_h)
         merit = float(merit_of(self.objective, perf))
-        return Simulated(excess_h, perf.worst_scenario(), merit, sound, perf)
+        spare = spare_sun(perf, solution.instance.sunlit)
+        return Simulated(excess_h, perf.worst_scenario(), merit, sound, perf, spare)
 
     def _settled(self, solution: Solution) -> SizingResult:
         """Best design that the simulator accepts, from a first solution on."""
         self.search.previous, self.search.solution = None, solution
         self._run()
         best = None if self.search.best is None else self.search.best.solution
-        if best is not None and best.cost(0.0, best.instance.margin) > _MARGIN_COST:
+        costs = best is not None and best.cost(0.0, best.instance.margin) > _MARGIN_COST
+        if best is not None and costs and not (best.climbs and self.search.knows_margin):
             margin = best.instance.margin * _LESS_MARGIN
             self.search.instance = replace(best.instance, margin=margin)
             self.search.previous, self.search.solution = best, None
@@ -379,6 +424,8 @@ class _Sizing:
         own = self.solver
         mission = least_mission(own.mission, self.objective)
         solver = ProgramSolver(own.problems, mission, own.solar, own.day, by_model=own.by_model)
+        if mission is own.mission:
+            solver.unreached = own.unreached
         largest = self._largest_excess(solver)
         own.work += solver.work
         short = short_of_largest_excess(self.aircraft, largest, self.required_h)

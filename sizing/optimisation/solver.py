@@ -5,18 +5,21 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from missions.mission import Mission
-from sizing.design import DesignVariables, FlightConditions, closed_design, variable_keys
+from sizing.design import DesignVariables, FlightConditions, variable_keys
+from sizing.mass_budget import closed_design
 from sizing.optimisation.climb_constraints import Strategy, aloft_parameters
-from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
+from sizing.optimisation.energy_constraints import NODES, lowest_power, sun_parameters
 from sizing.optimisation.problem import SizingProblem, SizingProblems
 from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
 from sizing.optimisation.solver_options import Effort
 from sizing.optimisation.variables import (
+    HEIGHT,
     HORIZONTAL_VOLUME,
     TOTAL_MASS,
     WIND,
@@ -24,7 +27,7 @@ from sizing.optimisation.variables import (
     Role,
 )
 from sizing.parameters import parameter_value
-from sizing.performance import Performance, performance_of_designs
+from sizing.performance import Performance, performance, performance_of_designs
 from sizing.sunlight import FINE_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
@@ -47,13 +50,14 @@ _OTHER_SLACK_WEIGHT = 100.0
 # Where the least that is missed stands still: over so many steps, to this part of it, rows as well;
 # and what is then missed beyond doubt, relative or in hours.
 _STILL, _STILL_KEPT, _CLEARLY_MISSED = 30, 1e-3, 0.01
-# Heights of climbs whose solutions a program starts from as well: optima of several heights, none
-# among them, are common where the battery must be full before the aircraft climbs.
-_HELD_HEIGHTS = (0.0, 1.0)
-# As well where the ceiling is further above the floor than that [m], where few designs reach it.
+# A program with climbs starts from solutions without and with all height as well: optima of several
+# heights, none among them, are common where the battery must be full before the aircraft climbs.
+# From these where the ceiling is further above the floor than that [m], where few designs reach it.
 _HELD_BETWEEN, _FAR_M = (0.4, 0.6, 0.8), 12e3
 # Held where only level flight has been solved: short of the ceiling all rows have a way to give.
 _BELOW_CEILING = 0.99
+_AT_CEILING = 0.999  # a solution whose heights are all above need not be looked for from there
+_SAME_COST = 1e-4  # of two solutions that are one; costs are logarithms, or payloads over a scale
 _SETTLED = 1e-6  # what rows and derivatives may lack at an optimum without a kink
 
 
@@ -66,6 +70,11 @@ class _Posed(NamedTuple):
     weights: FloatArray
     ends: Mapping[str, tuple[float, float]]
     limits: dict[str, Any]
+
+    @property
+    def heights(self) -> list[int]:
+        """Places of the heights of climbs."""
+        return [self.problem.index[v.name] for v in self.problem.of_role(Role.height)]
 
     def within(self, x: FloatArray) -> FloatArray:
         """Point moved into the bounds."""
@@ -102,6 +111,7 @@ class ProgramSolver:
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
         self._winds = mission.scenario_winds_m_per_s(day.scenarios)
         self.work = SolverReport()
+        self.unreached: set[float] = set()  # heights that no design has
         self.nearly: Solution | None = None
 
     def solve(
@@ -122,19 +132,55 @@ class ProgramSolver:
         posed = self._posed(instance, scenarios)
         distinct = list(dict.fromkeys(scenarios))
         repeated = len(distinct) < len(scenarios)
-        found = [self._from(posed, starts, () if repeated else efforts, previous)]
-        if repeated and found == [None]:
+        # An eased program only points the way: sizings confirm what it finds.
+        rises = self.climb is not None and not posed.problem.of_role(Role.wind)
+        known, level, from_floor = None, previous, list[DesignVariables]()
+        if rises and previous is not None and _same_but_for_goal(posed, previous):
+            known = self._solved(posed, "next", _warm(posed, previous))
+            if known is not None and _cost_of(known) <= previous.rival:
+                margin_cost = self._margin_cost(posed, known)
+                return replace(known, rival=previous.rival, margin_cost=margin_cost)
+            previous = None
+        if rises and previous is None and instance.penalty != math.inf:
+            # Without climbs a program takes a fraction of the time.
+            at_floor = self._posed(instance, scenarios, climbs=False)
+            level = self._from(at_floor, starts, ("quick",), None)
+            if level is not None and not level.missed():
+                from_floor = [level.design]
+        efforts = () if repeated else efforts
+        known = known or self._from(posed, [*from_floor, *starts], efforts, previous)
+        if repeated and known is None:
             # Blocks of one scenario have equal rows, between which an active set may cycle.
             return self.solve(instance, distinct, starts, efforts=efforts)
-        # An eased program only points the way: sizings confirm what it finds.
-        if self.climb is not None and not posed.problem.of_role(Role.wind):
-            held = [*self._held_between, *_HELD_HEIGHTS]
-            found += [self._risen(posed, h, starts, previous) for h in held]
-            if found[0] is None and found[-1] is None:
+        if not rises or (known is not None and instance.penalty == math.inf):
+            return known
+        found = [known]
+        # What is missed at the floor as well is missed by as much from there.
+        if known is None or level is None or not level.missed() or not _as_good(known, level):
+            found.append(self._risen(posed, 0.0, starts, level))
+        highest = (one.x[posed.heights].min() for one in found if one is not None)
+        if max(highest, default=0.0) < _AT_CEILING:
+            held = [*self._held_between, 1.0]
+            found += [self._risen(posed, height, starts, previous) for height in held]
+            if known is None and found[-1] is None:
                 found.append(self._risen(posed, _BELOW_CEILING, starts, previous))
         # Of several the best: a little height may be worth less than none, and more than either.
-        solved = [one for one in found if one is not None]
-        return min(solved, key=lambda one: float(one.weights @ one.x), default=None)
+        solved = sorted((one for one in found if one is not None), key=_cost_of)
+        if not solved:
+            return None
+        others = (_cost_of(one) for one in solved if not _same_cost(one, solved[0]))
+        margin_cost = self._margin_cost(posed, solved[0])
+        return replace(solved[0], rival=min(others, default=math.inf), margin_cost=margin_cost)
+
+    def _margin_cost(self, posed: _Posed, solution: Solution) -> float:
+        """What a unit of margin adds to the cost, by the multipliers of all rows that know it."""
+        step = 1e-4
+        more = replace(posed.instance, margin=posed.instance.margin + step)
+        now, then = (
+            np.asarray(posed.problem.program.rows(solution.x, one.limits["p"])[1]).ravel()
+            for one in (posed, self._posed(more, posed.scenarios))
+        )
+        return abs(float(solution.constraint_multipliers @ (then - now))) / step
 
     def _risen(
         self,
@@ -144,13 +190,16 @@ class ProgramSolver:
         previous: Solution | None,
     ) -> Solution | None:
         """Solution next to the one whose heights are all held at one value."""
-        problem = posed.problem
-        places = [problem.index[v.name] for v in problem.of_role(Role.height)]
+        if height in self.unreached:
+            return None
+        places = posed.heights
         lower, upper = (np.array(posed.limits[key]) for key in ("lbx", "ubx"))
         lower[places] = upper[places] = height
         ends = posed.limits | {"lbx": lower, "ubx": upper}
         held = self._from(posed._replace(limits=ends), starts, ("quick",), previous)
         if held is None:
+            if posed.instance.penalty is not None:  # every other row has a way to give
+                self.unreached.add(height)
             return None
         freed = self._solved(posed, "next", _warm(posed, held))
         return held if freed is None else freed
@@ -164,25 +213,27 @@ class ProgramSolver:
     ) -> Solution | None:
         """First solution that is found."""
         problem, instance = posed.problem, posed.instance
-        if previous is not None and previous.constraints == problem.constraints:
+        if previous is not None and _leads_to(previous, posed):
             solution = self._solved(posed, "next", _warm(posed, previous))
             if solution is not None:
                 return solution
-        if starts and instance.penalty != math.inf:
-            solution = self._directly(posed, starts[0])
-            if solution is not None:
-                return solution
-        for variables in starts:
-            cold = {"x0": posed.within(self._start(problem, instance, variables))}
+        for number, variables in enumerate(starts):
+            begin = self._start(problem, instance, variables)
+            if number == 0 and instance.penalty != math.inf:
+                solution = self._directly(posed, begin)
+                if solution is not None:
+                    return solution
             for effort in efforts:
                 soft = effort == "quick" and instance.penalty not in (None, math.inf)
-                solution = self._solved(posed, "still" if soft else effort, cold)
+                solution = self._solved(
+                    posed, "still" if soft else effort, {"x0": posed.within(begin)}
+                )
                 if solution is not None:
                     return solution
         return None
 
-    def _directly(self, posed: _Posed, variables: DesignVariables) -> Solution | None:
-        """Solution that meets every requirement, by a few whole steps from a design."""
+    def _directly(self, posed: _Posed, begin: FloatArray) -> Solution | None:
+        """Solution that meets every requirement, by a few whole steps from a point."""
         problem = posed.problem
         lower, upper = np.array(posed.limits["lbx"]), np.array(posed.limits["ubx"])
         upper[[problem.index[v.name] for v in problem.of_role(Role.slack)]] = 0.0
@@ -191,8 +242,7 @@ class ProgramSolver:
         if not posed.instance.sunlit:
             lower[[problem.index[v.name] for v in problem.of_role(Role.dawn_state)]] = -1.0
         strict = posed._replace(limits=posed.limits | {"lbx": lower, "ubx": upper})
-        start = strict.within(self._start(problem, posed.instance, variables))
-        return self._solved(strict, "direct", {"x0": start})
+        return self._solved(strict, "direct", {"x0": strict.within(begin)})
 
     def performance(self, variables: DesignVariables, *, coarse: bool = False) -> Performance:
         """Design, or a batch of them, simulated in all scenarios, on request by coarse steps."""
@@ -210,9 +260,10 @@ class ProgramSolver:
         if not self.by_model or least_h <= 0.0 or not 0.0 <= to_spare_h <= _BY_STEP_H:
             return least_h
         some = np.flatnonzero(excess_h <= least_h + _BY_STEP_H).tolist()
-        fine = performance_of_designs(
-            *(self.aircraft, self.mission, perf.design.variables, self.solar),
+        fine = performance(
+            *(self.aircraft, self.mission, self.solar),
             day=SolarDay.joined([self._fine_day(scenario) for scenario in some]),
+            design=perf.design,
         )
         return min(least_h, float(np.min(fine.cycle.excess_time_h)))
 
@@ -225,18 +276,24 @@ class ProgramSolver:
             )
         return self._fine_days[scenario]
 
-    def _posed(self, instance: ProblemInstance, scenarios: Sequence[int]) -> _Posed:
-        """Arguments of the program with these scenarios in its blocks."""
+    def _posed(
+        self, instance: ProblemInstance, scenarios: Sequence[int], *, climbs: bool = True
+    ) -> _Posed:
+        """Arguments of the program with these scenarios in its blocks, with climbs or without."""
         begun = time.perf_counter()
-        kind: Any = {"climb": self.climb, "holds": self.mission.holds_station}
+        climb = self.climb if climbs else None
+        kind: Any = {"climb": climb, "holds": self.mission.holds_station}
         problem = self.problems.of(len(scenarios), **kind)
         if any(name not in problem.index for name in instance.freed):
             problem = self.problems.of(len(scenarios), eased=True, **kind)
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
         suns = self._suns[list(scenarios)]
+        if climb is None:
+            suns = np.hstack([suns[:, : 2 * NODES], suns[:, -3:]])
         sunlit = [i for i, scenario in enumerate(scenarios) if scenario in instance.sunlit]
-        suns[sunlit, -1] = self._lowest_power[[scenarios[i] for i in sunlit]]
+        lowest = self._lowest_power[[scenarios[i] for i in sunlit]]
+        suns[sunlit, -1] = lowest / (1.0 + instance.spare_sun)
         ends = self._ends(problem, instance)
         lower, upper = np.array(
             [[v.to_program(end) for end in ends[v.name]] for v in problem.variables]
@@ -248,7 +305,7 @@ class ProgramSolver:
             "p": problem.parameters(
                 *(weights, conditions, suns),
                 margin=instance.margin,
-                aloft=self._aloft,
+                aloft=None if climb is None else self._aloft,
                 winds_m_per_s=self._winds[list(scenarios)],
             ),
             "lbx": lower,
@@ -355,12 +412,42 @@ def _stands_still(stats: Mapping[str, Any], effort: Effort) -> bool:
     return bool(kept and np.ptp(cost) < _STILL_KEPT * abs(cost[-1]))
 
 
+def _cost_of(solution: Solution) -> float:
+    return float(solution.weights @ solution.x)
+
+
+def _as_good(one: Solution, other: Solution) -> bool:
+    """Whether a solution that misses something costs no more than another one."""
+    return _cost_of(one) <= (1.0 + _SAME_COST) * _cost_of(other)
+
+
+def _same_cost(one: Solution, other: Solution) -> bool:
+    return abs(_cost_of(one) - _cost_of(other)) <= _SAME_COST
+
+
+def _same_but_for_goal(posed: _Posed, previous: Solution) -> bool:
+    """Whether a solution is that of the same instance with another goal in the same scenarios."""
+    now, then = posed.instance, previous.instance
+    then = replace(then, goal_h=now.goal_h, margin=now.margin, spare_sun=now.spare_sun)
+    same = replace(then, penalty=now.penalty) == now and previous.scenarios == posed.scenarios
+    return same and now.penalty != math.inf and previous.climbs
+
+
+def _leads_to(previous: Solution, posed: _Posed) -> bool:
+    """Whether a solution has the rows of a program, but for the heights of climbs."""
+    rows = [row for row in posed.problem.constraints if row.name != HEIGHT or previous.climbs]
+    return previous.constraints == tuple(rows)
+
+
 def _warm(posed: _Posed, previous: Solution) -> dict[str, FloatArray]:
     """Start of the solver from the point and the multipliers of a solution.
 
     Variables that the solution's program did not have begin where they are held.
     """
-    x, bounds = previous.x, previous.bound_multipliers
+    x, bounds, rows = previous.x, previous.bound_multipliers, previous.constraint_multipliers
+    if previous.constraints != posed.problem.constraints:
+        known_rows = dict(zip(previous.constraints, rows, strict=True))
+        rows = np.array([known_rows.get(row, 0.0) for row in posed.problem.constraints])
     if previous.variables is not posed.problem.variables:
         names = posed.problem.program.names
         place = {v.name: i for i, v in enumerate(previous.variables)}
@@ -369,7 +456,7 @@ def _warm(posed: _Posed, previous: Solution) -> dict[str, FloatArray]:
     return {
         "x0": posed.within(x),
         "lam_x0": _NOT_QUITE * bounds,
-        "lam_g0": _NOT_QUITE * previous.constraint_multipliers,
+        "lam_g0": _NOT_QUITE * rows,
     }
 
 

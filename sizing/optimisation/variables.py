@@ -16,15 +16,8 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
-from sizing.aircraft import (
-    Aircraft,
-    DesignSpace,
-    LimitedQuantity,
-    LimitEnd,
-    ParametricAirframe,
-    Range,
-)
-from sizing.balance.placing import sizes_tail
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd, Range
 from sizing.parameters import catalogue, parameter_value, unit
 
 TOTAL_MASS = "total_mass_kg"
@@ -36,6 +29,7 @@ WIND = "mission.wind_m_per_s"
 OWN = "own_objective"  # what the user's own objective is, where there is one
 # What is relative is eased by this to tell what that gains.
 RELATIVE_STEP = 0.01
+EXCESS_SCALE_H = 2.4  # excess time that counts as one in the program: a tenth of the day
 HEIGHT = "height"  # of climbs, as potential energy over that of the ceiling
 
 
@@ -163,7 +157,7 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         Variable("payload_mass_kg", "kg", 0.0, math.inf, _payload_scale_kg(space), Role.payload),
         Variable("payload_power_w", "W", 0.0, math.inf, _payload_scale_w(space), Role.payload),
     )
-    if sizes_tail(aircraft):
+    if aircraft.sizes_tail:
         balance = aircraft.airframe.balance
         assert balance is not None
         ends_of_tail = balance.minimum_horizontal_volume, balance.maximum_horizontal_volume

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, Limit, ParametricAirframe, Range
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables
+from sizing.design_space import Limit, Range
 from sizing.energy.battery_pack import BatteryPack
 from sizing.layout.cells import CellLayout, Wing
 from sizing.layout.strings import Strings

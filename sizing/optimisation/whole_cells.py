@@ -15,13 +15,15 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, DesignSpace
+from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
-from sizing.layout.cells import MOST_CELLS, Wing
+from sizing.design_space import DesignSpace
+from sizing.layout.cells import Wing
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.whole_cell_designs import ROW_ROOM, CellDesigns, Found, Neighbour, Numbers
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from solar.schema import MOST_CELLS
 
 # Rings around the rounded optimum that are tried before the search gives up.
 _RINGS = 4

@@ -14,10 +14,10 @@ from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import elementwise
 
 from missions.air import Air
 from sizing.propulsion.propeller import Coefficients
+from sizing.roots import bracketed_root
 from solar.types import FloatArray
 
 # Chord over radius at r/R of 0.15 to 1 in steps of 0.05, as measured: UIUC Propeller Database
@@ -76,11 +76,7 @@ def section_coefficients(
     lift, drag : ndarray
         Coefficients [-].
     """
-    angle = np.asarray(angle_rad, float)
-    upper = (_GREATEST_LIFT - _LIFT_AT_ZERO) / _LIFT_SLOPE
-    lower = (_LEAST_LIFT - _LIFT_AT_ZERO) / _LIFT_SLOPE
-    excess = angle - np.clip(angle, lower, upper)
-    lift = (_LIFT_AT_ZERO + _LIFT_SLOPE * (angle - excess)) * np.cos(excess)
+    lift, excess = _lift_and_excess(np.asarray(angle_rad, float))
     off = lift - _LIFT_OF_LEAST_DRAG
     bounded = np.clip(reynolds, _SMALLEST_REYNOLDS, _LARGEST_REYNOLDS)
     factor = (bounded / _REYNOLDS) ** _REYNOLDS_EXPONENT
@@ -88,15 +84,22 @@ def section_coefficients(
     return np.asarray(lift), np.asarray(drag + _PLATE_DRAG * np.sin(excess) ** 2)
 
 
+def _lift_and_excess(angle: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Lift of the blade section, and the angle beyond its limits [rad]."""
+    upper = (_GREATEST_LIFT - _LIFT_AT_ZERO) / _LIFT_SLOPE
+    lower = (_LEAST_LIFT - _LIFT_AT_ZERO) / _LIFT_SLOPE
+    excess = angle - np.clip(angle, lower, upper)
+    return (_LIFT_AT_ZERO + _LIFT_SLOPE * (angle - excess)) * np.cos(excess), excess
+
+
 class _Flow(NamedTuple):
-    """Flow at blade stations: velocities [m/s], circulation by momentum [m2/s], coefficients."""
+    """Flow at blade stations: velocities [m/s], circulation by momentum [m2/s], angle [rad]."""
 
     axial: FloatArray
     tangential: FloatArray
     speed: FloatArray
     circulation: FloatArray
-    lift: FloatArray
-    drag: FloatArray
+    angle: FloatArray
 
 
 @dataclass(frozen=True)
@@ -189,13 +192,13 @@ class BladeElementPropeller:
                 )
             )
         )
-        place, width, chord, twist = self._blade
-        tangential = np.pi * n * self.diameter_m * place
-        given = np.broadcast_arrays(v, tangential, density / viscosity, place, chord, twist)
-        flow = self._flow(self._angle(given), *given)
+        place, width, chord, _ = self._blade
+        rotation = np.pi * n * self.diameter_m * place
+        flow = self._flow(self._angle(v, rotation), v, rotation)
+        lift, drag = section_coefficients(flow.angle, density / viscosity * flow.speed * chord)
         force = 0.5 * self.blades * density * flow.speed * chord * width
-        thrust = force * (flow.lift * flow.tangential - flow.drag * flow.axial)
-        torque = force * (flow.lift * flow.axial + flow.drag * flow.tangential)
+        thrust = force * (lift * flow.tangential - drag * flow.axial)
+        torque = force * (lift * flow.axial + drag * flow.tangential)
         scale = density[..., 0] * n[..., 0] ** 2 * self.diameter_m**4
         arm = place * self.diameter_m / 2.0
         return Coefficients(
@@ -203,36 +206,28 @@ class BladeElementPropeller:
             np.asarray(2.0 * np.pi * (torque * arm).sum(-1) / (scale * self.diameter_m)),
         )
 
-    def _angle(self, given: tuple[FloatArray, ...]) -> FloatArray:
-        """Angle psi of every station [rad].
+    def _angle(self, v: FloatArray, rotation: FloatArray) -> FloatArray:
+        """Angle psi of every station [rad], of the airspeed and that of the rotation [m/s].
 
         Without induced velocity psi is the angle of the free flow. There the circulation by
         momentum is zero: a section that lifts has its root above, one that brakes below.
         """
-        undisturbed = np.arctan2(given[0], given[1])
-        lifts = self._excess(undisturbed, *given) < 0.0
+        chord = self._blade[2]
+
+        def excess(psi: FloatArray) -> FloatArray:
+            """Circulation by momentum above that by lift [m2/s]."""
+            flow = self._flow(psi, v, rotation)
+            return np.asarray(
+                flow.circulation - 0.5 * flow.speed * chord * _lift_and_excess(flow.angle)[0]
+            )
+
+        undisturbed = np.arctan2(v, rotation)
+        lifts = excess(undisturbed) < 0.0
         lower = np.where(lifts, undisturbed, -undisturbed + 1e-12)
         upper = np.where(lifts, np.pi / 2, np.maximum(undisturbed, lower + 1e-12))
-        root = elementwise.find_root(
-            self._excess, (lower, upper), args=given, tolerances={"xrtol": _ANGLE_TOLERANCE}
-        )
-        return np.asarray(root.x)
+        return bracketed_root(excess, lower, upper, _ANGLE_TOLERANCE)
 
-    def _excess(self, psi: FloatArray, *given: FloatArray) -> FloatArray:
-        """Circulation by momentum above that by lift [m2/s]."""
-        flow = self._flow(psi, *given)
-        return np.asarray(flow.circulation - 0.5 * flow.speed * given[4] * flow.lift)
-
-    def _flow(
-        self,
-        psi: FloatArray,
-        v: FloatArray,
-        rotation: FloatArray,
-        inverse_viscosity: FloatArray,
-        place: FloatArray,
-        chord: FloatArray,
-        twist: FloatArray,
-    ) -> _Flow:
+    def _flow(self, psi: FloatArray, v: FloatArray, rotation: FloatArray) -> _Flow:
         """Flow at an angle psi.
 
         ``W_a = (V + U sin psi) / 2`` and ``W_t = (Omega r + U cos psi) / 2`` with ``U^2 = V^2 +
@@ -240,6 +235,7 @@ class BladeElementPropeller:
         ``4 pi r / B v_t F sqrt(1 + (4 l R / (pi B r))^2)`` with Prandtl's ``F = 2/pi
         acos(exp(-B (1 - r/R) / (2 l)))`` and ``l = (r/R) W_a / W_t``.
         """
+        place, _, _, twist = self._blade
         free = np.hypot(v, rotation)
         axial = 0.5 * (v + free * np.sin(psi))
         tangential = 0.5 * (rotation + free * np.cos(psi))
@@ -251,5 +247,4 @@ class BladeElementPropeller:
         arm = place * self.diameter_m / 2.0
         momentum = 4.0 * np.pi * arm / self.blades * (rotation - tangential) * loss * between
         angle = twist - np.arctan2(axial, tangential)
-        lift, drag = section_coefficients(angle, inverse_viscosity * speed * chord)
-        return _Flow(axial, tangential, speed, np.asarray(momentum), lift, drag)
+        return _Flow(axial, tangential, speed, np.asarray(momentum), angle)

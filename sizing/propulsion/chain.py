@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -16,13 +16,19 @@ from pydantic import (
     WrapValidator,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
-from missions.air import GAS_CONSTANT_AIR, Air
+from missions.air import Air
 from sizing.catalogues.choice import OfCatalogue, Taken, found_entry, taken
 from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
 from sizing.parameters import all_replaced, replaced
 from sizing.propulsion.electric import Controller, Gear, Motor
+from sizing.propulsion.operating_point import (
+    OperatingPoint,
+    Propulsor,
+    bus_power_w,
+    operating_point,
+    propeller_state,
+)
 from sizing.propulsion.part_masses import (
     GEAR_EXPONENT,
     continuous_torque_nm,
@@ -39,11 +45,8 @@ from solar.schema import (
     PositiveReal,
     Record,
     Text,
+    wrong_value,
 )
-
-if TYPE_CHECKING:
-    from sizing.propulsion.operating_point import OperatingPoint, Propulsor
-
 
 _MassFactor = Annotated[float, Strict(), Field(gt=0.0, le=20.0)]
 # Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
@@ -138,6 +141,17 @@ class Propulsion(OfCatalogue):
         return mass_kg if self.fixed_mass_kg is None else self.fixed_mass_kg + mass_kg
 
     @property
+    def links(self) -> dict[str, Value]:
+        """Efficiency of each of :data:`LINKS` [-]; 1 of one that the chain does not have."""
+        named = {name: getattr(self, f"{name}_efficiency") for name in LINKS}
+        return {name: 1.0 if one is None else one for name, one in named.items()}
+
+    def mapped(self, function: Callable[[Value], Value]) -> Self:
+        """Chain with a function of what differs between designs."""
+        links = {f"{name}_efficiency": function(one) for name, one in self.links.items()}
+        return self.model_copy(update=links)
+
+    @property
     def efficiency(self) -> float:
         """Efficiency of the whole chain [-]."""
         chain = (
@@ -220,8 +234,6 @@ class OperatingPointPropulsion(Record):
     @cached_property
     def propulsor(self) -> Propulsor:
         """One of the propulsors."""
-        from sizing.propulsion.operating_point import Propulsor
-
         return Propulsor(
             propeller=self.propeller.propeller,
             motor=self.own_motor,
@@ -258,8 +270,6 @@ class OperatingPointPropulsion(Record):
         ``bus_voltage_v``: of the empty and of the full battery [V]. It must work at both; of the
         two, the one that takes more power counts. Returns of the arguments' shape.
         """
-        from sizing.propulsion.operating_point import OperatingPoint, operating_point
-
         given = np.broadcast_arrays(thrust_power_w, airspeed_m_per_s, *air)
         power_w, speed, *state = (np.asarray(one, float)[..., np.newaxis] for one in given)
         # A design that carries nothing has no thrust; it is masked with its efficiencies.
@@ -275,11 +285,9 @@ class OperatingPointPropulsion(Record):
                 for one in fields(OperatingPoint)
             )
         )
-        return point if self.efficiency_factor == 1.0 else self._by_factor(point)
-
-    def _by_factor(self, point: OperatingPoint) -> OperatingPoint:
-        """Point whose propeller is as much better than computed as the file says."""
-        factor = self.efficiency_factor
+        factor = self.efficiency_factor  # the propeller is as much better than computed
+        if factor == 1.0:
+            return point
         return replace(
             point,
             propeller_efficiency=point.propeller_efficiency * factor,
@@ -295,8 +303,6 @@ class OperatingPointPropulsion(Record):
 
         Voltages broadcast with the others. NaN where the propeller's data end.
         """
-        from sizing.propulsion.operating_point import bus_power_w
-
         thrust_n = thrust_power_w / airspeed_m_per_s / self.propulsors
         power_w = bus_power_w(self.propulsor, thrust_n, airspeed_m_per_s, air, bus_v)
         return self.propulsors * power_w / self.efficiency_factor
@@ -308,8 +314,6 @@ class OperatingPointPropulsion(Record):
 
         NaN where the propeller's data end.
         """
-        from sizing.propulsion.operating_point import propeller_state
-
         thrust_w = thrust_power_w / self.propulsors
         turns, shaft_w = propeller_state(
             self.propulsor, thrust_w / airspeed_m_per_s, airspeed_m_per_s, air
@@ -366,15 +370,14 @@ class OperatingPointPropulsion(Record):
         ``torque_nm``, ``level_w``: of one propeller in level flight [N m] and electric power of
         all [W], by which a gear without a mass has one.
         """
-        estimated = self.estimates_masses
         known_kg = self.controller.mass_kg + (self.gear.mass_kg or 0.0)
         known_kg = known_kg + self.motor_mass_factor * self.motor_kg
         known_kg = known_kg + self.propeller_mass_factor * self.propeller_kg
         gear_kg: Value = 0.0
-        if estimated and self.gear.mass_kg is None:
+        if self.estimates_masses and self.gear.mass_kg is None:
             gear_kg = self.propulsors * gear_mass_kg(torque_nm, self.gear.ratio)
         default = 0.0 if self.motor_mass_kg is not None else _MASS_KG_PER_W
-        links = {f"{name}_efficiency": _unwrapped(one) for name, one in efficiencies.items()}
+        links = {f"{name}_efficiency": unwrapped(one) for name, one in efficiencies.items()}
         return ChainOfParts.model_construct(
             **links,
             fixed_mass_kg=self.propulsors * known_kg,
@@ -382,7 +385,7 @@ class OperatingPointPropulsion(Record):
             climb_power_ratio=self.climb_power_ratio,
             climb_rate_m_per_s=self.climb_rate_m_per_s,
             mass_model=self.mass_model,
-            gear_kg=_unwrapped(gear_kg / level_w**_GEAR_BY_POWER),
+            gear_kg=unwrapped(gear_kg / level_w**_GEAR_BY_POWER),
         )
 
 
@@ -399,35 +402,24 @@ class ChainOfParts(Propulsion):
         """Mass of the propulsion group for its rated electric power [kg]."""
         return super().mass_kg(rated_w) + self.gear_kg * rated_w**_GEAR_BY_POWER
 
-    def mapped(self, function: Callable[[Value], Value]) -> ChainOfParts:
-        """Chain with a function of what differs between designs beside the efficiencies."""
-        return self.model_copy(update={"gear_kg": function(self.gear_kg)})
+    def mapped(self, function: Callable[[Value], Value]) -> Self:
+        """Chain with a function of what differs between designs, gears included."""
+        return super().mapped(function).model_copy(update={"gear_kg": function(self.gear_kg)})
 
 
-def _unwrapped(value: Value) -> Value:
+def unwrapped(value: Value) -> Value:
     """Array without a dimension as the number that it is; all else as it is."""
     single = isinstance(value, np.generic | np.ndarray) and np.ndim(value) == 0
     return float(value) if single else value
 
 
-def air_of(density_kg_per_m3: Value, dynamic_viscosity: Value, temperature_k: Value) -> Air:
-    """State of the air from density, viscosity and temperature; a gas's pressure follows."""
-    pressure = density_kg_per_m3 * GAS_CONSTANT_AIR * temperature_k
-    return Air(temperature_k, pressure, density_kg_per_m3, dynamic_viscosity)
-
-
 def _check_one_rating(chain: Propulsion | OperatingPointPropulsion) -> None:
     """Refuse a propulsion that is rated twice."""
     if chain.climb_power_ratio is not None and chain.climb_rate_m_per_s is not None:
-        raise PydanticCustomError(
-            "two_ratings",
+        raise wrong_value(
+            "climb_rate_m_per_s",
             "is an alternative to climb_power_ratio: give one of them, null for the other "
-            "(got {rate} and a ratio of {ratio})",
-            {
-                "key": "climb_rate_m_per_s",
-                "rate": f"{chain.climb_rate_m_per_s:g}",
-                "ratio": f"{chain.climb_power_ratio:g}",
-            },
+            f"(got {chain.climb_rate_m_per_s:g} and a ratio of {chain.climb_power_ratio:g})",
         )
 
 
@@ -440,9 +432,8 @@ def _constant_by_default(value: Any, handler: ValidatorFunctionWrapHandler) -> A
     if not isinstance(value, Mapping) or "kind" in value:
         return handler(value)
     if PARTS & value.keys():
-        message = "required key is missing; {part} goes with operating_point"
-        context = {"key": "kind", "part": min(PARTS & value.keys())}
-        raise PydanticCustomError("no_kind", message, context)
+        part = min(PARTS & value.keys())
+        raise wrong_value("kind", f"required key is missing; {part} goes with operating_point")
     chain = handler({"kind": "constant", **value})
     chain.__pydantic_fields_set__.discard("kind")
     return chain

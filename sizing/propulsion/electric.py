@@ -83,8 +83,8 @@ class Motor(Record):
         ``N`` turns in the same slots have ``K_v ~ 1/N`` and, of wire with ``1/N`` of the section,
         ``R ~ N^2``: with ``k`` the ratio of the speed constants ``R/k^2``, and currents times ``k``
         for the same torque and field in iron and air gap. So torque, losses and best efficiency at
-        a speed stay, as do mass and limit of power, and the voltage goes with ``1/k``: Hughes, A.,
-        and Drury, B., Electric Motors and Drives, 4th ed., chapter 1, on the rated voltage.
+        a speed stay, as do mass and limit of power, and the voltage goes with ``1/k``: the motor
+        constant ``K_t / sqrt(R)`` is independent of the winding (Wikipedia, Motor constants).
 
         Parameters
         ----------

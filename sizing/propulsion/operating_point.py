@@ -7,18 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import elementwise
 
 from missions.air import Air
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.propeller import Propeller, tip_mach
+from sizing.roots import bracketed_root
 from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 
 _FASTEST_TIP_MACH = 0.95
 _SLOWEST_SHARE = 1e-3
 _WIRING_ROUNDS = 60
-_AT_ONCE = 2048
+_AT_ONCE = 256
 
 
 @dataclass(frozen=True)
@@ -180,7 +180,7 @@ def operating_point(
             raise ValueError(f"{name} (got {values[~(holds & np.isfinite(values))].flat[0]:g})")
     shape = given[0].shape
     thrust, v, bus, *state = (np.ravel(one) for one in given)
-    # Blade elements take some kilobytes for every point.
+    # Blade elements of more points would not fit into the cache.
     parts = [slice(first, first + _AT_ONCE) for first in range(0, max(thrust.size, 1), _AT_ONCE)]
     found = [
         _at(propulsor, thrust[some], v[some], Air(*(one[some] for one in state)), bus[some])
@@ -228,7 +228,7 @@ def _shafts_of(
         *(np.asarray(one, float) for one in (thrust_n, airspeed_m_per_s, *air))
     )
     thrust, v, *state = (np.ravel(one) for one in given)
-    # Blade elements take some kilobytes for every point.
+    # Blade elements of more points would not fit into the cache.
     parts = [slice(first, first + _AT_ONCE) for first in range(0, max(thrust.size, 1), _AT_ONCE)]
     shafts = [
         _shaft(propulsor, thrust[some], v[some], Air(*(one[some] for one in state)))
@@ -361,12 +361,12 @@ def _rotation(
     ends = trial[crossing, first], trial[crossing, first + 1]
     n = np.full(len(v), np.nan)
 
-    def excess(rotation: FloatArray, *given: FloatArray) -> FloatArray:
-        return _thrust(rotation, given[1], *given[2:], propeller=propeller) - given[0]
+    def excess(rotation: FloatArray) -> FloatArray:
+        return _thrust(rotation, *given, propeller=propeller) - pulled
 
     if crossing.size:
-        given = tuple(one[crossing] for one in (thrust, v, *air))
-        n[crossing] = elementwise.find_root(excess, ends, args=given).x
+        pulled, *given = (one[crossing] for one in (thrust, v, *air))
+        n[crossing] = bracketed_root(excess, *ends)
     reason = np.full(len(v), "", dtype=object)
     for place in np.flatnonzero(np.isnan(n)):
         reason[place] = _no_rotation(thrust[place], v[place], pull[place], propeller)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, PrivateAttr, Strict, model_validator
-from pydantic_core import PydanticCustomError
 
 from missions.files.errors import InputError
 from missions.files.texts import read_text, texts_as_read
+from missions.files.validation import wrong_file
 from sizing.catalogues.choice import OfCatalogue
-from solar.schema import Flag, NonNegativeReal, PositiveReal, Text
-
-if TYPE_CHECKING:
-    from sizing.propulsion.propeller import Propeller
+from sizing.propulsion.blade_elements import BladeElementPropeller
+from sizing.propulsion.propeller import Propeller
+from sizing.propulsion.propeller_files import read_propeller
+from solar.schema import Flag, NonNegativeReal, PositiveReal, Text, wrong_value
 
 
 class PropellerChoice(OfCatalogue):
@@ -43,24 +43,17 @@ class PropellerChoice(OfCatalogue):
         if self.table is None:
             for key in ("diameter_m", "pitch_m"):
                 if getattr(self, key) is None:
-                    message = "required key is missing (or product, or table with its files)"
-                    raise PydanticCustomError("propeller", message, {"key": key})
+                    text = "required key is missing (or product, or table with its files)"
+                    raise wrong_value(key, text)
             return self
         odd = self.model_fields_set & {"pitch_m", "blades", "chords"}
         if odd:
-            message = "is of no use with a table, which has the coefficients"
-            raise PydanticCustomError("propeller", message, {"key": min(odd)})
-        context: dict[str, Any] = {"key": "table"}
+            text = "is of no use with a table, which has the coefficients"
+            raise wrong_value(min(odd), text)
         try:
             _ = self.propeller
-        except InputError as error:
-            context["why"] = str(error.problems[0])
-            if (count := len(error.problems)) > 1:
-                context |= {"why": f"has {count} mistakes", "problems": error.problems}
-            raise PydanticCustomError("propeller", "{why}", context) from error
-        except OSError as error:
-            context["why"] = f"cannot read {error.filename!r}: {error.strerror}"
-            raise PydanticCustomError("propeller", "{why}", context) from error
+        except (InputError, OSError) as error:
+            raise wrong_file("table", error) from error
         return self
 
     @property
@@ -81,13 +74,11 @@ class PropellerChoice(OfCatalogue):
     @cached_property
     def propeller(self) -> Propeller:
         """The propeller itself."""
-        from sizing.propulsion import blade_elements, propeller_files
-
         if self.table is None:
             assert self.diameter_m is not None
             assert self.pitch_m is not None
             size = (self.diameter_m, self.pitch_m)
-            return blade_elements.BladeElementPropeller(*size, self.blades, self.chords)
+            return BladeElementPropeller(*size, self.blades, self.chords)
         with texts_as_read(self.texts_read()):
             given = (self.paths, self.diameter_m)
-            return propeller_files.read_propeller(*given, any_speed=self.any_speed)
+            return read_propeller(*given, any_speed=self.any_speed)

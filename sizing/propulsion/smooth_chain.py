@@ -20,6 +20,7 @@ from numpy.polynomial import chebyshev
 from pydantic import Field
 
 from missions.air import Air
+from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion
 from sizing.propulsion.shafts import inlet, motor_state, power_of_shafts_w, shares_of_limits
 from sizing.smooth import Value, chebyshev_series, smooth_maximum
@@ -150,9 +151,6 @@ def _samples(
 
     One for each Reynolds number.
     """
-    # Its root finder takes long to import, and most sizings need none.
-    from sizing.propulsion.blade_elements import BladeElementPropeller
-
     propeller = BladeElementPropeller(1.0, pitch_ratio, blades, chords)
 
     def at(advance: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -15,8 +15,8 @@ from sizing.altitude.best_climb import BestClimb, best_climb
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
-from sizing.design import design_of, structure_assessment
 from sizing.energy.endurance import Endurance, LimitedFlight
+from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance, performance_after_days
 from sizing.relaxed_flight import Relaxation, relaxed_flight
 from sizing.replay import CalendarRun, calendar_run
@@ -43,14 +43,10 @@ from sizing.results.records import (
     uncertainty_record,
 )
 from sizing.results.tables import Result, data_frame
+from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
 from sizing.sunlight import SolarModel, consecutive_days, solar_day
-from sizing.validity.extrapolations import (
-    extrapolations,
-    level_flight_at,
-    with_worth,
-    worst_of,
-)
+from sizing.validity.extrapolations import extrapolations, level_flight_at, with_worth, worst_of
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray
@@ -131,15 +127,8 @@ class Analysis(Result):
 
     @cached_property
     def endurances(self) -> list[Endurance | None]:
-        """Longest flight of every scenario; None where it is unlimited.
-
-        With climbs those at constant altitude, which are no longer.
-        """
-        if self.climb is None:
-            return self.performance.endurances()
-        unlimited = self.performance.cycle.perpetual
-        flights = self.climb.constant.endurances()
-        return [None if u else flight for u, flight in zip(unlimited, flights, strict=True)]
+        """Longest flight of every scenario; None where it is unlimited."""
+        return self.performance.endurances()
 
     @cached_property
     def limited_flight(self) -> LimitedFlight | None:
@@ -147,7 +136,7 @@ class Analysis(Result):
         longest, at = self.endurances[self.worst], self.worst
         if longest is None or not np.isfinite(longest.endurance_h):
             return None
-        flown = self.performance if self.climb is None else self.climb.constant
+        flown = self.performance
         launch_h, endurance_h = float(longest.launch_h), float(longest.endurance_h)
         sunrise_h = float(self.scenario()[q.SUNRISE])
         from_sunrise_h = from_noon_h = np.nan

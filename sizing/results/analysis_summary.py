@@ -8,26 +8,25 @@ from typing import Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from missions.mission import Mission, latitude_label
+from missions.mission import latitude_label
 from sizing.altitude.best_climb import BestClimb
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
-from sizing.performance import Performance
 from sizing.replay import CalendarRun
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
-from sizing.results.conditions import battery_line, wind_rows
+from sizing.results.conditions import battery_line, battery_record, wind_rows
 from sizing.results.notes import (
     catalogue_blocks,
     extrapolation_blocks,
     mass_table,
     relaxation_table,
     structure_blocks,
+    uncertainty_line,
 )
 from sizing.results.parts import balance_blocks, cells_lines, cells_record
 from sizing.results.propulsion import part_masses_line, power_line, varying_line
 from sizing.results.records import clock_label, hours
 from sizing.results.tables import MISSING, Column, Line, Summary, Table, facts
-from sizing.validity.ranges import where_error_is_known
 from solar.sun import solar_time_h
 
 
@@ -68,7 +67,7 @@ def summary(analysis: Analysis) -> Summary:
         blocks.append(relaxation_table(analysis.relaxations[:_CHEAPEST], "perpetual"))
     if analysis.flight is not None:
         blocks.append(flight_table(analysis.flight))
-    condition = battery_line(analysis.aircraft, analysis.mission)
+    condition = battery_line(analysis.aircraft, battery_record(analysis.aircraft, analysis.mission))
     if condition is not None:
         blocks.append(condition)
     blocks += cells_lines(cells_record(analysis.aircraft))
@@ -96,13 +95,12 @@ def answer(analysis: Analysis) -> str:
         return "It flies for over a year, but its days do not repeat themselves."
     first_day = int(analysis.performance.day.scenarios.day_of_year[analysis.worst])
     launched, empty = flight.launch_h, flight.empty_h
-    level = "" if analysis.climb is None else ", without climbs,"
     days = int(empty // 24.0)
     later = {0: "", 1: " on the next day"}.get(days, f" {days} days later")
     clock = f"{clock_label(empty % 24.0)}{later} (solar time{_utc(analysis, first_day, empty)})"
     text = (
         f"It flies {hours(flight.endurance_h)} at best: launched with a full battery at "
-        f"{clock_label(launched)} it flies{level} until {clock}"
+        f"{clock_label(launched)} it flies until {clock}"
     )
     if np.isfinite(flight.before_sun_h):
         text += f", {hours(flight.before_sun_h)} before the sun carries the load"
@@ -146,38 +144,6 @@ def settling_line(analysis: Analysis) -> str | None:
 
 def _days(count: int) -> str:
     return "1 day" if count == 1 else f"{count} days"
-
-
-def uncertainty_line(low: Performance, high: Performance, index: int, mission: Mission) -> str:
-    """What the RMS error of the solar power model means for the least excess time.
-
-    ``low``, ``high``: with the solar power one RMS error lower and higher. ``index``: the worst
-    scenario without the error; where it is another one with less sun, that one is named.
-    ``mission``: with its uncertainty margins, which are taken off before that error.
-    """
-    ends_h = [float(np.min(q.EXCESS_TIME.of(one))) for one in (low, high)]
-    # Less sun may turn a scenario with a short day into the worst one.
-    weakest = low.worst_scenario()
-    at = "" if weakest == index else f" ({low.day.scenarios.label(weakest)})"
-    means = (
-        f"leaves the excess time {'unlimited' if np.isinf(ends_h[0]) else f'at {hours(ends_h[0])}'}"
-        if hours(ends_h[0]) == hours(ends_h[1])
-        else f"puts the excess time between {hours(ends_h[0])}{at} and {hours(ends_h[1])}"
-    )
-    solar, given = low.solar, mission.uncertainty_margins.given
-    beyond = ", on top of the mission's uncertainty margins," if given else ""
-    plain = solar.correction == "none"
-    error = "the model's RMS error" if plain else "the RMS error left after it"
-    if where := where_error_is_known(mission.altitude_m):
-        return (
-            f"{solar.label}; its error at {mission.altitude_m:g} m is not known. One of "
-            f"{100 * solar.rms_relative:.0f} % of the mean power,{where},{beyond[1:]} "
-            f"would {means.replace('leaves', 'leave', 1).replace('puts', 'put', 1)}."
-        )
-    return (
-        f"{solar.label}; {error} of "
-        f"{100 * solar.rms_relative:.0f} % of the mean power{beyond} {means}."
-    )
 
 
 def _where(analysis: Analysis) -> str:

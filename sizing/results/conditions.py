@@ -76,23 +76,11 @@ def _ends_and_mean(values: Any) -> dict[str, float]:
     }
 
 
-def battery_line(aircraft: Aircraft, mission: Mission, mass_kg: float | None = None) -> str | None:
-    """State of the battery in a line, such as ``battery at 12 C: 90 % of its capacity``.
+def battery_line(aircraft: Aircraft, record: dict[str, Any] | None) -> str | None:
+    """State of the battery in a line, such as ``battery at 12 °C: 90 % of its capacity``.
 
-    None where there is no record.
+    ``record``: as it is flown on a mission, or on the days of a weather record; without one None.
     """
-    return _battery_line(aircraft, battery_record(aircraft, mission, mass_kg))
-
-
-def battery_line_of_days(aircraft: Aircraft, air_c: FloatArray, altitude_m: float) -> str | None:
-    """State of the battery on the days of a weather record in a line.
-
-    None where there is no record.
-    """
-    return _battery_line(aircraft, battery_record_of_days(aircraft, air_c, altitude_m))
-
-
-def _battery_line(aircraft: Aircraft, record: dict[str, Any] | None) -> str | None:
     if record is None:
         return None
     words = "battery"

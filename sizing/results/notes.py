@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.parameters import unit_text
+from sizing.performance import Performance
 from sizing.relaxed_flight import Relaxation
+from sizing.results import quantities as q
 from sizing.results.records import finite_values, hours
 from sizing.results.requirements import parameter_words
 from sizing.results.tables import MISSING, Column, Line, Table, facts
 from sizing.structures.assessment import StructureAssessment
-from sizing.validity.ranges import Extrapolation
+from sizing.validity.ranges import Extrapolation, where_error_is_known
 
 HEADING = "outside the range of a model:"
 # Of what is assumed instead of a model, by the model: whose excess time a note has.
@@ -106,3 +111,35 @@ def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible")
 def relaxation_records(relaxations: Sequence[Relaxation]) -> list[dict[str, Any]]:
     """Relaxations, JSON-ready, with their texts."""
     return [{**finite_values(one.__dict__), "text": one.text} for one in relaxations]
+
+
+def uncertainty_line(low: Performance, high: Performance, index: int, mission: Mission) -> str:
+    """What the RMS error of the solar power model means for the least excess time.
+
+    ``low``, ``high``: with the solar power one RMS error lower and higher. ``index``: the worst
+    scenario without the error; where it is another one with less sun, that one is named.
+    ``mission``: with its uncertainty margins, which are taken off before that error.
+    """
+    ends_h = [float(np.min(q.EXCESS_TIME.of(one))) for one in (low, high)]
+    # Less sun may turn a scenario with a short day into the worst one.
+    weakest = low.worst_scenario()
+    at = "" if weakest == index else f" ({low.day.scenarios.label(weakest)})"
+    means = (
+        f"leaves the excess time {'unlimited' if np.isinf(ends_h[0]) else f'at {hours(ends_h[0])}'}"
+        if hours(ends_h[0]) == hours(ends_h[1])
+        else f"puts the excess time between {hours(ends_h[0])}{at} and {hours(ends_h[1])}"
+    )
+    solar, given = low.solar, mission.uncertainty_margins.given
+    beyond = ", on top of the mission's uncertainty margins," if given else ""
+    plain = solar.correction == "none"
+    error = "the model's RMS error" if plain else "the RMS error left after it"
+    if where := where_error_is_known(mission.altitude_m):
+        return (
+            f"{solar.label}; its error at {mission.altitude_m:g} m is not known. One of "
+            f"{100 * solar.rms_relative:.0f} % of the mean power,{where},{beyond[1:]} "
+            f"would {means.replace('leaves', 'leave', 1).replace('puts', 'put', 1)}."
+        )
+    return (
+        f"{solar.label}; {error} of "
+        f"{100 * solar.rms_relative:.0f} % of the mean power{beyond} {means}."
+    )

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 from sizing.aircraft import Aircraft
 from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
+from sizing.design import Design
 from sizing.layout.cells import rows_text
 from sizing.optimisation.objectives import Objective
-from sizing.parameters import unit_text
-from sizing.results.quantities import TOTAL_MASS
+from sizing.parameters import parameter, unit_text
+from sizing.results.quantities import CHOSEN, TOTAL_MASS
 from sizing.results.records import finite_values
 from sizing.results.tables import UNLIMITED, Column, Line, Table
+from sizing.smooth_propulsion import put_parts_in
 
 if TYPE_CHECKING:
     from sizing.optimisation.whole_cells import WholeCells
@@ -259,3 +261,28 @@ def sizing_record(cells: WholeCells, aircraft: Aircraft) -> dict[str, Any]:
         "tried": [finite_values(one.__dict__) for one in cells.tried],
     }
     return record | (cells_record(aircraft) if cells.aircraft is not None else {})
+
+
+def sized_data(aircraft: Aircraft, design: Design, whole_cells: bool) -> dict[str, Any]:
+    """Aircraft's file as data, with an optimum put in.
+
+    Without ``whole_cells`` those of the file are another design's, and leave the technology they
+    had given.
+    """
+    data = aircraft.model_dump(mode="json", exclude_unset=True)
+    data["name"] = f"{data['name']}-sized"
+    for one in CHOSEN:
+        section, key = parameter(one.name).key.split(".")
+        data[section][key] = one.of(design)
+    if design.variables.lift_coefficient is not None:
+        data["airframe"]["aerodynamics"]["lift_coefficient"] = design.variables.lift_coefficient
+    put_parts_in(data, aircraft, design)
+    if whole_cells:
+        return data
+    if data["modules"].pop("layout", None) is not None:
+        data["modules"]["mppt_mass_kg_per_w"] = aircraft.modules.mppt_mass_kg_per_w
+    if data["battery"].pop("pack", None) is not None:
+        technology = aircraft.battery.model_dump(mode="json")
+        for key in ("specific_energy_wh_per_kg", "charge_limit"):
+            data["battery"][key] = technology[key]
+    return data

@@ -12,13 +12,14 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, level_point, load_profile
+from sizing.design import Design
 from sizing.energy.cycle import simulate_cycle
+from sizing.mass_budget import level_point
 from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 from sizing.results.records import finite
-from sizing.varying_load import flight_of, interpolation_error, load_shape
+from sizing.varying_load import flight_of, interpolation_error, load_profile, load_shape
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
@@ -108,11 +109,11 @@ def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerB
     watts, efficiencies = {"propulsion_w": level_w}, {}
     if chain is not None:
         thrust_w = level_w * float(chain.efficiency)
-        efficiencies = {link: getattr(chain, f"{link}_efficiency") for link in LINKS}
+        efficiencies = chain.links
         if aircraft.propulsion_by_parts is not None:
             point = level_point(aircraft, mission, design)
             efficiencies = {k: float(getattr(point, f"{v}_efficiency")) for k, v in LINKS.items()}
-        efficiencies = {k: 1.0 if v is None else float(v) for k, v in efficiencies.items()}
+        efficiencies = {k: float(v) for k, v in efficiencies.items()}
         watts, after = {"aerodynamic_w": thrust_w}, thrust_w
         for link in reversed(LINKS):
             before = after / efficiencies[link]
@@ -264,7 +265,7 @@ def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficie
     )
     charge = flown.cycle.energy_wh[at] / float(np.ravel(flown.store.battery_energy_wh)[0])
     volts = aircraft.battery.bus_voltage_v(charge)
-    load = load_shape(mission, day)[0]
+    load = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)[0]
     own, flight = flight_of(aircraft, mission, design)
 
     def instant(node: int) -> Instant:

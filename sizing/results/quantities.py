@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from sizing.aircraft import LimitedQuantity
 from sizing.design import Design
+from sizing.design_space import LimitedQuantity
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, unit_text

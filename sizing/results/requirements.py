@@ -15,8 +15,9 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, DesignSpace, LimitedQuantity, LimitEnd, ParametricAirframe
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import Design, FlightConditions, bus_voltage_v, parametric_design
+from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, label, unit, unit_text
 from sizing.performance import Performance
@@ -177,12 +178,10 @@ def requirement_margins(
 def _of_parametric(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> Iterator[RequirementMargin]:
-    airframe = aircraft.airframe
-    assert isinstance(airframe, ParametricAirframe)
     conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     it = DesignInFlight(aircraft, design, conditions)
     covered = float(design.variables.module_area_m2 / design.wing_area_m2)
-    most = airframe.maximum_module_coverage
+    most = aircraft.parametric.maximum_module_coverage
     yield _at_most("module_coverage", "modules over wing area", covered, most, "")
     limits = aircraft.design_space.all_limits()
     for name, limit in limits.items():
@@ -195,7 +194,7 @@ def _of_parametric(
         least = RECOMMENDED_STALL_MARGIN
         one = _at_least("stall_margin", label("stall_margin"), float(it.stall_margin), least, "")
         yield one._replace(recommended=True)
-    yield from _of_climb(aircraft, mission, design, float(it.rated_power_w))
+    yield from _of_climb(aircraft, mission, design, float(design.rated_power_w))
     yield from _of_parts(aircraft, mission, design)
 
 
@@ -217,7 +216,7 @@ def _of_climb(
     yield _absolute(name, text, spare_w / weight_n, 0.0, "m/s")._replace(recommended=True)
     if (propulsion := aircraft.propulsion_by_parts) is None:
         return
-    thrust_w = float(aloft.propulsion_power_w * aloft.chain.efficiency)
+    thrust_w = float(aloft.thrust_power_w)
     speed, air = float(aloft.airspeed_m_per_s), FlightConditions.of(there, aircraft).air
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     empty_v, _ = bus_voltage_v(aircraft)
@@ -239,9 +238,8 @@ def _of_parts(aircraft: Aircraft, mission: Mission, design: Design) -> Iterator[
     """Limits of the parts of a propulsion in level flight with an empty battery."""
     if (propulsion := aircraft.propulsion_by_parts) is None:
         return
-    assert design.chain is not None
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
-    thrust_w = float(design.propulsion_power_w * design.chain.efficiency)
+    thrust_w = float(design.thrust_power_w)
     speed, air = float(design.airspeed_m_per_s), FlightConditions.of(mission, aircraft).air
     empty_v, _ = bus_voltage_v(aircraft)
     point = own.point(thrust_w, speed, air, (empty_v, empty_v))

@@ -19,14 +19,14 @@ from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, Si
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.parameters import unit_text
 from sizing.performance import Performance
-from sizing.results.analysis_summary import uncertainty_line
-from sizing.results.conditions import battery_line, climb_lines, wind_rows
+from sizing.results.conditions import battery_line, battery_record, climb_lines, wind_rows
 from sizing.results.notes import (
     catalogue_blocks,
     extrapolation_blocks,
     mass_table,
     relaxation_table,
     structure_blocks,
+    uncertainty_line,
 )
 from sizing.results.parts import (
     balance_lines,
@@ -39,7 +39,7 @@ from sizing.results.propulsion import part_masses_line, power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import hours, relative_change
 from sizing.results.requirements import constraint_words, parameter_words, requirement_table
-from sizing.results.sizing import SizingStudy
+from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import where_error_is_known
@@ -174,7 +174,7 @@ def _confidence(study: SizingStudy) -> list[Any]:
     flown, low, high = study.result.simulated, study.low, study.high
     some = flown or study.result.nearest
     mass_kg = None if some is None else float(some.design.variables.battery_mass_kg)
-    condition = battery_line(study.aircraft, study.mission, mass_kg)
+    condition = battery_line(study.aircraft, battery_record(study.aircraft, study.mission, mass_kg))
     blocks: list[Any] = [] if condition is None else [condition]
     blocks += extrapolation_blocks(study.extrapolations)
     blocks += catalogue_blocks(study.aircraft)

@@ -183,18 +183,13 @@ class Table:
         """Lines of the table with their emphasis: title, cells and notes."""
         title = paragraph(self.title, width) if self.title else []
         notes = [line for note in self.notes for line in paragraph(note, width)]
+        heads = [column.heading for column in self.columns] if self.headings else None
+        to_right = [self.is_numeric(i) for i in range(len(self.columns))]
+        grid = Grid(heads, self.texts(), to_right, self.sections)
         return [
             *((line, "strong") for line in title),
-            *((line, "plain") for line in (*self._text_grid().lines(width), *notes)),
+            *((line, "plain") for line in (*grid.lines(width), *notes)),
         ]
-
-    def _text_grid(self) -> Grid:
-        return Grid(
-            [column.heading for column in self.columns] if self.headings else None,
-            self.texts(),
-            [self.is_numeric(i) for i in range(len(self.columns))],
-            self.sections,
-        )
 
     def __str__(self) -> str:
         return self.to_text()

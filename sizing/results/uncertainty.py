@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 DEFAULT_SAMPLES = 8192
 _LEAST_SAMPLES, _MOST_SAMPLES = 64, 2**20
 # Draws whose endurance is searched for: a launch of each is refined.
-_ENDURANCE_SAMPLES = 1024
+_ENDURANCE_SAMPLES, _CLIMBING_ENDURANCE_SAMPLES = 1024, 256
 
 
 @dataclass(frozen=True)
@@ -154,8 +154,8 @@ class UncertaintyAnalysis(Result):
         ]
         blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
         blocks += extrapolation_blocks(self.extrapolations)
-        climbs = f"; {self.mission.climb_label}; endurance in level flight"
-        text = f"{self.solar.label}{climbs if self.mission.climb else ''}; seed {self.seed}."
+        climbs = f"; {self.mission.climb_label}" if self.mission.climb else ""
+        text = f"{self.solar.label}{climbs}; seed {self.seed}."
         if not self.inputs.independent:
             text += " Inputs are correlated: shares of the variance are not defined."
         blocks.append(Line(text, "faint"))
@@ -275,7 +275,8 @@ def analyse_uncertainty(
     check_inputs(inputs, mission, solar)
     study = Propagation(aircraft, mission, solar)
     values = inputs.values(sobol_points(len(inputs), samples, seed))
-    few = {key: value[:_ENDURANCE_SAMPLES] for key, value in values.items()}
+    count = _CLIMBING_ENDURANCE_SAMPLES if mission.climb else _ENDURANCE_SAMPLES
+    few = {key: value[:count] for key, value in values.items()}
     nominal = {one.key: np.array([one.nominal]) for one in inputs.inputs}
     flights = study.flights(values)
     return UncertaintyAnalysis(
@@ -285,7 +286,7 @@ def analyse_uncertainty(
         inputs=inputs,
         values=values,
         flights=flights,
-        endurance_h=study.endurance_h(few, flights.first(_ENDURANCE_SAMPLES)),
+        endurance_h=study.endurance_h(few, flights.first(count)),
         sobol=_sobol_indices(study, inputs, samples, seed) if inputs.independent else {},
         nominal_excess_time_h=float(study.flights(nominal).excess_time_h[0]),
         required_h=mission.required_excess_time_h,

@@ -14,7 +14,7 @@ from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
 from sizing.energy.battery_condition import BatteryTemperature
-from sizing.results.conditions import battery_line_of_days, battery_record_of_days, wind_rows
+from sizing.results.conditions import battery_line, battery_record_of_days, wind_rows
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import (
     check_subjects,
@@ -213,15 +213,17 @@ class WeatherAnalysis(Result):
             "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
             "share_of_clear_sky_light": self.share_of_clear_light(),
             "wind_above_airspeed_share": self.wind_above_airspeed_share(),
-            "battery_condition": battery_record_of_days(
-                self.aircraft, done.air_of_days_c, done.mission.altitude_m
-            ),
+            "battery_condition": self._battery_record(),
             "extrapolations": extrapolation_records(self.extrapolations),
             "repairs": list(weather.repairs),
             "notes": list(self.notes),
             "model": done.solar.model,
             "correction": done.solar.correction,
         }
+
+    def _battery_record(self) -> dict[str, Any] | None:
+        done = self.performance
+        return battery_record_of_days(self.aircraft, done.air_of_days_c, done.mission.altitude_m)
 
     def share_of_clear_light(self) -> float:
         """Global light of the record over that of the clear sky, at flight altitude [-]."""
@@ -304,9 +306,7 @@ class WeatherAnalysis(Result):
             self._months(),
             Table("windows of consecutive days that close", _WINDOW, self.windows),
         ]
-        battery = battery_line_of_days(
-            self.aircraft, self.performance.air_of_days_c, self.performance.mission.altitude_m
-        )
+        battery = battery_line(self.aircraft, self._battery_record())
         if battery is not None:
             blocks.append(Line(battery))
         blocks += extrapolation_blocks(self.extrapolations)

@@ -13,7 +13,8 @@ from sizing.margins.survival import check_survival, in_the_record, size_survivin
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.results.records import check_subjects
-from sizing.results.sizing import SizingStudy, checked_objective, study_of
+from sizing.results.sizing import checked_objective, study_of
+from sizing.results.sizing_study import SizingStudy
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 

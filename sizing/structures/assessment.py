@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.smooth import Value
+from sizing.smooth import Value, largest
 from sizing.structures.loads import (
     SEA_LEVEL_DENSITY_KG_PER_M3,
     Station,
@@ -22,7 +22,7 @@ from sizing.structures.loads import (
     gust_load_increment,
 )
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import Wing, largest
+from sizing.structures.rib_wing_keys import Wing
 from sizing.structures.torsion import WingTorsion
 from solar.types import FloatArray
 

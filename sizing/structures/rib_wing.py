@@ -12,7 +12,7 @@ from collections.abc import Callable
 from math import pi, radians
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.smooth import Value, smooth_absolute, smooth_maximum, smooth_minimum
+from sizing.smooth import Value, largest, smooth_absolute, smooth_maximum, smooth_minimum
 from sizing.structures.loads import (
     SEA_LEVEL_DENSITY_KG_PER_M3,
     Station,
@@ -30,7 +30,6 @@ from sizing.structures.rib_wing_keys import (
     StructureParts,
     Wing,
     Wires,
-    largest,
 )
 from sizing.structures.torsion import NoseCell, Twisting, closed_cell_nm2
 
@@ -353,8 +352,9 @@ class RibWingStructure(RibWingKeys):
         do the opposite. Limits of the deflection hold the strain of both caps.
         """
         stiffness = self._stiffness_needs_m2(wing, forces)
-        upper = self._strength_needs_m2(wing, forces.up, forces.downwards) | stiffness
-        return upper, self._strength_needs_m2(wing, forces.downwards, forces.up) | stiffness
+        downwards = smooth_maximum(forces.down, forces.landing)
+        upper = self._strength_needs_m2(wing, forces.up, downwards) | stiffness
+        return upper, self._strength_needs_m2(wing, downwards, forces.up) | stiffness
 
     def _strength_needs_m2(
         self, wing: Wing, compression_n: Value, tension_n: Value

@@ -5,7 +5,6 @@ docs/structure.md names source or assumption key by key.
 
 from __future__ import annotations
 
-from functools import reduce
 from math import cos, pi, radians, sin, tan
 from typing import Annotated, Literal, NamedTuple
 
@@ -80,16 +79,6 @@ class CapForces(NamedTuple):
     down: Value
     landing: Value
     level: Value
-
-    @property
-    def downwards(self) -> Value:
-        """Largest force that bends the wing down: flight or landing."""
-        return smooth_maximum(self.down, self.landing)
-
-
-def largest(needs: dict[str, Value]) -> Value:
-    """Smooth maximum of what several criteria ask for, in their order."""
-    return reduce(smooth_maximum, needs.values())
 
 
 # Buckling of a long plate in shear, simply supported (Timoshenko & Gere, section 9.7).

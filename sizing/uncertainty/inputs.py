@@ -19,7 +19,6 @@ from missions.mission import Mission
 from missions.uncertainty import Distribution, Normal
 from sizing.aircraft import Aircraft
 from sizing.parameters import MISSION_PREFIX, catalogue, parameter_value
-from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.sunlight import SolarModel
 from solar.types import BoolArray, FloatArray
 
@@ -175,8 +174,7 @@ def uncertain_inputs(
 
 def _is_computed(owner: Aircraft | Mission) -> bool:
     """Whether the efficiencies of the propulsion are those of an operating point."""
-    propulsion = getattr(getattr(owner, "airframe", None), "propulsion", None)
-    return isinstance(propulsion, OperatingPointPropulsion)
+    return isinstance(owner, Aircraft) and owner.propulsion_by_parts is not None
 
 
 def _of_operating_point(owner: Aircraft | Mission, key: str, distribution: Distribution) -> str:

@@ -14,21 +14,14 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_day import cycles_with_climb
-from sizing.altitude.climb_levels import flight_levels
-from sizing.balance.placing import sizes_tail
-from sizing.design import (
-    Design,
-    FlightConditions,
-    design_of,
-    lightest_mass_kg,
-    measured_design,
-    parametric_design,
-    variables_of,
-)
+from sizing.altitude.climb_endurance import ClimbFlights
+from sizing.altitude.climb_levels import FlightLevels, flight_levels
+from sizing.design import Design, FlightConditions, parametric_design, variables_of
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
+from sizing.mass_budget import design_of, lightest_mass_kg, measured_design
 from sizing.parameters import with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.part_load import PartLoad
@@ -131,7 +124,7 @@ class Propagation:
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: SolarDay | None = None
         # The tail that is built is the same in every draw.
-        built = design_of(self.aircraft, mission) if sizes_tail(aircraft) else None
+        built = design_of(self.aircraft, mission) if aircraft.sizes_tail else None
         self._horizontal_volume = None if built is None else built.horizontal_volume
         # Of a propeller by tables, whose efficiencies are constants here.
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
@@ -194,9 +187,13 @@ class Propagation:
             at = np.flatnonzero(flown.worst[short] == scenario)
             if not len(at):
                 continue
-            _, solar_w, load_w = self._flown(case, scenario)
-            store = case.store.select(at)
-            longest = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
+            store, climb = case.store.select(at), case.mission.climb
+            if climb is None:
+                _, solar_w, load_w = self._flown(case, scenario)
+                longest = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
+            else:
+                levels = self._levels(case, scenario).select(at)
+                longest = ClimbFlights.of(self.day.time_h, levels, store, climb.strategy).longest()
             hours[short[at]] = longest.endurance_h
         return hours
 
@@ -242,12 +239,14 @@ class Propagation:
         )
 
     def _with_climbs(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray]:
-        """Cycles of every draw in a scenario, each in its own light at all levels.
+        """Cycles of every draw in a scenario, and their highest altitudes [m]."""
+        assert case.mission.climb is not None
+        levels, strategy = self._levels(case, scenario), case.mission.climb.strategy
+        return cycles_with_climb(self.day.time_h, levels, case.store, strategy)
 
-        Returns with their highest altitudes [m].
-        """
+    def _levels(self, case: _Case, scenario: int) -> FlightLevels:
+        """Every draw in a scenario, each in its own light at all levels."""
         day, mission = self.day, case.mission
-        assert mission.climb is not None
         assert day.aloft_w_per_m2 is not None  # the day is that of the mission
         aloft = [
             self._specific_power(case, scenario, level, altitude_m)
@@ -256,8 +255,7 @@ class Propagation:
         own = replace(day, aloft_cooling=()).at(np.full(case.count, scenario))
         own = replace(own, aloft_w_per_m2=np.stack(aloft))
         design = case.design._replace(total_mass_kg=case.mass_kg)
-        levels = flight_levels(case.aircraft, mission, design, own, paired=True)
-        return cycles_with_climb(day.time_h, levels, case.store, mission.climb.strategy)
+        return flight_levels(case.aircraft, mission, design, own, paired=True)
 
     def _specific_power(
         self, case: _Case, scenario: int, level: int, altitude_m: float

@@ -12,11 +12,12 @@ from missions.air import GAS_CONSTANT_AIR, standard_air, thin_air_share
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, FlightConditions, structure_by_both, structure_parts
+from sizing.design import Design, FlightConditions
 from sizing.energy.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.parameters import catalogue
+from sizing.parameters import catalogue, value_at
 from sizing.performance import Performance
+from sizing.sized_structure import structure_by_both, structure_parts
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Check, experience, ranges
@@ -70,19 +71,14 @@ def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
     Returns of the parameters of the catalogue that the aircraft has.
     """
     for key, one in catalogue().items():
-        value = _number_or_numbers(aircraft, key) if one.kind == "technology" else None
+        found = value_at(aircraft, key) if one.kind == "technology" else None
+        # An array is of many draws, where the parameter scatters.
+        known = isinstance(found, int | float | np.ndarray)
+        value = np.asarray(found, float) if known else None
         if key == "airframe.propulsion.mass_kg_per_w" and value is not None and not np.any(value):
             continue  # parts that were weighed have none
         if value is not None:
             yield Check(experience(one), value, np.asarray(one.minimum), np.asarray(one.maximum))
-
-
-def _number_or_numbers(aircraft: Aircraft, key: str) -> FloatArray | None:
-    """Value of a parameter; of many draws where it scatters; none where the aircraft has none."""
-    node: Any = aircraft
-    for part in key.split("."):
-        node = getattr(node, part, None)
-    return np.asarray(node, float) if isinstance(node, int | float | np.ndarray) else None
 
 
 def battery_checks(battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike) -> Iterator[Check]:
@@ -175,7 +171,7 @@ def _measured_checks(
 
 
 def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
-    design, structure = it.design, it.airframe.structure
+    design, structure = it.design, it.aircraft.parametric.structure
     large = isinstance(structure, RibWingStructure) and structure.is_for_large_wings
     for quantity, value in (design.variables._asdict() | design._asdict()).items():
         own = (quantity, structure.model)
@@ -224,7 +220,7 @@ def _cap_depth_ratio(
 
 
 def _aerodynamic_checks(it: DesignInFlight) -> Iterator[Check]:
-    polar = it.airframe.aerodynamics
+    polar = it.aircraft.parametric.aerodynamics
     reynolds, speed = it.reynolds_number, it.design.airspeed_m_per_s
     if not isinstance(polar, WingPolar):
         yield Check.of("reynolds_number", "parabolic", reynolds, airspeed_m_per_s=speed)
@@ -247,7 +243,7 @@ def stall_margin_within_polar(it: DesignInFlight) -> Any:
     stall is that of the polar as it is fenced there: at one weight the Reynolds number of the stall
     is that of the flight over the margin ``m``, so that ``m^2 C_L = C_L,max(Re/m)``.
     """
-    polar = it.airframe.aerodynamics
+    polar = it.aircraft.parametric.aerodynamics
     assumed = np.asarray(it.stall_margin, float)
     if not isinstance(polar, WingPolar):
         return assumed

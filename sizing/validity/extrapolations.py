@@ -14,8 +14,8 @@ import numpy as np
 
 from missions.mission import Scenarios
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import ImpossibleDesignError, closed_design, design_of
 from sizing.energy.battery_condition import BatteryTemperature
+from sizing.mass_budget import ImpossibleDesignError, closed_design, design_of
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance
 from sizing.sunlight import solar_day

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from missions.files.errors import InputError
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.propulsion.chain import Propulsion
 from solar.types import BoolArray, FloatArray
@@ -48,7 +47,8 @@ def evaluate(table: BenchTable, aircraft: Aircraft) -> Sequence[Measured]:
     frame = aircraft.airframe
     if isinstance(frame, MeasuredAirframe):
         if frame.level_flight.propulsion_efficiency is None:
-            raise _no_key(table, aircraft, "airframe.level_flight.propulsion_efficiency")
+            key = "airframe.level_flight.propulsion_efficiency"
+            raise table.refused(f"{aircraft.name} has no {key}, which this test would change")
         whole = _ratio(table, "propulsion_efficiency", thrust_w, table["electric_power_w"], moving)
         return [whole]
     chain = frame.propulsion
@@ -73,10 +73,6 @@ def evaluate(table: BenchTable, aircraft: Aircraft) -> Sequence[Measured]:
     if moving.any():
         found.append(_ratio(table, "propeller_efficiency", thrust_w, shaft_w, moving))
     return found
-
-
-def _no_key(table: BenchTable, aircraft: Aircraft, key: str) -> InputError:
-    return table.refused(f"{aircraft.name} has no {key}, which this test would change")
 
 
 def _ratio(

@@ -185,7 +185,7 @@ def _tell_mistake(error: BaseException) -> int:
     if isinstance(error, InputError):
         tell_error(str(error))
         return EXIT_BAD_INPUT
-    from sizing.design import ImpossibleDesignError
+    from sizing.mass_budget import ImpossibleDesignError
 
     if isinstance(error, ImpossibleDesignError | OSError):
         tell_error(f"solar-uav: {error}")

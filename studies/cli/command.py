@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, fields
@@ -17,7 +18,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from missions.places import latitude_deg
 from studies.cli.telling import tell_error
 from studies.output.figures.options import TooManyDotsError
 
@@ -43,6 +43,8 @@ _OWN = "Options"
 _BODIES = "studies.cli.bodies"
 _MAXIMUM_GRID = 2000  # numbers of first:last:step
 _LONGEST_CHOICE = 40  # characters beside the name of the option
+_DECIMAL = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
+_LATITUDE = re.compile(rf"({_DECIMAL}) *°? *([ns])|([+-]?{_DECIMAL}) *°", re.IGNORECASE)
 
 
 class _Parameter(NamedTuple):
@@ -103,7 +105,11 @@ class Command(click.Command):
 
     def _perform(self, **given: Any) -> None:
         options, body = _made(self._declared, given), self.loaded_body()
-        self._check_outputs(given)
+        written: dict[type[Any], dict[str, str | None]] = {OutputFile: {}, OutputFolder: {}}
+        for one in self.params:
+            if type(one.type) in written:
+                written[type(one.type)][one.opts[0]] = given[str(one.name)]
+        check_outputs(written[OutputFile], written[OutputFolder])
         try:
             body(options)
         except TooManyDotsError as error:  # of a figure whose height is that of its content
@@ -114,14 +120,6 @@ class Command(click.Command):
         module, _, function = self.body.partition(":")
         body: Callable[[Any], None] = getattr(import_module(f"{_BODIES}.{module}"), function)
         return body
-
-    def _check_outputs(self, given: Mapping[str, Any]) -> None:
-        """Refuse files and folders that cannot be written, before any work is done for them."""
-        written: dict[type[Any], dict[str, str | None]] = {OutputFile: {}, OutputFolder: {}}
-        for one in self.params:
-            if type(one.type) in written:
-                written[type(one.type)][one.opts[0]] = given[str(one.name)]
-        check_outputs(written[OutputFile], written[OutputFolder])
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options, those of many commands under headings of their own."""
@@ -261,6 +259,26 @@ class Parsed(ParamType[Any]):
         return converted
 
 
+def latitude_deg(text: str) -> float:
+    """Latitude [deg], north positive, of ``-33.9``, ``-33.9°``, ``33.9S`` or ``33.9° S``.
+
+    Another text is a ValueError.
+    """
+    match = _LATITUDE.fullmatch(text.strip())
+    try:
+        if "_" in text:  # Python's own notation, nobody's latitude
+            raise ValueError
+        number = float((match[1] or match[3]) if match else text)
+    except ValueError:
+        raise ValueError(
+            f"{text!r} is not a number of degrees; north is positive, or written 47.6N, 33.9S"
+        ) from None
+    number = -number if match and match[2] in ("s", "S") else number
+    if not -90.0 <= number <= 90.0:
+        raise ValueError(f"must be from -90 to 90 (got {text})")
+    return number
+
+
 class Grid(ParamType["list[float]"]):
     """Numbers ``first:last:step``: first, and steps from there that do not lead beyond last.
 
@@ -283,8 +301,10 @@ class Grid(ParamType["list[float]"]):
         Returns from the first to the last in steps, both in the unit of the option.
         """
         try:
-            parts = str(value).split(":")
-            first, last, step = map(float, self._in_numbers(parts) if self.latitudes else parts)
+            parts: list[Any] = str(value).split(":")
+            if self.latitudes:  # whose ends may be written as 40N and 20S
+                parts[:2] = map(latitude_deg, parts[:2])
+            first, last, step = map(float, parts)
         except ValueError:
             self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
         # NaN is no number that rises, and a step without end none that could be added.
@@ -303,10 +323,6 @@ class Grid(ParamType["list[float]"]):
         numbers = [first + i * step for i in range(int(steps) + 1)]
         note_last(numbers[-1], last, f"{param.opts[0] if param else ''} {value}".strip())
         return numbers
-
-    def _in_numbers(self, parts: list[str]) -> list[Any]:
-        """Ends that may be written as 40N and 20S, and what follows them."""
-        return [*map(latitude_deg, parts[:2]), *parts[2:]]
 
 
 def note_last(reached: float, last: float, written: str) -> None:

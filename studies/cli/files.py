@@ -5,15 +5,14 @@ What a command needs of them is told in terms of their files.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, TypedDict, TypeVar
+from typing import Any, Generic, TypedDict, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -30,7 +29,7 @@ from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
-from sizing.design import ImpossibleDesignError, design_of, with_total_mass
+from sizing.mass_budget import ImpossibleDesignError, design_of, with_total_mass
 from sizing.parameters import design_keys
 from sizing.sunlight import SolarModel
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
@@ -39,6 +38,7 @@ from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
 T = TypeVar("T")
+R = TypeVar("R", Aircraft, Mission)
 
 DEFAULT_MISSION = " (default mission)"  # behind the name of one that nobody chose
 _AIRCRAFT_PREFIX = "aircraft."
@@ -47,19 +47,10 @@ _OTHER: dict[Kind, Kind] = {"aircraft": "mission", "mission": "aircraft"}
 
 
 @dataclass(frozen=True)
-class LoadedAircraft:
-    """A validated aircraft, the document it came from, and the checksum of its file."""
+class Loaded(Generic[R]):
+    """A validated aircraft or mission, the document it came from, and the checksum of its file."""
 
-    aircraft: Aircraft
-    document: Document
-    sha256: str | None = None
-
-
-@dataclass(frozen=True)
-class LoadedMission:
-    """A validated mission, the document it came from, and the checksum of its file."""
-
-    mission: Mission
+    record: R
     document: Document
     sha256: str | None = None
 
@@ -77,21 +68,21 @@ class StudyArguments(TypedDict):
 class Case:
     """What a command is asked about: an aircraft on a mission under a solar power model."""
 
-    craft: LoadedAircraft
-    where: LoadedMission
+    aircraft_file: Loaded[Aircraft]
+    mission_file: Loaded[Mission]
     mission_is_default: bool = False
-    solar: SolarModel = dataclasses.field(default_factory=SolarModel)
+    solar: SolarModel = field(default_factory=SolarModel)
     as_json: bool = False
 
     @property
     def aircraft(self) -> Aircraft:
         """Validated aircraft."""
-        return self.craft.aircraft
+        return self.aircraft_file.record
 
     @property
     def mission(self) -> Mission:
         """Validated mission."""
-        return self.where.mission
+        return self.mission_file.record
 
     @property
     def title(self) -> str:
@@ -118,9 +109,9 @@ class Case:
 
     def with_mission(self, **values: Any) -> Case:
         """Case on a mission with other values, checked as the file's own are."""
-        document = with_overrides(self.where.document, values, prefix=MISSION_PREFIX)
-        mission = LoadedMission(validate(document, Mission), document, self.where.sha256)
-        return dataclasses.replace(self, where=mission)
+        document = with_overrides(self.mission_file.document, values, prefix=MISSION_PREFIX)
+        file = replace(self.mission_file, record=validate(document, Mission), document=document)
+        return replace(self, mission_file=file)
 
     def at(self, place: PlaceOptions) -> Case:
         """Case at another place or on another day; the mission's launch is one at its own."""
@@ -133,7 +124,7 @@ class Case:
 
     def holding_station(self, percentile: float) -> Case:
         """Case of a mission flown as fast as a percentile of the wind of each scenario."""
-        given = self.where.document.data.get("wind")
+        given = self.mission_file.document.data.get("wind")
         file = {"file": given["file"]} if isinstance(given, dict) and "file" in given else {}
         return self.with_mission(wind={"percentile": percentile, "hold_station": True, **file})
 
@@ -147,8 +138,7 @@ class Case:
         now, before = (getattr(one.airframe, key) for one in (aircraft, self.aircraft))
         rest = f"{now:.4g} instead of {before:.4g}"
         tell_error(f"solar-uav: --mass {total_mass_kg:g}: airframe.{key} is {rest}")
-        craft = dataclasses.replace(self.craft, aircraft=aircraft)
-        return dataclasses.replace(self, craft=craft)
+        return replace(self, aircraft_file=replace(self.aircraft_file, record=aircraft))
 
     def inputs(self, weather: str | None = None, **others: Path) -> RunInputs:
         """Everything that a folder of results keeps of what went in.
@@ -156,16 +146,16 @@ class Case:
         ``weather``: weather record, by its file or a shipped one's name. ``**others``: further
         files that were read, by what they are.
         """
-        craft, where = self.craft, self.where
+        aircraft, mission = self.aircraft_file, self.mission_file
         files = {
-            "aircraft": InputFile(craft.document.source, craft.sha256),
-            "mission": InputFile(where.document.source, where.sha256),
+            "aircraft": InputFile(aircraft.document.source, aircraft.sha256),
+            "mission": InputFile(mission.document.source, mission.sha256),
             **{kind: InputFile.of(path) for kind, path in others.items()},
         }
         if weather is not None:
             with weather_file(weather) as (path, source):
                 files["weather"] = InputFile(source, InputFile.of(path).sha256)
-        return RunInputs(craft.document.data, where.document.data, self.solar, files)
+        return RunInputs(aircraft.document.data, mission.document.data, self.solar, files)
 
 
 class WrongKindError(InputError):
@@ -193,7 +183,7 @@ def _with_whole_key(override: str) -> str:
     return f"{design_keys().get(key, key)}{equals}{value}"
 
 
-def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAircraft:
+def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> Loaded[Aircraft]:
     """Read an aircraft by name or path.
 
     ``name_or_path``: name of a shipped one, or path of a file. ``overrides``: texts
@@ -201,19 +191,13 @@ def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedAir
     """
     _refuse_keys_of_missions(overrides)
     document = with_overrides(_find("aircraft", name_or_path), overrides)
-    return LoadedAircraft(
-        validate(document, Aircraft), document, _checksum("aircraft", name_or_path)
-    )
+    return Loaded(validate(document, Aircraft), document, _checksum("aircraft", name_or_path))
 
 
-def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedMission:
-    """Read a mission by name or path.
-
-    ``name_or_path``: name of a shipped one, or path of a file. ``overrides``: texts
-    ``dotted.key=value`` that replace or add keys of the file.
-    """
+def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> Loaded[Mission]:
+    """Read a mission by name or path, as :func:`open_aircraft` does."""
     document = with_overrides(_find("mission", name_or_path), overrides, prefix=MISSION_PREFIX)
-    return LoadedMission(validate(document, Mission), document, _checksum("mission", name_or_path))
+    return Loaded(validate(document, Mission), document, _checksum("mission", name_or_path))
 
 
 def load(
@@ -245,15 +229,15 @@ def load(
         raise click.UsageError("Missing option '--mission' / '-m'.")
     of_aircraft, of_mission = split_overrides(options.overrides)
     errors: list[InputError] = []
-    craft = _attempt(partial(open_aircraft, aircraft, of_aircraft), errors)
-    where = _attempt(partial(open_mission, mission, of_mission), errors)
-    if craft is None or where is None:
+    aircraft_file = _attempt(partial(open_aircraft, aircraft, of_aircraft), errors)
+    mission_file = _attempt(partial(open_mission, mission, of_mission), errors)
+    if aircraft_file is None or mission_file is None:
         raise _joined_errors(errors)
     solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
-    case = Case(craft, where, is_default, solar, options.as_json)
+    case = Case(aircraft_file, mission_file, is_default, solar, options.as_json)
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
-        raise located_error(case.where.document, ("wind", "hold_station"), message)
+        raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
     beside = Path(aircraft).with_name(f"{Path(aircraft).stem}-mission.yaml")
     if is_default and os.path.isfile(beside):  # noqa: PTH113 - takes any text for a path
         tell_error(f"solar-uav: the default mission is flown; beside it lies -m {beside}")
@@ -329,7 +313,7 @@ def refuse_climb(case: Case, command: str, why: str) -> None:
     """Refuse a mission with climbs where flight at constant altitude is meant."""
     if case.mission.climb is not None:
         message = f"{command} flies at constant altitude, as {why}; remove climb"
-        raise located_error(case.where.document, ("climb",), message)
+        raise located_error(case.mission_file.document, ("climb",), message)
 
 
 def refuse_chosen_altitudes(case: Case, command: str) -> None:
@@ -337,14 +321,14 @@ def refuse_chosen_altitudes(case: Case, command: str) -> None:
     climb = case.mission.climb
     if climb is not None and climb.design_space.ranges():
         message = f"size alone chooses altitudes, {command} keeps them; leave it out"
-        raise located_error(case.where.document, ("climb", "design_space"), message)
+        raise located_error(case.mission_file.document, ("climb", "design_space"), message)
 
 
 def refuse_held_station(case: Case, command: str) -> None:
     """Refuse a mission that holds its place where one power is flown in all scenarios."""
     if case.mission.holds_station:
         message = f"{command} has one power of level flight for all places and days; leave it out"
-        raise located_error(case.where.document, ("wind", "hold_station"), message)
+        raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
 
 
 def require_climber(case: Case) -> None:
@@ -354,7 +338,7 @@ def require_climber(case: Case) -> None:
     try:
         checked_climb_limits(case.aircraft, design_of(case.aircraft, case.mission))
     except ClimbLimitError as error:
-        raise located_error(case.craft.document, error.key, error.message) from None
+        raise located_error(case.aircraft_file.document, error.key, error.message) from None
 
 
 def require_climb_power(case: Case) -> None:
@@ -367,7 +351,7 @@ def require_climb_power(case: Case) -> None:
             f"(got {ratio:g}), or climb_rate_m_per_s"
         )
         key = ("airframe", "propulsion", "climb_power_ratio")
-        raise located_error(case.craft.document, key, message)
+        raise located_error(case.aircraft_file.document, key, message)
 
 
 def require_path(case: Case, option: str | None = None) -> None:
@@ -383,13 +367,13 @@ def require_path(case: Case, option: str | None = None) -> None:
         option = f"--model {solar.model}" if attitude else "--correction loiter"
     if case.aircraft.modules.geometry is None:
         message = f"{option} needs the module surfaces: add geometry with its surfaces"
-        raise located_error(case.craft.document, ("modules",), message)
+        raise located_error(case.aircraft_file.document, ("modules",), message)
     if case.mission.flight_path is None:
         message = f"{option} needs a flight path: add flight_path with kind, radius_m, ..."
-        raise located_error(case.where.document, ("name",), message)
+        raise located_error(case.mission_file.document, ("name",), message)
     trouble = path_trouble(case.mission.flight_path, case.mission.wind)
     if trouble is not None:
-        raise located_error(case.where.document, ("flight_path",), trouble)
+        raise located_error(case.mission_file.document, ("flight_path",), trouble)
 
 
 def refuse_polar_night(case: Case) -> None:
@@ -401,13 +385,13 @@ def refuse_polar_night(case: Case) -> None:
         message = (
             f"polar night: the sun never rises at {label}; allowed: latitudes and dates with sun"
         )
-        raise located_error(case.where.document, ("latitude_deg",), message)
+        raise located_error(case.mission_file.document, ("latitude_deg",), message)
 
 
 def require_parametric(case: Case, message: str) -> None:
     """Refuse a measured aircraft where masses and power must follow from the design."""
     if isinstance(case.aircraft.airframe, MeasuredAirframe):
-        raise located_error(case.craft.document, ("airframe", "kind"), message)
+        raise located_error(case.aircraft_file.document, ("airframe", "kind"), message)
 
 
 def require_whole_cells(case: Case) -> None:
@@ -418,7 +402,7 @@ def require_whole_cells(case: Case) -> None:
     ):
         if given is None:
             message = "required key is missing: --whole-cells needs it"
-            raise located_error(case.craft.document, (section, key), message)
+            raise located_error(case.aircraft_file.document, (section, key), message)
 
 
 @contextmanager
@@ -435,8 +419,8 @@ def uncertain_inputs_of(case: Case) -> Iterator[None]:
 def _placed(case: Case, error: InputError) -> InputError:
     """Error with the lines of the files that its keys stand on."""
     documents = {
-        case.mission.name: case.where.document,
-        case.aircraft.name: case.craft.document,
+        case.mission.name: case.mission_file.document,
+        case.aircraft.name: case.aircraft_file.document,
     }
     placed = []
     for problem in error.problems:

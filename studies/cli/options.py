@@ -160,7 +160,7 @@ def place_options() -> Any:
         PlaceOptions,
         latitude=option(
             "--latitude",
-            type=Parsed("deg", "missions.places:latitude_deg"),
+            type=Parsed("deg", "studies.cli.command:latitude_deg"),
             help="Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
         ),
         day_of_year=option(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import os
+from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from missions.files.writing import write_files_atomically
 from missions.mission import Mission
 from sizing.performance import performance
 from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS
-from sizing.results.sizing import SizingStudy
+from sizing.results.sizing_study import SizingStudy
 from studies.cli.files import Case, uncertain_inputs_of
 from studies.cli.outputs import PAGE, PRINTED
 from studies.cli.telling import progress_of
@@ -71,10 +71,10 @@ def report_on_sizing(
     """Write the report of a sizing: the optimum on the mission that it was sized for."""
     inputs = sized_inputs(study, case.inputs())
     mission = Mission.model_validate(inputs.mission)
-    flown = dataclasses.replace(
+    flown = replace(
         case,
-        craft=dataclasses.replace(case.craft, aircraft=study.sized_aircraft()),
-        where=dataclasses.replace(case.where, mission=mission),
+        aircraft_file=replace(case.aircraft_file, record=study.sized_aircraft()),
+        mission_file=replace(case.mission_file, record=mission),
     )
     subject = subject_of(flown, inputs=inputs, sizing=record, overrides=overrides)
     write_report(case, subject, path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 from importlib import import_module
@@ -15,6 +16,9 @@ def start() -> None:
     """Run the command; until it is there, and once it is done, Ctrl-C ends the process silently."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # Matrices of a command are small: threads for them take a tenth of a short one, and on a busy
+    # machine most of a long one.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # xarray imports dask where it is installed, to know its arrays: a second for nothing, as no
     # command holds any.
     _modules().setdefault("dask", None)

@@ -55,7 +55,7 @@ def progress_of(unit: str, *, lines: bool = True) -> Iterator[Callable[[int, int
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield _Lines(unit) if lines else _silent
+        yield _Lines(unit) if lines else lambda done, total: None
         return
     from rich import progress as shown
 
@@ -76,10 +76,6 @@ def progress_of(unit: str, *, lines: bool = True) -> Iterator[Callable[[int, int
             bar.update(task, completed=done, total=total, rate=text)
 
         yield update
-
-
-def _silent(done: int, total: int) -> None:
-    """Say nothing of a short computation."""
 
 
 class _Pace:

@@ -20,15 +20,18 @@ from __future__ import annotations
 
 import functools
 import itertools
+import threading
+import time
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from solar._version import __version__
 from studies.engine.chunk_store import ChunkStore, Part
 from studies.engine.signals import Signals, interruptible
 from studies.engine.workers import (
@@ -37,10 +40,8 @@ from studies.engine.workers import (
     Job,
     LocalPool,
     Pool,
+    WorkersUnavailableError,
     code_digest,
-    compute_task,
-    failed_chunk,
-    joined,
 )
 
 Progress: TypeAlias = Callable[[int, int], None]
@@ -184,7 +185,7 @@ class _Run:
                     self._keep(number, part)
         for number in self.retry:
             self._keep(number, self._alone(self.job.chunks[number]))
-        whole = joined([self.parts[i] for i in range(len(self.parts))])
+        whole = _joined([self.parts[i] for i in range(len(self.parts))])
         return Outcome(dict(whole.columns), dict(whole.failures), len(self.parts) - kept, kept)
 
     def _take_kept(self) -> int:
@@ -212,13 +213,17 @@ class _Run:
         return part if possible else None
 
     def _submitted(self, cells: tuple[Cell, ...]) -> Future[Part]:
-        self.signals.held = not self.pool.in_process
         task = replace(self.job, chunks=(cells,), possible=None)  # which need not pickle
+        if not self.pool.in_process:
+            return self.pool.submit(compute_task, code_digest(), task)
+        self.signals.held, begun = False, time.perf_counter()
+        future: Future[Part] = Future()
         try:
-            code = None if self.pool.in_process else code_digest()  # of 400 files
-            return self.pool.submit(compute_task, code, task)
+            future.set_result(compute_task(None, task))
         finally:
             self.signals.held = True
+        self.pool.own_times_s.append(time.perf_counter() - begun)
+        return future
 
     def _finished(self, futures: Iterable[Future[Part]]) -> set[Future[Part]]:
         self.signals.check()
@@ -244,8 +249,8 @@ class _Run:
         if part is not None:
             return part
         if len(cells) == 1:
-            return failed_chunk(self.job.blanks, _DIED)
-        return joined([self._alone((cell,)) for cell in cells])
+            return _failed_chunk(self.job.blanks, _DIED)
+        return _joined([self._alone((cell,)) for cell in cells])
 
     def _keep(self, number: int, part: Part) -> None:
         if self.store is not None:
@@ -257,3 +262,64 @@ class _Run:
     def _report_progress(self) -> None:
         if self.progress is not None:
             self.progress(self.done, len(self.job.cells))
+
+
+# ---- In a worker, or here
+
+
+# Solvers that a worker keeps are not safe in several threads, which a dask worker may have.
+_ONE_AT_A_TIME = threading.Lock()
+
+
+def compute_task(code: str | None, job: Job) -> Part:
+    """Compute a job of one chunk; cells that raise are failures of the part.
+
+    ``code``: digest of the driver's code; None within its process.
+    """
+    if code is not None and code != code_digest():
+        raise WorkersUnavailableError(
+            f"a worker has another version of solar-uav-sizing than this process ({__version__}): "
+            "install the same one everywhere"
+        )
+    with _ONE_AT_A_TIME:
+        return _computed_or_failed(job, job.cells)
+
+
+def _computed_or_failed(job: Job, cells: tuple[Cell, ...]) -> Part:
+    try:
+        return _computed(job, cells)
+    except Exception as error:
+        if len(cells) == 1:
+            return _failed_chunk(job.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
+    return _joined([_computed_or_failed(job, (cell,)) for cell in cells])
+
+
+def _computed(job: Job, cells: tuple[Cell, ...]) -> Part:
+    computed = job.function(job.configuration, cells)
+    if set(computed) != set(job.blanks):
+        raise ValueError(f"columns {sorted(computed)} are not {sorted(job.blanks)}")
+    columns = {}
+    for name, blank in job.blanks.items():
+        kind = np.asarray(blank).dtype
+        column = np.asarray(computed[name], None if kind.kind == "U" else kind)
+        if column.shape != (len(cells),):
+            raise ValueError(f"column {name} has the shape {column.shape}, not ({len(cells)},)")
+        columns[name] = column
+    return Part(columns)
+
+
+def _failed_chunk(blanks: Mapping[str, Any], message: str) -> Part:
+    """Part of a cell that failed."""
+    return Part({name: np.asarray([blank]) for name, blank in blanks.items()}, {0: message})
+
+
+def _joined(parts: Sequence[Part]) -> Part:
+    """Parts one after the other, failures numbered on."""
+    names = parts[0].columns
+    columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in names}
+    failures: dict[int, str] = {}
+    start = 0
+    for part in parts:
+        failures |= {start + cell: text for cell, text in part.failures.items()}
+        start += len(part.columns[next(iter(names))])
+    return Part(columns, failures)

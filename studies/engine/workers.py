@@ -13,7 +13,6 @@ import multiprocessing
 import os
 import signal
 import threading
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
@@ -22,6 +21,7 @@ from dataclasses import dataclass
 from importlib import resources
 from multiprocessing.connection import wait
 from pathlib import Path
+from statistics import fmean
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -29,7 +29,6 @@ from numpy.typing import NDArray
 from pydantic_core import to_json
 
 from solar._version import __version__
-from studies.engine.chunk_store import Part
 
 T = TypeVar("T")
 Cell: TypeAlias = tuple[float, ...]
@@ -113,8 +112,9 @@ class Pool(ABC):
     # Errors that say that a worker died.
     deaths: tuple[type[BaseException], ...] = (BrokenExecutor,)
 
-    # Whether the next task is computed by this process, while it is submitted.
+    # Whether the next task is for this process, which computes it itself.
     in_process = False
+    own_times_s: list[float]  # of the tasks that this process has computed
 
     @abstractmethod
     def size(self, tasks_left: int) -> int:
@@ -159,36 +159,22 @@ class LocalPool(Pool):
         self._started: Future[int] | None = None
         self._failed_starts = 0
         self._others = set(multiprocessing.active_children())
-        self._tasks, self._spent_s, self._warm = 0, 0.0, False
+        self.own_times_s = []
 
     def size(self, tasks_left: int) -> int:
         """One, or the number of processes."""
-        if self.in_process and self._most > 1 and self._tasks:
-            self.in_process = tasks_left * self._spent_s / self._tasks <= _PAYS_S
+        warm_s = self.own_times_s[1:]  # the first task also imports what it needs
+        if self.in_process and self._most > 1 and warm_s:
+            self.in_process = tasks_left * fmean(warm_s) <= _PAYS_S
         return 1 if self.in_process else self._most
 
     def submit(self, work: Callable[..., T], *task: Any) -> Future[T]:
-        """Compute the task now, or send it to a process."""
-        if self.in_process:
-            return self._computed(work, *task)
+        """Send the task to a process."""
         with for_children():
             if self._executor is not None:
                 with suppress(BrokenExecutor):  # a worker died since
                     return self._executor.submit(work, *task)
             return self._restarted().submit(work, *task)
-
-    def _computed(self, work: Callable[..., T], *task: Any) -> Future[T]:
-        future: Future[T] = Future()
-        begun = time.perf_counter()
-        try:
-            future.set_result(work(*task))
-        except Exception as error:
-            future.set_exception(error)
-        if self._warm:  # the first task also imports what it needs
-            self._tasks += 1
-            self._spent_s += time.perf_counter() - begun
-        self._warm = True
-        return future
 
     def _restarted(self) -> Executor:
         """Start processes, or start them again."""
@@ -258,64 +244,3 @@ def for_children() -> Iterator[None]:
             os.environ.pop(name)
             if value is not None:
                 os.environ[name] = value
-
-
-# ---- In a worker
-
-
-# Solvers that a worker keeps are not safe in several threads, which a dask worker may have.
-_ONE_AT_A_TIME = threading.Lock()
-
-
-def compute_task(code: str | None, job: Job) -> Part:
-    """Compute a job of one chunk; cells that raise are failures of the part.
-
-    ``code``: digest of the driver's code; None within its process.
-    """
-    if code is not None and code != code_digest():
-        raise WorkersUnavailableError(
-            f"a worker has another version of solar-uav-sizing than this process ({__version__}): "
-            "install the same one everywhere"
-        )
-    with _ONE_AT_A_TIME:
-        return _computed_or_failed(job, job.cells)
-
-
-def _computed_or_failed(job: Job, cells: tuple[Cell, ...]) -> Part:
-    try:
-        return _computed(job, cells)
-    except Exception as error:
-        if len(cells) == 1:
-            return failed_chunk(job.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
-    return joined([_computed_or_failed(job, (cell,)) for cell in cells])
-
-
-def _computed(job: Job, cells: tuple[Cell, ...]) -> Part:
-    computed = job.function(job.configuration, cells)
-    if set(computed) != set(job.blanks):
-        raise ValueError(f"columns {sorted(computed)} are not {sorted(job.blanks)}")
-    columns = {}
-    for name, blank in job.blanks.items():
-        kind = np.asarray(blank).dtype
-        column = np.asarray(computed[name], None if kind.kind == "U" else kind)
-        if column.shape != (len(cells),):
-            raise ValueError(f"column {name} has the shape {column.shape}, not ({len(cells)},)")
-        columns[name] = column
-    return Part(columns)
-
-
-def failed_chunk(blanks: Mapping[str, Any], message: str) -> Part:
-    """Part of a cell that failed."""
-    return Part({name: np.asarray([blank]) for name, blank in blanks.items()}, {0: message})
-
-
-def joined(parts: Sequence[Part]) -> Part:
-    """Parts one after the other, failures numbered on."""
-    names = parts[0].columns
-    columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in names}
-    failures: dict[int, str] = {}
-    start = 0
-    for part in parts:
-        failures |= {start + cell: text for cell, text in part.failures.items()}
-        start += len(part.columns[next(iter(names))])
-    return Part(columns, failures)

@@ -117,12 +117,13 @@ def latex_table(sheet: DesignSheet) -> str:
 
     Returns a ``table`` environment with caption and label, which needs ``booktabs``.
     """
+    label = re.sub(r"[^a-z0-9]+", "-", sheet.title.lower()).strip("-") or "design"
     lines = [
         r"% \usepackage{booktabs}",
         r"\begin{table}",
         r"  \centering",
         rf"  \caption{{{escaped(sheet.title)}. {escaped(' '.join(sheet.notes))}}}",
-        rf"  \label{{tab:{_latex_label(sheet.title)}}}",
+        rf"  \label{{tab:{label}}}",
         r"  \begin{tabular}{llrl}",
         r"    \toprule",
         r"    Quantity & Symbol & Value & Unit \\",
@@ -157,7 +158,3 @@ def _latex_unit(unit: str) -> str:
         return ""
     raised = re.sub(r"([A-Za-z])([23])", r"\1^\2", unit)
     return rf"$\mathrm{{{raised}}}$"
-
-
-def _latex_label(title: str) -> str:
-    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-") or "design"

@@ -17,7 +17,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError
+from sizing.mass_budget import ImpossibleDesignError
 from sizing.optimisation.repeated_day import DAY_OUTPUTS, DesignInDays, State
 from sizing.parameters import unit
 from sizing.results.quantities import CHARGE_MARGIN, EXCESS_TIME

@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, MeasuredAirframe, Range
-from sizing.design import ImpossibleDesignError, design_of, variable_keys
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import variable_keys
+from sizing.design_space import Range
+from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import parameter, parameter_value, unit_text
 from sizing.sunlight import SolarModel
 from solar.names import CORRECTION_NAMES, MODELS

@@ -138,15 +138,11 @@ def _fill(
 ) -> None:
     """Add rows that are missing, as many as a turn allows and at least one."""
     end = time.monotonic() + turn_s
-    for row in _spread_order(len(COARSE_LATITUDES_DEG)):
+    # Every eighth row first: a part of them covers the whole evenly.
+    count = len(COARSE_LATITUDES_DEG)
+    for row in dict.fromkeys(n for stride in (8, 4, 2, 1) for n in range(0, count, stride)):
         if row in light.rows or row not in known:
             continue
         light.add(row, sunlit(COARSE_LATITUDES_DEG[row : row + 1]))
         if time.monotonic() > end:
             return
-
-
-def _spread_order(count: int) -> list[int]:
-    """Numbers below a count, every eighth first: a part of them covers the whole evenly."""
-    order = [number for stride in (8, 4, 2, 1) for number in range(0, count, stride)]
-    return list(dict.fromkeys(order))

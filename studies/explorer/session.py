@@ -22,7 +22,8 @@ from missions.files.writing import file_text, names_a_device
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, ImpossibleDesignError
+from sizing.design import Design
+from sizing.mass_budget import ImpossibleDesignError
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import MISSION_PREFIX
 from sizing.results.analysis import Analysis, analyse
@@ -307,8 +308,8 @@ def _flight_charge(analysis: Analysis) -> list[float | None]:
     time_h, flight = analysis.performance.day.time_h, analysis.limited_flight
     if flight is None:
         return [None] * len(time_h)
-    level = analysis.performance if analysis.climb is None else analysis.climb.constant
-    clock_h, _, _, charge = level.flight(0, flight.launch_h, flight.endurance_h)
+    flown = analysis.performance.flight(0, flight.launch_h, flight.endurance_h)
+    clock_h, _, _, charge = flown
     at_h = np.where(time_h < flight.launch_h, time_h + 24.0, time_h)
     return [finite(v) for v in np.interp(at_h, clock_h, charge, right=np.nan).round(5).tolist()]
 

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from missions.files.errors import InputError
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError, variable_keys
+from sizing.design import variable_keys
+from sizing.mass_budget import ImpossibleDesignError
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import MISSION_PREFIX, label, with_parameter
 from sizing.performance import performance
@@ -27,7 +28,7 @@ from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
 
 if TYPE_CHECKING:
-    from sizing.results.sizing import SizingStudy
+    from sizing.results.sizing_study import SizingStudy
 
 LONGEST_S = 180.0
 _PAYLOAD_KEYS = ("mass_kg", "power_w")

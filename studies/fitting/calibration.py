@@ -30,9 +30,10 @@ from missions.files.validation import located_error, validate
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
-from sizing.design import FlightConditions, closed_design, parametric_design, variables_of
+from sizing.design import FlightConditions, parametric_design, variables_of
+from sizing.mass_budget import closed_design
 from sizing.parameters import parameter, parameter_value, replaced
-from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.propulsion.chain import Propulsion
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.modules import STC_IRRADIANCE_W_PER_M2
@@ -201,8 +202,7 @@ def _check_kinds(
                 f"must be {wanted} (got {aircraft.airframe.kind}): the measured aircraft first"
             )
             problems.append(Problem(document.source, line, column, "airframe.kind", message))
-    chain = getattr(models.airframe, "propulsion", None)
-    if isinstance(chain, OperatingPointPropulsion):
+    if models.propulsion_by_parts is not None:
         key = ("airframe", "propulsion", "kind")
         problems.append(
             located_error(technology, key, "must be constant to be calibrated").problems[0]

@@ -19,10 +19,10 @@ from missions.logs.csv import read_flight_log
 from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import design_of
 from sizing.energy.battery import Store
 from sizing.energy.march import empty_after_h, march
 from sizing.energy.power_balance import PowerBalance
+from sizing.mass_budget import design_of
 from sizing.results.tables import Column, Table
 from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray

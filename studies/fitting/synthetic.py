@@ -15,8 +15,8 @@ import numpy as np
 from missions.logs.table import FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import design_of
 from sizing.energy.battery import Store
+from sizing.mass_budget import design_of
 from solar.types import FloatArray
 from studies.flight_logs.synthetic import START_UTC_S, Settings, lasting, synthetic_log
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,8 +14,8 @@ from missions.dates import month_and_day
 from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import design_of
 from sizing.energy.cycle import ENDS, Status
+from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from sizing.sunlight import SolarModel, solar_day
@@ -33,8 +34,7 @@ from solar.types import FloatArray
 from studies.engine.run import compute
 from studies.engine.workers import Cell, Job
 from studies.grid import Grid, GridStudy, MapConfiguration, cell_time_s, chunks_of
-from studies.output.columns import attributes
-from studies.output.gridded import OnGrid, can_be_result
+from studies.output.gridded import OnGrid, attributes, can_be_result
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,7 +44,6 @@ _CELLS_AT_ONCE = 8192
 _CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at all levels
 _ENDURANCE_S = 2e-4  # of a cell, roughly
 _CLIMB_S = 1e-3
-
 
 _PERPETUAL = (Status.perpetual, Status.always_lit)
 
@@ -185,17 +184,7 @@ def _extrapolations_of_map(
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = np.unravel_index(int(np.argmax(excess_h)), excess_h.shape)
     cell = Scenarios(latitude[best][np.newaxis], day[best][np.newaxis])
-    return with_worth(
-        extrapolations, configuration.aircraft, lambda: _in_cells(configuration, cell)
-    )
-
-
-def _in_cells(configuration: MapConfiguration, cells: Scenarios) -> Performance:
-    """Flight of the map's aircraft in some cells."""
-    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
-    return performance(
-        aircraft, mission, solar, day=solar_day(aircraft, mission, solar, scenarios=cells)
-    )
+    return with_worth(extrapolations, configuration.aircraft, lambda: _flown(configuration, cell))
 
 
 def _map_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
@@ -229,32 +218,27 @@ def map_block(
     """
     grid = np.meshgrid(np.asarray(latitudes_deg, float), np.asarray(days, int), indexing="ij")
     latitude, day = (v.ravel() for v in grid)
+    configuration = MapConfiguration(aircraft, mission, solar, endurance)
     parts: list[dict[str, NDArray[Any]]] = []
     at_once = _CELLS_AT_ONCE if mission.climb is None else _CLIMBING_AT_ONCE
     for start in range(0, len(latitude), at_once):
         some = slice(start, start + at_once)
-        parts.append(
-            _cells(aircraft, mission, Scenarios(latitude[some], day[some]), solar, endurance)
-        )
+        parts.append(_cells(configuration, Scenarios(latitude[some], day[some])))
     shape = grid[0].shape
     return {name: np.concatenate([p[name] for p in parts]).reshape(shape) for name in parts[0]}
 
 
-def _cells(
-    aircraft: Aircraft, mission: Mission, cells: Scenarios, solar: SolarModel, endurance: bool
-) -> dict[str, NDArray[Any]]:
+def _cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str, NDArray[Any]]:
     """Metrics of cells; none where the wind is too strong for a path that the model needs."""
-    able = np.ones(len(cells), bool)
-    if solar.needs_path:
-        able = mission.keeps_path(cells)
-    if able.all():
-        return _flown_cells(aircraft, mission, cells, solar, endurance)
+    mission = configuration.mission
+    if not configuration.solar.needs_path or (able := mission.keeps_path(cells)).all():
+        return _flown_cells(configuration, cells)
     some = Scenarios(cells.latitude_deg[able], cells.day_of_year[able])
     if len(some):
-        flown = _flown_cells(aircraft, mission, some, solar, endurance)
+        flown = _flown_cells(configuration, some)
     else:  # any flight, for the names of its columns
         one = Scenarios(cells.latitude_deg[:1], cells.day_of_year[:1])
-        still = _flown_cells(aircraft, mission.in_wind(0.0), one, solar, endurance)
+        still = _flown_cells(replace(configuration, mission=mission.in_wind(0.0)), one)
         flown = {name: values[:0] for name, values in still.items()}
     columns: dict[str, NDArray[Any]] = {}
     for name, values in flown.items():
@@ -266,12 +250,9 @@ def _cells(
     return columns
 
 
-def _flown_cells(
-    aircraft: Aircraft, mission: Mission, cells: Scenarios, solar: SolarModel, endurance: bool
-) -> dict[str, NDArray[Any]]:
-    sunlit = solar_day(aircraft, mission, solar, scenarios=cells)
-    flight = performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)
-    quantities = [*MAP, *([ENDURANCE] if endurance else [])]
+def _flown_cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str, NDArray[Any]]:
+    mission, flight = configuration.mission, _flown(configuration, cells)
+    quantities = [*MAP, *([ENDURANCE] if configuration.endurance else [])]
     if mission.climb is not None:
         quantities.append(MAXIMUM_ALTITUDE)
     columns: dict[str, NDArray[Any]] = {
@@ -280,11 +261,16 @@ def _flown_cells(
     }
     if mission.wind_statistics is not None:
         columns["wind"] = _known_winds(mission, cells)
-    for check in charge_rate_check(
-        aircraft, mission, flight.design, flight.solar_power_w.max(axis=-1)
-    ):
+    most_w = flight.solar_power_w.max(axis=-1)
+    for check in charge_rate_check(configuration.aircraft, mission, flight.design, most_w):
         columns["charge_rate"] = check.value
     return columns
+
+
+def _flown(configuration: MapConfiguration, cells: Scenarios) -> Performance:
+    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
+    sunlit = solar_day(aircraft, mission, solar, scenarios=cells)
+    return performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)
 
 
 def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:

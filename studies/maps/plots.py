@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from missions.dates import MONTH_NAMES, MONTH_STARTS, date_label
 from missions.mission import latitude_label
 from sizing.optimisation.objectives import Objective
+from sizing.results.notes import extrapolation_caption
 from studies.output.cells import (
     cell_edges,
     draw_cells,
@@ -26,17 +27,15 @@ from studies.output.cells import (
     finite_range,
     hatch_reasons,
 )
-from studies.output.columns import SIZED, extrapolations_of, flown_caption
 from studies.output.figures.drawing import (
     Canvas,
     ink,
     new_figure,
     objective_caption,
-    outside_ranges,
     styled,
 )
 from studies.output.figures.options import DEFAULT
-from studies.output.gridded import OnGrid
+from studies.output.gridded import SIZED, OnGrid, extrapolations_of, flown_caption
 from studies.output.season_scale import LEVELS_H, UNLIMITED_H, colours
 
 if TYPE_CHECKING:
@@ -124,7 +123,7 @@ def _begun(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
     drawn, (axes,) = new_figure(
         canvas=canvas,
         title=f"{data.attrs['title']} on {json.loads(data.attrs['mission'])['name']}",
-        notes=(what, flown_caption(data), outside_ranges(extrapolations_of(data))),
+        notes=(what, flown_caption(data), extrapolation_caption(extrapolations_of(data))),
         size_in=(8.5, 5.2),
         grid="",
     )

@@ -19,15 +19,15 @@ from solar.names import CorrectionName, ModelName
 from studies.engine.run import compute
 from studies.engine.workers import Cell, Job
 from studies.grid import Grid, GridStudy, MapConfiguration, cell_time_s, chunks_of
-from studies.output.columns import (
+from studies.output.gridded import (
     BLANKS,
     DESCRIBED,
     SIZED,
     attributes,
+    can_be_result,
     resize_objective,
     told_of_cells,
 )
-from studies.output.gridded import can_be_result
 from studies.output.sized_columns import size_cells, sized_flight
 
 if TYPE_CHECKING:

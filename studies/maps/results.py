@@ -22,8 +22,14 @@ from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from solar.types import BoolArray, IntArray
 from studies.maps.feasibility import perpetual_cells
-from studies.output.columns import SIZED, extrapolations_of, flown_caption
-from studies.output.gridded import OnGrid, status_names
+from studies.output.gridded import (
+    SIZED,
+    TOO_WINDY,
+    OnGrid,
+    extrapolations_of,
+    flown_caption,
+    status_names,
+)
 
 _ROWS = 16  # latitudes of a table
 _DAYS = 365
@@ -32,19 +38,15 @@ _RUNS = 2  # seasons of a latitude
 
 def seasons_record(data: OnGrid) -> dict[str, Any]:
     """On how many of the days each latitude is flown perpetually, and how many are unknown."""
+    # Of models that need a path in winds, with which it may be too strong for the path.
+    windy = Status.infeasible in status_names(data)
     return _places(data) | {
         "perpetual_days": perpetual_cells(data).sum(axis=1).tolist(),
         "failed_days": _days_of(data, Status.failed),
-        **_windy(data),
+        **({"too_windy_days": _days_of(data, Status.infeasible)} if windy else {}),
         **_endurances(data),
         "extrapolations": extrapolation_records(extrapolations_of(data)),
     }
-
-
-def _windy(data: OnGrid) -> dict[str, Any]:
-    """Days on which the wind is too strong for the flight path, if a model needs one in winds."""
-    known = Status.infeasible in status_names(data)
-    return {"too_windy_days": _days_of(data, Status.infeasible)} if known else {}
 
 
 def _endurances(data: OnGrid) -> dict[str, Any]:
@@ -103,6 +105,9 @@ def designs_record(data: OnGrid) -> dict[str, Any]:
     record = _places(data) | {"objective": data.attrs["objective"]}
     for status in SizingStatus:
         record[f"{status.name}_days"] = _days_of(data, status)
+    windy = data["violated_requirement"].to_numpy() == TOO_WINDY
+    if windy.any():
+        record["too_windy_days"] = windy.sum(axis=1).tolist()
     for one in (WINGSPAN, TOTAL_MASS, EXCESS_TIME):
         ends = _range_of_days(data[one.variable].to_numpy())
         for word, values in zip(("least", "largest"), ends, strict=True):

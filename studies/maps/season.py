@@ -11,6 +11,7 @@ By them a day whose wind is too strong for the flight path is no day of perpetua
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -138,7 +139,7 @@ class _SomeDays(Sunlight):
         super().__init__(year.aircraft, year.mission, year.scenarios(days))
         self._year, self._days = year, days
 
-    def _at(self, there: Mission) -> Sunlight:
+    def _sunlight_at(self, there: Mission) -> Sunlight:
         return _SomeDays(self._year.at(there), self._days)
 
     def modelled_power(self, model: ModelName) -> FloatArray:
@@ -147,17 +148,15 @@ class _SomeDays(Sunlight):
         lacking = [day for day in self._days if (model, day) not in known]
         if lacking:
             known.update(((model, day), np.zeros(len(self.time_h))) for day in lacking)
-            flown = self._with_a_path(lacking) if MODELS[model].needs_path else lacking
+            flown = lacking
+            if MODELS[model].needs_path:  # a day whose wind is too strong for it has no power
+                able = self.mission.keeps_path(self._year.scenarios(lacking)).tolist()
+                flown = list(itertools.compress(lacking, able))
             if flown:
                 scenarios = self._year.scenarios(flown)
                 powers = modelled_power(self.aircraft, self.mission, model, scenarios, self.time_h)
                 known.update(((model, day), one) for day, one in zip(flown, powers, strict=True))
         return np.stack([known[model, day] for day in self._days])
-
-    def _with_a_path(self, days: Sequence[int]) -> list[int]:
-        """Days whose wind lets the aircraft keep its path; the others have no power."""
-        able = self.mission.keeps_path(self._year.scenarios(days)).tolist()
-        return [day for day, one in zip(days, able, strict=True) if one]
 
 
 def _in_doubt(

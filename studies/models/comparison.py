@@ -16,7 +16,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import design_of
+from sizing.mass_budget import design_of
 from sizing.optimisation.objectives import RESIZE_NAMES, Objective
 from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.result import SizingStatus
@@ -26,12 +26,7 @@ from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.sunlight import SolarModel, Sunlight
-from sizing.validity.checks import (
-    at_highest,
-    charge_rate_check,
-    correction_check,
-    design_checks,
-)
+from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import extrapolations, together, told, worst_of
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
@@ -126,7 +121,7 @@ class Comparison(Result):
             *self.notes,
         ]
         if self.mission.climb is not None:
-            lines.append(f"{self.mission.climb_label}; endurance in level flight")
+            lines.append(self.mission.climb_label)
         title = (
             f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, evaluated by "
         )

@@ -9,6 +9,7 @@ import numpy as np
 
 from missions.dates import MONTH_NAMES, MONTH_STARTS
 from sizing.optimisation.objectives import Objective
+from sizing.results.notes import extrapolation_caption
 from studies.maps.season import Season
 from studies.models.comparison import Comparison
 from studies.models.prediction import Case
@@ -21,10 +22,9 @@ from studies.output.figures.drawing import (
     ink,
     is_narrow,
     new_figure,
-    outside_ranges,
     styled,
 )
-from studies.output.figures.options import DEFAULT, NAMES, ROWS
+from studies.output.figures.options import DEFAULT, NAMES, ROWS, library
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,7 +65,7 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
         notes=(
             "solar power models compared",
             comparison.mission.climb_label,
-            outside_ranges(comparison.extrapolations),
+            extrapolation_caption(comparison.extrapolations),
         ),
         size_in=(2.9 * across, size_in[1] * rows),
         lines=True,
@@ -126,10 +126,11 @@ def _heights(cases: tuple[Case, ...]) -> Any:
 
 
 def _legend(comparison: Comparison) -> list[Line2D]:
-    from matplotlib.lines import Line2D
-
     def entry(label: str, color: str = "", marker: str = "", ls: Any = "") -> Line2D:
-        return Line2D([], [], color=color or ink(), marker=marker, linestyle=ls, label=label)
+        line: Line2D = library().lines.Line2D(
+            [], [], color=color or ink(), marker=marker, linestyle=ls, label=label
+        )
+        return line
 
     truth = model_label(comparison.reference.solar)
     shown = dict.fromkeys(case.solar.correction for case in comparison.cases)

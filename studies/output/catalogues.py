@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from sizing.catalogues.choice import Kind, entries
-from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
+from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
 from sizing.results.tables import Column, Table
 
 _TITLES: dict[Kind, str] = {
@@ -57,50 +57,30 @@ _COLUMNS: dict[Kind, tuple[Column, ...]] = {
     ),
 }
 
+# Columns that are called otherwise in an entry.
+_ATTRIBUTES = {"specific_energy_wh_per_kg": "specific_energy", "capacity_ah": "capacity"}
+
 
 def catalogue_table(kind: Kind) -> Table:
     """Entries of a catalogue with what they give, a row each."""
     columns = (Column("name"), Column("label", "product"), *_COLUMNS[kind])
-    rows = tuple((name, one.label, *_values(one)) for name, one in entries(kind).items())
+    rows = tuple(
+        (name, one.label, *_values(one, _COLUMNS[kind])) for name, one in entries(kind).items()
+    )
     return Table(_TITLES[kind], columns, rows, (_NOTES[kind],))
 
 
-def _values(one: Entry) -> Sequence[float | str | None]:
-    if isinstance(one, CellEntry):
-        mass = one.parameters({"efficiency_stc": 1.0}).get("mass_kg_per_m2")
-        return (
-            *map(_percent, (one.efficiency_stc, one.efficiency_am0)),
-            _percent(one.temperature_coefficient_per_k),
-            mass,
-        )
-    if isinstance(one, BatteryEntry):
-        return (
-            one.specific_energy,
-            one.basis,
-            one.capacity,
-            one.charge_rate_per_h,
-            _percent(one.loss_at_1c),
-        )
-    if isinstance(one, PropellerEntry):
-        return (
-            one.diameter_m,
-            one.pitch_m,
-            one.blades,
-            _percent(one.computed_efficiency_3000_rpm),
-            _percent(one.measured_efficiency),
-        )
-    assert isinstance(one, MotorEntry)
-    return (
-        one.mass_kg,
-        one.speed_constant_rpm_per_v,
-        one.resistance_ohm,
-        one.no_load_current_a,
-        100.0 * one.best_efficiency(24.0),
-    )
-
-
-def _percent(value: float | None) -> float | None:
-    return None if value is None else 100.0 * value
+def _values(one: Entry, columns: Sequence[Column]) -> Iterator[float | str | None]:
+    """Values of an entry in the units of the columns."""
+    for column in columns:
+        name = column.name
+        if isinstance(one, CellEntry) and name == "mass_kg_per_m2":
+            value = one.parameters({"efficiency_stc": 1.0}).get(name)
+        elif isinstance(one, MotorEntry) and name == "efficiency_24_v":
+            value = one.best_efficiency(24.0)
+        else:
+            value = getattr(one, _ATTRIBUTES.get(name, name))
+        yield 100.0 * value if column.unit.startswith("%") and value is not None else value
 
 
 def sources_table(kind: Kind) -> Table:

@@ -23,10 +23,9 @@ from numpy.typing import NDArray
 
 from sizing.parameters import label
 from solar.types import FloatArray
-from studies.output.columns import HATCHES
 from studies.output.figures.drawing import DARK_GREY, VERMILLION, night
 from studies.output.figures.options import LEVELS
-from studies.output.gridded import OnGrid, status_names
+from studies.output.gridded import WITHOUT_RESULT, OnGrid, status_names
 
 # Hatches that are told apart in small cells.
 _HATCHES = ("///", "\\\\\\", "xx", "..", "++", "oo", "--", "||", "**")
@@ -164,7 +163,7 @@ def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: OnGrid) -> lis
     status = data["status"].to_numpy()
     reasons = np.full(status.shape, "", dtype=object)
     for value, name in names.items():
-        if name in HATCHES:
+        if name in WITHOUT_RESULT:
             reasons[status == value] = _REASONS.get(name, name.replace("_", " "))
     if "violated_requirement" in data:
         infeasible = np.isin(status, [v for v, name in names.items() if name == "infeasible"])

@@ -1,19 +1,17 @@
-"""Figures of a cycle, a flight and a sizing."""
+"""Figures of a cycle and of a flight."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from sizing.optimisation.objectives import Objective
-from sizing.parameters import label, unit_text
+from sizing.results.notes import extrapolation_caption
 from sizing.results.records import clock_label
-from sizing.sunlight import SolarModel
-from sizing.validity.ranges import Extrapolation, where_error_is_known
+from sizing.validity.ranges import where_error_is_known
 from studies.output.figures.drawing import (
     CHARGE,
     CHARGE_LINE,
@@ -24,11 +22,10 @@ from studies.output.figures.drawing import (
     Canvas,
     ink,
     new_figure,
-    outside_ranges,
     shade,
     styled,
 )
-from studies.output.figures.options import DEFAULT, NAMES
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +34,6 @@ if TYPE_CHECKING:
     from sizing.altitude.best_climb import BestClimb
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.energy.endurance import Endurance
-    from sizing.optimisation.sensitivity import Sensitivity
     from sizing.performance import Performance
     from sizing.replay import CalendarRun
     from sizing.results.analysis import Analysis
@@ -85,7 +81,7 @@ def plot_cycle(
         panels,
         canvas=figure,
         title=f"{analysis.aircraft.name} on {where}",
-        notes=(perf.solar.label, outside_ranges(analysis.extrapolations)),
+        notes=(perf.solar.label, extrapolation_caption(analysis.extrapolations)),
         size_in=(8.0, 2.8 * panels),
         sharex=True,
     )
@@ -243,7 +239,7 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
         2,
         canvas=canvas,
         title=f"{analysis.aircraft.name} on {where}: limited, {hours:.1f} h",
-        notes=(perf.solar.label, outside_ranges(analysis.extrapolations)),
+        notes=(perf.solar.label, extrapolation_caption(analysis.extrapolations)),
         size_in=(8.0, 5.6),
         sharex=True,
     )
@@ -303,7 +299,7 @@ def plot_flight(analysis: Analysis, flight: CalendarRun, *, figure: Canvas = DEF
         2,
         canvas=figure,
         title=f"{analysis.aircraft.name} on {analysis.mission.name}",
-        notes=(analysis.performance.solar.label, outside_ranges(analysis.extrapolations)),
+        notes=(analysis.performance.solar.label, extrapolation_caption(analysis.extrapolations)),
         size_in=(9.0, 5.6),
         sharex=True,
     )
@@ -340,111 +336,3 @@ def _label_clock(axes: Axes, ends: tuple[float, float], day_label: Callable[[int
         f"{tick % 24:02d}:00" if tick % 24 else f"00:00\n{day_label(tick // 24)}" for tick in ticks
     ]
     axes.set_xticks(ticks, labels)
-
-
-# ---- A sizing
-
-
-@styled
-def plot_sensitivities(
-    sensitivities: list[Sensitivity],
-    objective: Objective,
-    name: str,
-    solar: SolarModel,
-    *,
-    bars: int = 15,
-    extrapolations: Sequence[Extrapolation] = (),
-    figure: Canvas = DEFAULT,
-) -> Figure:
-    """Change of the objective by one per cent more of each parameter.
-
-    Parameters
-    ----------
-    sensitivities : list of Sensitivity
-        Most important first, as they are drawn from the top.
-    objective : Objective
-        Quantity that changes, and its unit.
-    name : str
-        Aircraft, for the title.
-    solar : SolarModel
-        Model and correction, for the title.
-    bars : int
-        Parameters that are shown at most.
-    extrapolations : sequence of Extrapolation
-        What lies outside the range of a model.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
-    """
-    shown = [s for s in sensitivities if s.value != 0.0][:bars][::-1]
-    drawn, (axes,) = new_figure(
-        canvas=figure,
-        title=f"{name}: what one per cent more changes",
-        notes=(solar.label, outside_ranges(extrapolations)),
-        size_in=(9.0, 1.2 + 0.32 * len(shown)),
-        lines=True,
-        grid="x",
-    )
-    labels = [_with_value(s) for s in shown]
-    sign = 1.0 if objective.maximised else -1.0
-    for verdict, good, colour, hatch in (("better", True, CHARGE, ""), ("worse", False, SUN, "//")):
-        change = [s.per_percent if (sign * s.per_percent > 0.0) is good else 0.0 for s in shown]
-        axes.barh(
-            range(len(shown)),
-            change,
-            label=verdict,
-            facecolor=colour,
-            edgecolor="white",
-            hatch=hatch,
-            lw=0.0,
-        )
-    axes.set_yticks(range(len(shown)), labels)
-    axes.yaxis.set_gid(NAMES)
-    axes.axvline(0.0, color=ink(), linewidth=0.8)
-    axes.set(xlabel=f"change of the {objective.label} for +1 % [{unit_text(objective.unit)}]")
-    drawn.legend(loc="outside lower right", ncols=2)
-    return drawn
-
-
-def _with_value(sensitivity: Sensitivity) -> str:
-    """Parameter in words, with its value and unit."""
-    unit = unit_text(sensitivity.unit)
-    value = f"= {sensitivity.value:.4g} {unit}".rstrip()
-    return f"{label(sensitivity.parameter)} {value}"
-
-
-@styled
-def plot_masses(
-    masses_kg: dict[str, float], title: str, *, notes: Sequence[str] = (), figure: Canvas = DEFAULT
-) -> Figure:
-    """Mass budget as horizontal bars, heaviest on top.
-
-    Parameters
-    ----------
-    masses_kg : dict
-        Mass of each part [kg]; parts without mass are left out.
-    title : str
-        Name of the aircraft.
-    notes : sequence of str
-        Line below the title.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
-    """
-    items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
-    drawn, (axes,) = new_figure(
-        canvas=figure, title=title, notes=notes, size_in=(7.0, 3.6), lines=True, grid=""
-    )
-    names = ["MPPT" if k == "mppt" else k.replace("_", " ") for k, _ in items]
-    axes.yaxis.set_gid(NAMES)
-    bars = axes.barh(names, [v for _, v in items], color=LOAD)
-    axes.bar_label(bars, fmt="%.2f kg", padding=3)
-    axes.set(xlabel="mass [kg]")
-    axes.margins(x=0.15)
-    return drawn

@@ -1,6 +1,6 @@
 """Many sizings as columns: the best design in every cell of a map, or at a point of a trade study.
 
-Apart from :mod:`studies.output.columns`, which needs no optimiser.
+Apart from :mod:`studies.output.gridded`, which needs no optimiser.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from missions.flight_path import largest_wind_m_per_s, path_trouble
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, parametric_design
@@ -30,7 +31,8 @@ from sizing.validity.checks import (
     design_checks,
 )
 from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
-from studies.output.columns import BLANKS, SIZED
+from solar.types import BoolArray
+from studies.output.gridded import BLANKS, SIZED, TOO_WINDY
 
 
 def sizing_row(
@@ -78,11 +80,15 @@ def size_cells(
     Returns
     -------
     dict
-        Columns of :data:`studies.output.columns.DESCRIBED`, in its units.
+        Columns of :data:`studies.output.gridded.DESCRIBED`, in its units.
     """
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
     )
+    if solar.needs_path and not (able := mission.keeps_path(scenarios)).all():
+        calm = [cell for cell, flown in zip(cells, able, strict=True) if flown]
+        sized = size_cells(aircraft, mission, calm, objective, solar) if calm else {}
+        return _beside_windy_cells(sized, able, mission, scenarios)
     problems = _programs(aircraft, mission, objective, solar)
     sizings = cell_sizing.size_cells(
         problems.aircraft, mission, scenarios, objective, solar, problems=problems
@@ -95,6 +101,28 @@ def size_cells(
         for name, blank in BLANKS.items():
             columns[name][index] = _POLAR_NIGHT.get(name, blank)
     return columns
+
+
+def _beside_windy_cells(
+    sized: dict[str, Any], able: BoolArray, mission: Mission, scenarios: Scenarios
+) -> dict[str, Any]:
+    """Columns of all cells, from those whose wind the flight path can be held in."""
+    path = mission.flight_path
+    assert path is not None
+    winds, limit = mission.scenario_winds_m_per_s(scenarios), largest_wind_m_per_s(path)
+    columns: dict[str, Any] = {}
+    for name, blank in BLANKS.items():
+        columns[name] = np.full(len(able), blank, object if isinstance(blank, str) else None)
+        if sized:
+            columns[name][able] = sized[name]
+    for index in np.flatnonzero(~able):
+        wind = float(winds[index])
+        columns["status"][index] = np.int8(SizingStatus.infeasible)
+        columns["violated_requirement"][index] = TOO_WINDY
+        columns["shortfall"][index] = wind / limit - 1.0
+        trouble = path_trouble(path, mission.in_wind(wind).wind)
+        columns["message"][index] = f"flight path: {trouble}"
+    return {name: v.tolist() if v.dtype == object else v for name, v in columns.items()}
 
 
 def sized_flight(

@@ -13,13 +13,12 @@ from missions.mission import MAXIMUM_SCENARIOS
 from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.objectives import Objective
 from sizing.results.analysis import Analysis, analyse
-from sizing.results.sizing import SizingStudy, sensitivity_records
+from sizing.results.notes import extrapolation_caption
+from sizing.results.sizing_study import SizingStudy, sensitivity_records
 from sizing.results.tables import data_frame
 from sizing.structures.rib_wing import RibWingStructure
-from studies.output import cycle_plots
-from studies.output.cell_plots import plot_cells
-from studies.output.envelope_plot import plot_flight_envelope
-from studies.output.figures import drawing
+from studies.output import design_plots
+from studies.output.cycle_plots import plot_cycle
 from studies.output.figures.options import DEFAULT, FigureOptions
 from studies.output.formats import csv_bytes
 from studies.output.run_folder import RunInputs
@@ -109,16 +108,16 @@ def sizing_figures(
         return analyse(sized, mission, model=solar.model, correction=solar.correction, replay=False)
 
     def cycle() -> Figure:
-        return cycle_plots.plot_cycle(flown(), figure=figure)
+        return plot_cycle(flown(), figure=figure)
 
     def masses() -> Figure:
-        notes = (drawing.outside_ranges(study.extrapolations),)
-        return cycle_plots.plot_masses(
+        notes = (extrapolation_caption(study.extrapolations),)
+        return design_plots.plot_masses(
             parts, f"{sized.name}: mass budget", notes=notes, figure=figure
         )
 
     def sensitivities() -> Figure:
-        return cycle_plots.plot_sensitivities(
+        return design_plots.plot_sensitivities(
             *(worth or [], result.objective, sized.name, solar),
             extrapolations=study.extrapolations,
             figure=figure,
@@ -126,9 +125,11 @@ def sizing_figures(
 
     drawn = {"cycle.png": cycle, "masses.png": masses}
     if isinstance(getattr(sized.airframe, "structure", None), RibWingStructure):
-        drawn["flight-envelope.png"] = lambda: plot_flight_envelope(flown(), figure=figure)
+        drawn["flight-envelope.png"] = lambda: design_plots.plot_flight_envelope(
+            flown(), figure=figure
+        )
     if sized.modules.layout is not None:
-        drawn["cells.png"] = partial(plot_cells, sized, figure=figure)
+        drawn["cells.png"] = partial(design_plots.plot_cells, sized, figure=figure)
     if worth:
         drawn["sensitivities.png"] = sensitivities
     return drawn

@@ -82,14 +82,6 @@ class Fact:
 
 
 @dataclass(frozen=True)
-class Strip:
-    """Key numbers side by side."""
-
-    facts: tuple[Fact, ...]
-    kind: ClassVar[str] = "strip"
-
-
-@dataclass(frozen=True)
 class Listing:
     """A text file as it stands."""
 
@@ -106,7 +98,7 @@ class Tables:
     kind: ClassVar[str] = "tables"
 
 
-Block: TypeAlias = "Text | Items | Figure | Bars | Strip | Listing | Tables"
+Block: TypeAlias = "Text | Items | Figure | Bars | Listing | Tables"
 
 
 @dataclass(frozen=True)

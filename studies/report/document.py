@@ -16,7 +16,7 @@ from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.records import check_subjects
-from sizing.results.sizing import SizingStudy
+from sizing.results.sizing_study import SizingStudy
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 from studies.output.run_folder import InputFile, RunInputs, run_record

@@ -58,20 +58,15 @@ def page_options(width_in: float, height_in: float | None = None) -> FigureOptio
 
 def figure_markup(figure: Figure, *, title: str, description: str, key: str) -> str:
     """Make a figure an element of a page."""
-    _rasterise_cells(figure)
+    # Cells of maps become an image: thousands of paths would be slow, with seams between them.
+    for artist in (one for axes in figure.axes for one in axes.collections):
+        if isinstance(artist, QuadMesh) and artist.get_array() is not None:
+            artist.set_rasterized(True)
     buffer = io.BytesIO()
     figure.savefig(
         buffer, format="svg", dpi=_DOTS_PER_INCH, transparent=True, metadata={"Date": None}
     )
     return inline_svg(buffer.getvalue(), title=title, description=description, key=f"drawn-{key}")
-
-
-def _rasterise_cells(figure: Figure) -> None:
-    """Cells of maps become an image; thousands of paths would be slow, with seams between them."""
-    for axes in figure.axes:
-        for artist in axes.collections:
-            if isinstance(artist, QuadMesh) and artist.get_array() is not None:
-                artist.set_rasterized(True)
 
 
 def inline_svg(svg: bytes, *, title: str, description: str, key: str) -> str:

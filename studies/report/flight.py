@@ -23,7 +23,7 @@ from studies.output.cycle_plots import plot_cycle, plot_flight
 from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
 from studies.report.figures import figure_markup, page_options
 from studies.report.subject import Subject
-from studies.uncertainty.plots import plot_uncertainty
+from studies.uncertainty import plot_uncertainty
 from studies.weather.plots import plot_weather
 
 if TYPE_CHECKING:

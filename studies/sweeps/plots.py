@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from sizing.energy.cycle import ENDS
 from sizing.optimisation.objectives import Objective
+from sizing.results.notes import extrapolation_caption
 from studies.output.cells import (
     draw_cells,
     draw_colour_bar,
@@ -25,7 +26,6 @@ from studies.output.cells import (
     hatch_cells,
     hatch_reasons,
 )
-from studies.output.columns import HATCHES, SIZED, extrapolations_of, failed_count, flown_caption
 from studies.output.figures.drawing import (
     CHARGE,
     DARK_GREY,
@@ -37,12 +37,19 @@ from studies.output.figures.drawing import (
     ink,
     new_figure,
     objective_caption,
-    outside_ranges,
     paper,
     styled,
 )
 from studies.output.figures.options import DEFAULT, NAMES
-from studies.output.gridded import status_names, to_table
+from studies.output.gridded import (
+    SIZED,
+    WITHOUT_RESULT,
+    extrapolations_of,
+    failed_count,
+    flown_caption,
+    status_names,
+    to_table,
+)
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.results import MORE_IS_BETTER, pareto_table
 from studies.sweeps.study import feasible
@@ -98,7 +105,7 @@ def _title_and_notes(data: xr.Dataset, note: str = "") -> dict[str, Any]:
         flown_caption(data),
         f"{failed} of {data['status'].size} points failed" if failed else "",
         note,
-        outside_ranges(extrapolations_of(data)),
+        extrapolation_caption(extrapolations_of(data)),
     )
     return {"title": str(data.attrs["title"]), "notes": notes}
 
@@ -140,7 +147,7 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         at_bottom = axes.get_xaxis_transform()
         for value, reason in status_names(data).items():
             gone = x[data["status"].to_numpy() == value]
-            if reason in HATCHES and len(gone):
+            if reason in WITHOUT_RESULT and len(gone):
                 low, mark, words = [0.03] * len(gone), _MARKERS[reason], reason.replace("_", " ")
                 axes.plot(gone, low, mark, color=DARK_GREY, transform=at_bottom, label=words)
         if axes.get_legend_handles_labels()[0]:

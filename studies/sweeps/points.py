@@ -16,19 +16,13 @@ from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.flight_path import path_trouble
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, DesignSpace, MeasuredAirframe, Range
+from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
-from sizing.balance.placing import sizes_tail
-from sizing.design import (
-    DesignVariables,
-    FlightConditions,
-    ImpossibleDesignError,
-    measured_design,
-    operating_trouble,
-    variables_of,
-)
+from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.design_space import DesignSpace, Range
 from sizing.energy.cycle import Status
 from sizing.limits import EQUATIONS, MASS_BUDGET, design_requirements
+from sizing.mass_budget import ImpossibleDesignError, measured_design, operating_trouble
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.parameters import all_replaced
 from sizing.performance import Performance, performance, performance_of_designs
@@ -48,7 +42,7 @@ from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from solar.schema import Record
 from solar.types import FloatArray
 from studies.engine.workers import Cell
-from studies.output import columns as sizing_columns
+from studies.output import gridded
 from studies.sweeps.axes import DESIGN_KEYS, design_variable
 
 MISSION_PREFIX = "mission."
@@ -67,7 +61,7 @@ BLANKS: dict[str, Any] = {
 
 CLIMBING_BLANKS = BLANKS | {MAXIMUM_ALTITUDE.variable: np.float64("nan")}
 
-DESCRIBED = sizing_columns.DESCRIBED | {
+DESCRIBED = gridded.DESCRIBED | {
     ENDURANCE.variable: ("h", "longest flight in the worst scenario; infinite where perpetual"),
     MAXIMUM_ALTITUDE.variable: ("m", "highest altitude of the day in the worst scenario"),
     "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
@@ -75,8 +69,8 @@ DESCRIBED = sizing_columns.DESCRIBED | {
     "message": ("1", "why there is no result"),
 }
 
-SIZED_BLANKS: dict[str, Any] = dict(sizing_columns.BLANKS)
-SIZED_DESCRIBED = sizing_columns.DESCRIBED | {"message": DESCRIBED["message"]}
+SIZED_BLANKS: dict[str, Any] = dict(gridded.BLANKS)
+SIZED_DESCRIBED = gridded.DESCRIBED | {"message": DESCRIBED["message"]}
 
 
 @dataclass(frozen=True)
@@ -275,7 +269,7 @@ def _missed(aircraft: Aircraft, mission: Mission, flight: Performance) -> dict[s
     mass = np.asarray(design.total_mass_kg)
     afloat = np.where(np.isfinite(mass), 0.0, -np.inf)
     unable = "the design cannot carry its own mass"
-    if sizes_tail(aircraft):
+    if aircraft.sizes_tail:
         unable += ", or no horizontal tail gives it the static margin asked for"
     rows[MASS_BUDGET] = (afloat, unable)
     heaviest = aircraft.design_space.maximum_total_mass_kg

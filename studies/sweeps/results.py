@@ -18,8 +18,7 @@ from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import BATTERY_MASS, PAYLOAD_MASS, WINGSPAN
 from sizing.results.records import finite_values
 from sizing.results.tables import Column, Line, Summary, Table
-from studies.output.columns import CLIMB, extrapolations_of
-from studies.output.gridded import to_table
+from studies.output.gridded import CLIMB, extrapolations_of, to_table
 from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.study import feasible
 
@@ -103,7 +102,7 @@ def points_summary(
     if len(rows) > top:
         blocks.append(f"{len(rows) - top} more not shown: --top N shows more, --out FILE has all")
     if CLIMB in data.attrs:
-        blocks.append(Line(f"{data.attrs[CLIMB]}; endurance in level flight", "faint"))
+        blocks.append(Line(data.attrs[CLIMB], "faint"))
     return Summary((*blocks, *extrapolation_blocks(extrapolations_of(data))))
 
 
@@ -141,8 +140,7 @@ def _plain(name: str) -> str:
 def _column(data: xr.Dataset, name: str, form: str) -> Column:
     """Column of a result or a varied key; its heading has the unit once."""
     unit = data[name].attrs.get("units", "1") if name in data else "1"
-    label = without_unit(name).replace("_", " ")
-    return Column(name, label, "" if unit == "1" else unit_label(unit), form)
+    return Column(name, _plain(name), "" if unit == "1" else unit_label(unit), form)
 
 
 def _words(value: Any) -> Any:

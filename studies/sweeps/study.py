@@ -32,8 +32,15 @@ from solar.types import FloatArray, IntArray
 from studies.engine.run import Outcome, compute, pieces
 from studies.engine.workers import Job
 from studies.grid import VARIED, GridStudy, chunks_of
-from studies.output.columns import CLIMB, SIZED, attributes, resize_objective, told_of_cells
-from studies.output.gridded import Labelled, can_be_result
+from studies.output.gridded import (
+    CLIMB,
+    SIZED,
+    Labelled,
+    attributes,
+    can_be_result,
+    resize_objective,
+    told_of_cells,
+)
 from studies.sweeps.axes import (
     DESIGN_KEYS,
     SAMPLE_NAMES,

@@ -19,8 +19,9 @@ from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
-from sizing.design import Design, ImpossibleDesignError, design_of
+from sizing.design import Design
 from sizing.margins.season_flights import Powers, SeasonFlights
+from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.results.quantities import BATTERY_MASS, TOTAL_MASS
 from sizing.results.records import finite
@@ -105,7 +106,8 @@ def battery_map(
         batch = Powers(*(np.concatenate(values) for values in zip(*powers, strict=True)))
         closes[able] = flights.closes(batch)
     axis = flights.days.axis
-    place = _half_month(axis.day_of_year[:-1])
+    dates = [month_and_day(int(day)) for day in axis.day_of_year[:-1]]
+    place = np.array([2 * (month - 1) + (day > 15) for month, day in dates])  # 0 to 23
     masses = [np.nan if one is None else float(one.total_mass_kg) for one in designs]
     mass = {"units": "kg"}
     return dataset(
@@ -142,12 +144,6 @@ def _with_battery(aircraft: Aircraft, mission: Mission, factor: float) -> Design
         return design_of(other, mission)
     except ImpossibleDesignError:
         return None
-
-
-def _half_month(day_of_year: IntArray) -> IntArray:
-    """Place of each day's half of a month, 0 to 23."""
-    dates = [month_and_day(int(day)) for day in day_of_year]
-    return np.array([2 * (month - 1) + (day > 15) for month, day in dates])
 
 
 def _shares(closes: np.ndarray, place: IntArray) -> np.ndarray:

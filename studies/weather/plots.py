@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import MONTH_NAMES
+from sizing.results.notes import extrapolation_caption
 from sizing.results.weather import WeatherAnalysis
 from sizing.weather_run import WeatherRun
 from solar.types import BoolArray
-from studies.output.figures.drawing import BLUE, ORANGE, Canvas, new_figure, outside_ranges, styled
+from studies.output.figures.drawing import BLUE, ORANGE, Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figu
         2,
         canvas=figure,
         title=analysis.headline(),
-        notes=(analysis.performance.solar.label, outside_ranges(analysis.extrapolations)),
+        notes=(analysis.performance.solar.label, extrapolation_caption(analysis.extrapolations)),
         size_in=(9.0, 7.4),
         grid="",
         height_ratios=(1.5, 1.0),

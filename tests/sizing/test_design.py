@@ -10,22 +10,18 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
-from sizing.design import (
-    DesignVariables,
+from sizing.design import DesignVariables, constant_power_w, parametric_design, variables_of
+from sizing.energy.cycle import Status
+from sizing.mass_budget import (
     ImpossibleDesignError,
     closed_design,
-    constant_power_w,
     design_of,
     lightest_mass_kg,
-    load_profile,
     measured_design,
-    parametric_design,
-    thermal_shape,
-    variables_of,
     with_total_mass,
 )
-from sizing.energy.cycle import Status
 from sizing.performance import performance_of_designs
+from sizing.varying_load import load_profile, thermal_shape
 from solar.types import FloatArray, IntArray
 
 

@@ -10,9 +10,10 @@ from builders import AS2, DESIGN, aircraft, mission
 
 from missions.library import load_mission
 from missions.mission import Mission
-from sizing.design import closed_design, variables_of
+from sizing.design import variables_of
 from sizing.energy.battery_condition import BatteryTemperature, Insulation
 from sizing.library import load_aircraft
+from sizing.mass_budget import closed_design
 from sizing.module_power import convection_in_flight
 from sizing.performance import performance, performance_of_designs
 from sizing.results.analysis import analyse

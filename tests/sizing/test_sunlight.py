@@ -20,9 +20,9 @@ from sizing.sunlight import (
     SolarModel,
     Sunlight,
     day_axis_h,
-    power_on_calendar,
     solar_day,
 )
+from sizing.sunlight_at_instants import power_on_calendar
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import FloatArray

@@ -18,8 +18,9 @@ from missions.library import load_mission
 from missions.mission import Mission
 from missions.weather.site import mission_at_site
 from sizing.altitude.climb_cycle import climb_performance
-from sizing.design import DesignVariables, FlightConditions, ImpossibleDesignError, design_of
+from sizing.design import DesignVariables, FlightConditions
 from sizing.energy.cycle import simulate_cycle
+from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.performance import performance, performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.replay import calendar_run
@@ -143,8 +144,8 @@ def test_the_excess_time_is_how_long_the_battery_lasts(name: str) -> None:
         return float(charge[0])
 
     empty.terminal = True  # type: ignore[attr-defined]  # of solve_ivp
-    lasts = solve_ivp(falls, (0.0, 24.0), [at_dawn], events=empty, rtol=1e-8, atol=1e-10)
-    # The charge between two nodes of the day is not quite linear.
+    lasts = solve_ivp(falls, (0.0, 24.0), [at_dawn], events=empty, rtol=1e-5, atol=1e-7)
+    # The charge between two nodes of the day is not quite linear; the integral is off by 2e-4 h.
     assert float(flown.cycle.excess_time_h[0]) == pytest.approx(float(lasts.t[-1]), abs=2e-3)
 
 

@@ -4,16 +4,24 @@ import numpy as np
 import pytest
 from weather_files import SITE, clear_record
 
+from missions.air import air_at
 from missions.library import load_mission
 from missions.weather.light import light_at_altitude
 from missions.weather.record import Site, run_lengths
 from missions.weather.site import mission_at_site
 from missions.winds.table import COLUMNS
+from sizing.design import FlightConditions, level_flight
 from sizing.library import load_aircraft
 from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
 from sizing.sunlight import SolarModel
-from sizing.weather_run import DayAxis, wait_for_window, weather_performance
+from sizing.weather_run import (
+    DayAxis,
+    WeatherDays,
+    _profile,
+    wait_for_window,
+    weather_performance,
+)
 
 AS2 = load_aircraft("atlantiksolar-as2")
 # Profile drag whatever the Reynolds number.
@@ -79,6 +87,62 @@ def test_a_held_place_is_flown_as_fast_as_the_wind_in_the_air_of_each_day(windy_
         # The structure that is sized in the other air is up to 0.1 % heavier or lighter.
         assert np.allclose(done.recorded.load_w, there, rtol=2e-3)
         assert abs(there / flown.load_w[0, 0] - 1.0) > 0.005
+
+
+def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
+    # The exact chain at the thrust of the moment, point by point; 11 m/s against 8.4 of its own.
+    twin = load_aircraft("twin-boom-design")
+    record = replace(clear_record(2, first="2001-07-14", interval_s=3600.0), temperature_c=None)
+    air_c = np.linspace(10.0, 30.0, len(record.start_s))
+    changes = {"wind": {"percentile": 95.0, "hold_station": True, "file": windy_file}}
+    mission = mission_at(record, **changes, turbulence={"all_day": 0.1, "thermal": 0.3})
+    flown = weather_performance(twin, mission, replace(record, temperature_c=air_c))
+    design, own_air = flown.design, mission.air_state()
+    chain = twin.airframe.propulsion.sized(*design.variables.of_propulsion)
+    run, warm_k = flown.recorded, flown.light.temperature_c[flown.recorded.axis.nodes] + 273.15
+    assert np.ptp(warm_k) > 15.0
+    volts = twin.battery.bus_voltage_v(run.state_of_charge())
+    for day, node in ((0, 10), (0, 150), (0, 280), (1, 0), (1, 144), (1, 200)):
+        # The lift coefficient of the wind in the day's mean air, in that of the hour.
+        mean_k = float(np.mean(warm_k[day]))
+        ratio = 11.0 / design.airspeed_m_per_s / np.sqrt(mean_k / own_air.temperature_k)
+        own = twin.airframe.aerodynamics.flight_lift_coefficient
+        variables = design.variables._replace(lift_coefficient=own / ratio**2)
+        conditions = FlightConditions.of(mission, twin)
+        level, level_w, speed = level_flight(twin, conditions, variables, design.total_mass_kg)
+        faster = np.sqrt(warm_k[day, node] / own_air.temperature_k)
+        assert speed * np.sqrt(mean_k / own_air.temperature_k) == pytest.approx(11.0, rel=1e-9)
+        there = air_at(warm_k[day, node], own_air.pressure_pa)
+        load = _profile(mission, run.axis)[day, node]
+        thrust_w = level_w * level.efficiency * faster * load
+        exact_w = chain.bus_power_w(thrust_w, speed * faster, there, volts[day, node])
+        # Polynomials of load, voltage and temperature: 1e-4; the voltages settle within 1e-6.
+        expected = float(exact_w) + float(design.constant_power_w)
+        assert run.load_w[day, node] == pytest.approx(expected, rel=2e-4)
+    # With the efficiency of each airspeed alone it would be up to 3 % off.
+    days = WeatherDays.of(twin, mission, replace(record, temperature_c=air_c))
+    constant = days.flown(design, days.light.recorded, None)
+    assert np.abs(constant.load_w / run.load_w - 1.0).max() > 0.02
+
+
+def test_a_wind_too_strong_for_the_propulsion_closes_no_day(tmp_path):
+    path = tmp_path / "gale.csv"
+    rows = [
+        f"{x},{z},{m},95,{18 if m == 7 else 5}"
+        for x in (-90, 90)
+        for z in (0, 2000)
+        for m in range(1, 13)
+    ]
+    path.write_text("\n".join([",".join(COLUMNS), *rows]))
+    record = clear_record(4, first="2001-07-30", interval_s=3600.0)
+    wind = {"percentile": 95.0, "hold_station": True, "file": str(path)}
+    run = weather_performance(
+        load_aircraft("twin-boom-design"), mission_at(record, wind=wind), record
+    )
+    load_w = run.recorded.load_w
+    assert np.all(load_w[:2] > 1e9)
+    assert np.all(load_w[2:] < 100.0)
+    assert not run.recorded.closes[:2].any()
 
 
 def test_a_clear_year_closes_on_the_days_of_the_season():

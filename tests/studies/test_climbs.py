@@ -174,14 +174,16 @@ def test_models_are_compared_on_flights_with_climbs() -> None:
     flown = mission()
     compared = compare(AS2, flown, corrections=["none", "report"], design=False)
     for case in compared.cases:
-        model, correction = case.solar.model, case.solar.correction
-        alone = analysed(AS2, flown, model=model, correction=correction)
-        found = case.prediction
+        found, correction = case.prediction, case.solar.correction
+        assert found.maximum_altitude_m == pytest.approx(3536.0, abs=1.0)
+        # Corrected all of them, without a correction one.
+        if correction == "none" and case.solar.model != "CAM":
+            continue
+        alone = analysed(AS2, flown, model=case.solar.model, correction=correction)
         assert found.excess_time_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
         assert found.excess_time_low_h == pytest.approx(
             alone.low.cycle.excess_time_h[0], abs=STEP_H
         )
-        assert found.maximum_altitude_m == pytest.approx(3536.0, abs=1.0)
     assert "climbs from 536 to 3536 m once the battery is full" in str(compared)
     assert compared.to_dict()["climb"] == {"ceiling_m": 3536.0, "strategy": "battery_full"}
     assert all(perpetual_by_model(AS2, flown).values())

@@ -118,7 +118,7 @@ def _sized() -> Any:
 
 
 def _sensitivities(figure: Canvas) -> Figure:
-    from studies.output.cycle_plots import plot_sensitivities
+    from studies.output.design_plots import plot_sensitivities
 
     study = _sized()
     return plot_sensitivities(

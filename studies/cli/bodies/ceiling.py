@@ -25,7 +25,7 @@ def ceiling(options: Ceiling) -> None:
     climb = case.mission.climb
     if climb is not None and climb.ceiling_m <= lowest_m:
         message = f"must be above the night's floor of {lowest_m:g} (got {climb.ceiling_m:g})"
-        raise located_error(case.where.document, ("climb", "ceiling_m"), message)
+        raise located_error(case.mission_file.document, ("climb", "ceiling_m"), message)
     if highest_m is not None and highest_m <= lowest_m:
         message = f"must be above the mission's altitude_m of {lowest_m:g} (got {highest_m:g})"
         raise click.BadParameter(message, param_hint="--highest")

@@ -31,9 +31,10 @@ def explore(options: Explore) -> None:
     if options.static_file is not None:
         refuse_climb(case, "explore --static", OFFLINE)
         refuse_held_station(case, "explore --static")
-    where, overrides = case.where.document.source.removesuffix(" (shipped)"), options.case.overrides
-    words = [options.case.aircraft, "-m", where, *(w for one in overrides for w in ("--set", one))]
-    session = Session(case.craft.document, case.where.document, case.solar, command=words)
+    aircraft, mission = case.aircraft_file.document, case.mission_file.document
+    words = [options.case.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
+    words += [word for one in options.case.overrides for word in ("--set", one)]
+    session = Session(aircraft, mission, case.solar, command=words)
     if options.static_file is not None:
         write_text_atomically(options.static_file, offline_page(session))
         tell_line(f"written to {options.static_file}")

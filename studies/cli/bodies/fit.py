@@ -71,12 +71,12 @@ def _fitted(case: Case, fitted: FlightFit, log_files: tuple[str, ...]) -> Docume
     """File of the fitted aircraft, with where its numbers come from."""
     sums = [InputFile.of(Path(one)).sha256 for one in log_files]
     sources = {
-        "aircraft_sha256": case.craft.sha256,
+        "aircraft_sha256": case.aircraft_file.sha256,
         "log": fitted.log.source,
         "log_sha256": sums[0],
-        "mission": case.where.document.source,
+        "mission": case.mission_file.document.source,
     }
-    document = fitted_document(case.craft.document, fitted, sources)
+    document = fitted_document(case.aircraft_file.document, fitted, sources)
     if len(sums) > 1:
         names = [printable(one.source) for one in fitted.logs[1:]]
         more = [{"log": n, "sha256": s} for n, s in zip(names, sums[1:], strict=True)]

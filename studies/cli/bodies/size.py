@@ -13,7 +13,7 @@ from missions.weather.files import load_weather
 from sizing.margins.probability import check_reliability
 from sizing.margins.survival import check_survival
 from sizing.results import sizing
-from sizing.results.sizing import SizingStudy
+from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Line, Summary
 from sizing.results.weather_sizing import size_in_weather
 from studies.cli import files as checks

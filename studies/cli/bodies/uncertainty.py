@@ -11,7 +11,7 @@ from studies.cli.files import (
     uncertain_inputs_of,
 )
 from studies.cli.outputs import deliver, figure_of, table_of
-from studies.uncertainty.plots import plot_uncertainty
+from studies.uncertainty import plot_uncertainty
 
 
 def uncertainty(options: Uncertainty) -> None:

@@ -1,4 +1,4 @@
-"""Offline page: the explorer's own parts, with tables in place of its server, in one file."""
+"""Offline page: the explorer's own parts, tables in place of its server, in one file."""
 
 from __future__ import annotations
 
@@ -7,11 +7,29 @@ import hashlib
 import html
 import re
 from importlib import resources
+from typing import Any
+
+import numpy as np
 
 from missions.files.writing import to_json
+from sizing.energy.battery import ChargeClock
+from sizing.mass_budget import ImpossibleDesignError, design_of
+from sizing.performance import performance
+from sizing.results.quantities import EXCESS_TIME
+from sizing.results.records import finite
+from sizing.sunlight import DEFAULT_STEP_H
 from solar._version import __version__
-from studies.explorer.offline.record import offline_record
-from studies.explorer.session import Session
+from studies.explorer.fields import DAY, LATITUDE, Field
+from studies.explorer.offline.tables import AXES, Axis, design_table, light_table, mass_table
+from studies.explorer.season import (
+    COARSE_DAYS,
+    COARSE_LATITUDES_DEG,
+    COARSE_STEP_H,
+    DAYS,
+    LATITUDES_DEG,
+)
+from studies.explorer.session import Inputs, Session
+from studies.explorer.settings import RefusedError
 
 # The foot says once why most settings are fixed.
 _STYLE = "#offline { margin: 0 14px 10px; } .field.fixed .message { display: none; }"
@@ -116,3 +134,135 @@ def _policy(scripts: list[str], styles: list[str]) -> str:
         f"default-src 'none'; script-src {hashes(scripts)}; style-src {hashes(styles)}; "
         "img-src data:; base-uri 'none'; form-action 'none'"
     )
+
+
+CHECKS = 120
+_CONSTANT_LOADS = ("mission.payload.power_w", "power.avionics_w")
+# Changed by the page without a table: place, and what enters the balance linearly.
+_FREE = (
+    LATITUDE,
+    DAY,
+    *_CONSTANT_LOADS,
+    "battery.specific_energy_wh_per_kg",
+    "mission.required_excess_time_h",
+)
+_FIXED = "fixed on an offline page"
+_CLOCK_POINTS = 401
+
+
+def offline_record(session: Session, *, checks: int = CHECKS) -> dict[str, Any]:
+    """All that an offline page knows, JSON-ready.
+
+    ``checks``: points at which the page compares itself with the analysis. Returns ``session`` as
+    :meth:`~studies.explorer.session.Session.describe` gives it, with what is fixed here; ``light``
+    ``designs`` and ``masses`` as :mod:`studies.explorer.offline.tables` makes them; ``battery`` and
+    ``load``;
+    axes of ``season``; ``checks``.
+    """
+    aircraft, mission = session.aircraft, session.mission
+    fields = [_offline_field(one) for one in session.fields.values() if isinstance(one, Field)]
+    axes = [
+        Axis.between(one["key"], one["minimum"], one["maximum"], one["value"])
+        for one in fields
+        if one["key"] in AXES and not one["fixed"]
+    ]
+    design = design_of(aircraft, mission)
+    supply = aircraft.power.supply_efficiency
+    full = aircraft.battery.battery_energy_wh
+    return {
+        "session": _described(session, fields),
+        "light": light_table(aircraft, mission, session.solar),
+        "designs": design_table(aircraft, mission, axes),
+        "masses": mass_table(aircraft, mission, axes),
+        "battery": {
+            "capacity_fraction": float(design.battery_energy_wh) / full,
+            "charge_efficiency": float(aircraft.battery.mean_charge_efficiency),
+            "discharge_efficiency": float(aircraft.battery.mean_discharge_efficiency),
+            "clock": _clock(ChargeClock.of(aircraft.battery.charge_limit)),
+        },
+        "load": {
+            "all_day": mission.turbulence.all_day,
+            "thermal": mission.turbulence.thermal,
+            "constant_power_w": float(design.constant_power_w),
+            "supply_efficiency": supply,
+            "keys": list(_CONSTANT_LOADS),
+        },
+        "rms_relative": session.solar.rms_relative,
+        "season": {
+            "coarse": [COARSE_LATITUDES_DEG.tolist(), COARSE_DAYS.tolist()],
+            "exact": [LATITUDES_DEG.tolist(), DAYS.tolist()],
+        },
+        "step_h": DEFAULT_STEP_H,
+        "coarse_step_h": COARSE_STEP_H,
+        "checks": _checks(session, fields, checks),
+    }
+
+
+def _offline_field(field: Field) -> dict[str, Any]:
+    """Field as the page gets it: within its slider, or fixed."""
+    record = {**vars(field), "whole": field.whole, "allowed": field.allowed}
+    if field.fixed:
+        return record
+    if field.key in AXES:
+        low, high = field.slider
+        unit = f" {field.unit}" if field.unit else ""
+        words = f"a number from {low:g} to {high:g}{unit}, the range of this page's table"
+        return record | {"minimum": low, "maximum": high, "allowed": words}
+    return record if field.key in _FREE else record | {"fixed": _FIXED}
+
+
+def _described(session: Session, fields: list[dict[str, Any]]) -> dict[str, Any]:
+    """Session as the page gets it, with one solar power model and no sizing."""
+    record = session.describe()
+    for choice in record["choices"]:
+        for option in choice["options"]:
+            if option["name"] != choice["value"]:
+                option["reason"] = option["reason"] or _FIXED
+    return record | {
+        "fields": fields,
+        "offline": True,
+        "cannot_size": "this page has no server, which a sizing needs",
+    }
+
+
+def _clock(clock: ChargeClock | None) -> dict[str, Any] | None:
+    """Charge limit as the page follows it."""
+    if clock is None:
+        return None
+    states = np.linspace(0.0, 1.0, _CLOCK_POINTS)
+    hours = np.interp(states, clock.state_of_charge, clock.hours)
+    return {
+        "state_of_charge": states.tolist(),
+        "hours": [float(f"{hour:.8g}") for hour in hours],
+        "constant_up_to": clock.constant_up_to,
+        "constant_rate_per_h": clock.constant_rate_per_h,
+    }
+
+
+def _checks(session: Session, fields: list[dict[str, Any]], count: int) -> list[dict[str, Any]]:
+    """Analyses at points chosen at random, the same every time."""
+    chance = np.random.default_rng(1)
+    moved = [one for one in fields if not one["fixed"] and one["key"] in (*AXES, *_FREE)]
+    checks: list[dict[str, Any]] = []
+    while len(checks) < count:
+        settings = {}
+        for one in moved:
+            value = chance.uniform(*one["slider"])
+            settings[one["key"]] = round(value) if one["whole"] else float(f"{value:.4g}")
+        try:
+            made = session.inputs(session.settings(settings))
+        except RefusedError:  # settings that contradict each other
+            continue
+        checks.append({"settings": settings} | _status_and_excess(made))
+    return checks
+
+
+def _status_and_excess(made: Inputs) -> dict[str, Any]:
+    """Status and excess time [h] of a point, null where it is unlimited or there is no aircraft."""
+    try:
+        cycle = performance(made.aircraft, made.mission, made.solar, keep_trajectory=False).cycle
+    except ImpossibleDesignError:
+        return {"status": "impossible", EXCESS_TIME.name: None}
+    hours = float(cycle.excess_time_h[0])
+    status = "always_lit" if np.isinf(hours) else "perpetual" if hours > 0.0 else "limited"
+    return {"status": status, EXCESS_TIME.name: finite(hours)}

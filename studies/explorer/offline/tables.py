@@ -17,7 +17,8 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, closed_design, measured_design, variables_of
+from sizing.design import Design, variables_of
+from sizing.mass_budget import closed_design, measured_design
 from sizing.sunlight import SolarModel, solar_day
 from solar.sun import declination
 from solar.types import FloatArray

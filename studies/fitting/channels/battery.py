@@ -13,7 +13,7 @@ from missions.air import (
 )
 from missions.logs.table import FlightLog
 from sizing.aircraft import Aircraft
-from sizing.design import design_of
+from sizing.mass_budget import design_of
 from solar.types import BoolArray, FloatArray
 from studies.fitting.channels.bins import Bins, long_stretches
 from studies.fitting.channels.channel import Channel, Flown, ambient_c

@@ -14,20 +14,17 @@ import numpy as np
 
 from sizing.sunlight import UNCORRECTED_CAM
 from solar.types import FloatArray
-from studies.flight_logs.causes.fit import (
-    LOG_SIGMAS,
-    MODEL_SIGMAS,
-    Hypothesis,
-    modelled,
-)
+from studies.flight_logs.causes.data import LOG_SIGMAS
+from studies.flight_logs.causes.fit import MODEL_SIGMAS, Hypothesis, modelled
 from studies.flight_logs.causes.forward import Forward, LogError
 
 WARMTH = "warmth"  # of the modules: no error where their temperature is fitted
 # Haze: 0.08 per unit of Linke's turbidity (Kasten, F. (1996), Solar Energy 56, 239-244), which is 2
 # to 5 on clear days; uniform, that scatters by 0.87. Diffuse light: McClear at eight stations, 7 to
 # 37 % RMS, 20 % in the mean (preprints.org 202603.0405, section 3.2). Warmth: the 10 K at 95 % that
-# are the prior knowledge of `temperature_rise`, at 0.3 %/K.
-SIGMAS = {**MODEL_SIGMAS, "haze": 0.07, "diffuse": 0.2, "warmth": 0.015}
+# are the prior knowledge of `temperature_rise`, at 0.3 %/K. Diffuse light has an
+# error of its own here, whatever the haze, and all light from around the sun is one.
+SIGMAS = {**MODEL_SIGMAS, "haze": 0.07, "diffuse": 0.2, "warmth": 0.015, "circumsolar": 0.7}
 OF_THE_AIRCRAFT = ("incidence", WARMTH, "low_light")
 CAM_SIGMA = UNCORRECTED_CAM.rms_relative
 _STEP = 0.5  # standard deviations of an error by which its effect is found
@@ -74,14 +71,17 @@ def _moved(
     forward: Forward, sigmas: dict[str, float], mean: Callable[[FloatArray], FloatArray]
 ) -> Iterator[tuple[str, float, FloatArray, FloatArray]]:
     """Errors by name with their standard deviations, and the power above and below [W]."""
-    none = dict.fromkeys(sigmas, 0.0)
+    none, nothing = dict.fromkeys(sigmas, 0.0), np.zeros(1)
 
     def power(error: LogError, values: dict[str, float]) -> FloatArray:
-        parts = [
-            modelled(part.parts(error), values, Hypothesis(), part.log.time_s[part.index])
+        found = [
+            modelled(
+                part.parts(error)._replace(beam_over_diffuse=nothing, passed=nothing),
+                *(values, Hypothesis(), part.log.time_s[part.index]),
+            )
             for part in forward.chunks()
         ]
-        return np.maximum(mean(np.concatenate(parts)), _LEAST_W)
+        return np.maximum(mean(np.concatenate(found)), _LEAST_W)
 
     for name, sigma in sigmas.items():
         if sigma > 0.0:

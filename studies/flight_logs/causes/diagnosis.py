@@ -8,19 +8,13 @@ import numpy as np
 
 from missions.logs.table import FlightLog
 from solar.types import BoolArray, FloatArray, IntArray
-from studies.flight_logs.causes.fit import (
-    UNKNOWN_NOISE,
-    Data,
-    Fit,
-    Hypothesis,
-    Noise,
-    fitted,
-    noise_of,
-)
+from studies.flight_logs.causes.data import Data
+from studies.flight_logs.causes.fit import UNKNOWN_NOISE, Fit, Hypothesis, Noise, fitted
 from studies.flight_logs.causes.fit import modelled as modelled_power
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.causes.hypotheses import LOSSES, ROWS, Candidate, candidates
 from studies.flight_logs.causes.left_out import NEAR_FULL, may_be_limited
+from studies.flight_logs.causes.noise import noise_of
 from studies.flight_logs.trackers import Trackers
 
 # Differences of the criterion: Kass, R. E., Raftery, A. E. (1995), Journal of the American
@@ -34,6 +28,8 @@ MOST_SCATTER = 0.1
 _SAMPLES, _LEAST_SAMPLES = 1200, 60
 _DARK = 0.02  # share of the peak below which there is nothing to compare
 _ROUNDS = 3
+# Steps to either side on which the evidence of an offset is taken, until it is this much worse.
+_MOST_STEPS, UNLIKELY = 8, 9.0
 _MOSTLY = 0.8
 _SECONDS_PER_DEG, _DAY_S, _ALIKE_S = 240.0, 86400.0, 120.0
 _UNITS = {1.0: "W", 1e-3: "kW", 1e3: "mW"}
@@ -97,10 +93,19 @@ class Diagnosis:
         every = [c for one in self.findings for c in (one.best, *one.others)]
         return any(free in one.row.free for one in every)
 
+    def with_offset(self, finding: Finding) -> Finding:
+        """A finding with the clock or heading that all findings together leave."""
+        offsets = {"clock_s": self.clock, "heading": self.heading}
+        marginal = offsets.get(next(iter(finding.best.row.free), ""))
+        return replace(finding, best=replace(finding.best, marginal=marginal))
+
     @property
     def certain(self) -> bool:
-        """Whether errors of the log won alone, and the level of the power does not jump."""
-        return not any(f.best.jumps or (f.others and not f.alike) for f in self.findings)
+        """Whether errors of the log won alone, well known, and the level does not jump."""
+        return not any(
+            f.best.jumps or not _well_known(f.best) or (f.others and not f.alike)
+            for f in self.findings
+        )
 
     @property
     def correction(self) -> LogError:
@@ -110,9 +115,23 @@ class Diagnosis:
             return error
         for one in self.findings:
             row = one.best.row
-            values = {n: getattr(self.fit.error, n) for n in row.free if hasattr(error, n)}
-            error = replace(error, **values, signs=error.signs | set(row.signs))
-        return replace(error, clock_s=snapped(error.clock_s, self.fit.sigmas["clock_s"]))
+            for name in row.free:
+                if hasattr(error, name):
+                    offset = {"clock_s": self.clock, "heading": self.heading}.get(name)
+                    value = getattr(self.fit.error, name) if offset is None else offset[0]
+                    error = error.plus({name: value - getattr(error, name)})
+            error = replace(error, signs=error.signs | set(row.signs))
+        sigma_s = 0.0 if self.clock is None else self.clock[1]
+        return replace(error, clock_s=snapped(error.clock_s, sigma_s))
+
+
+def _well_known(found: Candidate) -> bool:
+    """Whether a clock or heading is known to what matters, or is that of a zone."""
+    if found.marginal is None:
+        return True
+    size, sigma = found.marginal
+    zone = found.row.free[0] == "clock_s" and snapped(size, sigma) != size
+    return found.counts() and (zone or sigma <= found.row.least)
 
 
 def snapped(ahead_s: float, sigma_s: float) -> float:
@@ -161,8 +180,12 @@ def diagnose(
     if noise is None:
         return known
 
-    clock, heading = (_offset(data, fit, name, noise) for name in ("clock_s", "heading"))
-    return replace(known, clock=clock, heading=heading)
+    known = replace(
+        known,
+        clock=_offset(data, fit, "clock_s", noise),
+        heading=_offset(data, fit, "heading", noise),
+    )
+    return replace(known, findings=tuple(map(known.with_offset, findings)))
 
 
 def _battery(log: FlightLog, finding: Finding) -> str:
@@ -235,13 +258,35 @@ def _same_sun(data: Data, alike: list[Candidate]) -> bool:
 
 
 def _offset(data: Data, base: Fit, name: str, noise: Noise) -> tuple[float, float] | None:
-    """Clock [s] or heading [rad] with its standard deviation, left free."""
+    """Clock [s] or heading [rad] with its standard deviation, left free.
+
+    By the evidence at fixed values of it (Tierney & Kadane 1986): haze and diffuse light make that
+    far wider than the curvature at its peak where the sun rose by a few degrees only.
+    """
     if name not in data.geometric:
         return None
     free = tuple(dict.fromkeys((*base.hypothesis.free, name)))
     known = base.hypothesis._replace(start=base.error, free=free, sizes=())
     fit = fitted(data, known, noise, base)
-    return float(getattr(fit.error, name)) + fit.values[name], fit.sigmas[name]
+    peak, sigma = float(getattr(fit.error, name)) + fit.values[name], fit.sigmas[name]
+    known = known._replace(free=tuple(n for n in free if n != name))
+    scores: dict[float, float] = {}
+    for direction in (1.0, -1.0):
+        last = fit
+        for step in range(_MOST_STEPS):
+            value = peak + direction * step * sigma
+            error = last.error.plus({name: value - getattr(last.error, name)})
+            # All else is nearly as it was at the last one.
+            last = replace(last, error=error, hypothesis=known)
+            last = _again(data, last, noise)
+            scores[value] = last.score(noise)
+            if scores[value] > min(scores.values()) + UNLIKELY:
+                break
+    likely = np.exp(-0.5 * (np.array(list(scores.values())) - min(scores.values())))
+    mean, square = (
+        float(np.average(np.array(list(scores)) ** power, weights=likely)) for power in (1, 2)
+    )
+    return mean, max(float(np.sqrt(max(square - mean**2, 0.0))), sigma)
 
 
 def _factor(measured: FloatArray, modelled: FloatArray) -> float:

@@ -13,9 +13,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from solar.types import BoolArray, FloatArray, IntArray
-from studies.flight_logs.autocorrelation import correlation_time
-from studies.flight_logs.causes.forward import Forward, LogError, Parts
+from solar.types import BoolArray, FloatArray
+from studies.flight_logs.causes.data import LOG_SIGMAS, Data
+from studies.flight_logs.causes.forward import LogError, Parts
 from studies.flight_logs.log_view import LOW_LIGHT_W_PER_M2
 
 # Standard deviations of what every log, model and sky may be off by; docs/verify.md gives sources.
@@ -24,31 +24,21 @@ MODEL_SIGMAS = {
     "haze": 0.1,
     "diffuse": 0.5,
     "scatter": 0.3,
-    "circumsolar": 0.7,
+    "circumsolar": 0.3,
     "incidence": 0.05,
     "warmth": 0.03,
     "low_light": 0.03,
 }
-ATTITUDE_BIAS = float(np.radians(0.5))
-LOG_SIGMAS = {
-    "clock_s": 10.0,
-    "heading": ATTITUDE_BIAS,
-    "roll": ATTITUDE_BIAS,
-    "pitch": ATTITUDE_BIAS,
-}
 _STEPS = {"clock_s": 30.0, "heading": 0.01, "roll": 0.005, "pitch": 0.005}
 _LARGEST_STEPS = {"clock_s": 1800.0, "heading": 0.5, "roll": 0.1, "pitch": 0.1}
-# What changes within hours: level, swing with the bearing, and its part across. CAM does not know
-# how wind tilts the wing: in the report it is off by 7 % with another sign in the afternoon.
-_DRIFT, _SWING, _ACROSS, CAM_DRIFT = 0.02, 0.1, 0.005, 0.1
-_OF_TRACKERS = 0.02  # level of each MPPT: its sensor, and cells that are sorted to a few per cent
-_KNOT_S = 7200.0
+# Share of the light lost to haze that comes down as diffuse light: 0.9 are scattered, 0.84 of that
+# forwards. Bird, R. E., Hulstrom, R. L. (1981), SERI/TR-642-761. Some is always left.
+_FORWARD, _LEAST_DIFFUSE = 0.84 * 0.9, 0.1
 # Student's t with four degrees of freedom: Lange, Little & Taylor (1989), JASA 84(408), 881-896.
 _FREEDOM = 4.0
 _SIGMA_OF_MAD = 1.4826
-_LEAST_SIGMA = 2e-3  # of the peak: below, tables and rounding of the model decide
+LEAST_SIGMA = 2e-3  # of the peak: below, tables and rounding of the model decide
 _ROUNDS, _HALVINGS, _LEAST_GAIN = 60, 8, 0.02
-_SECTORS, _CLUSTER_S = 12, 3600.0
 # What is free: standard deviations, and lengths of what may be anything within a range.
 _FREE = {"haze": 0.3, "level": 0.5}
 _TILT = float(np.radians(30.0))
@@ -127,8 +117,7 @@ class Fit:
     def score(self, noise: Noise) -> float:
         """Minus twice the logarithm of the evidence by Laplace's method."""
         if noise not in self._scores:
-            scaled = self.jacobian * self.ranges
-            normal = (scaled * weights(self.residual, noise)[:, None]).T @ scaled
+            normal = _squared(self.jacobian * self.ranges, weights(self.residual, noise))
             volume = np.linalg.slogdet(normal + np.eye(len(normal)))[1]
             ends = self.hypothesis.parameters * np.log(noise.worth * len(self.residual))
             found = self.cost(noise) + volume + ends + self.hypothesis.choices
@@ -140,120 +129,21 @@ class Fit:
         return {}
 
 
-@dataclass(frozen=True)
-class Data:
-    """Power that is compared [W, by the unit that was found], a row for each MPPT at each sample.
-
-    ``members``: surfaces of each MPPT whose power is known; of one, all of them.
-    """
-
-    forward: Forward
-    measured: FloatArray
-    members: BoolArray
-    _cache: dict[LogError, Parts]
-
-    @classmethod
-    def of(cls, forward: Forward, measured: FloatArray, members: BoolArray | None = None) -> Data:
-        """Samples of a log that are compared; with ``members`` by MPPTs, in columns."""
-        whole = np.ones((1, 1), bool) if members is None else members
-        return cls(forward, measured.ravel(), whole, {})
-
-    @property
-    def trackers(self) -> int:
-        """Rows of each sample."""
-        return len(self.members)
-
-    @cached_property
-    def time_s(self) -> FloatArray:
-        """Times as logged."""
-        return np.repeat(self.forward.log.time_s[self.forward.index], self.trackers)
-
-    @cached_property
-    def run(self) -> IntArray:
-        """Number of the uninterrupted stretch of each sample."""
-        return np.asarray(self.forward.log.segment()[self.forward.index], int)
-
-    def some(self, count: int) -> Data:
-        """The whole power at a few samples."""
-        index = self.forward.index
-        places = np.linspace(0, len(index) - 1, count).astype(int)
-        whole = self.measured.reshape(-1, self.trackers).sum(axis=1)
-        return Data.of(self.forward.of(index[places]), whole[places])
-
-    @cached_property
-    def peak(self) -> float:
-        """Power that two in a hundred samples exceed: spikes do not count [W]."""
-        return float(np.quantile(self.measured, 0.98))
-
-    @property
-    def geometric(self) -> tuple[str, ...]:
-        """Errors of the log that the power depends on."""
-        return tuple(LOG_SIGMAS) if self.forward.knows_angles else ("clock_s",)
-
-    def parts(self, error: LogError) -> Parts:
-        """Power of the surfaces, kept for the next that asks."""
-        if error not in self._cache:
-            if len(self._cache) > 40:
-                self._cache.clear()
-            self._cache[error] = self._rows(self.forward.parts(error))
-        return self._cache[error]
-
-    def _rows(self, parts: Parts) -> Parts:
-        """Rows for each MPPT, with light on its own surfaces alone."""
-        if self.trackers == 1:
-            return parts
-        every = Parts(*(np.repeat(values, self.trackers, axis=0) for values in parts))
-        mine = np.tile(self.members, (len(self.forward.index), 1))
-        return every._replace(direct=mine * every.direct, diffuse=mine * every.diffuse)
-
-    def shadow_w(self, error: LogError) -> FloatArray | None:
-        """Power of each row that the tail's shadow takes if it costs its area of direct light."""
-        covered = self.forward.shadowed(error)
-        if covered is None:
-            return None
-        covered = np.repeat(covered, self.trackers, axis=0)
-        return np.asarray((self.parts(error).direct * covered).sum(axis=1))
-
-    @cached_property
-    def _hats(self) -> FloatArray:
-        """Piecewise linear functions of time with a knot every two hours."""
-        first, last = float(self.time_s.min()), float(self.time_s.max())
-        knots = np.linspace(first, last, max(2, round((last - first) / _KNOT_S) + 1))
-        eye = np.eye(len(knots))
-        hats = np.stack([np.interp(self.time_s, knots, row) for row in eye], axis=1)
-        return hats[:, hats.max(axis=0) > 0.0]
-
-    def drifts(self, parts: Parts, power: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What changes within hours: columns of power [W] and their standard deviations."""
-        hats = self._hats
-        if not self.forward.knows_angles:
-            hours = (self.time_s - self.time_s.mean()) / max(float(self.time_s.std()), 1.0)
-            columns = np.column_stack([hats, hours]) * power[:, None]
-            return columns, np.full(columns.shape[1], CAM_DRIFT)
-        mean = np.maximum((parts.cosine * parts.direct).sum(axis=1), 1e-9)
-        mean = np.maximum(mean / np.maximum(parts.direct.sum(axis=1), 1e-9), 0.05)
-        swing = parts.direct.sum(axis=1) * np.clip(1.0 - 1.0 / (parts.air_mass * mean), -1.0, 1.0)
-        shapes = (power, swing, power * np.cos(parts.bearing), power * np.sin(parts.bearing))
-        columns = np.concatenate([hats * shape[:, None] for shape in shapes], axis=1)
-        sigmas = np.repeat([_DRIFT, _SWING, _ACROSS, _ACROSS], hats.shape[1])
-        if self.trackers > 1:
-            own = np.tile(np.eye(self.trackers), (len(self.forward.index), 1)) * power[:, None]
-            columns = np.concatenate([columns, own], axis=1)
-            sigmas = np.append(sigmas, np.full(self.trackers, _OF_TRACKERS))
-        return columns, sigmas
-
-
 def modelled(
     parts: Parts, values: Mapping[str, float], hypothesis: Hypothesis, time_s: FloatArray
 ) -> FloatArray:
     """Power [W] with errors of model and sky, and what is lost."""
     slant = np.minimum(1.0 / np.maximum(parts.cosine, 0.1) - 1.0, 5.0)
-    direct = parts.direct * np.exp(-values["haze"] * parts.air_mass)[:, None]
+    passed = np.exp(-values["haze"] * parts.air_mass)
+    direct = parts.direct * passed[:, None]
     direct = direct * (1.0 - values["incidence"] * slant)
-    # Light from around the sun comes as direct light does: Hay & Davies (1980).
+    # Light from around the sun comes as direct light does: Hay & Davies (1980), whose share is that
+    # of the direct light that is left.
+    circumsolar = (parts.passed * passed + values["circumsolar"])[:, None]
     toward = np.maximum(parts.cosine, 0.0) * np.minimum(parts.air_mass, 10.0)[:, None] - 1.0
     scatter = np.exp(values["diffuse"] + values["scatter"] * (parts.air_mass - 1.0).clip(0.0, 4.0))
-    diffuse = parts.diffuse * scatter[:, None] * (1.0 + values["circumsolar"] * toward)
+    scatter *= np.maximum(1.0 + _FORWARD * parts.beam_over_diffuse * (1.0 - passed), _LEAST_DIFFUSE)
+    diffuse = parts.diffuse * scatter[:, None] * (1.0 + circumsolar * toward)
     shadow: FloatArray | float = 0.0
     for number, loss in enumerate(hypothesis.losses):
         if loss.shadow_w is not None:
@@ -283,6 +173,12 @@ def weights(residual: FloatArray, noise: Noise) -> FloatArray:
     """Weights of residuals [1/W2]: of outliers less."""
     size = (residual / noise.sigma) ** 2
     return np.asarray(noise.worth / noise.sigma**2 * (_FREEDOM + 1.0) / (_FREEDOM + size), float)
+
+
+def _squared(columns: FloatArray, weight: FloatArray) -> FloatArray:
+    """Columns times columns, rows weighted: of one factor, whose product takes half the time."""
+    scaled = columns * np.sqrt(weight)[:, None]
+    return np.asarray(scaled.T @ scaled)
 
 
 def fitted(
@@ -328,13 +224,18 @@ def fitted(
 
 
 class _State(NamedTuple):
-    """Where a fit is: error of the log, other errors and drifts, columns, residual [W]."""
+    """Where a fit is: error of the log, other errors and drifts, columns, residual [W].
+
+    ``slopes``: columns of clock and angles, at the error of the log ``near``.
+    """
 
     error: LogError
     theta: FloatArray
     columns: FloatArray
     spread: FloatArray
     residual: FloatArray
+    slopes: Mapping[str, FloatArray]
+    near: LogError
 
 
 @dataclass(frozen=True)
@@ -377,8 +278,12 @@ class _Problem:
         values |= dict.fromkeys(self.moving, 0.0)
         return self._state(error, np.concatenate([list(values.values()), drift]))
 
-    def _state(self, error: LogError, theta: FloatArray) -> _State:
+    def _state(self, error: LogError, theta: FloatArray, last: _State | None = None) -> _State:
         data, count = self.data, len(self.names)
+        slopes, near = dict[str, FloatArray](), error
+        # Clock and angles act alike nearby; at the same ones their power is kept.
+        if last is not None and error != last.near and error.near(last.near, _STEPS):
+            slopes, near = dict(last.slopes), last.near
         values = dict(zip(self.names, theta[:count].tolist(), strict=True))
 
         def at(other: LogError, **changed: float) -> FloatArray:
@@ -388,10 +293,12 @@ class _Problem:
         power = at(error)
         columns = []
         for name in self.names:
-            step = _STEPS.get(name, 1e-4)
-            other = error.plus({name: step}) if name in _STEPS else error
-            changed = {} if name in _STEPS else {name: values[name] + step}
-            columns.append((at(other, **changed) - power) / step)
+            if name not in _STEPS:
+                columns.append((at(error, **{name: values[name] + 1e-4}) - power) / 1e-4)
+                continue
+            if name not in slopes:
+                slopes[name] = (at(error.plus({name: _STEPS[name]})) - power) / _STEPS[name]
+            columns.append(slopes[name])
         drifts, spread = data.drifts(data.parts(error), power)
         every = np.concatenate([np.stack(columns, axis=1), drifts], axis=1)
         theta = np.resize(np.append(theta, np.zeros(len(spread))), count + len(spread))
@@ -401,7 +308,7 @@ class _Problem:
         if (cap := self.hypothesis.cap_w) is not None:
             every = np.where((whole > cap)[:, None], 0.0, every)
             whole = np.minimum(whole, cap)
-        return _State(error, theta, every, spread, data.measured - whole)
+        return _State(error, theta, every, spread, data.measured - whole, slopes, near)
 
     def prior(self, state: _State) -> FloatArray:
         """Standard deviations of all errors and drifts."""
@@ -410,7 +317,7 @@ class _Problem:
     def scale(self, state: _State) -> float:
         """Robust standard deviation of the residual [W]."""
         mad = _SIGMA_OF_MAD * float(np.median(np.abs(state.residual)))
-        return max(mad, _LEAST_SIGMA * self.data.peak)
+        return max(mad, LEAST_SIGMA * self.data.peak)
 
     def objective(self, state: _State, scale: float, worth: float) -> float:
         """What is made small: misfit and, by their known spread, all errors."""
@@ -421,7 +328,7 @@ class _Problem:
         """The next step, and the normal matrix."""
         weight = weights(state.residual, Noise(scale, worth))
         inverse = 1.0 / self.prior(state) ** 2
-        normal = (state.columns * weight[:, None]).T @ state.columns + np.diag(inverse)
+        normal = _squared(state.columns, weight) + np.diag(inverse)
         pull = state.columns.T @ (weight * state.residual) - inverse * state.theta
         step = np.asarray(np.linalg.solve(normal, pull))
         lost = np.flatnonzero([name.startswith("loss") for name in self.names])
@@ -442,27 +349,4 @@ class _Problem:
         for place, name in enumerate(self.names):
             if name in self.moving:
                 changes[name], theta[place] = float(theta[place]), 0.0
-        return self._state(state.error.plus(changes), theta)
-
-
-def noise_of(data: Data, fit: Fit) -> Noise:
-    """Scatter of the residuals, and how many of them are independent; outliers count less.
-
-    Errors of a model last, and return on every circle: the design effect of clusters (Kish, L.
-    (1965), Survey Sampling, section 5.4) of one hour and one sector of the sun's bearing.
-    """
-    sigma = max(fit.scale, _LEAST_SIGMA * data.peak)
-    residual = np.clip(fit.residual, -3.0 * sigma, 3.0 * sigma)
-    sector = np.floor(data.parts(fit.error).bearing * _SECTORS / (2.0 * np.pi)) % _SECTORS
-    hour = np.floor((data.time_s - data.time_s[0]) / _CLUSTER_S)
-    tracker = np.tile(np.arange(data.trackers), len(data.run))
-    power = max(float(np.sum(residual**2)), 1e-300)
-    effects = []
-    for own in {0, data.trackers}:  # of all MPPTs together, and of each
-        group = _SECTORS * hour + sector + 1e6 * np.minimum(tracker, own)
-        cluster = np.unique(group, return_inverse=True)[1]
-        effects.append(float(np.sum(np.bincount(cluster, residual) ** 2)) / power)
-    by_tracker = residual.reshape(-1, data.trackers).T.ravel()
-    runs = np.concatenate([data.run + (data.run.max() + 1) * i for i in range(data.trackers)])
-    time = correlation_time(by_tracker, runs, fit.jacobian.shape[1])
-    return Noise(sigma, 1.0 / max(*effects, time, 1.0))
+        return self._state(state.error.plus(changes), theta, state)

@@ -13,7 +13,7 @@ from missions.logs.table import EulerAngles, FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from solar.attitude_models import ModulePower, full_model
-from solar.clearsky import Irradiance
+from solar.clearsky import Irradiance, extraterrestrial_irradiance
 from solar.geometry import ModuleGeometry, direction_cosines
 from solar.horizontal_models import conceptual_analysis_model
 from solar.sun import SECONDS_PER_DAY, SunPosition, sun_position
@@ -52,6 +52,10 @@ class LogError:
         """The same with some numbers larger by so much, or by so much in each sample."""
         return replace(self, **{name: getattr(self, name) + v for name, v in changes.items()})
 
+    def near(self, other: LogError, steps: Mapping[str, float]) -> bool:
+        """Whether some numbers of another are no further away than these steps."""
+        return all(abs(getattr(self, n) - getattr(other, n)) <= step for n, step in steps.items())
+
     def sign(self, channel: str) -> float:
         """-1 for a channel of wrong sign."""
         return -1.0 if channel in self.signs else 1.0
@@ -87,7 +91,8 @@ class Parts(NamedTuple):
     """Power of each surface [W] from direct and from diffuse light, shape (samples, surfaces).
 
     ``cosine`` of the angle of incidence, relative ``air_mass``, ``bearing`` of the sun from the
-    nose [rad], and ``light`` on the modules [W/m2].
+    nose [rad], ``light`` on the modules [W/m2], ``beam_over_diffuse`` on the horizontal, and the
+    share ``passed`` of the direct light outside the atmosphere.
     """
 
     direct: FloatArray
@@ -96,6 +101,8 @@ class Parts(NamedTuple):
     air_mass: FloatArray
     bearing: FloatArray
     light: FloatArray
+    beam_over_diffuse: FloatArray
+    passed: FloatArray
 
     @property
     def power(self) -> FloatArray:
@@ -218,7 +225,11 @@ class Forward:
             cosine, falling = full.cos_aoi_by_surface, full.irradiance_w_per_m2
         share = np.where(up, modules.area_m2 * whole, 0.0) / np.maximum((beam + rest).sum(1), 1e-9)
         scale = share[:, np.newaxis]
-        return Parts(scale * beam, scale * rest, cosine, mass, bearing, np.where(up, falling, 0.0))
+        falling = np.where(up, falling, 0.0)
+        ratio = light.dni * sine / np.maximum(light.dhi, 1e-9)
+        day = day_of_year(self.log.time_s[self.index] - error.clock_s)
+        passed = light.dni / extraterrestrial_irradiance(day)
+        return Parts(scale * beam, scale * rest, cosine, mass, bearing, falling, ratio, passed)
 
     def _useful(self, full: ModulePower, light: Irradiance) -> tuple[FloatArray, FloatArray]:
         """Light of each surface that becomes power, direct and diffuse, by their areas."""

@@ -9,7 +9,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from solar.types import FloatArray
-from studies.flight_logs.causes.fit import Data, Fit, Hypothesis, Loss, Noise, fitted
+from studies.flight_logs.causes.data import Data
+from studies.flight_logs.causes.fit import Fit, Hypothesis, Loss, Noise, fitted
 from studies.flight_logs.causes.forward import LogError
 from studies.flight_logs.causes.losses import Shape, best_losses, subsets
 
@@ -65,10 +66,11 @@ ROWS = (
 
 @dataclass(frozen=True)
 class Candidate:
-    """A row of the table and its best fit."""
+    """A row of the table and its best fit; ``marginal``: mean and deviation of its first error."""
 
     row: Row
     fit: Fit
+    marginal: tuple[float, float] | None = None
 
     @property
     def _whole(self) -> bool:
@@ -78,6 +80,8 @@ class Candidate:
     @property
     def size(self) -> float:
         """How large it is: of the first free error, or the share that is lost."""
+        if self.marginal is not None:
+            return self.marginal[0]
         if self.row.form == "cap":
             cap = self.fit.hypothesis.cap_w
             assert cap is not None
@@ -94,6 +98,8 @@ class Candidate:
     @property
     def sigma(self) -> float:
         """Standard deviation of the size."""
+        if self.marginal is not None:
+            return self.marginal[1]
         if self._whole or self.row.form == "cap" or not (self.row.free or self.row.form):
             return 0.0
         name = self.row.free[0] if self.row.free else f"loss{len(self.fit.hypothesis.losses) - 1}"

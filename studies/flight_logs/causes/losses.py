@@ -9,7 +9,8 @@ import numpy as np
 
 from solar.geometry import ModuleGeometry
 from solar.types import FloatArray, IntArray
-from studies.flight_logs.causes.fit import Data, Fit, Form, Loss
+from studies.flight_logs.causes.data import Data
+from studies.flight_logs.causes.fit import Fit, Form, Loss
 from studies.flight_logs.log_view import LOW_LIGHT_W_PER_M2
 
 _EDGES = 40

@@ -15,8 +15,6 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias
 
 from missions.files.writing import write_bytes_atomically
 from sizing.optimisation.objectives import Objective
-from sizing.results.notes import extrapolation_caption
-from sizing.validity.ranges import Extrapolation
 from solar.names import MODEL_NAMES
 from studies.output.figures.options import (
     DEFAULT,
@@ -184,11 +182,6 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 
 # ---- Words of headings
-
-
-def outside_ranges(extrapolations: Sequence[Extrapolation]) -> str:
-    """What lies outside the range of a model, for the line below a title; empty if nothing does."""
-    return extrapolation_caption(extrapolations)
 
 
 def objective_caption(objective: str | Objective) -> str:

@@ -19,8 +19,8 @@ import yaml
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import design_of
 from sizing.library import load_aircraft
+from sizing.mass_budget import design_of
 from sizing.performance import performance, perpetual_days
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results.tables import Column, Table

@@ -20,15 +20,13 @@ from benchmarks.validation.structure_comparison import (
 from missions.files.validation import InputError
 from missions.library import load_mission
 from sizing.aircraft import ParametricAirframe
-from sizing.design import closed_design, design_of, structure_parts, variables_of
+from sizing.design import variables_of
 from sizing.library import load_aircraft
+from sizing.mass_budget import closed_design, design_of
+from sizing.sized_structure import structure_parts
 from sizing.structures.models import AllPowerLawStructure
 from sizing.structures.torsion import WingTorsion
-from studies.validation.built_aircraft import (
-    ATLANTIKSOLAR,
-    SKY_SAILOR,
-    calibrated_rib_wing,
-)
+from studies.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, calibrated_rib_wing
 
 DESIGN = "atlantiksolar-design"
 

@@ -17,8 +17,9 @@ from benchmarks.validation.structures import (
     structures_table,
 )
 from missions.library import load_mission
-from sizing.design import closed_design, variables_of
+from sizing.design import variables_of
 from sizing.library import load_aircraft
+from sizing.mass_budget import closed_design
 from sizing.structures.rib_wing import RibWingStructure
 
 AIRCRAFT = published_structures()

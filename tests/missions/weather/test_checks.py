@@ -5,8 +5,7 @@ import pytest
 from weather_files import SITE, clear_record, write_plain
 
 from missions.files.errors import InputError
-from missions.weather.air import TEMPERATURE, checked_air
-from missions.weather.checks import _diffuse_fraction
+from missions.weather.checks import TEMPERATURE, _diffuse_fraction, checked_air
 from missions.weather.files import load_weather
 from missions.weather.record import day_of_year
 from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
@@ -210,7 +209,7 @@ def test_air_that_cannot_be_is_refused(tmp_path, temperature, wind, expected):
 
 
 def test_what_is_left_out_of_the_air_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr("missions.weather.air.MAXIMUM_IMPOSSIBLE", 0.02)
+    monkeypatch.setattr("missions.weather.checks.MAXIMUM_IMPOSSIBLE", 0.02)
     found = loaded_beside(tmp_path, [-9999, *([15.0] * 71)], [500.0, *([3.0] * 71)])
     assert found.repairs == ("1 rows with a wind speed outside of 0 to 120 m/s taken out",)
     assert (found.temperature_c.max(), found.wind_m_per_s.max()) == (15.0, 3.0)

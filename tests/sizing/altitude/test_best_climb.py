@@ -11,8 +11,8 @@ from sizing.altitude import best_climb as module
 from sizing.altitude.best_climb import best_climb
 from sizing.altitude.climb_cycle import climb_performance
 from sizing.altitude.climb_levels import flight_levels
-from sizing.design import design_of
 from sizing.energy.battery import Store
+from sizing.mass_budget import design_of
 from sizing.sunlight import UNCORRECTED_CAM, solar_day
 
 # Steps of 5 min and polynomials over the altitude: what is flown differs by so much [h].

@@ -20,7 +20,7 @@ from sizing.altitude.ceiling import (
     highest_perpetual_altitude,
     scanned_altitudes_m,
 )
-from sizing.design import ImpossibleDesignError
+from sizing.mass_budget import ImpossibleDesignError
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 

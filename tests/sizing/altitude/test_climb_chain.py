@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from missions.mission import Mission
 from sizing.altitude.climb_chain import ClimbChain
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.altitude.climb_levels import flight_levels
-from sizing.design import FlightConditions, design_of, parametric_design
+from sizing.design import FlightConditions, parametric_design
+from sizing.mass_budget import design_of
 from sizing.performance import cycle_of_variants, performance, performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.smooth_propulsion import smooth_at
@@ -49,6 +51,7 @@ def exact_w(altitude_m: float, thrust_w: FloatArray, bus_v: FloatArray) -> Float
     return np.asarray(parts.propulsors * point.bus_power_w)
 
 
+@cache
 def level(altitude_m: float) -> tuple[float, float]:
     """Drag times airspeed [W], and airspeed of level flight."""
     design, there = design_of(TWIN, HIGH), HIGH.at_altitude(altitude_m)
@@ -106,8 +109,9 @@ def test_every_step_has_the_power_of_the_exact_chain(flown: ClimbPerformance) ->
         some = np.flatnonzero(marks)[3:-3:12]
         assert len(some) > 2, name
         for step in some:
-            thrust_w = level(float(height[step]))[0] * factor[step] + gains_w[step]
-            if thrust_w < 0.3 * level(float(height[step]))[0]:
+            level_w = level(float(height[step]))[0]
+            thrust_w = level_w * factor[step] + gains_w[step]
+            if thrust_w < 0.3 * level_w:
                 # The motor is off, or runs for a part of the time.
                 assert motor_w[step] < 0.5 * exact_w(height[step], np.array(25.0), bus_v[step])
                 continue

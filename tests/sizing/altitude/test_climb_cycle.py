@@ -12,23 +12,19 @@ import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, UNLIMITED_AS2
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from plain_climb import ETA, FLOOR_M, PlainClimb
 
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
-from sizing.design import design_of
 from sizing.energy.cycle import Status
+from sizing.mass_budget import design_of
 from sizing.performance import performance
 from sizing.sunlight import SolarModel
-from solar.horizontal_models import horizontal_specific_power
-from solar.modules import SolarCell
 
 pytestmark = pytest.mark.slow
-
-FLOOR_M = 536.0
-ETA = 0.626  # .97 x .82 x .96 x .82, as the file rounds it
 
 
 def mission(ceiling_m: float, strategy: str = "battery_full", **changes: Any) -> Mission:
@@ -237,71 +233,18 @@ def test_zephyr_like_aircraft_needs_hours_from_18_to_12_km() -> None:
 # ---- Against plain marching, second by second
 
 
-def plain_day(
-    ceiling_m: float, energy: float, altitude: float, step_s: float = 10.0
-) -> tuple[float, float, float]:
-    """March AS-2 without charge limit: energy after a day, highest altitude, energy at dawn.
-
-    Explicit Euler on altitude and energy, with the density of another atmosphere; nothing of the
-    module under test.
-    """
-    heights = np.linspace(FLOOR_M, max(ceiling_m, FLOOR_M + 1.0), 60)
-    air = ambiance.Atmosphere(heights)
-    minutes = np.linspace(0.0, 24.0, 24 * 60 + 1)
-    # The light is linear between the nodes of the day there, 5 min; sampled alike here.
-    coarse = minutes[::5]
-    light = 1.35 * np.stack(
-        [
-            np.interp(
-                minutes,
-                coarse,
-                horizontal_specific_power(
-                    47.6,
-                    172.5,
-                    coarse,
-                    cell=SolarCell(),
-                    module_temperature_c=float(t) - 273.15,
-                    altitude_m=float(h),
-                ),
-            )
-            for h, t in zip(heights, air.temperature, strict=True)
-        ]
-    )
-    level_w = 35.8 * (air.density / 1.10) ** -0.5
-    speed = 8.4 * (air.density / 1.10) ** -0.5
-    weight = 6.92 * 9.80665
-    per_metre = weight * (1.0 + np.gradient(speed**2 / 2.0, heights) / 9.80665)  # [J/m]
-    full, highest, dawn = 2.918 * 251.0, altitude, -1.0
-    spacing = heights[1] - heights[0]
-    for k in range(int(24 * 3600 / step_s)):
-        hour = (k + 0.5) * step_s / 3600.0
-        i = min(int((altitude - FLOOR_M) / spacing), len(heights) - 2)
-        f = (altitude - heights[i]) / spacing
-        j = int(hour * 60.0)
-        g = hour * 60.0 - j
-        sun = (1 - f) * ((1 - g) * light[i, j] + g * light[i, j + 1]) + f * (
-            (1 - g) * light[i + 1, j] + g * light[i + 1, j + 1]
-        )
-        motor = (1 - f) * level_w[i] + f * level_w[i + 1]
-        joule = (1 - f) * per_metre[i] + f * per_metre[i + 1]
-        net, dt = sun - motor - 6.0, step_s / 3600.0
-        if dawn < 0.0 and hour > 2.0 and net >= 0.0:
-            dawn = energy
-        if net >= 0.0:
-            charge = min(0.95 * net * dt, full - energy)
-            energy += charge
-            left = net - charge / 0.95 / dt
-            if energy >= full * (1 - 1e-12):
-                climb = min(left, 180.0 - motor)
-                altitude = min(altitude + ETA * climb * step_s / joule, ceiling_m)
-        elif altitude > FLOOR_M:
-            driven = max(sun - 6.0, 0.0)
-            altitude = max(altitude - ETA * (motor - driven) * step_s / joule, FLOOR_M)
-            energy -= max(6.0 - sun, 0.0) * dt / 0.97
-        else:
-            energy += net * dt / 0.97
-        highest = max(highest, altitude)
-    return energy, highest, dawn
+def plain_day(ceiling_m: float, energy: float, altitude: float) -> tuple[float, float, float]:
+    """March AS-2 without charge limit: energy after a day, highest altitude, energy at dawn."""
+    plain = PlainClimb(172, ceiling_m)
+    state, highest, dawn = (np.array([energy]), np.array([altitude])), altitude, -1.0
+    for k in range(round(24.0 / plain.step_h)):
+        hour = k * plain.step_h
+        *after, net = plain.step(np.array([hour]), *state)
+        if dawn < 0.0 and hour > 2.0 and net[0] >= 0.0:
+            dawn = float(state[0][0])
+        state = after[0], after[1]
+        highest = max(highest, float(state[1][0]))
+    return float(state[0][0]), highest, dawn
 
 
 @pytest.mark.parametrize("ceiling_m", [1536.0, 3536.0, 9000.0])

@@ -10,8 +10,9 @@ from builders import aircraft, shipped_mission
 
 from sizing.balance.assessment import drag_shares
 from sizing.balance.drag import Pod, skin_friction
-from sizing.design import FlightConditions, design_of
+from sizing.design import FlightConditions
 from sizing.limits import DesignInFlight
+from sizing.mass_budget import design_of
 
 TWIN = aircraft("twin-boom-design")
 MISSION = shipped_mission()

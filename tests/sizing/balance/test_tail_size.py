@@ -11,15 +11,10 @@ from builders import shipped_mission
 import sizing
 from missions.files.errors import InputError
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
-from sizing.design import (
-    Design,
-    ImpossibleDesignError,
-    closed_design,
-    design_of,
-    structure_parts,
-    variables_of,
-)
+from sizing.design import Design, variables_of
+from sizing.mass_budget import ImpossibleDesignError, closed_design, design_of
 from sizing.optimisation.cross_check import cross_check
+from sizing.sized_structure import structure_parts
 from sizing.sunlight import UNCORRECTED_CAM
 
 MISSION = shipped_mission()

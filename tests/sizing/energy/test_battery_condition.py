@@ -222,7 +222,7 @@ def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same() -> None:
 
 def test_the_line_says_temperature_age_and_what_is_left() -> None:
     craft = aircraft("atlantiksolar-as2", *IN_FLIGHT)
-    line = battery_line(craft, COLD)
+    line = battery_line(craft, battery_record(craft, COLD))
     assert line is not None
     assert line.startswith(
         "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
@@ -232,5 +232,6 @@ def test_the_line_says_temperature_age_and_what_is_left() -> None:
     record = battery_record(craft, COLD)
     assert record is not None
     assert record["capacity_fraction"] == craft.battery.capacity_fraction(-5.0)
-    assert battery_line(aircraft("atlantiksolar-as2"), COLD) is None
+    plain = aircraft("atlantiksolar-as2")
+    assert battery_line(plain, battery_record(plain, COLD)) is None
     assert "battery_condition" not in analyse(aircraft("atlantiksolar-as2"), COLD).to_dict()

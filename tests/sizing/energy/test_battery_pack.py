@@ -148,6 +148,14 @@ def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path: Path) -
             "battery.cell: the catalogue of batteries has no 'no-such'",
         ),
         ({"pack": 3}, "battery.pack: "),
+        (
+            {
+                "pack": {"cells_in_parallel": 16667, "cell_mass_kg": 0.0486},
+                "voltage": VOLTAGE,
+            },
+            "battery.pack.cells_in_parallel: must be at most 16666, with 6 in series 100000 cells "
+            "(got 16667)",
+        ),
     ],
 )
 def test_wrong_packs_are_refused(data: dict[str, Any], words: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from sizing.layout.strings import Strings
 
@@ -89,3 +90,11 @@ def test_mppts_by_strings() -> None:
 def test_a_cell_without_its_numbers_is_refused(key: str) -> None:
     with pytest.raises(ValueError, match="required key is missing"):
         strings(**{key: None})
+
+
+@pytest.mark.parametrize("key", ["coldest_c", "hottest_c"])
+@pytest.mark.parametrize("value", [-300.0, -100.5, 101.0, float("nan")])
+def test_temperatures_that_no_module_has_are_refused(key: str, value: float) -> None:
+    with pytest.raises(ValidationError, match=key):
+        strings(**{key: value})
+    assert strings(coldest_c=-100.0, hottest_c=100.0).coldest_c == -100.0

@@ -10,13 +10,14 @@ import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.winds.table import COLUMNS
-from sizing.design import DesignVariables, closed_design, design_of
+from sizing.design import DesignVariables
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
 from sizing.margins.search import fitted
 from sizing.margins.season_flights import Powers, SeasonDays, SeasonFlights
 from sizing.margins.season_search import SeasonSearch
 from sizing.margins.survival import _SurvivalSizing
+from sizing.mass_budget import closed_design, design_of
 from sizing.relaxed_flight import Relaxation
 from sizing.weather_run import weather_performance
 

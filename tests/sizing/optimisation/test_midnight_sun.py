@@ -12,18 +12,15 @@ from builders import mission as july_day
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, plain_design, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.energy.cycle import Status
+from sizing.mass_budget import plain_design
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.energy_constraints import growing_lit_sets
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import (
-    SizingResult,
-    SizingStatus,
-    objective_value,
-)
+from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
 from sizing.optimisation.search import size_aircraft, size_branch
 from sizing.optimisation.solver import ProgramSolver
 from sizing.performance import performance_of_designs
@@ -161,6 +158,24 @@ def test_cell_under_a_midnight_sun_has_the_design_of_a_single_sizing() -> None:
         required_excess_time_h=12.0,
     )
     assert cells.objective_value == pytest.approx([known.sized().objective_value], rel=1e-3)
+
+
+@pytest.mark.parametrize("climb", [None, {"ceiling_m": 12300.0}], ids=["level", "climbs"])
+def test_modules_cooled_otherwise_than_the_first_guess_s_still_carry_the_load(
+    climb: dict[str, float] | None,
+) -> None:
+    # The first guess has 5.6 m of span, the optimum 12 m: its modules are warmer by a degree or so.
+    plane = aircraft("design_space.wingspan_m.maximum=40", LIGHT_BATTERY)
+    high = mission(climb=climb).model_copy(update={"altitude_m": 12000.0})
+    given = (plane, high, Objective.max_payload_power)
+    result = size_aircraft(*given, required_excess_time_h=26.0)
+    assert result.simulated is not None
+    assert np.isinf(result.simulated.cycle.excess_time_h).all()
+    lowest_w = result.simulated.solar_power_w.min(axis=-1)
+    assert lowest_w == pytest.approx(result.simulated.nominal_load_w, rel=1e-3)
+    where = Scenarios(np.array([80.0]), np.array([196]))
+    cells = size_cells(plane, high, where, given[2], required_excess_time_h=26.0)
+    assert cells.objective_value == pytest.approx([result.objective_value], rel=1e-3)
 
 
 def test_dates_with_and_without_a_night_are_sized_together() -> None:

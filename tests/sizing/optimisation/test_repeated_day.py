@@ -12,7 +12,7 @@ from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import ImpossibleDesignError
+from sizing.mass_budget import ImpossibleDesignError
 from sizing.optimisation.repeated_day import DAY_OUTPUTS, DesignInDays, Regime
 from sizing.performance import performance
 from sizing.sunlight import solar_day

@@ -99,7 +99,7 @@ def test_night_that_takes_more_with_climbs_moves_the_goal_as_well() -> None:
     run([search], simulate)
     assert search.best is not None
     assert 0.0 < seen[-1] < 0.02
-    assert len(seen) <= 4
+    assert len(seen) <= 6  # the first margin on the recharge, three larger ones, then the goal
 
 
 def test_leap_of_the_excess_time_is_enclosed_and_no_more() -> None:

@@ -21,7 +21,7 @@ from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.results.sizing_summary import cross_check_line
 from sizing.sunlight import SolarModel
-from studies.output.cycle_plots import plot_sensitivities
+from studies.output.design_plots import plot_sensitivities
 
 pytestmark = pytest.mark.slow
 

@@ -20,8 +20,9 @@ from missions.files.validation import validate
 from missions.files.yaml import parse_yaml
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
-from sizing.aircraft import Aircraft, LimitedQuantity, ParametricAirframe
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
+from sizing.design_space import LimitedQuantity
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation import coverage

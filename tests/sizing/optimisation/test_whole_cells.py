@@ -16,7 +16,7 @@ from sizing.layout.cells import Wing
 from sizing.limits import meets_requirements
 from sizing.optimisation.whole_cell_designs import without_whole_cells
 from sizing.performance import performance_of_designs
-from sizing.results.sizing import SizingStudy
+from sizing.results.sizing_study import SizingStudy
 
 MISSION = load_mission("central-europe-summer")
 REQUIRED_H = 3.0

@@ -12,7 +12,7 @@ import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
 from sizing.catalogues.choice import entries
-from sizing.design import ImpossibleDesignError, design_of
+from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.propulsion.electric import Motor
 from sizing.propulsion.part_masses import continuous_torque_nm
 

@@ -11,8 +11,9 @@ import missions
 import sizing
 from sizing.aerodynamics.parabolic import level_flight_power_w
 from sizing.aircraft import ParametricAirframe
-from sizing.design import FlightConditions, design_of
+from sizing.design import FlightConditions
 from sizing.limits import DesignInFlight
+from sizing.mass_budget import design_of
 from sizing.parameters import parameter
 from sizing.results import quantities
 from sizing.results.analysis import Analysis

@@ -17,7 +17,7 @@ from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table
 from sizing.results.notes import relaxation_table
-from sizing.results.sizing import SizingStudy
+from sizing.results.sizing_study import SizingStudy
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ import pytest
 import sizing
 from missions.library import load_mission
 from missions.mission import Mission
-from sizing.design import ImpossibleDesignError, design_of
 from sizing.library import load_aircraft
+from sizing.mass_budget import ImpossibleDesignError, design_of
 
 RIB = "airframe.structure"
 DESIGN = "atlantiksolar-design"

@@ -20,7 +20,7 @@ from sizing.results.sizing import size
 from sizing.validity.ranges import Extrapolation
 from studies.maps.feasibility import feasibility_map
 from studies.maps.resized import resized_map
-from studies.output.columns import extrapolations_of
+from studies.output.gridded import extrapolations_of
 
 # Perpetual there on the longest day, by less than the assumptions are worth.
 HIGH = mission(altitude_m=10000.0, dates={"on": "06-21"})

@@ -194,7 +194,7 @@ def test_commands_at_constant_altitude_refuse_climbs_and_say_why(
             ["map", "--latitudes", "40:50:10", "--days", "172:173:1"],
             "climbs from 536 to 3536 m once",
         ),
-        (["sweep", "--vary", "mission.altitude_m=536,1000"], "with climbs; endurance in level"),
+        (["sweep", "--vary", "mission.altitude_m=536,1000"], "with climbs"),
         (
             ["compare", "--corrections", "none"],
             "climbs from 536 to 3536 m once the battery is full",

@@ -16,9 +16,8 @@ from sizing.results.analysis import analyse
 from sizing.sunlight import SolarModel
 from studies.ceiling import perpetual_ceiling, plot_ceiling
 from studies.maps.plots import plot_map
-from studies.output.columns import extrapolations_of
 from studies.output.cycle_plots import plot_cycle
-from studies.output.gridded import to_netcdf_bytes
+from studies.output.gridded import extrapolations_of, to_netcdf_bytes
 from studies.sweeps.plots import plot_sweep
 
 HEAD = "outside the range of a model:"

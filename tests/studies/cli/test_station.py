@@ -10,6 +10,8 @@ import pytest
 import xarray as xr
 from command_line import Run
 
+from sizing.optimisation.objectives import SizingStatus
+
 DESIGN = "atlantiksolar-design"
 GOOD = (
     *("--set", "mission.altitude_m=12000", "--set", "mission.air={}"),
@@ -114,6 +116,41 @@ def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(
     assert "too windy for the path" in shown.out
     every = run("map", "atlantiksolar-as2", *where, "--latitudes", "60:70:10", "--days", "1:31:30")
     assert every.code == 0
+
+
+def test_cells_of_designs_too_windy_for_the_path_say_so(run: Run, tmp_path: Path) -> None:
+    winds = tmp_path / "winds.csv"
+    rows = [
+        f"{x},{z},{m},95,{12 if m == 6 and x > 30 else 3}"
+        for x in (-90, 30, 40, 90)
+        for z in (0, 2000)
+        for m in range(1, 13)
+    ]
+    winds.write_text("\n".join(["latitude_deg,altitude_m,month,percentile,wind_m_per_s", *rows]))
+    where = ["--set", f"mission.wind={{percentile: 95, file: {winds}}}", "--model", "VM"]
+    sized = ("map", DESIGN, "--resize", "min_mass", *where, "--latitudes", "30:40:10")
+    out = tmp_path / "m.nc"
+    shown = run(*sized, "--days", "152:182:30", "--out", str(out))
+    assert shown.code == 0
+    assert "too windy for the path" in shown.out
+    assert "failed" not in shown.out + shown.err
+    with xr.open_dataset(out) as data:
+        windy = (data["status"] == int(SizingStatus.infeasible)).to_numpy()
+        assert windy.tolist() == [[False, False], [True, False]]  # 40 N on 1 June
+        message = str(data["message"].to_numpy()[1, 0])
+        assert message.startswith("flight path: the wind of 12 m/s is not below the airspeed")
+        assert str(data["violated_requirement"].to_numpy()[1, 0]) == "flight_path"
+        # 12 over 8.6 m/s.
+        assert float(data["shortfall"][1, 0]) == pytest.approx(12.0 / 8.6 - 1.0)
+        mass = float(data["total_mass"][1, 1])
+    alone = run(*sized, "--days", "182:182:1", "--json").json()
+    assert alone["least_total_mass_kg"][1] == pytest.approx(mass, rel=1e-4)
+    assert "too_windy_days" not in alone
+    # Nothing but windy cells is a result as well.
+    every = run(*sized[:-2], "--latitudes", "40:50:10", "--days", "152:153:1", "--json")
+    assert every.code == 0
+    assert every.json()["too_windy_days"] == [2, 2]
+    assert every.json()["failed_days"] == [0, 0]
 
 
 HOLDING = (*GOOD, "--set", "mission.wind.hold_station=true", "--set", "mission.dates.on=07-01")

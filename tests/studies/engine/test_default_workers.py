@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from command_line import Run
 
-from studies.output.columns import SizingStatus
+from studies.output.gridded import SizingStatus
 
 pytestmark = pytest.mark.slow
 

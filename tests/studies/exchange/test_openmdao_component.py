@@ -9,7 +9,7 @@ import pytest
 from builders import AS2, DESIGN, mission, shipped_mission
 
 from missions.mission import Mission
-from sizing.design import design_of
+from sizing.mass_budget import design_of
 from sizing.results.analysis import analyse
 from sizing.results.sizing import size
 from studies.exchange.openmdao_component import to_openmdao

@@ -13,7 +13,7 @@ import pytest
 from log_layouts import LAYOUTS, OWN_NAMES_MAP, dataflash_of
 
 from benchmarks.independent_logs import HOLD_OUT, TRUTHS, TUNING, Truth, made
-from benchmarks.log_causes import LEAST_RIGHT, every, judged, rates
+from benchmarks.log_causes import LEAST_RIGHT, every, in_sigmas, judged, rates
 from missions.library import load_mission
 from missions.logs.columns import ColumnMap, read_column_map
 from missions.logs.csv import read_flight_log
@@ -27,6 +27,7 @@ from studies.flight_logs.causes.fit import Fit, Hypothesis, Noise
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.causes.left_out import may_be_limited
 from studies.flight_logs.causes.losses import subsets
+from studies.flight_logs.causes.noise import design_effect
 from studies.flight_logs.samples import lit_samples
 from studies.flight_logs.synthetic import Faults, Settings, synthetic_log
 from studies.flight_logs.trackers import Trackers
@@ -290,7 +291,8 @@ def test_a_column_for_each_mppt_names_the_modules_that_are_low(
     made(aircraft(), truth, TUNING[0] + 46, by_side=True).rows.iloc[::4].to_csv(file, index=False)
     result = verify(aircraft(), read_flight_log(file), mission())
     assert result.diagnosis is not None
-    assert names(result.diagnosis) == found
+    # What is said of the sky accuses nobody.
+    assert [name for name in names(result.diagnosis) if name != "sky"] == found
     assert [one.modules[0] for one in result.trackers] == [
         "left front", "centre front", "right front",
     ]  # fmt: skip
@@ -354,6 +356,28 @@ def test_evidence_of_a_straight_line_is_that_of_its_integral() -> None:
     assert fit.score(noise) == pytest.approx(exact, abs=0.3)
 
 
+@pytest.mark.parametrize("shared_w", [0.0, 0.5])
+def test_errors_that_samples_share_are_known_though_a_fit_took_some(shared_w: float) -> None:
+    """Samples of 1 W in 36 clusters of 30, and a fit that takes half of what clusters share."""
+    rng, effects = np.random.default_rng(2), []
+    cluster = np.repeat(np.arange(36), 30)
+    columns = rng.standard_normal((36, 18))[cluster]
+    nothing = np.zeros(0)
+    for _ in range(60):
+        error = rng.standard_normal(1080) + shared_w * rng.standard_normal(36)[cluster]
+        left = error - columns @ np.linalg.lstsq(columns, error, rcond=None)[0]
+        fit = Fit(
+            Hypothesis(), LogError(), {}, {}, nothing, left, 0.0, nothing, columns,
+            np.full(18, 1e3), nothing,
+        )  # fmt: skip
+        effects.append(design_effect(left, cluster, fit, 1.0, 0.0))
+    expected = 1.0 + 29.0 * shared_w**2 / (1.0 + shared_w**2)
+    # 60 draws of 18 free clusters each: 1/sqrt(60 * 18 / 2) = 4 %, and no variance is negative:
+    # half the draws of white noise are above, by 29/30 * sqrt(2/18).
+    assert np.mean(effects) == pytest.approx(expected, rel=0.2)
+    assert design_effect(left, cluster, fit, 1.0, 0.5) >= 1.0 + 29.0 * 0.25 / 1.35
+
+
 @pytest.mark.slow
 def test_rates_on_logs_that_were_not_looked_at() -> None:
     cases = every(HOLD_OUT)
@@ -362,3 +386,5 @@ def test_rates_on_logs_that_were_not_looked_at() -> None:
     assert found["right cause first"] >= LEAST_RIGHT - 1 / 41
     assert found["wrong blame"] <= 1 / 41
     assert found["false alarms"] <= 1 / 19
+    # Stated deviations are those of the errors: one, of 29 logs within a seventh of it, and model.
+    assert all(z < 1.5 for z in in_sigmas(cases).values())

@@ -77,7 +77,7 @@ def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.Monke
     whole = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     monkeypatch.setattr(study, "_CELLS_AT_ONCE", 50)
     monkeypatch.setattr("sizing.energy.cycle.CELLS_AT_ONCE", 7)
-    monkeypatch.setattr("sizing.energy.endurance._FLIGHTS_AT_ONCE", 100)
+    monkeypatch.setattr("sizing.energy.endurance.Flights.at_once", 100)
     monkeypatch.setattr("solar.horizontal_models._POINTS_AT_ONCE", 333)
     again = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     for name, values in whole.items():

@@ -34,8 +34,7 @@ from studies.grid import Grid, MapConfiguration, chunks_of
 from studies.maps import feasibility
 from studies.maps.plots import plot_map, plot_resized_map
 from studies.maps.resized import _resized_chunk, resized_map
-from studies.output.columns import SizingStatus
-from studies.output.gridded import to_netcdf_bytes
+from studies.output.gridded import SizingStatus, to_netcdf_bytes
 
 pytestmark = pytest.mark.slow
 

@@ -33,9 +33,8 @@ from studies import make_report
 from studies.flight_logs.synthetic import Settings, synthetic_log
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars
-from studies.report.confidence import margins_section
+from studies.report.confidence import margin_table, margins_section
 from studies.report.design import aircraft_section, budget_section
-from studies.report.margins import margin_table
 from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.subject import Subject
 from studies.report.verdict import key_facts, verdict

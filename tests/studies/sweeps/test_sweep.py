@@ -22,9 +22,9 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import design_of
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
+from sizing.mass_budget import design_of
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
@@ -33,8 +33,7 @@ from studies.cli.__main__ import cli
 from studies.engine.run import compute
 from studies.engine.workers import Job
 from studies.maps.feasibility import MapConfiguration
-from studies.output.columns import SizingStatus
-from studies.output.gridded import to_table
+from studies.output.gridded import SizingStatus, to_table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.points import held, judge_points, plain_data

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 import missions
 import sizing
-from sizing.design import design_of
+from sizing.mass_budget import design_of
 from studies.explorer.offline.page import bundled
 from studies.explorer.offline.tables import Axis, design_table, light_table, quantised
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from missions.places import latitude_deg
+from studies.cli.command import latitude_deg
 
 
 @pytest.mark.parametrize(

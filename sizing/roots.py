@@ -1,4 +1,7 @@
-"""Roots of many falling functions at once, each bracketed and narrowed on its own."""
+"""Roots of many functions at once, each bracketed and narrowed on its own.
+
+``scipy.optimize.elementwise`` finds the same roots; its import takes longer than a sizing.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,66 @@ from solar.types import BoolArray, FloatArray, IntArray
 
 _MAXIMUM_ROUNDS = 100
 _SECANT_ROUNDS = 8
+_CLOSE = 4.0 * np.finfo(float).eps
+
+
+def bracketed_root(
+    value: Callable[[FloatArray], FloatArray],
+    lower: FloatArray,
+    upper: FloatArray,
+    relative_tolerance: float = _CLOSE,
+) -> FloatArray:
+    """Where each of many functions is zero, between two ends with values of opposite signs.
+
+    Chandrupatla, T. R. (1997), A new hybrid quadratic/bisection algorithm for finding the zero of
+    a nonlinear function without using derivatives, Advances in Engineering Software 28, 145-149: a
+    parabola through the last three points where it is monotonic between them, else the middle.
+    What the other functions do has no influence on one.
+
+    Parameters
+    ----------
+    value : callable
+        Takes a trial for every function and returns their values.
+    lower, upper : ndarray
+        Ends of the brackets.
+    relative_tolerance : float
+        Largest bracket, relative to its end with the smaller value.
+
+    Returns
+    -------
+    ndarray
+        That end; NaN where both ends' values have the same sign.
+    """
+    here, other = lower, upper
+    f_here, f_other = value(here), value(other)
+    root = np.where(np.abs(f_here) < np.abs(f_other), here, other)
+    exact = (f_here == 0.0) | (f_other == 0.0)
+    searched = ~exact & (np.sign(f_here) != np.sign(f_other))
+    root = np.where(exact | searched, root, np.nan)
+    share = np.full(np.shape(root), 0.5)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for _ in range(_MAXIMUM_ROUNDS):
+            if not searched.any():
+                break
+            trial = np.where(searched, here + share * (other - here), root)
+            found = value(trial)
+            same = np.sign(found) == np.sign(f_here)
+            third, f_third = np.where(same, here, other), np.where(same, f_here, f_other)
+            other, f_other = np.where(same, other, here), np.where(same, f_other, f_here)
+            here, f_here = trial, found
+            nearest = np.where(np.abs(f_here) < np.abs(f_other), here, other)
+            root = np.where(searched, nearest, root)
+            width, close = np.abs(other - here), relative_tolerance * np.abs(nearest)
+            searched &= (width >= close) & (f_here != 0.0)
+            place = (here - other) / (third - other)
+            rise = (f_here - f_other) / (f_third - f_other)
+            smooth = (1.0 - np.sqrt(1.0 - place) < rise) & (rise < np.sqrt(place))
+            parabola = f_here / (f_here - f_other) * f_third / (f_third - f_other) - (
+                (third - here) / (other - here) * f_here / (f_third - f_here)
+            ) * f_other / (f_other - f_third)
+            least = 0.5 * close / width
+            share = np.clip(np.where(smooth, parabola, 0.5), least, 1.0 - least)
+    return root
 
 
 def falling_root(

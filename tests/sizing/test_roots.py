@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import elementwise
 
-from sizing.energy.bracketing import falling_root
+from sizing.roots import bracketed_root, falling_root
 from solar.types import FloatArray, IntArray
 
 LIMIT = 1e-11
@@ -78,3 +79,26 @@ def test_elements_do_not_depend_on_each_other() -> None:
     every = found(np.arange(20))
     for k in range(20):
         assert found(np.array([k]))[0] == every[k]
+
+
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 9))
+def test_bracketed_roots_are_those_of_scipy(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    root, bend = rng.uniform(-1.0, 1.0, count), rng.uniform(0.1, 30.0, count)
+    ends = np.full(count, -1.0), np.full(count, 1.0)
+
+    def value(x: FloatArray, *given: FloatArray) -> FloatArray:
+        root, bend = given
+        return np.expm1(bend * (root - x))
+
+    tolerances = {"xrtol": 1e-11}
+    found = elementwise.find_root(value, ends, args=(root, bend), tolerances=tolerances)
+    # The same steps, so the same points.
+    np.testing.assert_array_equal(
+        bracketed_root(lambda x: value(x, root, bend), *ends, 1e-11), found.x
+    )
+
+
+def test_ends_of_a_bracket_are_roots_and_ends_of_one_sign_have_none() -> None:
+    lower, upper = np.array([0.0, -1.0, 1.0]), np.array([1.0, 0.0, 2.0])
+    np.testing.assert_array_equal(bracketed_root(lambda x: x, lower, upper), [0.0, 0.0, np.nan])

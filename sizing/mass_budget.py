@@ -1,0 +1,402 @@
+"""Designs whose mass budget adds up, and why there is none.
+
+The lightest solution is found by iteration; a measured aircraft is scaled instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from operator import itemgetter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aerodynamics.parabolic import scaled_power_w
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.balance.in_design import margin_error, with_horizontal_tail
+from sizing.design import (
+    Design,
+    DesignVariables,
+    FlightConditions,
+    Masses,
+    balance_inputs,
+    bus_voltage_v,
+    constant_power_w,
+    parametric_design,
+    variables_of,
+)
+from sizing.parameters import all_replaced
+from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.smooth import Value
+from solar.types import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from sizing.propulsion.operating_point import OperatingPoint
+
+
+class ImpossibleDesignError(ValueError):
+    """A design that cannot carry its own mass."""
+
+
+def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
+    """Masses and power of a measured aircraft, scaled to the mission's mass and air.
+
+    ``mission``: payload and air. Power scales with mass^1.5 and density^-0.5
+    (:func:`sizing.aerodynamics.parabolic.scaled_power_w`), airspeed with their square roots.
+    Returns of floats; all but the masses of battery, modules and payload is ``other``.
+    """
+    airframe = aircraft.airframe
+    assert isinstance(airframe, MeasuredAirframe)
+    air = FlightConditions.of(mission, aircraft)
+    battery_kg = aircraft.battery.mass_kg
+    total_kg = airframe.mass_without_battery_kg + battery_kg + mission.payload.mass_kg
+    flight = airframe.level_flight
+    mass_ratio = total_kg / flight.mass_kg
+    density_ratio = air.density_kg_per_m3 / flight.density_kg_per_m3
+    airspeed = flight.airspeed_m_per_s
+    if airspeed is not None:
+        airspeed = airspeed * (mass_ratio / density_ratio) ** 0.5
+    modules_kg = aircraft.modules.mass_kg_per_m2 * aircraft.modules.area_m2
+    return Design(
+        variables=variables_of(aircraft),
+        total_mass_kg=total_kg,
+        masses=Masses(
+            structure=0.0,
+            propulsion=0.0,
+            battery=battery_kg,
+            modules=modules_kg,
+            mppt=0.0,
+            avionics=0.0,
+            payload=mission.payload.mass_kg,
+            other=airframe.mass_without_battery_kg - modules_kg,
+        ),
+        battery_energy_wh=aircraft.battery.battery_energy_wh * air.battery_capacity_fraction,
+        propulsion_power_w=scaled_power_w(
+            flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
+        ),
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
+        airspeed_m_per_s=airspeed,
+    )
+
+
+def closed_design(
+    aircraft: Aircraft,
+    mission: Mission | FlightConditions,
+    variables: DesignVariables,
+    *,
+    relative_tolerance: float = 1e-13,
+) -> Design:
+    """Design whose mass budget adds up, for variables that may be arrays.
+
+    The lightest solution; where there is none (the aircraft cannot carry itself, or no tail has the
+    static margin asked for) mass and power are infinite. See :func:`lightest_mass_kg`.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Technology; air and payload.
+    variables : DesignVariables
+        Numbers or arrays that broadcast.
+    relative_tolerance : float
+        Largest change of the mass in the last iteration, relative to it [-].
+
+    Returns
+    -------
+    Design
+        Of arrays of the variables' broadcast shape, infinite mass and power where impossible.
+
+    Raises
+    ------
+    TypeError
+        For a measured aircraft.
+    """
+    given = variables.chosen()
+    even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
+    arrays = DesignVariables(**dict(zip(given, even, strict=True)))
+    flat = arrays.mapped(np.ravel)
+    conditions = FlightConditions.of(mission, aircraft)
+
+    def closed(chain: Propulsion | None) -> Design:
+        def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
+            some = flat.mapped(itemgetter(designs))
+            given = None if chain is None else chain.mapped(lambda one: np.ravel(one)[designs])
+            closing = parametric_design(aircraft, conditions, some, assumed_kg, given)
+            return np.asarray(closing.masses.total_kg, float)
+
+        mass = lightest_mass_kg(
+            budget_kg, np.array(flat.battery_mass_kg), relative_tolerance=relative_tolerance
+        )
+        with np.errstate(over="ignore", invalid="ignore"):
+            total = mass.reshape(np.shape(arrays.wingspan_m))
+            volume = None
+            if chain is not None and aircraft.sizes_tail:
+                # With the chain of the budget, as its own one takes long to compute.
+                assumed = parametric_design(aircraft, conditions, arrays, total, chain)
+                volume = assumed.horizontal_volume
+            return parametric_design(aircraft, conditions, arrays, total, horizontal_volume=volume)
+
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None or not propulsion.is_exact:
+        design = closed(None)
+    else:
+        chain = first_chain(propulsion).mapped(lambda one: np.full(np.shape(arrays[0]), one))
+        design = _settled(closed, chain)
+    if not aircraft.sizes_tail:
+        return design
+    with np.errstate(invalid="ignore"):
+        off = np.abs(margin_error(*balance_inputs(aircraft, conditions, design)))
+    return _impossible_where(design, ~(off <= MARGIN_TOLERANCE))
+
+
+def _impossible_where(design: Design, missing: Value) -> Design:
+    """Design of arrays with infinite mass and power where something is missing."""
+    return design._replace(
+        total_mass_kg=np.where(missing, np.inf, design.total_mass_kg),
+        masses=Masses(*(np.where(missing, np.inf, one) for one in design.masses)),
+        propulsion_power_w=np.where(missing, np.inf, design.propulsion_power_w),
+    )
+
+
+def first_chain(propulsion: OperatingPointPropulsion) -> Propulsion:
+    """Chain of these parts at which a search for their operating point begins."""
+    return propulsion.with_links(Propulsion().links)
+
+
+def mixed_chain(chain: Propulsion, other: Propulsion, beyond: float) -> Propulsion:
+    """Chain beyond a first one by a share of what it differs from another."""
+    others = other.links
+    further = {
+        f"{name}_efficiency": one + beyond * (one - others[name])
+        for name, one in chain.links.items()
+    }
+    return chain.model_copy(update=further)
+
+
+def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -> Design:
+    """Design whose mass closes with the efficiencies that it has itself in level flight.
+
+    An operating point that does not exist leaves NaN, and with it an infinite mass.
+    """
+    for _ in range(_ROUNDS):
+        design = closed(chain)
+        assert design.chain is not None
+        chain = design.chain
+        with np.errstate(invalid="ignore"):
+            open_share = np.abs(design.masses.total_kg / design.total_mass_kg - 1.0)
+        if not np.any(open_share > _SETTLED):
+            break
+    return _impossible_where(design, ~np.isfinite(np.asarray(chain.efficiency)))
+
+
+# What a static margin may be off by that the size of the tail holds.
+MARGIN_TOLERANCE = 1e-7
+# Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
+_ROUNDS, _SETTLED = 30, 1e-10
+# In these an estimated mass of a gear is found with usual efficiencies, well within a gram.
+_MASS_ROUNDS = 3
+# Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
+# closes, a long step might pass the lightest solution and find a heavier one.
+_STEEPEST = 0.8
+
+
+def lightest_mass_kg(
+    budget_kg: Callable[[FloatArray, IntArray], FloatArray],
+    start_kg: FloatArray,
+    *,
+    relative_tolerance: float = 1e-13,
+) -> FloatArray:
+    """Lightest masses that equal the budgets which they lead to.
+
+    Steps to the budget itself climb from below to the lightest solution. Where a budget is convex
+    in the mass it assumes, which it nearly always is, a step along the secant of the last two never
+    passes that solution either, and is longer. Where it is not, or is steep, steps are plain ones.
+    Only designs that have not settled are iterated on.
+
+    ``budget_kg``: budget [kg] for assumed masses [kg] of some designs, given by their indices.
+    ``start_kg``: masses below all solutions, such as that of a part [kg]. ``relative_tolerance``:
+    largest change of the mass in the last iteration, relative to it [-]. Infinite where there is
+    none [kg].
+    """
+    mass = np.array(start_kg, float)
+    before, budget_before, slope_before = np.full((3, mass.size), np.nan)
+    climbing = np.arange(mass.size)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        for _ in range(2000):
+            assumed = mass[climbing]
+            budget = budget_kg(assumed, climbing)
+            budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
+            still = np.abs(budget - assumed) <= relative_tolerance * assumed
+            slope = (budget - budget_before[climbing]) / (assumed - before[climbing])
+            convex = slope >= slope_before[climbing]
+            # No two secants yet, or ones that lead nowhere: the plain step.
+            sound = convex & (slope > 0.0) & (slope <= _STEEPEST) & (budget > assumed)
+            longer = np.where(sound, 1.0 / (1.0 - slope), 1.0)
+            before[climbing], budget_before[climbing] = assumed, budget
+            slope_before[climbing] = slope
+            settled = still | np.isinf(budget)
+            mass[climbing] = np.where(settled, budget, assumed + longer * (budget - assumed))
+            climbing = climbing[~settled]
+            if climbing.size == 0:
+                break
+        mass[climbing] = np.inf
+    return mass
+
+
+def design_of(aircraft: Aircraft, mission: Mission) -> Design:
+    """Design of an aircraft as its file gives it, flying a mission.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Measured or parametric aircraft; air and payload.
+
+    Returns
+    -------
+    Design
+        Of floats, with the variables of the aircraft's file.
+
+    Raises
+    ------
+    ImpossibleDesignError
+        If a parametric aircraft cannot carry its own mass.
+    """
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        return measured_design(aircraft, mission)
+    design = closed_design(aircraft, mission, variables_of(aircraft))
+    if not np.isfinite(design.total_mass_kg):
+        raise ImpossibleDesignError(
+            operating_trouble(aircraft, mission)
+            or _tail_trouble(aircraft, mission)
+            or f"{aircraft.name} cannot carry its own mass on mission {mission.name}: structure "
+            "and propulsion grow faster than the lift they add"
+        )
+    return plain_design(design)
+
+
+def plain_design(design: Design) -> Design:
+    """Turn a design of zero-dimensional arrays into one of floats."""
+    numbers = {
+        name: float(value)
+        for name, value in design._asdict().items()
+        if name not in ("variables", "masses", "chain") and value is not None
+    }
+    masses = Masses(*(float(mass) for mass in design.masses))
+    variables = design.variables.mapped(float)
+    return Design(variables=variables, masses=masses, chain=design.chain, **numbers)
+
+
+def _tail_trouble(aircraft: Aircraft, mission: Mission) -> str:
+    """Why no horizontal tail has the static margin asked for, as a sentence; empty where one has.
+
+    The static margins of the smallest and of the largest tail are those that would do.
+    """
+    if not aircraft.sizes_tail:
+        return ""
+    balance = aircraft.parametric.balance
+    assert balance is not None
+    assert balance.static_margin is not None
+    kept, ends = {"static_margin": None, "held_by": "moved_mass"}, []
+    for volume in (balance.minimum_horizontal_volume, balance.maximum_horizontal_volume):
+        own = with_horizontal_tail(aircraft, volume)
+        free = all_replaced(own, {f"airframe.balance.{key}": one for key, one in kept.items()})
+        conditions = FlightConditions.of(mission, aircraft)
+        design = closed_design(free, conditions, variables_of(aircraft))
+        error = margin_error(*balance_inputs(own, conditions, design))
+        ends.append(float(error) + balance.static_margin)
+    if not np.isfinite(ends).all():
+        return ""
+    return (
+        f"no horizontal tail gives {aircraft.name} the static margin of {balance.static_margin:g} "
+        f"on {mission.name}: it is {ends[0]:.3f} with the smallest volume coefficient, "
+        f"{balance.minimum_horizontal_volume:g}, and {ends[1]:.3f} with the largest, "
+        f"{balance.maximum_horizontal_volume:g}"
+    )
+
+
+def operating_trouble(
+    aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
+) -> str:
+    """Why the propulsors cannot do level flight, as a sentence; empty where they can.
+
+    ``variables``: of the design, by default those of the aircraft's file.
+    """
+    reason, where = operating_reason(aircraft, mission, variables), mission.name
+    return reason and (
+        f"the propulsion of {aircraft.name} cannot do level flight on {where} at "
+        f"{mission.altitude_m:g} m: {reason}"
+    )
+
+
+def operating_reason(
+    aircraft: Aircraft, mission: Mission, variables: DesignVariables | None = None
+) -> str:
+    """What the propulsors cannot do in level flight, with what would do; empty where they can."""
+    propulsion = aircraft.propulsion_by_parts
+    if propulsion is None:
+        return ""
+    variables = variables_of(aircraft) if variables is None else variables
+    chain, reason = first_chain(propulsion), ""
+    for _ in range(_MASS_ROUNDS):
+        design = closed_design(aircraft.with_airframe(propulsion=chain), mission, variables)
+        if not np.isfinite(design.total_mass_kg):
+            break
+        point = level_point(aircraft, mission, design)
+        reason = str(point.reason)
+        own = propulsion.sized(*variables.of_propulsion)
+        if own.gear.mass_kg is not None:
+            break
+        chain = own.with_links(chain.links, point.propeller_torque_nm, design.propulsion_power_w)
+    return reason
+
+
+def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> OperatingPoint:
+    """Operating point of one propulsor of a design of known mass in level flight."""
+    propulsion = aircraft.propulsion_by_parts
+    assert propulsion is not None
+    usual, mass_kg = first_chain(propulsion), design.total_mass_kg
+    flown = parametric_design(
+        aircraft, mission, design.variables, mass_kg, usual, design.horizontal_volume
+    )
+    power_w = flown.propulsion_power_w * usual.efficiency
+    air = FlightConditions.of(mission, aircraft).air
+    own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
+    return own.point(power_w, flown.airspeed_m_per_s, air, bus_voltage_v(aircraft))
+
+
+def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) -> Aircraft:
+    """Aircraft of a known total mass: what the mass budget does not account for is other mass.
+
+    Parameters
+    ----------
+    aircraft, mission
+        Aircraft as its file gives it; air and payload.
+    total_mass_kg : float
+        Take-off mass, payload included [kg].
+
+    Returns
+    -------
+    Aircraft
+        With ``airframe.other_mass_kg`` (of a measured aircraft ``mass_without_battery_kg``)
+        changed; structure and propulsion are those of the total mass.
+
+    Raises
+    ------
+    ImpossibleDesignError
+        If the parts alone are heavier.
+    """
+    airframe = aircraft.airframe
+    if isinstance(airframe, MeasuredAirframe):
+        rest_kg = aircraft.battery.mass_kg + mission.payload.mass_kg
+    else:
+        masses = parametric_design(aircraft, mission, variables_of(aircraft), total_mass_kg).masses
+        rest_kg = float(masses.total_kg - masses.other)
+    key = airframe.unaccounted_mass_key
+    other_kg = total_mass_kg - rest_kg
+    if other_kg < 0.0 or (other_kg == 0.0 and isinstance(airframe, MeasuredAirframe)):
+        raise ImpossibleDesignError(
+            f"a total mass of {total_mass_kg:g} kg is less than the {rest_kg:.3f} kg of "
+            f"{aircraft.name} without airframe.{key}"
+        )
+    grown = 1.0 if isinstance(airframe, MeasuredAirframe) else 1.0 + airframe.mass_growth
+    return aircraft.with_airframe(**{key: other_kg / grown})

@@ -1,0 +1,103 @@
+"""Structure of a design: its parts, what sizes it, and a second opinion on its mass."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.balance.in_design import structure_with_tail
+from sizing.design import Design, FlightConditions, balance_inputs, flown_at
+from sizing.smooth import Value
+from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
+from sizing.structures.loads import StructureInputs
+from sizing.structures.models import CALIBRATIONS, other_model
+from sizing.structures.rib_wing import RibWingStructure
+from sizing.structures.rib_wing_keys import StructureParts
+
+
+def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
+    """Masses of the structure's parts, without the airframe's mass growth.
+
+    Returns masses [kg]; None where the model of the structure knows no parts.
+    """
+    sized = _sized_rib_wing(aircraft, mission, design)
+    return None if sized is None else sized[0].breakdown(sized[1])
+
+
+def structure_assessment(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> StructureAssessment | None:
+    """What sizes the structure, and how far it bends and twists.
+
+    None where the model of the structure does not say.
+    """
+    sized = _sized_rib_wing(aircraft, mission, design)
+    if sized is None:
+        return None
+    polar = flown_at(aircraft.parametric.aerodynamics, design.variables.lift_coefficient)
+    return replace(
+        assess(*sized),
+        remarks=tuple(_structure_remarks(aircraft, *sized)),
+        envelope=flight_envelope(*sized, float(polar.maximum_lift_coefficient)),
+    )
+
+
+def _structure_remarks(
+    aircraft: Aircraft, model: RibWingStructure, inputs: StructureInputs
+) -> Iterator[str]:
+    """What the criteria of the structure do not cover, and a key whose sense has changed."""
+    tail = aircraft.modules.tail
+    excluded = {
+        "T-tails": tail is not None and tail.is_t_tail,
+        "masses along the wing": inputs.wing_battery_kg > 0.0,
+    }
+    left_out = [name for name, has in excluded.items() if has]
+    if model.torsion is not None and left_out:
+        yield f"flutter: CAA Report 45 excludes {' and '.join(left_out)}, as here"
+    chosen = "deflection_load_case" in model.model_fields_set
+    if model.maximum_tip_deflection is not None and not chosen:
+        yield (
+            f"maximum_tip_deflection {model.maximum_tip_deflection:g} holds in level flight; until "
+            "1.0 it held at every limit load and in landing (deflection_load_case: limit_load, "
+            "maximum_landing_deflection)"
+        )
+
+
+def structure_by_both(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> dict[str, Value] | None:
+    """Mass of the structure by the file's model, and by the other one, without mass growth [kg].
+
+    By their names, the file's first; None where there is no second opinion. The other one has the
+    calibration of the file too, relative to that of AtlantikSolar.
+    """
+    sized = _sized_structure(aircraft, mission, design)
+    other = None if sized is None else other_model(sized[0])
+    if sized is None or other is None:
+        return None
+    structure, inputs = sized
+    factor = structure.calibration / CALIBRATIONS[structure.model]
+    return {structure.model: structure.mass_kg(inputs), other.model: factor * other.mass_kg(inputs)}
+
+
+def _sized_rib_wing(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[RibWingStructure, StructureInputs] | None:
+    """Rib wing of an aircraft and what it is sized from; None where it has another structure."""
+    sized = _sized_structure(aircraft, mission, design)
+    if sized is None or not isinstance(sized[0], RibWingStructure):
+        return None
+    return sized[0], sized[1]
+
+
+def _sized_structure(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[Any, StructureInputs] | None:
+    """Model of an aircraft's structure and what it is sized from; None of a measured aircraft."""
+    if not isinstance(aircraft.airframe, ParametricAirframe):
+        return None
+    airframe, _, inputs = balance_inputs(aircraft, FlightConditions.of(mission, aircraft), design)
+    return structure_with_tail(airframe, inputs.wingspan_m, inputs.aspect_ratio), inputs

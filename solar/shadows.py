@@ -1,0 +1,174 @@
+"""Shadows of flat panels on flat rectangles, by rays along the sun vector: geometry alone.
+
+Positions are in body axes, or in those of a module: right, aft, and height over its plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from solar.geometry import ModuleGeometry, ModuleOutline, ModuleSurface, direction_cosines
+from solar.types import FloatArray, IntArray
+
+# A sun closer than 0.06 degrees to the plane of a module gives it less than 1 W/m2 of direct light;
+# the shadows would be hundreds of metres long, and their corners inexact.
+_GRAZING_COSINE = 1e-3
+
+# Panels and shadows below this are lines: the panel is seen edge on.
+_NO_AREA_M2 = 1e-9
+
+
+@dataclass(frozen=True)
+class ModuleFrame:
+    """A module's own axes (right, aft, normal; the rows of ``axes``), its middle and half size."""
+
+    axes: FloatArray
+    middle: FloatArray
+    half_span_m: float
+    half_chord_m: float
+
+    @property
+    def area_m2(self) -> float:
+        """Area of the outline [m2]."""
+        return 4.0 * self.half_span_m * self.half_chord_m
+
+    def corners(self) -> FloatArray:
+        """Front left, front right, rear right, rear left, in body axes."""
+        signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+        return np.asarray(
+            self.middle + (signs * (self.half_span_m, self.half_chord_m)) @ self.axes[:2]
+        )
+
+    def from_body(self, points: FloatArray) -> FloatArray:
+        """Take points from body axes to right, aft and height over the module's plane."""
+        return np.asarray((points - self.middle) @ self.axes.T)
+
+    def panels_above(self, panels: Iterable[FloatArray]) -> list[FloatArray]:
+        """Parts of panels on the upper side of the module's plane, in its axes."""
+        local = (self.from_body(panel) for panel in panels)
+        parts = (_clipped(panel[np.newaxis], panel[np.newaxis, :, 2])[0] for panel in local)
+        return [part for part in parts if np.linalg.norm(_vector_area(part)) > _NO_AREA_M2]
+
+
+def module_frame(surface: ModuleSurface, geometry: ModuleGeometry) -> ModuleFrame:
+    """Place a module in space, see :func:`solar.shading.outline_corners`."""
+    outline = surface.outline
+    if outline is None:
+        raise ValueError(f"module surface {surface.name} needs an outline for its shading")
+    side = {"left": -1.0, "centre": 0.0, "right": 1.0}[surface.side]
+    dihedral = np.radians(surface.dihedral_deg)
+    # The wing's kink is the outer edge of the central modules.
+    central = [s.outline for s in geometry.surfaces if s.side == "centre"]
+    hinge = max((one.outboard_m for one in central if one is not None), default=0.0)
+    incidence = np.radians(geometry.wing_incidence_deg)
+    in_panel = direction_cosines(0.0, np.radians(surface.pitch_deg), 0.0)
+    module_to_body = direction_cosines(-side * dihedral, incidence, 0.0) @ in_panel
+    return ModuleFrame(
+        axes=np.stack((module_to_body[:, 1], -module_to_body[:, 0], -module_to_body[:, 2])),
+        middle=direction_cosines(0.0, incidence, 0.0) @ _middle(outline, side, dihedral, hinge),
+        half_span_m=0.5 * (outline.outboard_m - outline.inboard_m),
+        half_chord_m=0.5 * (outline.rear_m - outline.front_m),
+    )
+
+
+def _middle(outline: ModuleOutline, side: float, dihedral: float, hinge: float) -> FloatArray:
+    """Middle of an outline in the axes of the wing: body axes turned by the incidence."""
+    along = 0.5 * (outline.inboard_m + outline.outboard_m)
+    aft = 0.5 * (outline.front_m + outline.rear_m)
+    if side == 0.0:
+        return np.array((-aft, along, 0.0))
+    bent = along - hinge
+    y = side * (hinge + bent * np.cos(dihedral))
+    return np.array((-aft, y, -bent * np.sin(dihedral)))
+
+
+def covered_area(frame: ModuleFrame, panels: Sequence[FloatArray], sun: FloatArray) -> FloatArray:
+    """Area of the union of the shadows of at most two panels on a module [m2], shape ``(sun,)``."""
+    covered = np.zeros(len(sun))
+    local = sun @ frame.axes.T
+    sunlit = np.flatnonzero(local[:, 2] > _GRAZING_COSINE)
+    half = np.array((frame.half_span_m, frame.half_chord_m))
+    shadows = [_shadow_corners(panel, local[sunlit], half) for panel in panels]
+    parts = []
+    for corners, reached in shadows:
+        part = corners
+        for axis in (0, 1):
+            part = _clipped(part, half[axis] - part[..., axis])
+            part = _clipped(part, half[axis] + part[..., axis])
+        parts.append(part)
+        covered[sunlit[reached]] += np.abs(_areas(part))
+    if len(panels) == 2:
+        (_, reached), (other, also_reached) = shadows
+        both, first, second = np.intersect1d(reached, also_reached, return_indices=True)
+        covered[sunlit[both]] -= np.abs(_areas(_common(parts[0][first], other[second])))
+    return covered
+
+
+def _common(polygons: FloatArray, others: FloatArray) -> FloatArray:
+    """Common part of each convex polygon with another one that has an area."""
+    turn = np.sign(_areas(others))[:, np.newaxis]
+    for corner in range(others.shape[1]):
+        start = others[:, corner - 1, np.newaxis]
+        edge = others[:, corner, np.newaxis] - start
+        polygons = _clipped(polygons, turn * _cross(edge, polygons - start))
+    return polygons
+
+
+def _shadow_corners(
+    panel: FloatArray, sun: FloatArray, half: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Shadows that may reach a module around the origin, and the indices of their suns.
+
+    All in the axes of the module, the sun above its plane. A corner at the height ``w`` falls at
+    ``(u, v) - w (a, b) / c`` for the sun ``(a, b, c)``. Shadows are dropped if their bounding box
+    misses the module, and if the sun sees the panel edge on.
+    """
+    slopes = sun[:, :2] / sun[:, 2:]
+    area = np.abs(sun @ _vector_area(panel)) / sun[:, 2]
+    reached = area > _NO_AREA_M2
+    for axis in (0, 1):
+        falls = panel[:, axis, np.newaxis] - slopes[:, axis] * panel[:, 2, np.newaxis]
+        reached &= (falls.min(axis=0) < half[axis]) & (falls.max(axis=0) > -half[axis])
+    kept = np.flatnonzero(reached)
+    corners = panel[:, :2] - slopes[kept, np.newaxis, :] * panel[:, 2:]
+    return corners, kept
+
+
+def _clipped(polygons: FloatArray, heights: FloatArray) -> FloatArray:
+    """Parts of convex polygons whose corners' heights are not negative (Sutherland & Hodgman).
+
+    Of the shapes ``(polygon, corner, axis)`` and ``(polygon, corner)``. A polygon with fewer
+    corners than others repeats its last one; nothing is left of a polygon that is one point.
+    """
+    following = np.roll(heights, -1, axis=1)
+    crossing = heights * following < 0.0
+    share = np.divide(heights, heights - following, out=np.zeros_like(heights), where=crossing)
+    shape = (len(polygons), 2 * polygons.shape[1], polygons.shape[2])
+    cuts = polygons + (np.roll(polygons, -1, axis=1) - polygons) * share[..., np.newaxis]
+    corners = np.stack((polygons, cuts), axis=2).reshape(shape)
+    kept = np.stack((heights >= 0.0, crossing), axis=2).reshape(corners.shape[:2])
+    count = kept.sum(axis=1, keepdims=True)
+    place = np.minimum(np.arange(count.max(initial=0)), count - 1)
+    order = np.take_along_axis(np.argsort(~kept, axis=1, kind="stable"), place, axis=1)
+    return np.take_along_axis(corners, order[..., np.newaxis], axis=1)
+
+
+def _areas(polygons: FloatArray) -> FloatArray:
+    """Areas of plane polygons of the shape ``(polygon, corner, 2)``, negative if clockwise."""
+    arms = polygons - polygons[:, :1]
+    return np.asarray(0.5 * _cross(arms[:, :-1], arms[:, 1:]).sum(axis=1))
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def _vector_area(polygon: FloatArray) -> FloatArray:
+    """Area of a flat polygon times its unit normal; zero for less than three corners."""
+    if len(polygon) < 3:
+        return np.zeros(3)
+    arms = polygon[1:] - polygon[0]
+    return np.asarray(0.5 * np.cross(arms[:-1], arms[1:]).sum(axis=0))

@@ -1,0 +1,254 @@
+"""Figures of a design: masses, sensitivities, flight envelope, and its solar cells."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sizing.aircraft import Aircraft
+from sizing.optimisation.objectives import Objective
+from sizing.parameters import label, unit_text
+from sizing.results.analysis import Analysis
+from sizing.results.notes import extrapolation_caption
+from sizing.results.parts import cells_lines, cells_record
+from sizing.sunlight import SolarModel
+from sizing.validity.ranges import Extrapolation
+from studies.output.figures.drawing import (
+    CHARGE,
+    DARK_GREY,
+    GREY,
+    LOAD,
+    SUN,
+    Canvas,
+    ink,
+    new_figure,
+    styled,
+)
+from studies.output.figures.options import DEFAULT, NAMES, library
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
+
+    from sizing.optimisation.sensitivity import Sensitivity
+
+_WIDTH_IN, _AROUND_IN = 9.0, 1.3  # of the figure, and what title and axis take of its height
+
+
+@styled
+def plot_sensitivities(
+    sensitivities: list[Sensitivity],
+    objective: Objective,
+    name: str,
+    solar: SolarModel,
+    *,
+    bars: int = 15,
+    extrapolations: Sequence[Extrapolation] = (),
+    figure: Canvas = DEFAULT,
+) -> Figure:
+    """Change of the objective by one per cent more of each parameter.
+
+    Parameters
+    ----------
+    sensitivities : list of Sensitivity
+        Most important first, as they are drawn from the top.
+    objective : Objective
+        Quantity that changes, and its unit.
+    name : str
+        Aircraft, for the title.
+    solar : SolarModel
+        Model and correction, for the title.
+    bars : int
+        Parameters that are shown at most.
+    extrapolations : sequence of Extrapolation
+        What lies outside the range of a model.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+    """
+    shown = [s for s in sensitivities if s.value != 0.0][:bars][::-1]
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title=f"{name}: what one per cent more changes",
+        notes=(solar.label, extrapolation_caption(extrapolations)),
+        size_in=(9.0, 1.2 + 0.32 * len(shown)),
+        lines=True,
+        grid="x",
+    )
+    labels = [f"{label(s.parameter)} = {s.value:.4g} {unit_text(s.unit)}".rstrip() for s in shown]
+    sign = 1.0 if objective.maximised else -1.0
+    for verdict, good, colour, hatch in (("better", True, CHARGE, ""), ("worse", False, SUN, "//")):
+        change = [s.per_percent if (sign * s.per_percent > 0.0) is good else 0.0 for s in shown]
+        axes.barh(
+            range(len(shown)),
+            change,
+            label=verdict,
+            facecolor=colour,
+            edgecolor="white",
+            hatch=hatch,
+            lw=0.0,
+        )
+    axes.set_yticks(range(len(shown)), labels)
+    axes.yaxis.set_gid(NAMES)
+    axes.axvline(0.0, color=ink(), linewidth=0.8)
+    axes.set(xlabel=f"change of the {objective.label} for +1 % [{unit_text(objective.unit)}]")
+    drawn.legend(loc="outside lower right", ncols=2)
+    return drawn
+
+
+@styled
+def plot_masses(
+    masses_kg: dict[str, float], title: str, *, notes: Sequence[str] = (), figure: Canvas = DEFAULT
+) -> Figure:
+    """Mass budget as horizontal bars, heaviest on top.
+
+    Parameters
+    ----------
+    masses_kg : dict
+        Mass of each part [kg]; parts without mass are left out.
+    title : str
+        Name of the aircraft.
+    notes : sequence of str
+        Line below the title.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+    """
+    items = sorted(((k, v) for k, v in masses_kg.items() if v > 0), key=lambda item: item[1])
+    drawn, (axes,) = new_figure(
+        canvas=figure, title=title, notes=notes, size_in=(7.0, 3.6), lines=True, grid=""
+    )
+    names = ["MPPT" if k == "mppt" else k.replace("_", " ") for k, _ in items]
+    axes.yaxis.set_gid(NAMES)
+    bars = axes.barh(names, [v for _, v in items], color=LOAD)
+    axes.bar_label(bars, fmt="%.2f kg", padding=3)
+    axes.set(xlabel="mass [kg]")
+    axes.margins(x=0.15)
+    return drawn
+
+
+@styled
+def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Figure:
+    """V-n diagram: manoeuvres, gusts, and the limit loads that the structure is sized for.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        Of an aircraft with a ``rib_wing``.
+    figure : FigureOptions or Figure
+        How the figure looks, or one that is drawn on.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ValueError
+        For another structure: its loads are not known.
+    """
+    structure = analysis.structure
+    if structure is None or structure.envelope is None:
+        raise ValueError(f"{analysis.aircraft.name} has no rib_wing: its loads are not known")
+    one = structure.envelope
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title=f"{analysis.aircraft.name}: flight envelope",
+        notes=(f"{float(analysis.performance.design.total_mass_kg):.2f} kg", "CS 23.333"),
+        size_in=(7.0, 4.6),
+    )
+    airspeed = np.linspace(0.0, one.dive_speed_m_per_s, 400)
+    up, down = one.manoeuvre(airspeed)
+    axes.fill_between(airspeed, down, up, color=CHARGE, alpha=0.15, linewidth=0)
+    outline = np.concatenate([up, down[::-1]])
+    axes.plot(np.concatenate([airspeed, airspeed[::-1]]), outline, color=CHARGE, label="manoeuvres")
+    for number, sign in enumerate((1.0, -1.0)):
+        ends = [(0.0, 1.0), *((v, 1.0 + sign * dn) for v, dn in one.gusts)]
+        for speed, factor in ends[1:]:
+            axes.plot((0.0, speed), (1.0, factor), ":", color=SUN, linewidth=1.0)
+        label = "gusts at cruise and dive speed" if not number else ""
+        axes.plot(*np.transpose(ends[1:]), "o--", color=SUN, markersize=4, label=label)
+    for number, limit in enumerate((one.limit_load_factor, -one.negative_limit_load_factor)):
+        label = "limit loads of the structure" if not number else ""
+        axes.axhline(limit, color=LOAD, linestyle="-.", linewidth=1.2, label=label)
+    axes.axhline(0.0, color=ink(), linewidth=0.8)
+    axes.axhline(1.0, color=ink(), linewidth=0.5, linestyle=":")
+    for name, speed in (
+        ("$V_S$", one.stall_speed_m_per_s),
+        ("$V_C$", one.cruise_speed_m_per_s),
+        ("$V_D$", one.dive_speed_m_per_s),
+    ):
+        axes.axvline(speed, color=ink(), linewidth=0.5, linestyle=":")
+        axes.annotate(
+            f"{name} {speed:.1f}",
+            (speed, 0.0),
+            (0, 3),
+            textcoords="offset points",
+            ha="center",
+            fontsize="small",
+        )
+    axes.set(
+        xlim=(0.0, 1.1 * one.dive_speed_m_per_s),
+        xlabel="equivalent airspeed [m/s]",
+        ylabel="load factor [-]",
+    )
+    axes.legend(loc="upper left")
+    return drawn
+
+
+@styled
+def plot_cells(aircraft: Aircraft, *, figure: Canvas = DEFAULT) -> Figure:
+    """Wing, and tail where it bears cells, from above with every solar cell and keep-out."""
+    mpl = library()
+
+    def drawn_as(shapes: Sequence[Patch], **style: Any) -> None:
+        axes.add_collection(mpl.collections.PatchCollection(shapes, **style))
+
+    layout, wing, tail = aircraft.modules.layout, aircraft.wing, aircraft.modules.tail
+    if layout is None:
+        raise ValueError(f"{aircraft.name} has no modules.layout")
+    notes = cells_lines(cells_record(aircraft))[:1]
+    aft_m = wing.chord_m
+    if layout.tail_cells and tail is not None:
+        aft_m = tail.horizontal_aft_m + tail.horizontal_chord_m
+    height_in = _AROUND_IN + _WIDTH_IN * aft_m / wing.wingspan_m
+    drawn, (axes,) = new_figure(
+        canvas=figure,
+        title=f"{aircraft.name}: solar cells",
+        notes=notes,
+        size_in=(_WIDTH_IN, height_in),
+        grid="",
+    )
+    edges = layout.outline(wing)
+    around = [(y, front) for y, front, _ in edges] + [(y, rear) for y, _, rear in reversed(edges)]
+    outlines: list[Patch] = [mpl.patches.Polygon(around)]
+    if tail is not None and layout.tail_cells:
+        half, chord_m = tail.horizontal_span_m / 2.0, tail.horizontal_chord_m
+        outlines.append(mpl.patches.Rectangle((-half, tail.horizontal_aft_m), 2.0 * half, chord_m))
+    drawn_as(outlines, facecolor=GREY, edgecolor=ink(), linewidth=0.8, alpha=0.5)
+    taken = [
+        mpl.patches.Polygon([(side * y, x) for y, x in corners])
+        for corners in layout.kept_out_corners(wing)
+        for side in (-1.0, 1.0)
+    ]
+    drawn_as(taken, facecolor="none", edgecolor=DARK_GREY, hatch="////", linewidth=0.6)
+    cells = [
+        mpl.patches.Rectangle((c.left_m, c.front_m), c.right_m - c.left_m, c.rear_m - c.front_m)
+        for c in aircraft.placed_cells()
+    ]
+    drawn_as(cells, facecolor=LOAD, edgecolor="white", linewidth=0.3)
+    axes.set_aspect("equal")
+    axes.margins(0.01)
+    axes.autoscale_view()
+    axes.invert_yaxis()
+    axes.yaxis.set_major_locator(mpl.ticker.MaxNLocator(3))
+    axes.set(xlabel="right of the middle [m]", ylabel="aft [m]")
+    return drawn

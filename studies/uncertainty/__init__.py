@@ -1,1 +1,0 @@
-"""Figure of flights under uncertain inputs."""
