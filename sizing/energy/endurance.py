@@ -185,6 +185,16 @@ def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> 
     return flights.hours(places, launch_h.reshape(-1)).reshape(launch_h.shape)
 
 
+class Course(NamedTuple):
+    """Flight from its launch: power [W], state of charge and altitude over solar time [h]."""
+
+    clock_h: FloatArray
+    solar_power_w: FloatArray
+    load_w: FloatArray
+    state_of_charge: FloatArray
+    altitude_m: FloatArray
+
+
 class Flying(NamedTuple):
     """Aircraft in flight at midnight, and what past days have shown of them.
 
