@@ -43,8 +43,9 @@ class BatteryPack(Record):
     def _check(self) -> BatteryPack:
         if self.count > MOST_CELLS:
             most = MOST_CELLS // self.cells_in_series
-            text = f"must be at most {most}, with {self.cells_in_series} in series {MOST_CELLS} "
-            raise wrong_value("cells_in_parallel", f"{text}cells (got {self.cells_in_parallel})")
+            text = f"{MOST_CELLS} cells in all, {self.cells_in_series} in series"
+            text = f"must be at most {most}: {text} (got {self.cells_in_parallel})"
+            raise wrong_value("cells_in_parallel", text)
         check_order(self, "minimum_state_of_charge", "maximum_state_of_charge")
         return self
 
