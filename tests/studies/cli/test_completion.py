@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from click.shell_completion import ShellComplete
 
+from benchmarks.completion_keys import keys_of_classes, to_text
 from studies.cli import __main__ as main
 from studies.cli import completion
 from studies.cli.completion import KEYS_FILE, known_keys
-from studies.cli.completion_keys import keys_of_classes, to_text
 from studies.sweeps.points import BLANKS, SIZED_BLANKS
 
 AGEING = [key.key + "=" for key in known_keys() if key.key.startswith("battery.ageing.")]
@@ -78,7 +78,7 @@ def test_files_and_folders_are_offered(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_keys_that_are_written_down_are_those_of_the_classes() -> None:
-    made_anew = f"python -m studies.cli.completion_keys writes {KEYS_FILE} anew"
+    made_anew = f"python -m benchmarks.completion_keys writes {KEYS_FILE} anew"
     assert to_text(known_keys()) == to_text(keys_of_classes()), made_anew
 
 
