@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.files.errors import did_you_mean
 from sizing.catalogues.choice import Kind, entry_names
-from sizing.parameters import catalogue, design_keys
+from sizing.parameters import MISSION_PREFIX, catalogue, design_keys
 
 SampleName = Literal["grid", "lhs", "sobol", "one-at-a-time"]
 SAMPLE_NAMES: tuple[SampleName, ...] = ("grid", "lhs", "sobol", "one-at-a-time")
@@ -138,7 +138,7 @@ def axis_names(axes: Sequence[Axis]) -> list[str]:
 
 def _short(key: str) -> str:
     """Last part of a key; one word alone (a mass, but of what?) takes the part before it along."""
-    *before, last = key.removeprefix("mission.").split(".")
+    *before, last = key.removeprefix(MISSION_PREFIX).split(".")
     return last if "_" in without_unit(last) or not before else f"{before[-1]}_{last}"
 
 
