@@ -184,7 +184,7 @@ def _extrapolations_of_map(
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = np.unravel_index(int(np.argmax(excess_h)), excess_h.shape)
     cell = Scenarios(latitude[best][np.newaxis], day[best][np.newaxis])
-    return with_worth(extrapolations, configuration.aircraft, lambda: _flown(configuration, cell))
+    return with_worth(extrapolations, configuration.aircraft, lambda: _fly(configuration, cell))
 
 
 def _map_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
@@ -251,7 +251,7 @@ def _cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str, NDArr
 
 
 def _flown_cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str, NDArray[Any]]:
-    mission, flight = configuration.mission, _flown(configuration, cells)
+    mission, flight = configuration.mission, _fly(configuration, cells)
     quantities = [*MAP, *([ENDURANCE] if configuration.endurance else [])]
     if mission.climb is not None:
         quantities.append(MAXIMUM_ALTITUDE)
@@ -267,7 +267,7 @@ def _flown_cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str,
     return columns
 
 
-def _flown(configuration: MapConfiguration, cells: Scenarios) -> Performance:
+def _fly(configuration: MapConfiguration, cells: Scenarios) -> Performance:
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     sunlit = solar_day(aircraft, mission, solar, scenarios=cells)
     return performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)
