@@ -70,10 +70,6 @@ def _air(trial: Trial, celsius: float) -> Trial:
     return trial.with_mission(air=trial.mission.air.model_copy(update=update))
 
 
-def _wind(trial: Trial, wind_m_per_s: float) -> Trial:
-    return replace(trial.with_mission(wind_m_per_s=wind_m_per_s), solar=SolarModel("FM"))
-
-
 def _turbulence(trial: Trial, **keys: float) -> Trial:
     return trial.with_mission(turbulence=Turbulence().model_copy(update=keys))
 
@@ -159,7 +155,9 @@ INPUTS = {
         "easterly wind (FM, circle)",
         "m/s",
         lambda trial: 0.0,
-        _wind,
+        lambda trial, value: replace(
+            trial.with_mission(wind_m_per_s=value), solar=SolarModel("FM")
+        ),
         lambda used: (0.0, 8.0),
         separate=False,
     ),
