@@ -66,14 +66,15 @@ def test_keys_are_offered_part_by_part() -> None:
 
 def test_files_and_folders_are_offered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    for name in ("mine.yaml", "mine-log.csv", "mine.txt", "results/run.json", "more/mine.yml"):
+    logs = ("mine-log.csv", "mine-log.bin")
+    for name in ("mine.yaml", *logs, "mine.txt", "results/run.json", "more/mine.yml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).touch()
     assert offered("analyse", "mi") == ["mine.yaml"]
     assert offered("analyse", "re") == ["results"]
     assert offered("validate", "mo") == ["more/"]
     assert offered("validate", "more/") == ["more/mine.yml"]
-    assert offered("verify", "x", "mine") == ["mine-log.csv"]
+    assert offered("verify", "x", "mine") == ["mine-log.bin", "mine-log.csv"]
     assert offered("analyse", "nowhere/") == []
 
 
