@@ -40,9 +40,17 @@ if TYPE_CHECKING:
     from solar.types import FloatArray
 
 
+_WITH_ERROR = "with that error in solar power"
+
+
 def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
     """Write a text a few points to the right of a place."""
     axes.annotate(text, place, (4, 0), textcoords="offset points", **options)
+
+
+def _error_band(axes: Axes, x: Any, low: Any, high: Any, colour: str, label: str) -> None:
+    """Shade what a curve becomes with the error of the solar power model."""
+    axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0, label=label)
 
 
 # ---- The cycle of a day
@@ -119,15 +127,8 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
         error = "RMS error after correction"
     error += where_error_is_known(perf.mission.altitude_m)
     axes.plot(time_h, solar, SUN_LINE, color=SUN, label="solar power")
-    axes.fill_between(
-        time_h,
-        solar * (1 - rms),
-        solar * (1 + rms),
-        color=SUN,
-        alpha=0.2,
-        linewidth=0,
-        label=f"{error}, {100 * rms:.0f} %",
-    )
+    label = f"{error}, {100 * rms:.0f} %"
+    _error_band(axes, time_h, solar * (1 - rms), solar * (1 + rms), SUN, label)
     axes.plot(time_h, load, LOAD_LINE, color=LOAD, label="load")
     for name, hour, side in (
         (r"$t_\mathrm{eq}$", perf.cycle.equal_power_morning_h[index], "right"),
@@ -150,15 +151,7 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
         for p in (perf, analysis.low, analysis.high)
     )
     axes.plot(time_h, charge, color=CHARGE, label="state of charge")
-    axes.fill_between(
-        time_h,
-        low,
-        high,
-        color=CHARGE,
-        alpha=0.2,
-        linewidth=0,
-        label="with that error in solar power",
-    )
+    _error_band(axes, time_h, low, high, CHARGE, _WITH_ERROR)
     full = perf.cycle.full_charge_h[index]
     if np.isfinite(full):
         axes.axvline(full, color=ink(), linestyle=":", linewidth=1)
@@ -268,14 +261,12 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
     power.plot(clock_h, flown.solar_power_w, SUN_LINE, color=SUN, label="solar power")
     where = where_error_is_known(perf.mission.altitude_m)
     error = f"RMS error of the model{where}, {100 * perf.solar.rms_relative:.0f} %"
-    band: dict[str, Any] = {"alpha": 0.2, "linewidth": 0}
-    power.fill_between(clock_h, least_w, most_w, color=SUN, label=error, **band)
+    _error_band(power, clock_h, least_w, most_w, SUN, error)
     power.plot(clock_h, flown.load_w, LOAD_LINE, color=LOAD, label="load")
     power.set(ylabel="power [W]", ylim=(0, None))
     percent = 100.0 * flown.state_of_charge
     charge.plot(clock_h, percent, CHARGE_LINE, color=CHARGE, label="state of charge")
-    with_error, ends = "with that error in solar power", (100.0 * least, 100.0 * most)
-    charge.fill_between(clock_h, *ends, color=CHARGE, label=with_error, **band)
+    _error_band(charge, clock_h, 100.0 * least, 100.0 * most, CHARGE, _WITH_ERROR)
     sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
     if sunset > sunrise:
         nights = [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in range(-2, 367)]

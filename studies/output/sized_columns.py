@@ -66,21 +66,9 @@ def size_cells(
     objective: Objective,
     solar: SolarModel,
 ) -> dict[str, Any]:
-    """Best design of an aircraft in every cell of latitude and day of year, as columns.
+    """Best design of an aircraft in every cell, as columns of :data:`.gridded.DESCRIBED`.
 
-    A cell is the mission with the cell's latitude and day instead of its own.
-
-    Parameters
-    ----------
-    aircraft, mission, objective, solar
-        As for :func:`sizing.optimisation.cells.size_cells`.
-    cells : sequence of tuple
-        Latitude [deg] and day of year of every cell.
-
-    Returns
-    -------
-    dict
-        Columns of :data:`studies.output.gridded.DESCRIBED`, in its units.
+    A cell is the mission with the cell's latitude [deg] and day of year instead of its own.
     """
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
