@@ -446,22 +446,3 @@ def _capacity_of_days(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -
     assumed = fraction(mission.air_state().temperature_c, altitude_m)
     of_days = fraction(np.mean(air_c, axis=1), altitude_m) / assumed
     return np.asarray(of_days * np.ones(len(air_c)))
-
-
-def wait_for_window(closes: BoolArray, days: int) -> FloatArray:
-    """Days to wait, from every day, until a window of consecutive days that close begins.
-
-    Returns whole days, 0 where a window begins; infinite where none comes before the record's end.
-    """
-    if days < 1:
-        raise ValueError(f"a window has at least one day (got {days})")
-    wait = np.full(len(closes), np.inf)
-    begins = np.zeros(len(closes), bool)
-    if days <= len(closes):
-        windows = np.lib.stride_tricks.sliding_window_view(closes, days)
-        begins[: len(windows)] = windows.all(axis=1)
-    next_one = np.inf
-    for i in range(len(closes) - 1, -1, -1):
-        next_one = 0.0 if begins[i] else next_one + 1.0
-        wait[i] = next_one
-    return wait

@@ -76,10 +76,6 @@ class FlightEnvelope:
             (self.dive_speed_m_per_s, self.dive_gust_increment),
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        return dict(vars(self))
-
 
 def flight_envelope(
     model: RibWingStructure, inputs: StructureInputs, maximum_lift_coefficient: float
@@ -233,7 +229,7 @@ class StructureAssessment:
         envelope = record.pop("envelope")
         return record | {
             "torsion": None if self.torsion is None else dict(vars(self.torsion)),
-            "flight_envelope": None if envelope is None else envelope.to_dict(),
+            "flight_envelope": None if envelope is None else dict(vars(envelope)),
         }
 
     def headline(self) -> str:
