@@ -30,19 +30,9 @@ def bracketed_root(
     parabola through the last three points where it is monotonic between them, else the middle.
     What the other functions do has no influence on one.
 
-    Parameters
-    ----------
-    value : callable
-        Takes a trial for every function and returns their values.
-    lower, upper : ndarray
-        Ends of the brackets.
-    relative_tolerance : float
-        Largest bracket, relative to its end with the smaller value.
-
-    Returns
-    -------
-    ndarray
-        That end; NaN where both ends' values have the same sign.
+    ``value``: of every function at a trial for each. ``relative_tolerance``: the largest bracket,
+    relative to its end with the smaller value, which is the root; NaN where the values at both ends
+    have the same sign.
     """
     here, other = lower, upper
     f_here, f_other = value(here), value(other)
@@ -89,22 +79,9 @@ def falling_root(
     the Illinois variant of the false position. An element leaves the search when its value or its
     bracket is within the limit; what the others do has no influence on it.
 
-    Parameters
-    ----------
-    gain : callable
-        Takes the indices of the elements still searched and a trial point for each, and returns
-        the values there.
-    lower, upper : ndarray
-        Ends of the brackets. An element whose value at the lower end is not above the limit has
-        its root there.
-    limit : ndarray
-        Tolerance of value and bracket.
-
-    Returns
-    -------
-    ndarray, shape (element,)
-        Points within the limit of the zeros, or the last trials after 100 rounds; in the unit of
-        ``lower``.
+    ``gain``: values of the elements of some indices, at a trial for each. An element whose value at
+    ``lower`` is not above the limit has its root there; one still searched after 100 rounds has the
+    last trial.
     """
     every = np.arange(len(upper))
     ends = gain(np.tile(every, 2), np.concatenate([lower, upper]))
