@@ -40,7 +40,7 @@ class BatteryPack(Record):
     maximum_state_of_charge: UnitInterval = 1.0
 
     @model_validator(mode="after")
-    def _check(self) -> BatteryPack:
+    def _check_cells(self) -> BatteryPack:
         if self.count > MOST_CELLS:
             most = MOST_CELLS // self.cells_in_series
             text = f"{MOST_CELLS} cells in all, {self.cells_in_series} in series"

@@ -22,13 +22,13 @@ from sizing.results.parts import (
     loss_line,
     neighbour_table,
 )
+from sizing.results.records import with_unit
 from sizing.results.requirements import constraint_words, requirement_margins, requirement_table
 from sizing.results.sizing_summary import (
     cross_check_line,
     margin_table,
     multiplier_table,
     sensitivity_table,
-    with_unit,
 )
 from sizing.results.tables import Table, facts
 from sizing.sunlight import SolarModel
