@@ -243,7 +243,7 @@ class AltitudeRange(Record):
     maximum: Altitude
 
     @model_validator(mode="after")
-    def _check_ends(self) -> AltitudeRange:
+    def _check_altitudes(self) -> AltitudeRange:
         check_below(self, "minimum", "maximum")
         return self
 

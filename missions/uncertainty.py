@@ -72,7 +72,7 @@ class Uniform(Record):
     high: Real
 
     @model_validator(mode="after")
-    def _check_ends(self) -> Uniform:
+    def _check_bounds(self) -> Uniform:
         check_below(self, "low", "high")
         return self
 

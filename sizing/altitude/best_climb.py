@@ -295,14 +295,14 @@ class _Day:
         ends = [1.0] * (2 * _STEPS + 2) + [1.0] * _STEPS + [np.inf] * (3 * _STEPS) + [np.inf]
         lower = np.zeros(x.shape[0])
         lower[-1] = -np.inf
-        start = self._start(rule, worth_wh)
+        start = self._decisions(rule, worth_wh)
         found: Any = solver(x0=start, lbx=lower, ubx=np.array(ends), lbg=0.0, ubg=upper)
         values = np.ravel(np.asarray(found["x"]))
         motor_w = scale * values[2 * _STEPS + 2 : 3 * _STEPS + 2]
         stored = values[0] * self.full_wh, values[_STEPS + 1] * self.top_wh
         return np.concatenate([motor_w, stored])
 
-    def _start(self, rule: _Start, worth_wh: float) -> FloatArray:
+    def _decisions(self, rule: _Start, worth_wh: float) -> FloatArray:
         """Decision vector of a rule's day, a little away from its bounds."""
         energy = np.interp(self.nodes_h, rule.time_h, rule.battery_wh) / self.full_wh
         height = np.interp(self.nodes_h, rule.time_h, rule.potential_wh) / self.top_wh
