@@ -59,7 +59,7 @@ def sizing_row(
     return row | {"extrapolations": as_text(extrapolations(of, flown))}
 
 
-def size_cells(
+def sized_cells(
     aircraft: Aircraft,
     mission: Mission,
     cells: Sequence[tuple[float, ...]],
@@ -75,7 +75,7 @@ def size_cells(
     )
     if solar.needs_path and not (able := mission.keeps_path(scenarios)).all():
         calm = [cell for cell, flown in zip(cells, able, strict=True) if flown]
-        sized = size_cells(aircraft, mission, calm, objective, solar) if calm else {}
+        sized = sized_cells(aircraft, mission, calm, objective, solar) if calm else {}
         return _beside_windy_cells(sized, able, mission, scenarios)
     problems = _programs(aircraft, mission, objective, solar)
     sizings = cell_sizing.size_cells(
