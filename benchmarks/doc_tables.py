@@ -21,7 +21,7 @@ from benchmarks.validation.zephyr import zephyr_table
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from missions.weather.files import load_weather
-from sizing.catalogues.choice import KINDS, Kind
+from sizing.catalogues.choice import KINDS, Kind, entries
 from sizing.energy.battery_condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
 from sizing.performance import performance
@@ -32,7 +32,7 @@ from sizing.results.weather_sizing import size_in_weather
 from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
 from studies.models.transfer import transfer_table, transferred_errors
-from studies.output.catalogues import catalogue_table, sources_table
+from studies.output.catalogues import catalogue_table
 from studies.validation.flights.published_flights import facts_table
 from studies.validation.flights.season import seasons
 from studies.validation.flights.single_inputs import explain
@@ -167,6 +167,17 @@ def _catalogue(kind: Kind) -> str:
     return _markdown(replace(table, title="", rows=rows))
 
 
+def _catalogue_sources(kind: Kind) -> Table:
+    """Where the numbers of a catalogue come from, a row for each entry."""
+    columns = (Column("name"), Column("numbers"), Column("source"), Column("note"))
+    rows = []
+    for name, one in entries(kind).items():
+        others = [f"{key}: {text}" for key, text in one.sources.items()]
+        numbers = ", ".join(f"{key} {value:g}" for key, value in one.numbers().items())
+        rows.append((f"`{name}`", numbers, "; ".join([one.source, *others]), one.note or ""))
+    return Table("", columns, tuple(rows))
+
+
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "published": ("validation.md", lambda: _markdown(published().table())),
     "flights": ("validation.md", lambda: _markdown(facts_table())),
@@ -198,7 +209,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "catalogue-batteries": ("catalogues.md", partial(_catalogue, "batteries")),
     "catalogue-motors": ("catalogues.md", partial(_catalogue, "motors")),
     "catalogue-propellers": ("catalogues.md", partial(_catalogue, "propellers")),
-    "catalogue-sources": ("catalogues.md", lambda: _markdown(*map(sources_table, KINDS))),
+    "catalogue-sources": ("catalogues.md", lambda: _markdown(*map(_catalogue_sources, KINDS))),
     "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),
     "module-heat": ("altitude.md", lambda: _markdown(altitude_tables.module_heat())),

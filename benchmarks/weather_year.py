@@ -39,7 +39,8 @@ from sizing.results.uncertainty import DEFAULT_SAMPLES
 from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Propagation
-from sizing.weather_run import HOURS_PER_DAY, WeatherDays, weather_performance
+from sizing.weather_run import WeatherDays, weather_performance
+from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray
 
 _SOURCE = Path(__file__).with_name("weather_bound.c")

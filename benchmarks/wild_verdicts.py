@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,13 @@ import numpy as np
 from benchmarks.simulated_search import FINE_ALLOWANCE_H, Effort, Found, Judge, judge_of, search
 from benchmarks.wild_problems import WildProblem
 from missions.files.overrides import with_values
+from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.propulsion import with_flow_of_optimum
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
@@ -51,6 +53,7 @@ class Claim:
     cpu_s: float = 0.0
     text: str = ""
     result: SizingResult | None = None
+    aircraft: Aircraft | None = None  # with the flow of its optimum
 
 
 def at_the_edge(problem: WildProblem) -> WildProblem:
@@ -72,16 +75,19 @@ def at_the_edge(problem: WildProblem) -> WildProblem:
 
 
 def claim_of(problem: WildProblem) -> Claim:
-    """What the product says of a problem."""
-    given = (problem.aircraft, problem.mission, problem.objective, problem.solar)
+    """What the product says of a problem, with the flow of its optimum as in ``sizing.size``."""
+    given = (problem.mission, problem.objective, problem.solar)
+    hours: dict[str, Any] = {"required_excess_time_h": problem.required_h}
     begun = time.process_time()
     value: float | None
+    aircraft = problem.aircraft
     try:
         if problem.objective.of_range:
-            wide = widest_range(*given, required_excess_time_h=problem.required_h)
+            wide = widest_range(problem.aircraft, *given, **hours)
             result, value = wide.sizing, float(wide.extent)
         else:
-            result = size_aircraft(*given, required_excess_time_h=problem.required_h)
+            aircraft, start = with_flow_of_optimum(aircraft, *given, **hours)
+            result = size_aircraft(aircraft, *given, start=start, **hours)
             value = result.objective_value
     except Exception as error:  # any of them is a finding
         cpu_s = time.process_time() - begun
@@ -92,7 +98,7 @@ def claim_of(problem: WildProblem) -> Claim:
         text = "; ".join(v.text for v in result.violations)
         return Claim(result.status.name, None, None, nearest, cpu_s, text, result)
     design = result.design.variables
-    return Claim(result.status.name, value, design, None, cpu_s, result=result)
+    return Claim(result.status.name, value, design, None, cpu_s, result=result, aircraft=aircraft)
 
 
 def judged(
@@ -122,6 +128,8 @@ def judged(
     dict
         One row: the claim, what the search found, and the verdict.
     """
+    if claim.aircraft is not None:
+        problem = replace(problem, aircraft=claim.aircraft)
     judge = judge_of(problem)
     begun = time.process_time()
     if earlier is None:

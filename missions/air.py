@@ -18,6 +18,7 @@ from solar.types import FloatArray
 
 GRAVITY_M_PER_S2 = 9.80665
 GAS_CONSTANT_AIR = 287.05287  # [J/(kg K)]
+HEAT_CAPACITY_RATIO = 1.4
 ZERO_CELSIUS_K = 273.15
 MAXIMUM_ALTITUDE_M = 32000.0
 MINIMUM_ALTITUDE_M = -500.0
@@ -44,6 +45,12 @@ class Air(NamedTuple):
     def temperature_c(self) -> FloatArray:
         """Temperature [C]."""
         return np.asarray(self.temperature_k - ZERO_CELSIUS_K)
+
+    @property
+    def sound_m_per_s(self) -> FloatArray:
+        """Speed of sound, ``sqrt(1.4 R T)`` [m/s]; of a symbol as well."""
+        speed: FloatArray = (HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * self.temperature_k) ** 0.5
+        return speed
 
 
 def geopotential_altitude_m(altitude_m: ArrayLike) -> FloatArray:

@@ -138,19 +138,9 @@ def module_power_on_path(
 ) -> tuple[BoolArray, Orbit, ModulePower]:
     """Full Model with its component efficiencies at every attitude of the path.
 
-    Parameters
-    ----------
-    modules, daylight, ambient_temperature_c, surroundings
-        As in :func:`mean_power_on_path`.
-
-    Returns
-    -------
-    lit : ndarray of bool, shape (time,)
-        Times with the sun above the horizon; the power covers these alone.
-    orbit : Orbit
-        Attitudes and their weights.
-    power : ModulePower
-        Arrays of shape ``(lit time, attitude)``, by surface with one more axis.
+    Takes what :func:`mean_power_on_path` takes. Returns the times with the sun above the horizon,
+    which the power covers alone; the attitudes with their weights; and the power, of shape
+    ``(lit time, attitude)``, by surface with one more axis.
     """
     flown = _orbit(modules.path, modules.wind, modules.samples)
     seen = _seen(daylight, slice(None), flown)

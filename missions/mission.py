@@ -33,6 +33,7 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
+    check_below,
     wrong_value,
 )
 from solar.sun import declination, sun_times
@@ -242,11 +243,8 @@ class AltitudeRange(Record):
     maximum: Altitude
 
     @model_validator(mode="after")
-    def _check_order(self) -> AltitudeRange:
-        if self.minimum >= self.maximum:
-            raise ValueError(
-                f"minimum must be below maximum (got {self.minimum:g} and {self.maximum:g})"
-            )
+    def _check_altitudes(self) -> AltitudeRange:
+        check_below(self, "minimum", "maximum")
         return self
 
 

@@ -13,12 +13,12 @@ A file names a key of its own and how the value scatters around what the file sa
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, Strict, model_validator
+from pydantic import Field, Strict, model_validator
 
-from solar.schema import PositiveReal, Real, Record, Text, wrong_value
+from solar.schema import PositiveReal, Real, Record, Text, check_below, kind_by_default, wrong_value
 from solar.types import FloatArray
 
 Quantile = Callable[[FloatArray], FloatArray]
@@ -72,9 +72,8 @@ class Uniform(Record):
     high: Real
 
     @model_validator(mode="after")
-    def _check_ends(self) -> Uniform:
-        if self.low >= self.high:
-            raise ValueError(f"low must be below high (got {self.low:g} and {self.high:g})")
+    def _check_bounds(self) -> Uniform:
+        check_below(self, "low", "high")
         return self
 
     def values(self, share: FloatArray, nominal: float) -> FloatArray:
@@ -92,8 +91,7 @@ class Triangular(Record):
 
     @model_validator(mode="after")
     def _check_corners(self) -> Triangular:
-        if self.low >= self.high:
-            raise ValueError(f"low must be below high (got {self.low:g} and {self.high:g})")
+        check_below(self, "low", "high")
         if self.mode is not None and not self.low <= self.mode <= self.high:
             raise ValueError(f"mode must lie between low and high (got {self.mode:g})")
         return self
@@ -122,17 +120,10 @@ class Data(Record):
         return np.asarray(np.interp(share, places, ordered))
 
 
-def _normal_by_default(value: Any) -> Any:
-    """Spreads without a distribution are normal."""
-    if isinstance(value, dict) and "distribution" not in value:
-        return {"distribution": "normal", **value}
-    return value
-
-
 Distribution = Annotated[
     Normal | LogNormal | Uniform | Triangular | Data,
     Field(discriminator="distribution"),
-    BeforeValidator(_normal_by_default),
+    kind_by_default("distribution", "normal"),
 ]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, ModelWrapValidatorHandler, Strict, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 
 from missions.files.errors import shown
 from missions.files.yaml import ENTRY_KEYS
@@ -42,6 +42,7 @@ from solar.schema import (
     Text,
     UnitInterval,
     is_positive,
+    kind_by_default,
     wrong_value,
 )
 from solar.shading import LOSS_MODELS, Shading, TailGeometry, loss_model
@@ -113,17 +114,10 @@ class MeasuredAirframe(Record):
     level_flight: LevelFlight
 
 
-def _parabolic_by_default(value: Any) -> Any:
-    """Polars without a model are parabolic."""
-    if isinstance(value, dict) and "model" not in value:
-        return {"model": "parabolic", **value}
-    return value
-
-
 Aerodynamics = Annotated[
     DragPolar | WingPolar | OwnDragPolar,
     Field(discriminator="model"),
-    BeforeValidator(_parabolic_by_default),
+    kind_by_default("model", "parabolic"),
 ]
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import PositiveReal, Record
+from solar.schema import PositiveReal, Record, check_below
 
 
 class Range(Record):
@@ -17,10 +17,7 @@ class Range(Record):
 
     @model_validator(mode="after")
     def _ends_in_order(self) -> Range:
-        if self.minimum >= self.maximum:
-            raise ValueError(
-                f"minimum must be below maximum (got {self.minimum:g} and {self.maximum:g})"
-            )
+        check_below(self, "minimum", "maximum")
         return self
 
 

@@ -21,7 +21,7 @@ from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import Design, DesignVariables
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
-from sizing.energy.endurance import Endurance, flight_time_h, longest_flight
+from sizing.energy.endurance import Course, Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.energy.settling import days_to_settle, simulate_days
@@ -161,9 +161,26 @@ class Performance:
             Solar time since the midnight before the launch [h], power [W], and state of charge,
             zero from when the battery is empty.
         """
+        return self.course(scenario, launch_h, hours)[:4]
+
+    def course(self, scenario: int, launch_h: float, hours: float) -> Course:
+        """Flight in a scenario as :meth:`flight` returns it, with its altitude.
+
+        Parameters
+        ----------
+        scenario : int
+            Index of the scenario.
+        launch_h, hours : float
+            Solar time of the launch, and how long the flight is looked at [h].
+
+        Returns
+        -------
+        Course
+            ``clock_h``, ``solar_power_w``, ``load_w``, ``state_of_charge`` and ``altitude_m``.
+        """
         climbing = self._climbing([scenario])
         if climbing is not None:
-            return climbing.trajectory(0, launch_h, hours)
+            return climbing.course(0, launch_h, hours)
         end_h, day_h = launch_h + hours, self.day.time_h
         days = [day_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
         clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
@@ -178,7 +195,8 @@ class Performance:
         energy_wh = [full_wh, *(step.end_wh for step in march(balance, store, full_wh))]
         charge = np.concatenate(energy_wh) / full_wh
         charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # it has come down
-        return clock_h, solar, load, charge
+        altitude_m = np.full_like(clock_h, self.mission.altitude_m)
+        return Course(clock_h, solar, load, charge, altitude_m)
 
     @cached_property
     def days_to_settle(self) -> FloatArray:

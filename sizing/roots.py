@@ -28,21 +28,9 @@ def bracketed_root(
     Chandrupatla, T. R. (1997), A new hybrid quadratic/bisection algorithm for finding the zero of
     a nonlinear function without using derivatives, Advances in Engineering Software 28, 145-149: a
     parabola through the last three points where it is monotonic between them, else the middle.
-    What the other functions do has no influence on one.
-
-    Parameters
-    ----------
-    value : callable
-        Takes a trial for every function and returns their values.
-    lower, upper : ndarray
-        Ends of the brackets.
-    relative_tolerance : float
-        Largest bracket, relative to its end with the smaller value.
-
-    Returns
-    -------
-    ndarray
-        That end; NaN where both ends' values have the same sign.
+    What the other functions do has no influence on one. ``value`` takes a trial for every
+    function; the bracket that is left is at most ``relative_tolerance`` of its end with the smaller
+    value, which is the root. NaN where both ends' values have the same sign.
     """
     here, other = lower, upper
     f_here, f_other = value(here), value(other)
@@ -87,24 +75,9 @@ def falling_root(
     The functions must not fall faster than their argument rises: the value at either end then
     leads to a nearer one. Secants at first, to the nearer end where they leave the bracket, then
     the Illinois variant of the false position. An element leaves the search when its value or its
-    bracket is within the limit; what the others do has no influence on it.
-
-    Parameters
-    ----------
-    gain : callable
-        Takes the indices of the elements still searched and a trial point for each, and returns
-        the values there.
-    lower, upper : ndarray
-        Ends of the brackets. An element whose value at the lower end is not above the limit has
-        its root there.
-    limit : ndarray
-        Tolerance of value and bracket.
-
-    Returns
-    -------
-    ndarray, shape (element,)
-        Points within the limit of the zeros, or the last trials after 100 rounds; in the unit of
-        ``lower``.
+    bracket is within ``limit``, or after 100 rounds; what the others do has no influence on it.
+    ``gain`` takes the indices of the elements still searched and a trial point for each. An element
+    whose value at the lower end is not above the limit has its root there.
     """
     every = np.arange(len(upper))
     ends = gain(np.tile(every, 2), np.concatenate([lower, upper]))

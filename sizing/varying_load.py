@@ -28,7 +28,7 @@ from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.smooth import Value
 from sizing.sunlight import SolarDay
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 # A day is marched again until load and nominal load stay within this, relative, which is 1e-5 h of
 # excess time. Each march leaves less than a hundredth of the error of the one before.
@@ -108,22 +108,24 @@ class Flight(NamedTuple):
     airspeed_m_per_s: Any
     air: Air
 
+    @classmethod
+    def where(cls, flies: BoolArray, thrust_w: Any, airspeed_m_per_s: Any, air: Air) -> Flight:
+        """Flight of designs, of which those that cannot fly have 1 W and 1 m/s."""
+        return cls(np.where(flies, thrust_w, 1.0), np.where(flies, airspeed_m_per_s, 1.0), air)
+
 
 def flight_of(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> tuple[OperatingPointPropulsion, Flight]:
-    """Propulsion of a design's size, and its level flight; 1 for a design that cannot fly."""
+    """Propulsion of a design's size, and its level flight."""
     propulsion = aircraft.propulsion_by_parts
     assert propulsion is not None
     with np.errstate(invalid="ignore"):
         thrust_w = np.asarray(design.thrust_power_w)
-    flies = np.isfinite(thrust_w)
+    air = FlightConditions.of(mission, aircraft).air
     variables = design.variables.mapped(lambda one: float(one) if np.ndim(one) == 0 else one)
-    return propulsion.sized(*variables.of_propulsion), Flight(
-        np.where(flies, thrust_w, 1.0),
-        np.where(flies, design.airspeed_m_per_s, 1.0),
-        FlightConditions.of(mission, aircraft).air,
-    )
+    flight = Flight.where(np.isfinite(thrust_w), thrust_w, design.airspeed_m_per_s, air)
+    return propulsion.sized(*variables.of_propulsion), flight
 
 
 def part_load_over(
@@ -158,9 +160,9 @@ def _part_load_against_wind(
     """
     if (propulsion := aircraft.propulsion_by_parts) is None:
         return None
-    own, flies = propulsion.sized(*design.variables.of_propulsion), np.isfinite(power_w)
+    own = propulsion.sized(*design.variables.of_propulsion)
     air = FlightConditions.of(mission, aircraft).air
-    flight = Flight(np.where(flies, thrust_w, 1.0), np.where(flies, airspeed_m_per_s, 1.0), air)
+    flight = Flight.where(np.isfinite(power_w), thrust_w, airspeed_m_per_s, air)
     loads = load_range(mission.turbulence.all_day, mission.turbulence.thermal)
     return part_load_over(own, flight, power_w, loads, bus_voltage_v(aircraft))
 

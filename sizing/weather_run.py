@@ -38,10 +38,9 @@ from sizing.varying_load import (
     part_load_over,
 )
 from solar.clearsky import Irradiance
-from solar.sun import declination, sun_times
+from solar.sun import HOURS_PER_DAY, declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
 
-HOURS_PER_DAY = 24.0
 _NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself, or be as fast as the wind
 # A record that begins this near to midnight begins a day.
 _NEAR_MIDNIGHT_H = 3.0
@@ -149,8 +148,7 @@ class LoadInAir:
             each = np.maximum(wind_m_per_s, np.asarray(design.airspeed_m_per_s, float))
             some, day = np.unique(each, return_inverse=True)
             level_w, thrust_w, speed = flight_against_wind(aircraft, mission, design, some)
-            flies = np.isfinite(level_w)
-            flight = Flight(np.where(flies, thrust_w, 1.0), np.where(flies, speed, 1.0), flight.air)
+            flight = Flight.where(np.isfinite(level_w), thrust_w, speed, flight.air)
         least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
         warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
         # Temperatures first, then the days.
@@ -448,22 +446,3 @@ def _capacity_of_days(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -
     assumed = fraction(mission.air_state().temperature_c, altitude_m)
     of_days = fraction(np.mean(air_c, axis=1), altitude_m) / assumed
     return np.asarray(of_days * np.ones(len(air_c)))
-
-
-def wait_for_window(closes: BoolArray, days: int) -> FloatArray:
-    """Days to wait, from every day, until a window of consecutive days that close begins.
-
-    Returns whole days, 0 where a window begins; infinite where none comes before the record's end.
-    """
-    if days < 1:
-        raise ValueError(f"a window has at least one day (got {days})")
-    wait = np.full(len(closes), np.inf)
-    begins = np.zeros(len(closes), bool)
-    if days <= len(closes):
-        windows = np.lib.stride_tricks.sliding_window_view(closes, days)
-        begins[: len(windows)] = windows.all(axis=1)
-    next_one = np.inf
-    for i in range(len(closes) - 1, -1, -1):
-        next_one = 0.0 if begins[i] else next_one + 1.0
-        wait[i] = next_one
-    return wait

@@ -345,13 +345,7 @@ def register_clear_sky(name: str, sky: ClearSky) -> None:
 
 
 def named_clear_sky(name: str) -> ClearSky:
-    """Clear sky of that name.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """Clear sky of that name; ValueError if there is none."""
     if name not in CLEAR_SKIES:
         raise ValueError(f"unknown clear sky {name!r}; choose from {', '.join(CLEAR_SKIES)}")
     return CLEAR_SKIES[name]

@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, UnitInterval
+from solar.schema import (
+    Fraction,
+    NonNegativeReal,
+    PositiveReal,
+    Real,
+    Record,
+    UnitInterval,
+    check_columns,
+)
 from solar.types import FloatArray, IntArray
 
 STC_TEMPERATURE_C = 25.0
@@ -30,11 +38,7 @@ class _Table(Record):
 
     @model_validator(mode="after")
     def _check_columns(self) -> Self:
-        (x_name, x), (y_name, y) = ((name, getattr(self, name)) for name in type(self).model_fields)
-        if len(x) != len(y):
-            raise ValueError(f"{x_name} and {y_name} must have the same length")
-        if np.any(np.diff(x) <= 0.0):
-            raise ValueError(f"{x_name} must increase strictly")
+        check_columns(self, *type(self).model_fields)
         return self
 
 

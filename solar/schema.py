@@ -5,10 +5,19 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from html import escape
+from itertools import pairwise
 from keyword import iskeyword
 from typing import TYPE_CHECKING, Annotated, Any, Self, TypeGuard
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from solar.versions import FORMAT_VERSION, format_trouble
@@ -155,6 +164,31 @@ def check_order(record: Record, first: str, second: str, *, equal: bool = False)
     low, high = getattr(record, first), getattr(record, second)
     if low > high or (low == high and not equal):
         raise wrong_value(second, f"must be above {first} {low:g} (got {high:g})")
+
+
+def check_below(record: Record, first: str, second: str) -> None:
+    """Refuse a record, as a whole, whose first key is not below its second one."""
+    low, high = getattr(record, first), getattr(record, second)
+    if low >= high:
+        raise ValueError(f"{first} must be below {second} (got {low:g} and {high:g})")
+
+
+def check_columns(record: Record, x: str, y: str) -> None:
+    """Refuse a table whose columns differ in length, or whose first one does not increase."""
+    across, along = getattr(record, x), getattr(record, y)
+    if len(across) != len(along):
+        raise ValueError(f"{x} and {y} must have the same length")
+    if any(after <= before for before, after in pairwise(across)):
+        raise ValueError(f"{x} must increase strictly")
+
+
+def kind_by_default(key: str, kind: str) -> BeforeValidator:
+    """Take records that do not name their kind at that key for some of this kind."""
+
+    def named(value: Any) -> Any:
+        return {key: kind, **value} if isinstance(value, dict) and key not in value else value
+
+    return BeforeValidator(named)
 
 
 def _declared(record: BaseModel) -> dict[str, Any]:

@@ -314,13 +314,7 @@ def register_loss_model(name: str, model: LossModel) -> None:
 
 
 def loss_model(name: str) -> LossModel:
-    """Loss model of that name.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """Loss model of that name; ValueError if there is none."""
     if name not in LOSS_MODELS:
         raise ValueError(f"unknown loss model {name}; choose from {', '.join(LOSS_MODELS)}")
     return LOSS_MODELS[name]

@@ -196,14 +196,10 @@ def sun_times(latitude_deg: ArrayLike, sun_declination: ArrayLike) -> SunTimes:
     SunTimes
         Solar time [h], broadcast shape (Duffie & Beckman, eq. 1.6.10).
     """
-    lat = np.radians(np.asarray(latitude_deg, float))
-    dec = np.asarray(sun_declination, float)
+    arc = sun_arc(latitude_deg, sun_declination)
     # cos(w) = -tan(lat) tan(dec), written so that it stays finite at the poles.
-    numerator = -np.sin(lat) * np.sin(dec)
-    denominator = np.maximum(np.cos(lat) * np.cos(dec), 1e-12)
-    half_day_h = np.arccos(np.clip(numerator / denominator, -1.0, 1.0)) * (
-        HOURS_PER_DAY / (2.0 * np.pi)
-    )
+    cosine = np.clip(-arc.mean / np.maximum(arc.amplitude, 1e-12), -1.0, 1.0)
+    half_day_h = np.arccos(cosine) * (HOURS_PER_DAY / (2.0 * np.pi))
     return SunTimes(np.asarray(NOON_H - half_day_h), np.asarray(NOON_H + half_day_h))
 
 
@@ -254,7 +250,17 @@ def sun_position(
     right_ascension, sun_declination = _equatorial(days)
     sidereal = np.radians(_greenwich_sidereal_deg(days) + np.asarray(longitude_deg, float))
     hour = np.remainder(sidereal - right_ascension + np.pi, 2.0 * np.pi) - np.pi
-    return _horizontal(np.radians(np.asarray(latitude_deg, float)), sun_declination, hour)
+    vector = sun_vector_ned(latitude_deg, sun_declination, hour)
+    north, east, down = np.moveaxis(vector, -1, 0)
+    elevation = np.arctan2(-down, np.hypot(north, east))
+    solar_h = np.remainder(NOON_H + np.degrees(hour) / _DEGREES_PER_HOUR, 24.0)
+    return SunPosition(
+        vector_ned=vector,
+        elevation_rad=np.asarray(elevation),
+        azimuth_rad=np.asarray(np.remainder(np.arctan2(east, north), 2.0 * np.pi)),
+        time_solar_h=np.asarray(np.broadcast_to(solar_h, np.shape(elevation))),
+        declination_rad=np.asarray(np.broadcast_to(sun_declination, np.shape(elevation))),
+    )
 
 
 def _equatorial(days: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -278,22 +284,3 @@ def _greenwich_sidereal_deg(days: FloatArray) -> FloatArray:
     """
     turns = 18.697375 + 0.0657098242 * days + 24.0 * np.remainder(days, 1.0)
     return np.asarray(_DEGREES_PER_HOUR * turns)
-
-
-def _horizontal(latitude: FloatArray, dec: FloatArray, hour: FloatArray) -> SunPosition:
-    sin_lat, cos_lat = np.sin(latitude), np.cos(latitude)
-    sin_dec, cos_dec = np.sin(dec), np.cos(dec)
-    cos_hour = np.cos(hour)
-    north = cos_lat * sin_dec - sin_lat * cos_dec * cos_hour
-    east = -cos_dec * np.sin(hour)
-    up = sin_lat * sin_dec + cos_lat * cos_dec * cos_hour
-    elevation = np.arctan2(up, np.hypot(north, east))
-    vector = np.stack(np.broadcast_arrays(north, east, -up), axis=-1)
-    solar_h = np.remainder(NOON_H + np.degrees(hour) / _DEGREES_PER_HOUR, 24.0)
-    return SunPosition(
-        vector_ned=vector,
-        elevation_rad=np.asarray(elevation),
-        azimuth_rad=np.asarray(np.remainder(np.arctan2(east, north), 2.0 * np.pi)),
-        time_solar_h=np.asarray(np.broadcast_to(solar_h, np.shape(elevation))),
-        declination_rad=np.asarray(np.broadcast_to(dec, np.shape(elevation))),
-    )

@@ -17,7 +17,7 @@ from sizing.mass_budget import design_of
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import finite
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
-from sizing.station import FASTEST, StationKeeping, station_keeping
+from sizing.station import FASTEST, station_keeping
 from sizing.sunlight import SolarModel
 from sizing.validity.checks import design_checks
 from sizing.validity.extrapolations import together, told
@@ -188,10 +188,6 @@ def station(
     months = tuple(range(1, 13)) if table is None else table.months
     days = np.array([day_of_year(f"{month:02d}-{_MIDDLE}") for month in months])
 
-    def at(where: Mission, north: FloatArray) -> StationKeeping:
-        cells = Scenarios(np.repeat(north, len(days)), np.tile(days, len(north)))
-        return station_keeping(aircraft, where, solar, scenarios=cells)
-
     by_altitude = altitudes_m is not None and latitudes is None
     if by_altitude:
         north = np.array(mission.latitudes()[:1])
@@ -199,7 +195,8 @@ def station(
         north = np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
     heights = np.asarray([mission.altitude_m] if altitudes_m is None else altitudes_m, float)
     places = [mission if altitudes_m is None else mission.at_altitude(h) for h in heights.tolist()]
-    found = [at(where, north) for where in places]
+    cells = Scenarios(np.repeat(north, len(days)), np.tile(days, len(north)))
+    found = [station_keeping(aircraft, there, solar, scenarios=cells) for there in places]
 
     def stacked(name: str) -> FloatArray:
         """Values of shape ``(altitude, latitude, month)``."""
@@ -231,10 +228,8 @@ def _extrapolations(
     aircraft: Aircraft, places: Sequence[Mission], solar: SolarModel
 ) -> tuple[Extrapolation, ...]:
     """What the design takes from outside the range of a model, at all altitudes."""
-    calm = [where.in_wind(0.0) for where in places]  # the share says what the wind does
-    each = [
-        told(design_checks(aircraft, where, design_of(aircraft, where), solar)) for where in calm
-    ]
+    calm = [one.in_wind(0.0) for one in places]  # the share says what the wind does
+    each = [told(design_checks(aircraft, one, design_of(aircraft, one), solar)) for one in calm]
     return each[0] if len(each) == 1 else together(each, "altitudes")
 
 

@@ -174,27 +174,48 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
     The folder may have come from elsewhere: a symbolic link in it is replaced even where it leads
     to a device.
     """
-    made = [path for path in (folder, *folder.parents) if not path.exists()]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        name = printable(os.fspath(folder))
-        raise OutputError(f"cannot write to {name}: {writing_trouble(error)}") from error
+    made = _make_folder(folder)
     try:
         _write_all({folder / file: data for file, data in contents.items()}, named=False)
     except BaseException:  # a signal, too, leaves no empty folder
-        for path in made:
-            with suppress(OSError):  # not empty: somebody else's by now
-                path.rmdir()
+        _remove_empty(made)
         raise
+
+
+def _make_folder(folder: Path) -> list[Path]:
+    """Make a folder, and those above it; the new ones, innermost first."""
+    made: list[Path] = []
+    name = printable(os.fspath(folder))
+    try:
+        made = [path for path in (folder, *folder.parents) if not path.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        _remove_empty(made)
+        why = writing_trouble(error)
+        if isinstance(error, FileExistsError):
+            why = f"{name} is not a folder"
+        elif isinstance(error, FileNotFoundError):  # all that lacked was to be made
+            why = "no folder can be made there"
+        raise OutputError(f"cannot write to {name}: {why}") from error
+    return made
+
+
+def _remove_empty(folders: list[Path]) -> None:
+    for path in folders:
+        with suppress(OSError):  # not empty: somebody else's by now
+            path.rmdir()
 
 
 def check_writable_file(path: str | os.PathLike[str]) -> None:
     """Refuse a file that cannot be written, before any work is done for it."""
     target, name = Path(path), printable(os.fspath(path))
-    if target.is_dir():
+    try:
+        is_folder, is_file = target.is_dir(), target.is_file() or not target.exists()
+    except OSError as error:  # a name that is too long, a folder that may not be looked into
+        raise OutputError(f"cannot write {name}: {writing_trouble(error)}") from error
+    if is_folder:
         raise OutputError(f"cannot write {name}: it is a folder")
-    if target.is_file() or not target.exists():  # else a device or a pipe
+    if is_file:  # else a device or a pipe
         probe(target.parent, name)
 
 
@@ -204,19 +225,21 @@ def probe(folder: Path, name: str) -> None:
         with tempfile.NamedTemporaryFile(dir=folder, prefix=".", suffix=".tmp") as scratch:
             scratch.write(b"probe")
     except OSError as error:
-        raise OutputError(f"cannot write {name}: {writing_trouble(error)}") from error
+        missing = isinstance(error, FileNotFoundError) and folder.is_dir()
+        why = "no file can be made there" if missing else writing_trouble(error)
+        raise OutputError(f"cannot write {name}: {why}") from error
 
 
 def check_writable_folder(folder: Path) -> None:
     """Refuse a folder that files cannot be put into, before any work is done for them.
 
-    A folder that does not exist is made later; then the one above it must take it.
+    A folder that does not exist is made, and taken away again.
     """
-    name = printable(os.fspath(folder))
-    existing = next((p for p in (folder, *folder.parents) if p.exists()), None)
-    if existing is None or not existing.is_dir():
-        raise OutputError(f"cannot write to {name}: {existing or name} is not a folder")
-    probe(existing, f"to {name}")
+    made = _make_folder(folder)
+    try:
+        probe(folder, f"to {printable(os.fspath(folder))}")
+    finally:
+        _remove_empty(made)
 
 
 @dataclass(frozen=True)

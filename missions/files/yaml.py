@@ -9,6 +9,7 @@ it knows no place of an alias, and limits, keys and scalars would be checked her
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from collections.abc import Callable, Mapping
@@ -76,7 +77,8 @@ def _loader(base: Any) -> Any:
     return add_resolvers(type("Loader", (base,), {"yaml_implicit_resolvers": {}}))
 
 
-_Loader = _loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+_PythonLoader = _loader(yaml.SafeLoader)
+_Loader = _loader(yaml.CSafeLoader) if hasattr(yaml, "CSafeLoader") else _PythonLoader
 
 
 @dataclass(frozen=True)
@@ -185,19 +187,34 @@ def _composed(text: str, source: str) -> tuple[Any, list[Mark]]:
         raise InputError([Problem(source, *_place_of(text, odd.start()), "", message)])
     try:
         # Checked first: the composer of libyaml recurses in C and would crash on deep nesting.
-        aliases = _checked_aliases(text, source)
+        aliases = _checked_aliases(text, source, _Loader)
         root: Any = yaml.compose(text, Loader=_Loader)
     except yaml.YAMLError as error:
+        _refuse_nesting_before(error, text, source)
         raise _syntax_error(error, text, source) from error
     empty = isinstance(root, yaml.ScalarNode) and not (root.value or root.style)
     return None if empty else root, aliases
 
 
-def _checked_aliases(text: str, source: str) -> list[Mark]:
+def _refuse_nesting_before(error: yaml.YAMLError, text: str, source: str) -> None:
+    """Refuse what is nested too deeply before a syntax error.
+
+    libyaml reads up to 1024 characters ahead of its events, and that of PyYAML 6.0.4 refuses 1000
+    open brackets there by itself; the parser in Python has no such limit.
+    """
+    mark = getattr(error, "problem_mark", None)
+    before = text[: mark.index] if mark else ""
+    opened, closed = (sum(map(before.count, pair)) for pair in ("[{", "]}"))
+    if opened - closed > _MAX_DEPTH:
+        with contextlib.suppress(yaml.YAMLError):
+            _checked_aliases(before, source, _PythonLoader)
+
+
+def _checked_aliases(text: str, source: str, loader: Any) -> list[Mark]:
     """Refuse explicit tags, and what exceeds a limit; return the places of aliases."""
     depth = documents = 0
     aliases: list[Mark] = []
-    for count, event in enumerate(yaml.parse(text, Loader=_Loader)):
+    for count, event in enumerate(yaml.parse(text, Loader=loader)):
         documents += isinstance(event, yaml.DocumentStartEvent)
         aliases += [_place_in_file(event)] if isinstance(event, yaml.AliasEvent) else []
         depth += isinstance(event, yaml.CollectionStartEvent)

@@ -137,7 +137,7 @@ def stretches(
             known = known[~spikes]
     if QUANTITIES[quantity].rests or len(known) < _LEAST_FROZEN:
         return
-    for kind, mask in _held(values[known], time_s[known], dark=_DARK if solar else 0.0):
+    for kind, mask in _unchanging(values[known], time_s[known], dark=_DARK if solar else 0.0):
         if mask.any() and (solar or kind == "frozen"):
             yield kind, among_all(mask)
 
@@ -149,7 +149,9 @@ def _spikes(power: FloatArray) -> BoolArray:
     return np.asarray(size > _SPIKE * usual, bool) & bool(usual > 0.0)
 
 
-def _held(values: FloatArray, time_s: FloatArray, dark: float) -> Iterator[tuple[Kind, BoolArray]]:
+def _unchanging(
+    values: FloatArray, time_s: FloatArray, dark: float
+) -> Iterator[tuple[Kind, BoolArray]]:
     """Where a channel repeats one value that is not dark, unlike elsewhere, or its highest."""
     steps, passed = np.abs(np.diff(values)), np.diff(time_s)
     breaks = (steps > 0.0) | (passed > _GAP_STEPS * np.median(passed))

@@ -17,7 +17,6 @@ import pandas as pd
 from missions.files.errors import file_error, shown
 from missions.weather.raw import END, RawTable, row_error
 from missions.weather.record import (
-    SECONDS_PER_DAY,
     SECONDS_PER_HOUR,
     TYPICAL_YEAR,
     Site,
@@ -26,7 +25,7 @@ from missions.weather.record import (
     runs_of,
 )
 from solar.clearsky import clear_sky, extraterrestrial_irradiance, global_horizontal
-from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
+from solar.sun import SECONDS_PER_DAY, cos_zenith, declination, hour_angle, solar_time_h
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Up to here a gap is bridged between its neighbours; a longer one takes the day next to it.

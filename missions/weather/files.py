@@ -48,12 +48,12 @@ def load_weather(path: str | os.PathLike[str], mission: Mission | None = None) -
 def weather_file(path: str | os.PathLike[str]) -> Iterator[tuple[Path, str]]:
     """File of a weather record while it is read, and its name for messages."""
     name = os.fspath(path)
-    source = printable(name)
+    source = printable(name) or repr(name)
     if name in shipped_records() and not Path(name).exists():
         with resources.as_file(shipped_record(name)) as place:
             yield place, f"{name} (shipped)"
         return
-    if name and not os.path.lexists(name):
+    if not os.path.lexists(name):
         known = ", ".join(shipped_records())
         raise file_error(source, f"there is no such file, and none is shipped but {known}")
     yield Path(name), source

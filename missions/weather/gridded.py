@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from missions.air import GRAVITY_M_PER_S2, pressure_altitude_m
+from missions.air import GRAVITY_M_PER_S2, ZERO_CELSIUS_K, pressure_altitude_m
 from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.checks import MISSING
@@ -290,7 +290,7 @@ _UNITS: dict[tuple[str, ...], tuple[tuple[tuple[str, ...], _Change], ...]] = {
         (("mjm^-2", "mj/m^2", "mj/hr", "mj/m^2/hr"), lambda v: v * 1e6 / SECONDS_PER_HOUR),
     ),
     ("temp_air",): (
-        (("k", "kelvin"), lambda v: v - 273.15),
+        (("k", "kelvin"), lambda v: v - ZERO_CELSIUS_K),
         (("c", "degc", "degree_celsius", "celsius", "°c"), lambda v: v),
     ),
     ("wind_speed", "u", "v"): ((("ms^-1", "m/s"), lambda v: v),),

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from missions.weather.record import SECONDS_PER_DAY, SECONDS_PER_HOUR, Site, Weather, day_of_year
+from missions.weather.record import SECONDS_PER_HOUR, Site, Weather, day_of_year
 from solar.clearsky import Irradiance, clear_sky, extraterrestrial_irradiance
-from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
+from solar.sun import SECONDS_PER_DAY, cos_zenith, declination, hour_angle, solar_time_h
 from solar.types import FloatArray
 
 NODE_STEP_S = 300.0

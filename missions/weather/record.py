@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 
 SECONDS_PER_HOUR = 3600.0
-SECONDS_PER_DAY = 86400.0
 TYPICAL_YEAR = 2001
 
 

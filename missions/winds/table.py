@@ -34,7 +34,7 @@ _ENDS = {
 }
 
 
-class _Between(NamedTuple):
+class _Neighbours(NamedTuple):
     """Two neighbours on an axis and the weight of the upper one."""
 
     lower: NDArray[np.integer]
@@ -42,14 +42,14 @@ class _Between(NamedTuple):
     weight: FloatArray
 
 
-def _between(axis: FloatArray, values: ArrayLike) -> _Between:
+def _neighbours(axis: FloatArray, values: ArrayLike) -> _Neighbours:
     """Neighbours of values within an axis, which may have a single point."""
     at = np.asarray(values, float)
     upper = np.clip(np.searchsorted(axis, at), min(1, len(axis) - 1), len(axis) - 1)
     lower = np.maximum(upper - 1, 0)
     width = axis[upper] - axis[lower]
     weight = np.where(width > 0.0, (at - axis[lower]) / np.where(width > 0.0, width, 1.0), 0.0)
-    return _Between(lower, upper, weight)
+    return _Neighbours(lower, upper, weight)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class WindTable:
         trouble = self.trouble(percentile=percentile)
         if trouble is not None:
             raise file_error(self.source, trouble)
-        lower, upper, weight = _between(self.percentiles, percentile)
+        lower, upper, weight = _neighbours(self.percentiles, percentile)
         return np.asarray(curve[..., lower] * (1.0 - weight) + curve[..., upper] * weight)
 
     def curve(self, latitude_deg: ArrayLike, altitude_m: ArrayLike, month: ArrayLike) -> FloatArray:
@@ -109,8 +109,8 @@ class WindTable:
         if trouble is not None:
             raise file_error(self.source, trouble)
         places = np.broadcast_arrays(
-            *_between(self.latitude_deg, latitude_deg),
-            *_between(self.altitude_m, altitude_m),
+            *_neighbours(self.latitude_deg, latitude_deg),
+            *_neighbours(self.altitude_m, altitude_m),
             np.searchsorted(self.months, np.asarray(month, int)),
         )
         south, north, to_north, below, above, to_above, m = places

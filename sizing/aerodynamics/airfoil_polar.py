@@ -126,13 +126,8 @@ class AirfoilPolar:
     def load(cls, airfoil: str) -> AirfoilPolar:
         """Read a polar: the name of a shipped one, or the path of a file or folder.
 
-        Raises
-        ------
-        ValueError
-            If no shipped polar has that name, or the file is no polar table
-            (:class:`missions.files.errors.InputError`, with line numbers).
-        OSError
-            If the file cannot be read.
+        ValueError where no shipped polar has that name; a file that is no polar table is an
+        :class:`missions.files.errors.InputError`, with line numbers.
         """
         if is_table_path(airfoil):
             return cls.from_table(parse_polar(read_polar_text(airfoil), airfoil))
@@ -140,14 +135,7 @@ class AirfoilPolar:
 
     @classmethod
     def from_table(cls, table: PolarTable) -> AirfoilPolar:
-        """Fit a table.
-
-        Raises
-        ------
-        InputError
-            If the table has no branch of attached flow at enough Reynolds numbers, or is too rough
-            for a smooth fit.
-        """
+        """Fit a table; InputError without a branch of attached flow, or where it is too rough."""
         branches = _attached_branches(table)
         least_lift = max(float(b.cl[0]) for b in branches)
         scale = _ReynoldsScale.between(branches[0].reynolds, branches[-1].reynolds)

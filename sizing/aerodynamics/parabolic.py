@@ -13,7 +13,15 @@ from pydantic import AfterValidator, model_validator
 from missions.air import GRAVITY_M_PER_S2
 from sizing.own_models import drag_function
 from sizing.smooth import Value
-from solar.schema import Fraction, LiftCoefficient, NonNegativeReal, PositiveReal, Record, Text
+from solar.schema import (
+    Fraction,
+    LiftCoefficient,
+    NonNegativeReal,
+    PositiveReal,
+    Record,
+    Text,
+    check_below,
+)
 
 
 class Polar(Protocol):
@@ -73,11 +81,7 @@ class AtLiftCoefficient(Record):
 
     @model_validator(mode="after")
     def _check_stall(self) -> Self:
-        if self.lift_coefficient >= self.maximum_lift_coefficient:
-            raise ValueError(
-                "lift_coefficient must be below maximum_lift_coefficient "
-                f"(got {self.lift_coefficient:g} and {self.maximum_lift_coefficient:g})"
-            )
+        check_below(self, "lift_coefficient", "maximum_lift_coefficient")
         return self
 
     @property

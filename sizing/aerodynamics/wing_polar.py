@@ -172,13 +172,7 @@ class WingPolar(Record):
         )
 
     def contents_read(self) -> str | None:
-        """Text of the airfoil's table, read once; none for a shipped airfoil.
-
-        Raises
-        ------
-        OSError
-            If it has not been read yet, and cannot be.
-        """
+        """Text of the airfoil's table, read once; none for a shipped airfoil."""
         if not is_table_path(self.airfoil):
             return None
         if self._table is None or self._table[0] != self.airfoil:

@@ -11,8 +11,9 @@ within the ceiling, the propulsion's largest power, the battery and its charge l
 that ends as it begins. The least charge of the day becomes as large as it can: with the height
 that is left then, ``eta_d E + W / eta`` over the load is the time by which the night may be longer.
 Direct transcription by the midpoint rule (Betts 2010, Practical Methods for Optimal Control, ch.
-4), solved by IPOPT from the day of the mission's rule. The motor's power that is found is then
-flown through the day by the levels' own tables.
+4), solved by IPOPT from the day of the better rule. The motor's power that is found, and that of
+this rule, are then flown through the day by the levels' own tables; the better flight is the
+result.
 
 The airspeed follows from the aircraft's lift coefficient: without wind every other one at which
 level flight takes more power is worse at all times.
@@ -110,22 +111,21 @@ def best_climb(
             update = {"climb": mission.climb.model_copy(update={"strategy": strategy})}
             other = mission.model_copy(update=update)
             rules[strategy] = climb_performance(aircraft, other, solar)
+    by_rule_h: dict[str, float] = {
+        name: float(one.performance.cycle.excess_time_h[place]) for name, one in rules.items()
+    }
+    better = max(rules.values(), key=lambda one: one.performance.cycle.excess_time_h[place])
     day = own.constant.day.at([place])
     levels = flight_levels(aircraft, mission, own.constant.design, day)
     store = own.constant.store.flat((len(own.constant.day.scenarios),)).select(
         slice(place, place + 1)
     )
     task = _Day(np.asarray(day.time_h), levels, store, aircraft.battery)
-    flown = task.flown(task.solved(_rule_day(own.climb, place)))
-    by_rule_h: dict[str, float] = {
-        name: float(one.performance.cycle.excess_time_h[place]) for name, one in rules.items()
-    }
+    rule = _rule_day(better.climb, place)
+    flown = max(map(task.flown, (task.by_rule(rule), task.solved(rule))), key=lambda f: f.left_wh)
+    excess_h = flown.left_wh / task.nominal_w
     if np.isinf(max(by_rule_h.values())):
         excess_h = np.inf  # no course of a day without a deficit can do better
-    elif flown.missing_wh > 0.0:
-        excess_h = -flown.missing_wh / task.nominal_w
-    else:
-        excess_h = flown.reserve_wh / task.nominal_w
     return BestClimb(
         scenario=place,
         time_h=flown.time_h,
@@ -163,6 +163,11 @@ class _Flown(NamedTuple):
     solar_w: FloatArray
     reserve_wh: float
     missing_wh: float
+
+    @property
+    def left_wh(self) -> float:
+        """What is left at the least charge of the day; less than nothing is what is missing."""
+        return -self.missing_wh if self.missing_wh > 0.0 else self.reserve_wh
 
 
 class _Day:
@@ -277,6 +282,9 @@ class _Day:
                 "ipopt.sb": "yes",
                 "ipopt.max_iter": 500,
                 "ipopt.mu_strategy": "adaptive",
+                # With its safeguard, and with rows of other scales, IPOPT ends in its restoration.
+                "ipopt.adaptive_mu_globalization": "never-monotone-mode",
+                "ipopt.nlp_scaling_max_gradient": 1.0,
                 "ipopt.tol": 1e-6,
                 "ipopt.acceptable_tol": 1e-5,
             },
@@ -287,27 +295,32 @@ class _Day:
         ends = [1.0] * (2 * _STEPS + 2) + [1.0] * _STEPS + [np.inf] * (3 * _STEPS) + [np.inf]
         lower = np.zeros(x.shape[0])
         lower[-1] = -np.inf
-        start = self._start(rule, worth_wh)
+        start = self._decisions(rule, worth_wh)
         found: Any = solver(x0=start, lbx=lower, ubx=np.array(ends), lbg=0.0, ubg=upper)
         values = np.ravel(np.asarray(found["x"]))
         motor_w = scale * values[2 * _STEPS + 2 : 3 * _STEPS + 2]
         stored = values[0] * self.full_wh, values[_STEPS + 1] * self.top_wh
         return np.concatenate([motor_w, stored])
 
-    def _start(self, rule: _Start, worth_wh: float) -> FloatArray:
+    def _decisions(self, rule: _Start, worth_wh: float) -> FloatArray:
         """Decision vector of a rule's day, a little away from its bounds."""
-        middles_h = (self.nodes_h[:-1] + self.nodes_h[1:]) / 2.0
         energy = np.interp(self.nodes_h, rule.time_h, rule.battery_wh) / self.full_wh
         height = np.interp(self.nodes_h, rule.time_h, rule.potential_wh) / self.top_wh
-        load_w = np.interp(middles_h, rule.time_h[: len(rule.load_w)], rule.load_w)
-        motor = np.maximum(load_w - self.constant_w, 0.0)
         stored_w = np.diff(energy) * self.full_wh * _STEPS / 24.0
         into, out = np.maximum(stored_w, 0.0) / self.charge, -np.minimum(stored_w, 0.0)
-        powers = np.concatenate([motor, into, out * self.discharge]) / self.most_w
+        motor_w = self.by_rule(rule)[:_STEPS]
+        powers = np.concatenate([motor_w, into, out * self.discharge]) / self.most_w
         reserve = self.discharge * self.full_wh * energy
         return np.concatenate(
             [energy, height, powers, np.zeros(_STEPS), [reserve.min() / worth_wh]]
         )
+
+    def by_rule(self, rule: _Start) -> FloatArray:
+        """Motor power of a rule in each step [W], and what is stored at midnight [Wh]."""
+        middles_h = (self.nodes_h[:-1] + self.nodes_h[1:]) / 2.0
+        load_w = np.interp(middles_h, rule.time_h[: len(rule.load_w)], rule.load_w)
+        motor_w = np.maximum(load_w - self.constant_w, 0.0)
+        return np.append(motor_w, [rule.battery_wh[0], rule.potential_wh[0]])
 
     def flown(self, course: FloatArray) -> _Flown:
         """Fly the motor power of each step through two days, from what is stored at midnight."""

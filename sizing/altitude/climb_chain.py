@@ -209,7 +209,7 @@ class ClimbChain:
         turns, shaft_w = self._propellers()
         bus_v = np.linspace(*self.volts, _VOLTS if self.follows_voltage else 1)
         volts = bus_v[:, np.newaxis, np.newaxis, np.newaxis]
-        parts, air = self._sized(), Air(*(one[np.newaxis] for one in self.air))
+        parts, air = self._sized_parts(), Air(*(one[np.newaxis] for one in self.air))
         with np.errstate(invalid="ignore", over="ignore"):
             power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, volts)) / self.factor
             shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, volts)
@@ -219,7 +219,7 @@ class ClimbChain:
             rises = np.diff(power, axis=1, prepend=0.0) > 0.0
             known = np.isfinite(power) & (power > 0.0) & np.isfinite(used) & rises
         power, used = _continued(power, known), np.where(known, used, 2.0)
-        log_power, used = np.log(_rows(power)), _rows(used)
+        log_power, used = np.log(_rows_first(power)), _rows_first(used)
         rows, voltages, _ = log_power.shape
         fine = np.linspace(0.0, len(_LOADS) - 1.0, _FINE)
         over, log_load = _between(fine, log_power), np.log(_LEAST) + np.log(_RATIO) * fine
@@ -243,7 +243,7 @@ class ClimbChain:
 
     def _propellers(self) -> tuple[FloatArray, FloatArray]:
         """Speed of rotation [1/s] and power of one shaft [W], ``(load, level, design)``."""
-        parts, levels = self._sized(), len(self.thrust_w)
+        parts, levels = self._sized_parts(), len(self.thrust_w)
         loads = _LOADS[:, np.newaxis, np.newaxis]
         some = np.arange(levels)
         if parts.is_exact and levels > _LEVELS:
@@ -260,7 +260,7 @@ class ClimbChain:
         found = next(ratios) * self.airspeed_m_per_s, next(ratios) * self.thrust_w
         return found
 
-    def _sized(self) -> OperatingPointPropulsion:
+    def _sized_parts(self) -> OperatingPointPropulsion:
         """Parts of the designs' own sizes."""
         one = tuple(
             None if size is None else (size if self.count > 1 else float(size[0]))
@@ -303,7 +303,7 @@ class Place(NamedTuple):
         return np.where(moved & ~off, gain, level)
 
 
-def _rows(values: FloatArray) -> FloatArray:
+def _rows_first(values: FloatArray) -> FloatArray:
     """Values of voltages, loads, levels and designs with rows of levels and designs first."""
     return np.moveaxis(values, (0, 1), (2, 3)).reshape(-1, *values.shape[:2])
 

@@ -5,8 +5,7 @@ What a step of it does, and why, stands at the head of :mod:`sizing.altitude.cli
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +16,7 @@ from sizing.altitude.climb_march import March, Strategy
 from sizing.altitude.climb_repetition import repeated_day
 from sizing.energy.battery import Store
 from sizing.energy.battery_voltage import CHARGE_SHARES
-from sizing.energy.cycle import Cycle, EnergyBudget, EqualPower, cycle_of, equal_power
+from sizing.energy.cycle import Cycle, EnergyBudget, EqualPower, cycle_of, equal_power, joined
 from sizing.energy.power_balance import blocks
 from solar.types import FloatArray
 
@@ -120,23 +119,7 @@ def cycles_with_climb(
         day = settled_day(March(time_h, levels.select(some), store.select(some), strategy, 1))
         parts.append(day.cycle())
         highest_m.append(day.maximum_altitude_m())
-    return _joined(parts), np.concatenate(highest_m)
-
-
-def _joined(parts: Sequence[Cycle]) -> Cycle:
-    """Cycles of the parts of a batch as one."""
-    if len(parts) == 1:
-        return parts[0]
-    budget = {
-        f.name: np.concatenate([getattr(one.energy_budget, f.name) for one in parts])
-        for f in fields(EnergyBudget)
-    }
-    rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
-    return Cycle(
-        time_h=parts[0].time_h,
-        energy_budget=EnergyBudget(**budget),
-        **{name: np.concatenate([getattr(one, name) for one in parts]) for name in rest},
-    )
+    return joined(parts), np.concatenate(highest_m)
 
 
 def settled_day(march: March) -> Day:

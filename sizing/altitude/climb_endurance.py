@@ -21,7 +21,7 @@ from sizing.altitude.climb_levels import FlightLevels
 from sizing.altitude.climb_march import March, Strategy
 from sizing.altitude.climb_run import Moves, Power, Stored
 from sizing.energy.battery import Store
-from sizing.energy.endurance import HOURS_PER_DAY, Flights, FlownDay, Flying
+from sizing.energy.endurance import HOURS_PER_DAY, Course, Flights, FlownDay, Flying
 from sizing.energy.power_balance import PowerBalance, ramp_fraction
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -94,9 +94,7 @@ class ClimbFlights(Flights):
         end = march.end_of_day(stored, watch, first if first.any() else None)
         return FlownDay(watch.end_h, *end, np.minimum(watch.lowest_wh, end.battery_wh))
 
-    def trajectory(
-        self, cell: int, launch_h: float, hours: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def course(self, cell: int, launch_h: float, hours: float) -> Course:
         """Flight of one element, as :meth:`sizing.performance.Performance.flight` returns it."""
         cells, end_h = np.array([cell]), launch_h + hours
         march, flying = self.march.select(cells), self.launched(cells, np.array([launch_h]))
@@ -111,17 +109,18 @@ class ClimbFlights(Flights):
                 np.append(run.power.solar_left_w[:, 0], run.power.solar_right_w[-1, 0]),
                 np.append(load[:, 0], load[-1, 0]),
                 run.energy_wh[:, 0] / march.store.battery_energy_wh[0],
+                march.levels.altitude_at(run.potential_wh.T)[0],
             )
             parts.append((march.node_h + HOURS_PER_DAY * day, *columns))
             first = None
-        time_h, solar, load_w, charge = (np.concatenate(one) for one in zip(*parts, strict=True))
+        time_h, *values = (np.concatenate(one) for one in zip(*parts, strict=True))
         inside = (time_h > launch_h) & (time_h < end_h)
         clock_h = np.unique(np.concatenate([[launch_h], time_h[inside], [end_h]]))
-        solar, load_w, charge = (np.interp(clock_h, time_h, one) for one in (solar, load_w, charge))
+        solar, load_w, charge, altitude_m = (np.interp(clock_h, time_h, one) for one in values)
         charge = np.minimum(charge, 1.0)
         charge[0] = 1.0  # at the node before it is more
         charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # it has come down
-        return clock_h, solar, load_w, charge
+        return Course(clock_h, solar, load_w, charge, altitude_m)
 
 
 class _Watch:

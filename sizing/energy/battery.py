@@ -22,7 +22,15 @@ from sizing.energy.battery_condition import (
 from sizing.energy.battery_pack import BatteryPack, packed
 from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.smooth import Value
-from solar.schema import Fraction, PositiveReal, Record, Text, UnitInterval, wrong_value
+from solar.schema import (
+    Fraction,
+    PositiveReal,
+    Record,
+    Text,
+    UnitInterval,
+    check_columns,
+    wrong_value,
+)
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Fine enough that integrating 1/rate over it by the trapezoidal rule errs by less than 1e-6 h.
@@ -59,10 +67,7 @@ class TableChargeLimit(Record):
 
     @model_validator(mode="after")
     def _check_limits(self) -> TableChargeLimit:
-        if len(self.state_of_charge) != len(self.current_a):
-            raise ValueError("state_of_charge and current_a must have the same length")
-        if np.any(np.diff(self.state_of_charge) <= 0.0):
-            raise ValueError("state_of_charge must increase strictly")
+        check_columns(self, "state_of_charge", "current_a")
         if np.any(np.diff(self.current_a) > 0.0):
             raise ValueError("current_a must not rise with the state of charge")
         return self
@@ -141,18 +146,7 @@ class ChargeClock:
         return cls(soc, hours, constant_up_to(limit), float(charge_rate_per_h(limit, 0.0)))
 
     def after(self, state_of_charge: FloatArray, duration_h: ArrayLike) -> FloatArray:
-        """State of charge after following the limit for a while, at most 1 [-].
-
-        Parameters
-        ----------
-        state_of_charge, duration_h : array_like
-            State of charge at the start [-], and how long the limit is followed [h].
-
-        Returns
-        -------
-        ndarray
-            Of the arguments' broadcast shape [-].
-        """
+        """State of charge after following the limit for some hours, at most 1 [-]."""
         start_h = np.interp(state_of_charge, self.state_of_charge, self.hours)
         end_h = np.asarray(start_h + np.asarray(duration_h, float))
         return np.asarray(np.interp(end_h, self.hours, self.state_of_charge))
@@ -334,14 +328,8 @@ class Battery(OfCatalogue):
 class Store:
     """What the time marching needs of the batteries of a batch, which differ in size alone.
 
-    Attributes
-    ----------
-    battery_energy_wh : ndarray
-        Energy at full charge of every element [Wh].
-    charge_efficiency, discharge_efficiency : float
-        Stored over surplus, and delivered over drawn energy [-].
-    clock : ChargeClock or None
-        Charge limit; none where charging is not limited.
+    ``charge_efficiency``, ``discharge_efficiency``: stored over surplus, and delivered over drawn
+    energy [-]. ``clock``: the charge limit; none where charging is not limited.
     """
 
     battery_energy_wh: FloatArray
@@ -353,17 +341,7 @@ class Store:
     def of(cls, battery: Battery, battery_energy_wh: ArrayLike | None = None) -> Store:
         """Store of a battery, or of a batch that differs from it in size alone.
 
-        Parameters
-        ----------
-        battery : Battery
-            Battery as its file describes it.
-        battery_energy_wh : array_like, optional
-            Energy at full charge of every element [Wh]; by default that of the battery.
-
-        Returns
-        -------
-        Store
-            Its energy has the shape of ``battery_energy_wh``.
+        ``battery_energy_wh``: at full charge, of every element; that of the battery by default.
         """
         energy = battery.battery_energy_wh if battery_energy_wh is None else battery_energy_wh
         return cls(
@@ -397,17 +375,9 @@ class Store:
     def charged(
         self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike
     ) -> FloatArray:
-        """Stored energy after charging from a surplus for some hours [Wh].
+        """Stored energy after charging from a surplus for some hours, at most that of full charge.
 
-        Parameters
-        ----------
-        energy_wh, surplus_wh, hours : array_like
-            Stored energy at the start, and surplus [Wh] over these hours [h].
-
-        Returns
-        -------
-        ndarray
-            From ``energy_wh`` to the energy at full charge; of the arguments' broadcast shape [Wh].
+        ``energy_wh``: stored at the start. ``surplus_wh``: over all these hours.
         """
         target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.battery_energy_wh)
         if self.clock is None:

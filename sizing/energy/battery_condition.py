@@ -28,6 +28,7 @@ from solar.schema import (
     PositiveReal,
     Record,
     UnitInterval,
+    check_columns,
 )
 from solar.types import FloatArray
 
@@ -90,10 +91,7 @@ class BatteryTemperature(Record):
 
     @model_validator(mode="after")
     def _check_temperature(self) -> BatteryTemperature:
-        if len(self.table_c) != len(self.table_capacity_fraction):
-            raise ValueError("table_c and table_capacity_fraction must have the same length")
-        if np.any(np.diff(self.table_c) <= 0.0):
-            raise ValueError("table_c must increase strictly")
+        check_columns(self, "table_c", "table_capacity_fraction")
         if self.heat_loss_w_per_k is not None and self.insulation is not None:
             raise ValueError("give heat_loss_w_per_k or insulation, not both")
         lost = self.heat_loss_w_per_k is not None or self.insulation is not None

@@ -40,11 +40,12 @@ class BatteryPack(Record):
     maximum_state_of_charge: UnitInterval = 1.0
 
     @model_validator(mode="after")
-    def _check(self) -> BatteryPack:
+    def _check_cells(self) -> BatteryPack:
         if self.count > MOST_CELLS:
             most = MOST_CELLS // self.cells_in_series
-            text = f"must be at most {most}, with {self.cells_in_series} in series {MOST_CELLS} "
-            raise wrong_value("cells_in_parallel", f"{text}cells (got {self.cells_in_parallel})")
+            text = f"{MOST_CELLS} cells in all, {self.cells_in_series} in series"
+            text = f"must be at most {most}: {text} (got {self.cells_in_parallel})"
+            raise wrong_value("cells_in_parallel", text)
         check_order(self, "minimum_state_of_charge", "maximum_state_of_charge")
         return self
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from solar.schema import PositiveInteger, PositiveReal, Record, UnitInterval
+from solar.schema import CellCount, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
 
 # State of charge whose voltage the first march of a day has.
@@ -26,7 +26,7 @@ class BatteryVoltage(Record):
         Voltage of a cell [V], at the currents of the flight, over states of charge from 0 to 1.
     """
 
-    cells_in_series: PositiveInteger
+    cells_in_series: CellCount
     state_of_charge: tuple[UnitInterval, ...] = Field(min_length=2)
     cell_voltage_v: tuple[PositiveReal, ...] = Field(min_length=2)
 

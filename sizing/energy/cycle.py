@@ -15,10 +15,9 @@ Definitions (times in solar hours):
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
-from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,17 +108,19 @@ class Cycle:
 
     def reshaped(self, batch: tuple[int, ...]) -> Cycle:
         """Cycle of a one-dimensional batch in another shape."""
+        return joined([self], lambda parts: parts[0].reshape(batch + parts[0].shape[1:]))
 
-        def shaped(values: Any) -> Any:
-            return values.reshape(batch + values.shape[1:])
 
-        budget = {f.name: shaped(getattr(self.energy_budget, f.name)) for f in fields(EnergyBudget)}
-        rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
-        return Cycle(
-            time_h=self.time_h,
-            energy_budget=EnergyBudget(**budget),
-            **{name: shaped(getattr(self, name)) for name in rest},
-        )
+def joined(cycles: Sequence[Cycle], join: Callable[[list[Any]], Any] = np.concatenate) -> Cycle:
+    """One cycle from the arrays of several with the same nodes of time; by default end to end."""
+    budgets = [one.energy_budget for one in cycles]
+    budget = {f.name: join([getattr(one, f.name) for one in budgets]) for f in fields(EnergyBudget)}
+    rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
+    return Cycle(
+        time_h=cycles[0].time_h,
+        energy_budget=EnergyBudget(**budget),
+        **{name: join([getattr(one, name) for one in cycles]) for name in rest},
+    )
 
 
 @dataclass(frozen=True)
@@ -231,33 +232,29 @@ def simulate_cycle(
         unsettled.append(some.start + first.unsettled)
         highest_wh.append(first.highest_wh)
     places, highest = np.concatenate(unsettled), np.concatenate(highest_wh)
-    late = []
+    late_places = []
     for some in blocks(len(places), CELLS_AT_ONCE) if len(places) else ():
         block = cells.select(places[some])
         day = ChargingDay.of(block.balance)
         run = day.run(block.store, repeated_wh(day, block.store, highest[some]))
-        late.append((places[some], measured(block, run, keep_trajectory)))
+        parts.append(measured(block, run, keep_trajectory))
+        late_places.append(places[some])
+    at_once = len(parts) - len(late_places)
 
-    def column(pick: Callable[[Cycle], Any]) -> Any:
-        values = np.concatenate([pick(part) for part in parts])
-        for place, part in late:
-            values[place] = pick(part)
-        return values.reshape(batch + values.shape[1:])
+    def put_together(values: list[FloatArray]) -> FloatArray:
+        every = np.concatenate(values[:at_once])
+        for place, late in zip(late_places, values[at_once:], strict=True):
+            every[place] = late
+        return every.reshape(batch + every.shape[1:])
 
-    budget = {f.name: column(attrgetter(f"energy_budget.{f.name}")) for f in fields(EnergyBudget)}
-    rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
-    return Cycle(
-        time_h=cells.time_h,
-        energy_budget=EnergyBudget(**budget),
-        **{name: column(attrgetter(name)) for name in rest},
-    )
+    return joined(parts, put_together)
 
 
 def measured(cells: Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
     """Metrics of a one-dimensional batch from the run of its day."""
     balance, store, nominal = cells.balance, run.store, cells.nominal_w
     equal = equal_power(cells.time_h, cells.above_nominal_w())
-    missing_h, unserved = _missing(balance, run)
+    missing_h, unserved = _unserved(balance, run)
     budget = _energy_budget(cells, run, unserved)
     with np.errstate(divide="ignore", invalid="ignore"):
         left_over = dawn_wh(balance, run, equal) * store.discharge_efficiency
@@ -289,18 +286,20 @@ def cycle_of(
 ) -> Cycle:
     """Metrics of days that repeat themselves, from what a march has found.
 
+    The excess time is above zero for perpetual flight, and infinite where solar power never falls
+    below the load.
+
     ``missing_h``, ``reserve_h``: time without energy, and how long what is stored would last from
     the morning's equal power [h]. ``state_of_charge``: the least of the day. ``full_h``: first and
     last instant of full charge, NaN without one.
     """
-    first_full, last_full = full_h
-    excess, status = excess_and_status(
-        equal,
-        runs_empty=runs_empty,
-        sunlit=budget.solar_wh > 0.0,
-        missing_h=missing_h,
-        reserve_h=reserve_h,
-    )
+    always_above, (first_full, last_full) = equal.always_above, full_h
+    never = np.isnan(equal.morning_h) & ~always_above
+    excess = np.where(runs_empty | never, -missing_h, reserve_h)
+    excess = np.where(always_above & ~runs_empty, np.inf, excess)
+    status = np.where(excess > 0.0, Status.perpetual, Status.limited)
+    status = np.where(always_above & ~runs_empty, Status.always_lit, status)
+    status = np.where(budget.solar_wh > 0.0, status, Status.never_lit)
     return Cycle(
         status=status,
         excess_time_h=excess,
@@ -314,29 +313,6 @@ def cycle_of(
         time_h=time_h,
         energy_wh=energy_wh,
     )
-
-
-def excess_and_status(
-    equal: EqualPower,
-    *,
-    runs_empty: BoolArray,
-    sunlit: BoolArray,
-    missing_h: FloatArray,
-    reserve_h: FloatArray,
-) -> tuple[FloatArray, IntArray]:
-    """Excess time [h] and status of days that repeat themselves.
-
-    ``missing_h``, ``reserve_h``: time without energy, and how long what is stored would last from
-    the morning's equal power [h]. The excess time is above zero for perpetual flight, and infinite
-    where solar power never falls below the load.
-    """
-    lit = equal.always_above
-    dark = np.isnan(equal.morning_h) & ~lit
-    excess_h = np.where(runs_empty | dark, -missing_h, reserve_h)
-    excess_h = np.where(lit & ~runs_empty, np.inf, excess_h)
-    status = np.where(excess_h > 0.0, Status.perpetual, Status.limited)
-    status = np.where(lit & ~runs_empty, Status.always_lit, status)
-    return excess_h, np.where(sunlit, status, Status.never_lit)
 
 
 def dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
@@ -354,7 +330,7 @@ def dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray
     return np.maximum(run.energy_at_node_wh(index) - drained, 0.0)
 
 
-def _missing(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
+def _unserved(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
     """Hours and energy [Wh] that the load lacks.
 
     A battery that runs empty stays so until the next surplus, or midnight: what is then lacking

@@ -32,6 +32,8 @@ MAXIMUM_DAYS = 366
 # The day of the launch and the next: from then on a flight has midnights like any other.
 _DAYS_OF_LAUNCH = 2
 _SHORT = 1e-12  # state of charge below zero that counts as an empty battery
+# Flights as long as each other [h]: far above rounding, far below what the search resolves.
+_EQUAL_H = 1e-6
 
 
 @dataclass(frozen=True)
@@ -85,12 +87,28 @@ def longest_flight(
     return Endurance(found.endurance_h.reshape(shape), found.launch_h.reshape(shape))
 
 
-def _promising(hours: FloatArray, spacing_h: FloatArray) -> BoolArray:
+def _best_of_day(hours: FloatArray) -> IntArray:
+    """Try of the longest flight; of equal ones, the one with the most of them on both sides.
+
+    Flights that begin and end in the dark are equally long over hours, as they end later by what
+    they begin later. Rounding would choose among them, or the one just after a jump would be
+    chosen, although a flight begun a minute earlier is a day shorter.
+    """
+    equal = hours >= hours.max(axis=0) - _EQUAL_H
+    for _ in range(len(hours) // 2):
+        inner = equal & np.roll(equal, 1, axis=0) & np.roll(equal, -1, axis=0)
+        some = inner.any(axis=0)
+        if not some.any():
+            break
+        equal = np.where(some, inner, equal)
+    return np.asarray(np.argmax(equal, axis=0))
+
+
+def _promising(hours: FloatArray, spacing_h: FloatArray, best: IntArray) -> BoolArray:
     """Tries around which the longest flight may be: the best, and those just after a jump.
 
     A flight begun earlier by a spacing is longer by a spacing at the most, unless it jumps.
     """
-    best = np.argmax(hours, axis=0)
     finite = np.where(np.isinf(hours), 1e9, hours)
     after_jump = finite > np.roll(finite, 1, axis=0) + spacing_h
     marks = after_jump & (finite + spacing_h > finite.max(axis=0))
@@ -135,8 +153,8 @@ class _Search:
         for _ in range(self.flights.refinements):
             tries_h = (level_h + shares[:, np.newaxis] * spacing_h) % dark_h
             tried = closer.hours(tries_h)
-            pick = np.argmax(tried, axis=0)
-            better = tried[pick, every] > hours
+            pick = np.argmax(tried >= tried.max(axis=0) - _EQUAL_H, axis=0)
+            better = tried[pick, every] > hours + _EQUAL_H
             hours = np.where(better, tried[pick, every], hours)
             level_h = np.where(better, tries_h[pick, every], level_h)
             spacing_h = spacing_h / parts
@@ -165,6 +183,16 @@ def flight_time_h(balance: PowerBalance, store: Store, launch_h: FloatArray) -> 
     cells = np.arange(flights.balance.net_w.shape[1]).reshape(shape)
     places = np.broadcast_to(cells, launch_h.shape).reshape(-1)
     return flights.hours(places, launch_h.reshape(-1)).reshape(launch_h.shape)
+
+
+class Course(NamedTuple):
+    """Flight from its launch: power [W], state of charge and altitude over solar time [h]."""
+
+    clock_h: FloatArray
+    solar_power_w: FloatArray
+    load_w: FloatArray
+    state_of_charge: FloatArray
+    altitude_m: FloatArray
 
 
 class Flying(NamedTuple):
@@ -255,11 +283,13 @@ class Flights(ABC):
         tries_h = np.arange(self.launches)[:, np.newaxis] * spacing_h
         search = _Search(self, dark_h, np.broadcast_to(cells, tries_h.shape))
         hours = search.hours(tries_h)
-        rank, cell = np.nonzero(_promising(hours, spacing_h))
+        middle = _best_of_day(hours)
+        rank, cell = np.nonzero(_promising(hours, spacing_h, middle))
         best = search.at(cell).refined(tries_h[rank, cell], hours[rank, cell], spacing_h[cell])
-        # The last of equal cells stays, and that is the longest of its flights.
-        order = np.argsort(best.endurance_h, kind="stable")
-        longest, launch_h = np.empty((2, len(cells)))
+        longest, launch_h = np.full((2, len(cells)), -np.inf)
+        np.maximum.at(longest, cell, best.endurance_h)
+        # The last of equal cells stays: one of its longest flights, from the best try if it is one.
+        order = np.lexsort((rank == middle[cell], best.endurance_h >= longest[cell] - _EQUAL_H))
         longest[cell[order]], launch_h[cell[order]] = best.endurance_h[order], best.launch_h[order]
         return Endurance(longest, launch_h)
 

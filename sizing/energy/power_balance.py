@@ -146,24 +146,9 @@ class PowerBalance:
 
     @classmethod
     def of(cls, time_h: FloatArray, solar_power_w: FloatArray, load_w: FloatArray) -> PowerBalance:
-        """Balance of solar power and load.
+        """Balance of solar power and load at the nodes of time, their last axis.
 
-        Parameters
-        ----------
-        time_h : ndarray, shape (time,)
-            Nodes [h].
-        solar_power_w, load_w : ndarray, shape (..., time)
-            Power at the nodes [W].
-
-        Returns
-        -------
-        PowerBalance
-            With the time moved to the first axis; the other axes are the batch.
-
-        Raises
-        ------
-        ValueError
-            If time does not increase or the last axis is not the time.
+        The balance has the time as its first axis; the other axes are the batch.
         """
         time = np.asarray(time_h, float)
         hours = np.diff(time)
@@ -206,18 +191,7 @@ class PowerBalance:
         )
 
     def interval_of(self, number: IntArray, cells: IntArray) -> Interval:
-        """Some intervals of some elements of a one-dimensional batch.
-
-        Parameters
-        ----------
-        number, cells : ndarray of int
-            Numbers of the intervals, and indices of the elements they are taken from.
-
-        Returns
-        -------
-        Interval
-            Flows of the shape of ``number``.
-        """
+        """Intervals, by number, each of one element (``cells``) of a one-dimensional batch."""
         left, right = self.net_w[number, cells], self.net_w[number + 1, cells]
         deficit = self.deficit_wh[number, cells]
         early = np.where(left < 0.0, deficit, 0.0)
@@ -268,15 +242,7 @@ class PowerBalance:
 def blocks(count: int, size: int) -> Iterator[slice]:
     """Slices that cut a batch into blocks, so that intermediate results stay near the processor.
 
-    Parameters
-    ----------
-    count, size : int
-        Elements of the batch, and of a block at most. An empty batch is one empty block.
-
-    Yields
-    ------
-    slice
-        In rising order; the last may reach beyond the batch.
+    The last may reach beyond the batch; an empty batch is one empty block.
     """
     for start in range(0, max(count, 1), size):
         yield slice(start, start + size)
@@ -303,22 +269,11 @@ def running_sum(values: FloatArray) -> FloatArray:
 
 
 def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> IntArray:
-    """Intervals in which running sums of some columns reach some levels, by bisection.
+    """Intervals in which running sums reach some levels, each in its column, by bisection.
 
-    Parameters
-    ----------
-    sums : ndarray, shape (node, column)
-        Sums that do not fall from node to node (:func:`running_sum`).
-    level : ndarray
-        Levels to reach.
-    cells : ndarray of int
-        Column of each level.
-
-    Returns
-    -------
-    ndarray of int
-        Of the shape of ``level``: the last node, the final one excepted, whose sum is at most the
-        level; 0 if there is none.
+    ``sums``: shape ``(node, column)``; they do not fall from node to node. ``cells``: the column of
+    each level. An interval has the number of the last node, the final one excepted, whose sum is at
+    most the level; 0 if there is none.
     """
     low = np.zeros(level.shape, np.intp)
     high = np.full(level.shape, len(sums) - 1)

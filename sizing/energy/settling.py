@@ -37,7 +37,7 @@ def days_to_settle(
     *,
     nominal_load_w: ArrayLike | None = None,
 ) -> FloatArray:
-    """Days that the repeated day needs to settle from an empty battery.
+    """Days that the repeated day needs to settle from an empty battery, at least 1.
 
     The battery is empty at the morning's equal power, and the same day is flown again and again.
     Counted are the days until the charge at that instant is within 1 % of the battery's energy of
@@ -47,16 +47,8 @@ def days_to_settle(
     So the gain of today tells how many days are needed at least; and where the gain before a day
     to come is that of today, all the days in between have gained the same, and are skipped.
 
-    Parameters
-    ----------
-    time_h, solar_power_w, load_w, store, nominal_load_w
-        One day as in :func:`sizing.energy.cycle.simulate_cycle`.
-
-    Returns
-    -------
-    ndarray
-        Of the batch's shape: at least 1, infinite beyond 366, and NaN where there is no equal
-        power in the morning.
+    The day is as in :func:`sizing.energy.cycle.simulate_cycle`. Infinite beyond 366 days, and NaN
+    where there is no equal power in the morning.
     """
     cells, batch = Cells.of(time_h, solar_power_w, load_w, store, nominal_load_w)
     equal = equal_power(cells.time_h, cells.above_nominal_w())
@@ -127,31 +119,11 @@ def simulate_days(
 
     The flight begins at the first day's equal power in the morning with an empty battery. What is
     measured is the last day, from midnight to midnight, as :func:`simulate_cycle` measures the
-    repeated day: its excess time is that of the charge at its morning's equal power.
+    repeated day: its excess time is that of the charge at its morning's equal power. It need not
+    end with the energy it began with: the difference is the ``stored_wh`` of the energy budget.
 
-    Parameters
-    ----------
-    time_h : array_like, shape (time,)
-        Nodes over one day, 0 to 24 [h], both ends included.
-    solar_power_w, load_w : sequence of array_like, shape (..., time)
-        Of each date [W]; one date more than days are flown, which is the one measured.
-    store : Store
-        Batteries; ``battery_energy_wh`` broadcasts with the batch ``...``.
-    nominal_load_w : array_like, shape (...), optional
-        As for :func:`sizing.energy.cycle.simulate_cycle`.
-    keep_trajectory : bool
-        Keep the stored energy over time on the last day.
-
-    Returns
-    -------
-    Cycle
-        Of the last day. It need not end with the energy it began with: the difference is the
-        ``stored_wh`` of the energy budget.
-
-    Raises
-    ------
-    ValueError
-        For less than two dates.
+    ``solar_power_w``, ``load_w``: of each date, of which the last is measured; the rest as for
+    :func:`simulate_cycle`. ``keep_trajectory``: of the last day.
     """
     if len(solar_power_w) < 2:
         raise ValueError(f"at least two dates are needed (got {len(solar_power_w)})")

@@ -102,9 +102,9 @@ class Strings(Record):
         cold_v = self.voltage_v(mpp, self.coldest_c, loss_per_k)
         open_v = self.voltage_v(unloaded, self.coldest_c, loss_per_k)
         low_v, why = mppt.minimum_voltage_v, ""
-        ceilings = [mppt.maximum_voltage_v / open_v]
+        ceilings = [_most_within(mppt.maximum_voltage_v, open_v)]
         if battery_v is not None and mppt.conversion == "step_up":
-            ceilings.append(battery_v[0] / cold_v)
+            ceilings.append(_most_within(battery_v[0], cold_v))
             why = f", below the {battery_v[0]:.4g} V of the empty battery"
         if battery_v is not None and mppt.conversion == "step_down":
             low_v = max(low_v, battery_v[1])
@@ -142,6 +142,9 @@ class Strings(Record):
         assert current is not None
         if self.strings_per_mppt * current > self.mppt.maximum_current_a * (1.0 + _ROUNDING):
             most = math.floor(self.mppt.maximum_current_a / current)
+            if most < 1:
+                taken = self.mppt.maximum_current_a
+                return "mppt", f"takes {taken:g} A, less than the {current:g} A of a string"
             return (
                 "strings_per_mppt",
                 f"must be at most {most}: the MPPT takes {self.mppt.maximum_current_a:g} A, a "
@@ -159,3 +162,8 @@ class Strings(Record):
                 if one.trouble(cells, loss_per_k, battery_v) is None:
                     return one
         return None
+
+
+def _most_within(limit_v: float, cell_v: float) -> float:
+    """Cells in series up to a voltage; none of cells that give no voltage when they are coldest."""
+    return limit_v / cell_v if cell_v > 0.0 else 0.0

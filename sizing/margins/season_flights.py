@@ -22,7 +22,8 @@ from sizing.energy.carried_days import carried_over, dawns_of
 from sizing.energy.power_balance import PowerBalance
 from sizing.optimisation.result import SizingStatus
 from sizing.sunlight import SolarModel
-from sizing.weather_run import HOURS_PER_DAY, WeatherDays
+from sizing.weather_run import WeatherDays
+from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 
 

@@ -70,7 +70,7 @@ class _AltitudeSearch:
 
     def best(self, *, refined: bool = True) -> Altitudes | None:
         """Floor and ceiling of the best sizing; None where there is no design."""
-        floors, ceilings = self._ends()
+        floors, ceilings = self._outermost()
         grid = [
             (floor_m, ceiling_m)
             for floor_m in np.linspace(*floors, _FLOORS if floors[1] > floors[0] else 1)
@@ -88,7 +88,7 @@ class _AltitudeSearch:
         """Best altitudes around some, by a compass search."""
         steps = [
             (ends[1] - ends[0]) / (count - 1) / 2.0
-            for ends, count in zip(self._ends(), (_FLOORS, _CEILINGS), strict=True)
+            for ends, count in zip(self._outermost(), (_FLOORS, _CEILINGS), strict=True)
         ]
         while max(steps) >= _FINEST_M:
             places = [self._within((at[0] + up * steps[0], at[1])) for up in (-1.0, 1.0)]
@@ -111,7 +111,7 @@ class _AltitudeSearch:
         kept = self._merit(lower) >= self._merit(at) - _SAME * abs(self._merit(at))
         return lower if kept else at
 
-    def _ends(self) -> tuple[Altitudes, Altitudes]:
+    def _outermost(self) -> tuple[Altitudes, Altitudes]:
         """Least and greatest floor, and ceiling."""
         climb = self.mission.climb
         assert climb is not None
@@ -126,13 +126,13 @@ class _AltitudeSearch:
 
     def _within(self, at: Altitudes) -> Altitudes:
         """Altitudes moved into their ranges and, between their ends, to multiples."""
-        floors, ceilings = self._ends()
+        floors, ceilings = self._outermost()
         floor_m = _moved(at[0], floors[0], min(floors[1], ceilings[1]))
         return floor_m, _moved(at[1], max(ceilings[0], floor_m), ceilings[1])
 
     def _merit(self, at: Altitudes) -> float:
         if at not in self.known:
-            self.known[at] = self._sized(self.mission.flown_between(*at))
+            self.known[at] = self._sizing_between(self.mission.flown_between(*at))
             better = max(self.known, key=self._merit_known)
             found = self.known[better]
             if found is not None and found.design is not None:
@@ -143,7 +143,7 @@ class _AltitudeSearch:
         found = self.known[at]
         return -math.inf if found is None else found.merit
 
-    def _sized(self, mission: Mission) -> SizingResult | None:
+    def _sizing_between(self, mission: Mission) -> SizingResult | None:
         """Sizing between some altitudes; None where the propulsion cannot fly there."""
         given = (mission, self.objective, self.solar)
         options: dict[str, Any] = {"required_excess_time_h": self.required_h}

@@ -235,7 +235,7 @@ class _Day:
             one, before = self.balance(k, at), reached
             rates = (self.rate * one.left_w, self.rate * one.right_w)
             charged = charge(soc, self.rate * one.surplus_wh, *rates, self.step_h)
-            stored = _held(charged) - _held(soc)
+            stored = _at_most_full(charged) - _at_most_full(soc)
             usable_wh = one.surplus_wh - stored / self.rate
             if not always:
                 full = 1.0 - (stored + _NOTHING) / (charged - soc + _NOTHING)
@@ -305,7 +305,7 @@ class _DayByParts(_Day):
         return flown * saved_wh, share - flown * sunk
 
 
-def _held(charged: Any) -> Any:
+def _at_most_full(charged: Any) -> Any:
     """State of charge of a battery that can hold no more than 1, without a kink there."""
     beyond = charged - 1.0
     return charged - (beyond + ca.sqrt(beyond * beyond + _FILLING * _FILLING)) / 2.0

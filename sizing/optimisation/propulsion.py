@@ -34,10 +34,12 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft, unjudged_optimum
 from sizing.optimisation.variables import TOTAL_MASS
+from sizing.parameters import with_parameter
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.smooth_propulsion import corrected, smooth_propulsion
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
+_LIFT = "airframe.aerodynamics.lift_coefficient"
 _ROUNDS, _NARROWED = 12, 2
 # What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
 _SETTLED, _SETTLED_CONSTANT, _SHRINKS = 1e-6, 1e-4, 0.5
@@ -218,6 +220,8 @@ def with_flow_of_optimum(
         return aircraft, start
     found = first.design.variables.mapped(float)
     guess = aircraft.with_airframe(wingspan_m=found.wingspan_m, aspect_ratio=found.aspect_ratio)
+    if found.lift_coefficient is not None:
+        guess, _ = with_parameter(guess, mission, _LIFT, found.lift_coefficient)
     parts: dict[str, Any] = {}
     if aircraft.battery.pack is None:
         battery = {"mass_kg": found.battery_mass_kg}

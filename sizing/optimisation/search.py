@@ -47,6 +47,7 @@ from sizing.optimisation.result import (
 )
 from sizing.optimisation.solver import ProgramSolver
 from sizing.optimisation.solver_options import Effort
+from sizing.parameters import with_parameter
 from sizing.performance import Performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
@@ -87,7 +88,7 @@ def size_aircraft(
     do [h]: the search takes shortcuts, and ends at the first design that has it.
     """
     solver, required = _solver_of(
-        *(aircraft, mission, objective, solar, required_excess_time_h, day, problems)
+        *(aircraft, mission, objective, solar, required_excess_time_h, day, problems, start)
     )
     return _sized(solver, objective, required, start, explain=explain, enough_h=enough_h)
 
@@ -116,11 +117,21 @@ def _solver_of(
     required_h: float | None,
     day: SolarDay | None = None,
     problems: SizingProblems | None = None,
+    start: DesignVariables | None = None,
 ) -> tuple[ProgramSolver, float]:
-    """Solver of an aircraft's programs for a mission, and the excess time required [h]."""
+    """Solver of an aircraft's programs for a mission, and the excess time required [h].
+
+    The flow that cools the modules is that of the first guess with the payload of ``start``.
+    """
     problems = checked_problems(aircraft, objective, problems)
     required = mission.required_excess_time_h if required_h is None else required_h
-    sunlit = solar_day(aircraft, mission, solar) if day is None else day
+    sunlit = day
+    if sunlit is None:
+        carrying = mission
+        if start is not None and start.payload_mass_kg is not None:
+            payload_kg = float(start.payload_mass_kg)
+            _, carrying = with_parameter(aircraft, mission, "mission.payload.mass_kg", payload_kg)
+        sunlit = solar_day(aircraft, carrying, solar)
     return ProgramSolver(problems, mission, solar, sunlit, by_model=day is None), required
 
 

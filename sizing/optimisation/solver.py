@@ -218,7 +218,7 @@ class ProgramSolver:
             if solution is not None:
                 return solution
         for number, variables in enumerate(starts):
-            begin = self._start(problem, instance, variables)
+            begin = self._start_vector(problem, instance, variables)
             if number == 0 and instance.penalty != math.inf:
                 solution = self._directly(posed, begin)
                 if solution is not None:
@@ -294,7 +294,7 @@ class ProgramSolver:
         sunlit = [i for i, scenario in enumerate(scenarios) if scenario in instance.sunlit]
         lowest = self._lowest_power[[scenarios[i] for i in sunlit]]
         suns[sunlit, -1] = lowest / (1.0 + instance.spare_sun)
-        ends = self._ends(problem, instance)
+        ends = self._variable_bounds(problem, instance)
         lower, upper = np.array(
             [[v.to_program(end) for end in ends[v.name]] for v in problem.variables]
         ).T
@@ -354,7 +354,7 @@ class ProgramSolver:
             return None
         return solution
 
-    def _ends(
+    def _variable_bounds(
         self, problem: SizingProblem, instance: ProblemInstance
     ) -> dict[str, tuple[float, float]]:
         """Least and largest value of each variable, in its unit; the same where it is held."""
@@ -374,7 +374,7 @@ class ProgramSolver:
         carried = {"payload_mass_kg": payload.mass_kg, "payload_power_w": payload.power_w}
         return relative | carried | {WIND: self.conditions.wind_m_per_s}
 
-    def _start(
+    def _start_vector(
         self, problem: SizingProblem, instance: ProblemInstance, variables: DesignVariables
     ) -> FloatArray:
         """Decision vector to start from: a design, its mass, and what the rest is likely to be."""

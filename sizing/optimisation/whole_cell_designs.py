@@ -126,7 +126,7 @@ class CellDesigns:
         if strings is not None:
             most = max(strings.window(*self.electric).most, 1)
             plain = self._with_mppts(1.0, strings.strings_per_mppt * most)
-        return self._sized(plain)
+        return self._relaxed_sizing(plain)
 
     def battery_kg(self, parallel: int) -> float:
         """Mass of a battery with so many cells in parallel [kg]."""
@@ -144,7 +144,7 @@ class CellDesigns:
                 if isinstance(held, str):
                     reason = held
                     continue
-                result = self._sized(held, start)
+                result = self._relaxed_sizing(held, start)
                 if result.design is None:
                     reason = _why(result)
                     continue
@@ -238,7 +238,9 @@ class CellDesigns:
         modules = modules.model_copy(update={"mppt_mass_kg_per_w": per_w})
         return self.plain.model_copy(update={"modules": modules})
 
-    def _sized(self, aircraft: Aircraft, start: DesignVariables | None = None) -> SizingResult:
+    def _relaxed_sizing(
+        self, aircraft: Aircraft, start: DesignVariables | None = None
+    ) -> SizingResult:
         """Sizing of a design space."""
         mission, objective, solar = self.given
         options: dict[str, Any] = {"required_excess_time_h": self.required_h}

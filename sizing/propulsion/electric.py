@@ -191,7 +191,7 @@ class Controller(Record):
     idle_power_w: NonNegativeReal = 0.0
     mass_kg: NonNegativeReal = 0.0
 
-    def input_power_w(self, motor: MotorState, voltage_v: FloatArray) -> FloatArray:
+    def input_power_w(self, motor: MotorState, voltage_v: Value) -> Value:
         """Power at the input at a voltage there.
 
         ``P = i v + i^2 R + (1 - d) i V_f + s V i + P_0``.
@@ -199,54 +199,37 @@ class Controller(Record):
         Parameters
         ----------
         motor : MotorState
-            Current and voltage at the motor.
-        voltage_v : ndarray
+            Current and voltage at the motor: numbers, arrays or symbols.
+        voltage_v
             Voltage at the input [V].
 
         Returns
         -------
-        ndarray
+        Value
             Power [W].
         """
-        return np.asarray(self.power_of(motor.current_a, motor.voltage_v, voltage_v))
-
-    def power_of(self, current: Value, motor_v: Value, voltage_v: Value) -> Value:
-        """As :meth:`input_power_w`, of numbers, arrays or symbols.
-
-        Parameters
-        ----------
-        current, motor_v, voltage_v
-            Current [A] and voltage [V] at the motor, voltage of the bus [V].
-
-        Returns
-        -------
-        Value
-            Power from the bus [W].
-        """
-        resistive = current * (motor_v + current * self.resistance_ohm)
-        idle_share = 1.0 - self._duty(current, motor_v, voltage_v)
+        current = motor.current_a
+        resistive = current * (motor.voltage_v + current * self.resistance_ohm)
+        idle_share = 1.0 - self.duty(motor, voltage_v)
         freewheeling = idle_share * current * self.freewheel_voltage_v
         switching = self.switching_loss * voltage_v * current
         return resistive + freewheeling + switching + self.idle_power_w
 
-    def duty(self, motor: MotorState, voltage_v: FloatArray) -> FloatArray:
+    def duty(self, motor: MotorState, voltage_v: Value) -> Value:
         """Share of the time that the bus is on: ``d V - (1 - d) V_f = v + i R``.
 
         Parameters
         ----------
         motor : MotorState
-            Current and voltage at the motor.
-        voltage_v : ndarray
+            Current and voltage at the motor: numbers, arrays or symbols.
+        voltage_v
             Voltage at the input [V].
 
         Returns
         -------
-        ndarray
+        Value
             Duty [-]; above 1 where the voltage does not suffice.
         """
-        return np.asarray(self._duty(motor.current_a, motor.voltage_v, voltage_v))
-
-    def _duty(self, current: Value, motor_v: Value, voltage_v: Value) -> Value:
-        needed = motor_v + current * self.resistance_ohm
+        needed = motor.voltage_v + motor.current_a * self.resistance_ohm
         diode = self.freewheel_voltage_v
         return (needed + diode) / (voltage_v + diode)

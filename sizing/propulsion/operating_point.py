@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import NamedTuple
 
@@ -178,20 +179,25 @@ def operating_point(
     ):
         if not np.all(holds & np.isfinite(values)):
             raise ValueError(f"{name} (got {values[~(holds & np.isfinite(values))].flat[0]:g})")
-    shape = given[0].shape
-    thrust, v, bus, *state = (np.ravel(one) for one in given)
-    # Blade elements of more points would not fit into the cache.
-    parts = [slice(first, first + _AT_ONCE) for first in range(0, max(thrust.size, 1), _AT_ONCE)]
     found = [
-        _at(propulsor, thrust[some], v[some], Air(*(one[some] for one in state)), bus[some])
-        for some in parts
+        _at(propulsor, thrust, v, Air(*state), bus) for thrust, v, bus, *state in _in_parts(given)
     ]
     return OperatingPoint(
         *(
-            np.reshape(np.concatenate([getattr(one, field.name) for one in found]), shape)
+            np.concatenate([getattr(one, field.name) for one in found]).reshape(given[0].shape)
             for field in fields(OperatingPoint)
         )
     )
+
+
+def _in_parts(given: Sequence[FloatArray]) -> Iterator[list[FloatArray]]:
+    """Arrays of one shape in rows, some points at a time.
+
+    Blade elements of more points would not fit into the cache.
+    """
+    flat = [np.ravel(one) for one in given]
+    for first in range(0, max(flat[0].size, 1), _AT_ONCE):
+        yield [one[first : first + _AT_ONCE] for one in flat]
 
 
 def bus_power_w(
@@ -227,13 +233,7 @@ def _shafts_of(
     given = np.broadcast_arrays(
         *(np.asarray(one, float) for one in (thrust_n, airspeed_m_per_s, *air))
     )
-    thrust, v, *state = (np.ravel(one) for one in given)
-    # Blade elements of more points would not fit into the cache.
-    parts = [slice(first, first + _AT_ONCE) for first in range(0, max(thrust.size, 1), _AT_ONCE)]
-    shafts = [
-        _shaft(propulsor, thrust[some], v[some], Air(*(one[some] for one in state)))
-        for some in parts
-    ]
+    shafts = [_shaft(propulsor, thrust, v, Air(*state)) for thrust, v, *state in _in_parts(given)]
     return given[0].shape, shafts
 
 

@@ -12,10 +12,9 @@ from typing import ClassVar, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import GAS_CONSTANT_AIR, Air
+from missions.air import Air
 from solar.types import FloatArray
 
-HEAT_CAPACITY_RATIO = 1.4
 # Rounding of an advance ratio that lies on the edge of a table.
 _EDGE = 1e-9
 
@@ -72,9 +71,8 @@ def tip_mach(
     ndarray
         Mach number [-].
     """
-    sound = np.sqrt(HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * air.temperature_k)
     tip = np.pi * np.asarray(rotation_per_s, float) * diameter_m
-    return np.asarray(np.hypot(np.asarray(airspeed_m_per_s, float), tip) / sound)
+    return np.asarray(np.hypot(np.asarray(airspeed_m_per_s, float), tip) / air.sound_m_per_s)
 
 
 @dataclass(frozen=True, eq=False)

@@ -137,7 +137,7 @@ def _read_file(read: _Read, text: str, file: str) -> None:
     elif head and head[0][:3] == ["j", "ct", "cp"] and "," not in lines[0]:
         _read_uiuc(read, lines, file)
     elif head and head[0] == ["rpm", "ct", "cp"] and "," not in lines[0]:
-        rows = _rows(read, lines[1:], file, 3)
+        rows = _numbered(read, lines[1:], file, 3)
         read.static += [_Point(file, line, row[0], 0.0, row[1], row[2]) for line, row in rows]
     elif any({"j", "ct", "cp"} <= set(words) for words in head):
         _read_csv(read, lines, file)
@@ -158,7 +158,7 @@ def _read_uiuc(read: _Read, lines: Sequence[str], file: str) -> None:
     _size(read, name)
     run = _RUN.search(name)
     speed = float(run[1]) if run else math.nan
-    for line, row in _rows(read, lines[1:], file, len(lines[0].split())):
+    for line, row in _numbered(read, lines[1:], file, len(lines[0].split())):
         read.points.append(_Point(file, line, speed, *row[:3]))
 
 
@@ -229,7 +229,7 @@ def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
                 read.problems.append(Problem(file, number, None, "", shortened(message)))
                 return
         else:
-            for place, row in _rows(read, [line.replace(",", " ")], file, len(names), number):
+            for place, row in _numbered(read, [line.replace(",", " ")], file, len(names), number):
                 by = dict(zip(names, row, strict=True))
                 read.points.append(
                     _Point(file, place, by.get("rpm", math.nan), by["j"], by["ct"], by["cp"])
@@ -241,7 +241,7 @@ def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
                     read.problems.append(Problem(file, place, None, "", message))
 
 
-def _rows(
+def _numbered(
     read: _Read, lines: Iterable[str], file: str, columns: int, first: int = 2
 ) -> Iterator[tuple[int, list[float]]]:
     """Rows of numbers with their lines; others are told."""

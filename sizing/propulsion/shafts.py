@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from missions.air import GAS_CONSTANT_AIR, Air
+from missions.air import Air
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.electric import MotorState
-from sizing.propulsion.propeller import HEAT_CAPACITY_RATIO
 from sizing.smooth import Value
 
 # Rounds of the voltage behind the wiring, of which each leaves a hundredth of the error or less.
@@ -31,9 +30,9 @@ def inlet(parts: OperatingPointPropulsion, state: MotorState, bus_v: Value) -> t
     """Voltage [V] and power [W] at the controller."""
     voltage = bus_v
     for _ in range(_WIRING_ROUNDS if parts.wiring_resistance_ohm else 0):
-        power_w = parts.controller.power_of(*state, voltage)
+        power_w = parts.controller.input_power_w(state, voltage)
         voltage = bus_v - parts.wiring_resistance_ohm * power_w / voltage
-    return voltage, parts.controller.power_of(*state, voltage)
+    return voltage, parts.controller.input_power_w(state, voltage)
 
 
 def power_of_shafts_w(
@@ -55,16 +54,15 @@ def shares_of_limits(
     """What the parts do over their limits [-]; of those that have one."""
     state = motor_state(parts, rotation_per_s, shaft_w)
     least_v = state.voltage_v + state.current_a * parts.controller.resistance_ohm
-    wires_v = parts.wiring_resistance_ohm * parts.controller.power_of(*state, least_v) / least_v
+    wires_v = parts.wiring_resistance_ohm * parts.controller.input_power_w(state, least_v) / least_v
     diameter_m = parts.propeller.diameter_m
     if diameter_m is None:  # that of the files of its table
         diameter_m = parts.propeller.propeller.diameter_m
     tip = ((np.pi * rotation_per_s * diameter_m) ** 2 + airspeed_m_per_s**2) ** 0.5
-    sound = (HEAT_CAPACITY_RATIO * GAS_CONSTANT_AIR * air.temperature_k) ** 0.5
     motor = parts.own_motor
     used = {
         "bus_voltage": (least_v + wires_v) / bus_v,
-        "tip_mach": tip / (sound * parts.maximum_tip_mach),
+        "tip_mach": tip / (air.sound_m_per_s * parts.maximum_tip_mach),
     }
     if motor.maximum_current_a is not None:
         used["motor_current"] = state.current_a / motor.maximum_current_a

@@ -191,11 +191,14 @@ def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
     if analysis.climb is None:
         return []
     flown, worst = analysis.climb.climb, analysis.worst
-    gain_h = float(analysis.climb.gain_h[worst])
+    # Zero added: what rounds to -0 is no loss.
+    gain_h = round(float(analysis.climb.gain_h[worst]), 2) + 0.0
+    # A limited flight is flown from a full battery, and may climb where the repeated day does not.
+    day = "" if analysis.performance.cycle.perpetual[worst] else ", repeated day"
     return [
-        ("highest altitude", f"{flown.maximum_altitude_m[worst]:.0f} m"),
-        ("gliding in the evening", hours(float(flown.gliding_h[worst]))),
-        ("stored potential energy", f"{flown.maximum_potential_energy_wh[worst]:.1f} Wh"),
+        (f"highest altitude{day}", f"{flown.maximum_altitude_m[worst]:.0f} m"),
+        (f"gliding in the evening{day}", hours(float(flown.gliding_h[worst]))),
+        (f"stored potential energy{day}", f"{flown.maximum_potential_energy_wh[worst]:.1f} Wh"),
         (
             "excess time at constant altitude",
             q.EXCESS_TIME.fact(q.EXCESS_TIME.of(analysis.climb.constant)[worst])[1],
@@ -212,7 +215,6 @@ def _best_climb_rows(best: BestClimb | None) -> list[tuple[str, str]]:
     rule = max(best.by_rule_h, key=lambda name: best.by_rule_h[name])
     return [
         ("excess time by the best course", q.EXCESS_TIME.fact(best.excess_time_h)[1]),
-        # Zero added: what rounds to -0 is no loss.
         (f"gained over {rule}", f"{round(best.gain_h, 2) + 0.0:+.2f} h"),
         ("full charge by the best course", clock_label(best.full_h)),
     ]

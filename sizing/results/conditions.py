@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -11,13 +10,12 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results import quantities as q
-from sizing.results.records import climb_record, finite, hours, relative_change
-from sizing.results.tables import MISSING, Line
+from sizing.results.records import change_text, climb_record, finite, hours, with_unit
+from sizing.results.tables import Line
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
     from sizing.altitude.climb_cycle import ClimbPerformance
-    from sizing.optimisation.objectives import Objective
     from sizing.optimisation.result import SizingResult
 
 
@@ -151,7 +149,7 @@ def level_record(level: SizingResult) -> dict[str, Any]:
     design = level.design
     record = {
         "status": level.status.name,
-        "objective_value": None if level.objective_value is None else finite(level.objective_value),
+        "objective_value": finite(level.objective_value),
     }
     return record | {
         one.name: None if design is None else finite(one.of(design))
@@ -193,26 +191,16 @@ def _without(mission: Mission, result: SizingResult, level: SizingResult) -> str
     shown = [q.CHOSEN[0], q.TOTAL_MASS]
     parts = [
         f"{one.label} {one.fact(one.of(level.design))[1]} "
-        f"({_change(one.of(result.design), one.of(level.design))})"
+        f"({change_text(float(one.of(result.design)), float(one.of(level.design)))})"
         for one in shown
     ]
     if result.objective.variable not in [one.name for one in shown]:
         assert level.objective_value is not None
         assert result.objective_value is not None
-        parts.insert(0, _objective(result.objective, result.objective_value, level))
+        value = with_unit(level.objective_value, ".4g", result.objective)
+        change = change_text(result.objective_value, level.objective_value)
+        parts.insert(0, f"{result.objective.label} {value} ({change})")
     return f"{where}: {', '.join(parts)}"
-
-
-def _objective(objective: Objective, own: float, level: SizingResult) -> str:
-    value = level.objective_value
-    assert value is not None
-    text = "unlimited" if math.isinf(value) else f"{value:.4g} {objective.unit}"
-    return f"{objective.label} {text} ({_change(own, value)})"
-
-
-def _change(own: Any, other: Any) -> str:
-    relative = relative_change(float(own), float(other))
-    return MISSING if relative is None else f"{100.0 * relative:+.1f} %"
 
 
 def _chosen_altitudes(mission: Mission) -> list[Line]:

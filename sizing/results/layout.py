@@ -75,8 +75,8 @@ class Grid:
         """Least width of a column: its longest word, or its longest cell."""
         whole = whole_cell or self.to_right[i]
         cells = [row[i] for row in self.rows]
-        words = [len(word) for cell in cells for word in ([cell] if whole else _words(cell))]
-        return max([1, *words, *map(len, _words(self._heading(i)))])
+        words = [len(word) for cell in cells for word in ([cell] if whole else _unbroken(cell))]
+        return max([1, *words, *map(len, _unbroken(self._heading(i)))])
 
     def _widths(
         self, some: Sequence[int], width: int, gap: int, *, whole_cells: bool
@@ -166,6 +166,6 @@ def _broken(text: str, width: int, indent: str = "", further: str = "") -> list[
     return [line.replace(_GLUE, " ") for line in lines] or [""]
 
 
-def _words(text: str) -> list[str]:
+def _unbroken(text: str) -> list[str]:
     """What is not broken over lines."""
     return _GLUED.sub(_GLUE, text).split()

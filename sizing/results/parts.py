@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -12,9 +13,9 @@ from sizing.balance.drag import DragShares
 from sizing.design import Design
 from sizing.layout.cells import rows_text
 from sizing.optimisation.objectives import Objective
-from sizing.parameters import parameter, unit_text
+from sizing.parameters import parameter
 from sizing.results.quantities import CHOSEN, TOTAL_MASS
-from sizing.results.records import finite_values
+from sizing.results.records import finite_values, with_unit
 from sizing.results.tables import UNLIMITED, Column, Line, Table
 from sizing.smooth_propulsion import put_parts_in
 
@@ -217,7 +218,7 @@ def loss_line(record: Mapping[str, Any], objective: Objective) -> str:
 def _value(design: Mapping[str, Any], objective: Objective) -> str:
     """Objective of a design with its unit; JSON has null for an unlimited one."""
     value = design["value"]
-    return UNLIMITED if value is None else f"{value:.4g} {unit_text(objective.unit)}".rstrip()
+    return with_unit(math.inf if value is None else value, ".4g", objective)
 
 
 def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:

@@ -66,8 +66,7 @@ def worst_record(flight: Performance, quantities: Iterable[Quantity]) -> dict[st
 
 def design_record(design: Design, quantities: Iterable[Quantity]) -> dict[str, float | None]:
     """Values of a design, JSON-ready."""
-    values = {one.name: one.of(design) for one in quantities}
-    return {name: None if value is None else finite(value) for name, value in values.items()}
+    return {one.name: finite(one.of(design)) for one in quantities}
 
 
 def attribute_in_worst(one: Quantity) -> property:

@@ -12,6 +12,7 @@ from missions.dates import date_label
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.parameters import unit_text
 from sizing.results.tables import MISSING, UNLIMITED
 from solar.schema import Record
 from solar.types import FloatArray
@@ -19,6 +20,7 @@ from solar.types import FloatArray
 if TYPE_CHECKING:
     from sizing.altitude.best_climb import BestClimb
     from sizing.altitude.climb_cycle import ClimbPerformance
+    from sizing.optimisation.objectives import Objective
     from sizing.performance import Performance
     from sizing.replay import CalendarRun
 
@@ -69,7 +71,9 @@ def check_days(mission: Mission, days: int | None) -> None:
 
 
 def finite(value: Any) -> float | None:
-    """Number for JSON: null where it is infinite or not defined."""
+    """Number for JSON: null where it is infinite, not defined or missing."""
+    if value is None:
+        return None
     number = float(value)
     return number if math.isfinite(number) else None
 
@@ -84,6 +88,22 @@ def finite_values(record: Mapping[str, Any]) -> dict[str, Any]:
 def relative_change(before: float, after: float) -> float | None:
     """Change over the value before it [-]; None of what was next to nothing."""
     return None if abs(before) <= NEGLIGIBLE else (after - before) / before
+
+
+def change_text(before: float, after: float) -> str:
+    """Change over the value before it, in percent."""
+    relative = relative_change(before, after)
+    # Plus zero: a change too small to show has no sign of its own.
+    return MISSING if relative is None else f"{round(100.0 * relative, 1) + 0.0:+.1f} %"
+
+
+def with_unit(value: float | None, digits: str, objective: Objective) -> str:
+    """Value of an objective with its unit; an excess time may be unlimited."""
+    if value is None or math.isnan(value):
+        return MISSING
+    return (
+        UNLIMITED if math.isinf(value) else f"{value:{digits}} {unit_text(objective.unit)}".rstrip()
+    )
 
 
 def percentiles(values: FloatArray, method: Any) -> dict[str, float]:

@@ -138,10 +138,17 @@ class RequirementMargin(NamedTuple):
     recommended: bool = False
 
     @property
+    def value_text(self) -> str:
+        """Value with its unit."""
+        if not np.isfinite(self.value):
+            return _unlimited_or_none(self.value)
+        return f"{round(self.value, 3):.4g} {self.unit}".strip()
+
+    @property
     def text(self) -> str:
         """Margin in words."""
         if not np.isfinite(self.margin):
-            return "unlimited" if self.margin > 0.0 else "none"
+            return _unlimited_or_none(self.margin)
         if self.relative:
             return f"{100.0 * self.margin:+.1f} %"
         return f"{self.margin:+.2f} {self.unit}".strip()
@@ -252,6 +259,10 @@ def _of_parts(aircraft: Aircraft, mission: Mission, design: Design) -> Iterator[
         yield _at_most("motor_current", "current of the motor", used, current, "A")
 
 
+def _unlimited_or_none(value: float) -> str:
+    return "unlimited" if value > 0.0 else "none"
+
+
 def _absolute(name: str, text: str, value: float, limit: float, of: str) -> RequirementMargin:
     return RequirementMargin(name, text, value, limit, of, value - limit, relative=False)
 
@@ -270,7 +281,7 @@ def requirement_table(margins: list[RequirementMargin]) -> Table:
     rows = tuple(
         (
             f"{one.label}{' (recommended)' if one.recommended else ''}",
-            f"{round(one.value, 3):.4g} {one.unit}".strip(),
+            one.value_text,
             f"{one.limit:g} {one.unit}".strip(),
             one.text,
         )

@@ -337,9 +337,7 @@ def _margin_record(study: SizingStudy) -> dict[str, Any]:
     return {
         "status": result.status.name,
         "solar_model_sigmas": study.mission.uncertainty_margins.solar_model_sigmas,
-        "objective_value": None
-        if result.objective_value is None
-        else finite(result.objective_value),
+        "objective_value": finite(result.objective_value),
         **_design_record(result.design),
         **reached,
     }
@@ -353,7 +351,7 @@ def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -
         "mission_is_default": False,  # a command without --mission says so
         "objective": {
             "name": result.objective.value,
-            "value": None if result.objective_value is None else finite(result.objective_value),
+            "value": finite(result.objective_value),
             "required_excess_time_h": result.required_excess_time_h,
         },
         "active_constraints": list(result.active_constraints),

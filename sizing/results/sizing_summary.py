@@ -37,10 +37,10 @@ from sizing.results.parts import (
 )
 from sizing.results.propulsion import part_masses_line, power_line
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
-from sizing.results.records import hours, relative_change
+from sizing.results.records import change_text, hours, with_unit
 from sizing.results.requirements import constraint_words, parameter_words, requirement_table
 from sizing.results.sizing_study import SizingStudy
-from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
+from sizing.results.tables import Column, Line, Summary, Table, facts
 from sizing.sunlight import SolarModel
 from sizing.validity.ranges import where_error_is_known
 
@@ -243,13 +243,17 @@ def margin_table(
     """
     shown = (*CHOSEN, TOTAL_MASS)
     rows: list[tuple[str, ...]] = [
-        (one.label, *(one.fact(e[one.name])[1] for e in (was, now)), _change(was, now, one.name))
+        (
+            one.label,
+            *(one.fact(e[one.name])[1] for e in (was, now)),
+            change_text(was[one.name], now[one.name]),
+        )
         for one in shown
     ]
     name = objective.variable
     if objective.label not in (EXCESS_TIME.label, *(one.label for one in shown)):
         texts = (with_unit(one[name], ".4g", objective) for one in (was, now))
-        rows.insert(0, (objective.label, *texts, _change(was, now, name)))
+        rows.insert(0, (objective.label, *texts, change_text(was[name], now[name])))
     for key, what in ((EXCESS_TIME.name, ""), ("least_excess_time_h", ", that error less")):
         ends = (np.inf if one[key] is None else one[key] for one in (was, now))
         rows.append((f"{EXCESS_TIME.label}{what}", *map(hours, ends), ""))
@@ -260,11 +264,6 @@ def margin_table(
         Column("change", to_right=True),
     )
     return Table(_with_error(solar), columns, tuple(rows))
-
-
-def _change(was: Mapping[str, Any], now: Mapping[str, Any], name: str) -> str:
-    relative = relative_change(was[name], now[name])
-    return MISSING if relative is None else f"{round(100.0 * relative, 1) + 0.0:+.1f} %"
 
 
 def reliability_text(reliability: Reliability, study: SizingStudy) -> str:
@@ -338,15 +337,6 @@ def _range_text(widest: WidestRange) -> str:
         ends = " to ".join(date_label(int(day)) for day in (first, last))
         return f"season: {ends}, {int(extent)} days"
     return f"latitudes: {latitude_label(first)} to {latitude_label(last)}, {extent:g} degrees"
-
-
-def with_unit(value: float | None, digits: str, objective: Objective) -> str:
-    """Value of an objective with its unit; an excess time may be unlimited."""
-    if value is None or math.isnan(value):
-        return MISSING
-    return (
-        UNLIMITED if math.isinf(value) else f"{value:{digits}} {unit_text(objective.unit)}".rstrip()
-    )
 
 
 def sensitivity_table(sensitivities: list[Sensitivity], objective: Objective) -> Table:

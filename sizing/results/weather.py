@@ -42,8 +42,9 @@ from sizing.validity.checks import (
 )
 from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.weather_run import WeatherPerformance, WeatherRun, wait_for_window, weather_performance
+from sizing.weather_run import WeatherPerformance, WeatherRun, weather_performance
 from solar.names import CorrectionName, ModelName
+from solar.types import BoolArray, FloatArray
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -407,3 +408,22 @@ def analyse_weather(
 
 def _daily_wh(run: WeatherRun) -> Any:
     return np.trapezoid(run.solar_power_w, run.axis.time_h, axis=1)
+
+
+def wait_for_window(closes: BoolArray, days: int) -> FloatArray:
+    """Days to wait, from every day, until a window of consecutive days that close begins.
+
+    Returns whole days, 0 where a window begins; infinite where none comes before the record's end.
+    """
+    if days < 1:
+        raise ValueError(f"a window has at least one day (got {days})")
+    wait = np.full(len(closes), np.inf)
+    begins = np.zeros(len(closes), bool)
+    if days <= len(closes):
+        windows = np.lib.stride_tricks.sliding_window_view(closes, days)
+        begins[: len(windows)] = windows.all(axis=1)
+    next_one = np.inf
+    for i in range(len(closes) - 1, -1, -1):
+        next_one = 0.0 if begins[i] else next_one + 1.0
+        wait[i] = next_one
+    return wait

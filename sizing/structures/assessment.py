@@ -76,10 +76,6 @@ class FlightEnvelope:
             (self.dive_speed_m_per_s, self.dive_gust_increment),
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        return dict(vars(self))
-
 
 def flight_envelope(
     model: RibWingStructure, inputs: StructureInputs, maximum_lift_coefficient: float
@@ -233,7 +229,7 @@ class StructureAssessment:
         envelope = record.pop("envelope")
         return record | {
             "torsion": None if self.torsion is None else dict(vars(self.torsion)),
-            "flight_envelope": None if envelope is None else envelope.to_dict(),
+            "flight_envelope": None if envelope is None else dict(vars(envelope)),
         }
 
     def headline(self) -> str:
@@ -269,11 +265,10 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
     needs = model.cap_needs_m2(wing, forces)
     up, down = (float(factor) for factor in wing.factors)
     pull_up = float(model.pull_up(wing.total_mass_kg))
+    gust_up, gust_down = up > 1.01 * pull_up, down > 1.01 * model.negative_load_ratio * pull_up
     cases = {
-        "an up-gust" if up > 1.01 * pull_up else "a pull-up": forces.up,
-        "a down-gust"
-        if down > 1.01 * model.negative_load_ratio * pull_up
-        else "a push-over": forces.down,
+        "an up-gust" if gust_up else "a pull-up": forces.up,
+        "a down-gust" if gust_down else "a push-over": forces.down,
         "landing": forces.landing,
     }
     caps = _shares(needs, station)
@@ -288,11 +283,9 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
     bent_landing, _ = _bent(model, wing, station, integral, load=landing, needs=needs)
     return StructureAssessment(
         limit_load_factor=up,
-        load_case="gust" if up > 1.01 * pull_up else "manoeuvre",
+        load_case="gust" if gust_up else "manoeuvre",
         negative_limit_load_factor=down,
-        negative_load_case=(
-            "gust" if down > 1.01 * model.negative_load_ratio * pull_up else "manoeuvre"
-        ),
+        negative_load_case="gust" if gust_down else "manoeuvre",
         landing_load_factor=model.landing_load_factor,
         spar_caps=caps,
         spar_caps_case=_case(next(iter(caps)), needs, station, cases),

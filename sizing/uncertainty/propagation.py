@@ -189,7 +189,7 @@ class Propagation:
                 continue
             store, climb = case.store.select(at), case.mission.climb
             if climb is None:
-                _, solar_w, load_w = self._flown(case, scenario)
+                _, solar_w, load_w = self._cycle_of(case, scenario)
                 longest = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
             else:
                 levels = self._levels(case, scenario).select(at)
@@ -206,7 +206,7 @@ class Propagation:
         returns and that the battery delivers, over the day's load [-].
         """
         case = self._case(values)
-        _, solar_w, load_w = self._flown(case, scenario)
+        _, solar_w, load_w = self._cycle_of(case, scenario)
         battery = case.aircraft.battery
         load = np.mean(load_w, axis=-1) / np.asarray(battery.mean_discharge_efficiency, float)
         energy_wh = np.broadcast_to(case.design.battery_energy_wh, (case.count,))
@@ -218,7 +218,7 @@ class Propagation:
         excess, charge, peak_w = [], [], np.zeros(case.count)
         highest_m = np.full(case.count, np.nan)
         for scenario in range(len(self.day.scenarios)):
-            cycle, solar_w, _ = self._flown(case, scenario)
+            cycle, solar_w, _ = self._cycle_of(case, scenario)
             peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
             if case.mission.climb is not None:
                 cycle, altitude_m = self._with_climbs(case, scenario)
@@ -320,7 +320,7 @@ class Propagation:
         more_kg = parts.propulsors * part_kg * (factor - getattr(parts, name))
         return f"{_PROPULSION}fixed_mass_kg", chain.fixed_mass_kg + more_kg
 
-    def _flown(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray, FloatArray]:
+    def _cycle_of(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray, FloatArray]:
         """Cycle of every draw in a scenario, solar power and load [W], ``(sample, time)``."""
         solar_w, day = self._solar_of_draws(case, scenario), self.day.at([scenario])
         loads = DesignLoads(

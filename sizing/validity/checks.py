@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import GAS_CONSTANT_AIR, standard_air, thin_air_share
+from missions.air import standard_air, thin_air_share
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -25,7 +25,6 @@ from solar.clearsky import THIN_AIR_FROM_M
 from solar.sun import declination
 from solar.types import FloatArray
 
-_RATIO_OF_SPECIFIC_HEATS = 1.4
 # Quantities that a flight with climbs has at its highest altitude.
 _OF_HEIGHT = ("altitude_m", "air_temperature_c")
 # Rows of the catalogue for rib wings with the keys of large wings.
@@ -184,9 +183,8 @@ def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
     yield from _agreement_check(it, mission)
     yield from _aerodynamic_checks(it)
     with np.errstate(invalid="ignore"):
-        temperature_k = mission.air_state().temperature_k
-        sound_m_per_s = (_RATIO_OF_SPECIFIC_HEATS * GAS_CONSTANT_AIR * temperature_k) ** 0.5
-        yield Check.of("mach_number", "aerodynamics", design.airspeed_m_per_s / sound_m_per_s)
+        mach = design.airspeed_m_per_s / mission.air_state().sound_m_per_s
+        yield Check.of("mach_number", "aerodynamics", mach)
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
         rate = QUANTITIES["climb_discharge_rate_per_h"](it)
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)

@@ -124,7 +124,7 @@ def evaluate_bench(aircraft: Aircraft, *files: str | os.PathLike[str]) -> BenchT
     for table in sorted(tables, key=lambda one: order.index(one.layout.name)):
         for one in _EVALUATE[table.layout.name](table, tested):
             key = one.parameter.key
-            _check(table, one)
+            _refuse_impossible(table, one)
             if key in found:
                 message = f"{key} is also determined by {found[key][1]}: give one of the two"
                 raise table.refused(message)
@@ -137,7 +137,7 @@ def evaluate_bench(aircraft: Aircraft, *files: str | os.PathLike[str]) -> BenchT
     )
 
 
-def _check(table: BenchTable, one: Measured) -> None:
+def _refuse_impossible(table: BenchTable, one: Measured) -> None:
     """Refuse a value that an aircraft cannot have."""
     low, high = one.parameter.lowest, one.parameter.highest
     if not (low < one.value < high and math.isfinite(one.standard_error)):

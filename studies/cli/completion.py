@@ -16,7 +16,7 @@ from click.shell_completion import BashComplete, CompletionItem, ZshComplete, ad
 
 from missions.files.shipped import shipped_names, shipped_records
 
-YAML, LOGS = (".yaml", ".yml"), (".csv", ".ulg")
+YAML, LOGS = (".yaml", ".yml"), (".csv", ".ulg", ".bin")
 _SHORT_NAMES = ("wingspan_m", "aspect_ratio", "battery_mass_kg", "module_area_m2")
 # Columns of trade studies; a test compares them with the studies' own.
 COLUMNS = (

@@ -354,10 +354,11 @@ def require_climb_power(case: Case) -> None:
         raise located_error(case.aircraft_file.document, key, message)
 
 
-def require_path(case: Case, option: str | None = None) -> None:
+def require_path(case: Case, option: str | None = None, *, in_winds_of_cells: bool = False) -> None:
     """Refuse an aircraft without module surfaces and a mission without a path it can fly.
 
     ``option``: what needs both, for the message; if left out, VM, FM and the loiter correction do.
+    ``in_winds_of_cells``: percentiles of the wind are those of cells, not of the mission's place.
     """
     solar = case.solar
     if option is None:
@@ -371,6 +372,8 @@ def require_path(case: Case, option: str | None = None) -> None:
     if case.mission.flight_path is None:
         message = f"{option} needs a flight path: add flight_path with kind, radius_m, ..."
         raise located_error(case.mission_file.document, ("name",), message)
+    if in_winds_of_cells and case.mission.wind_statistics is not None:
+        return
     trouble = path_trouble(case.mission.flight_path, case.mission.wind)
     if trouble is not None:
         raise located_error(case.mission_file.document, ("flight_path",), trouble)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
@@ -75,9 +77,8 @@ class DesignSheet:
         """Table for people, with a line between the groups."""
         columns = (Column("quantity"), Column("value", to_right=True), Column("unit"))
         rows = tuple((one.label, one.text(), unit_text(one.unit)) for one in self.quantities)
-        groups = [one.group for one in self.quantities]
-        lines = tuple(i for i in range(1, len(groups)) if groups[i] != groups[i - 1])
-        return Table(self.title, columns, rows, self.notes, sections=lines)
+        sections = group_starts(self.quantities)
+        return Table(self.title, columns, rows, self.notes, sections=sections)
 
     def to_frame(self) -> pd.DataFrame:
         """Quantities as a pandas frame, all digits."""
@@ -86,6 +87,12 @@ class DesignSheet:
     def to_dict(self) -> dict[str, Any]:
         """Values by key, JSON-ready."""
         return finite_values({one.key: one.value for one in self.quantities})
+
+
+def group_starts(entries: Sequence[Entry]) -> tuple[int, ...]:
+    """Places at which another group begins, but for the first."""
+    pairs = enumerate(pairwise(entries), start=1)
+    return tuple(place for place, (one, two) in pairs if one.group != two.group)
 
 
 def design_sheet(analysis: Analysis) -> DesignSheet:

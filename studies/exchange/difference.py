@@ -13,7 +13,13 @@ from sizing.parameters import MISSION_PREFIX, unit_text
 from sizing.results.analysis import Analysis
 from sizing.results.records import finite
 from sizing.results.tables import MISSING, Column, Result, Summary, Table, data_frame
-from studies.exchange.design_sheet import DesignSheet, Entry, design_sheet, number_text
+from studies.exchange.design_sheet import (
+    DesignSheet,
+    Entry,
+    design_sheet,
+    group_starts,
+    number_text,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -107,21 +113,20 @@ class DesignDifference(Result):
             Column("relative", "relative", to_right=True),
             Column("unit"),
         )
-        rows, groups = [], []
-        for quantity, one, two in self.rows():
-            groups.append(quantity.group)
-            rows.append(
-                (quantity.label, number_text(one), number_text(two), *_difference_text(one, two),
-                 unit_text(quantity.unit))
-            )  # fmt: skip
-        lines = tuple(i for i in range(1, len(groups)) if groups[i] != groups[i - 1])
+        compared = self.rows()
+        rows = tuple(
+            (quantity.label, number_text(one), number_text(two), *_difference_text(one, two),
+             unit_text(quantity.unit))
+            for quantity, one, two in compared
+        )  # fmt: skip
+        sections = group_starts([quantity for quantity, _, _ in compared])
         notes = dict.fromkeys((*self.first.notes, *self.second.notes))
         if len(notes) > 1:
             texts = [f"{letter}: {' '.join(s.notes)}" for letter, s in
                      (("A", self.first), ("B", self.second))]  # fmt: skip
         else:
             texts = list(notes)
-        return Table("", columns, tuple(rows), tuple(texts), sections=lines)
+        return Table("", columns, rows, tuple(texts), sections=sections)
 
     def _changed(self) -> Table:
         columns = (Column("key"), Column("a", "A"), Column("b", "B"))

@@ -18,11 +18,10 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import BuiltUpPolar
 from sizing.balance.in_design import polar_with_tail
-from sizing.balance.surfaces import wing_of
+from sizing.balance.surfaces import QUARTER, wing_of
 from studies.report.geometry import Drawing, aircraft_drawing
 
 _TAIL_THICKNESS = 0.08  # as WingPolar's default, where the file has none
-_QUARTER = 0.25
 
 
 class Section(NamedTuple):
@@ -109,7 +108,7 @@ def lifting_surfaces(aircraft: Aircraft, gravity_m: float | None = None) -> Surf
     span, area_m2 = drawing.wingspan_m, drawing.wingspan_m * drawing.chord_m
     planform = getattr(aircraft.airframe, "planform", None)
     wing_chords = wing_of(planform, span, aircraft.airframe.aspect_ratio)
-    quarter_m = _QUARTER * drawing.chord_at(0.0)
+    quarter_m = QUARTER * drawing.chord_at(0.0)
     return Surfaces(
         surfaces=(wing, *_tail_surfaces(drawing, tail_shape)),
         wing_area_m2=area_m2,

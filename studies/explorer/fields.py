@@ -92,6 +92,10 @@ class Field:
         unit = f" {self.unit}" if self.unit else ""
         return f"{kind} from {self.minimum:g} to {self.maximum:g}{unit}"
 
+    def to_dict(self) -> dict[str, Any]:
+        """For the page."""
+        return {**vars(self), "whole": self.whole, "allowed": self.allowed}
+
 
 @dataclass(frozen=True)
 class Option:

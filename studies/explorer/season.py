@@ -95,15 +95,15 @@ class SeasonMaps:
         south, north = solar.flown_latitudes_deg(mission)
         known = np.flatnonzero((latitudes >= south) & (latitudes <= north))
 
-        def lit(latitudes_deg: FloatArray) -> SolarDay:
+        def sunlight_at(latitudes_deg: FloatArray) -> SolarDay:
             latitude, day = np.meshgrid(latitudes_deg, days, indexing="ij")
             cells = Scenarios(latitude.ravel(), day.ravel())
             return solar_day(aircraft, mission, solar, scenarios=cells, step_h=step_h)
 
         if on_path:
-            _fill(light, lit, known.tolist(), _SHORT_TURN_S if coarse else _TURN_S)
+            _fill(light, sunlight_at, known.tolist(), _SHORT_TURN_S if coarse else _TURN_S)
         elif light.day is None:
-            light.rows, light.day = known.tolist(), lit(latitudes[known])
+            light.rows, light.day = known.tolist(), sunlight_at(latitudes[known])
         rows: list[list[float | None] | None] = [None] * len(latitudes)
         flight = performance(
             *(aircraft, mission, solar), day=light.day, keep_trajectory=False, design=design

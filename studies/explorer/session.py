@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,6 +56,11 @@ class Inputs:
     mission_file: Document
     solar: SolarModel
 
+    @property
+    def files(self) -> dict[str, Document]:
+        """Data of both files, by ``aircraft`` and ``mission``."""
+        return {"aircraft": self.aircraft_file, "mission": self.mission_file}
+
 
 class Session:
     """An aircraft on a mission, and every change that the page can make to them.
@@ -80,13 +86,7 @@ class Session:
         self._maps = SeasonMaps()
         self._last_day: tuple[Settings, dict[str, Any], Design] | None = None
         # The scenario that is hardest to fly is where the page begins.
-        start = analyse(
-            self.aircraft,
-            self.mission,
-            model=self.solar.model,
-            correction=self.solar.correction,
-            replay=False,
-        )
+        start = _analysed(self.aircraft, self.mission, self.solar)
         scenarios = start.performance.day.scenarios
         self.scenarios = [scenarios.label(i) for i in range(len(scenarios))]
         at = (float(scenarios.latitude_deg[start.worst]), int(scenarios.day_of_year[start.worst]))
@@ -124,11 +124,7 @@ class Session:
                 "scenarios": self.scenarios,
                 "climbs": self.mission.climb is not None,
             },
-            "fields": [
-                {**vars(field), "whole": field.whole, "allowed": field.allowed}
-                for field in self.fields.values()
-                if isinstance(field, Field)
-            ],
+            "fields": [one.to_dict() for one in self.fields.values() if isinstance(one, Field)],
             "choices": [
                 {**vars(choice), "options": [vars(option) for option in choice.options]}
                 for choice in self.fields.values()
@@ -165,20 +161,20 @@ class Session:
             if key.startswith(MISSION_PREFIX)
         }
         if not every_scenario:
-            of_mission |= self._moved(settings)
+            of_mission |= self._at_point(settings)
         climb = self.mission.climb  # whose floor may stand in place of the altitude
         if _ALTITUDE in of_mission and climb is not None and climb.minimum_altitude_m is not None:
             of_mission[_FLOOR] = of_mission.pop(_ALTITUDE)
         of_aircraft = {k: v for k, v in changed.items() if not k.startswith(MISSION_PREFIX)}
         try:
-            crafts = with_overrides(self._files[0], of_aircraft)
-            wheres = with_overrides(self._files[1], of_mission)
-            aircraft, mission = validate(crafts, Aircraft), validate(wheres, Mission)
+            aircraft_file = with_overrides(self._files[0], of_aircraft)
+            mission_file = with_overrides(self._files[1], of_mission)
+            aircraft, mission = validate(aircraft_file, Aircraft), validate(mission_file, Mission)
         except InputError as error:
             raise RefusedError(_refusals(error, settings), "contradiction") from None
-        return Inputs(aircraft, mission, crafts, wheres, settings.solar)
+        return Inputs(aircraft, mission, aircraft_file, mission_file, settings.solar)
 
-    def _moved(self, settings: Settings) -> dict[str, Any]:
+    def _at_point(self, settings: Settings) -> dict[str, Any]:
         """Values that move the mission to a point; none where it is there already."""
         unmoved = all(settings.values[key] == self.fields[key].value for key in _PLACE)
         if unmoved and len(self.scenarios) == 1:
@@ -193,18 +189,8 @@ class Session:
     def analysis(self, settings: Settings) -> Analysis:
         """Analysis of the point, as ``solar-uav analyse`` makes it."""
         made = self.inputs(settings)
-        solar = made.solar
-        try:
-            return analyse(
-                *(made.aircraft, made.mission),
-                model=solar.model,
-                correction=solar.correction,
-                replay=False,
-            )
-        except ImpossibleDesignError as error:
-            raise RefusedError([Refusal("design", None, str(error))], "impossible") from None
-        except ValueError as error:  # a path that the wind does not let be flown
-            raise RefusedError([Refusal("model", solar.model, str(error))]) from None
+        with _told_to_the_page(made.solar):
+            return _analysed(made.aircraft, made.mission, made.solar)
 
     def day(self, settings: Settings) -> dict[str, Any]:
         """Day curve and numbers of the point, JSON-ready.
@@ -251,14 +237,10 @@ class Session:
         """Map of excess time over latitude and day of year."""
         made, known = self.inputs(settings), self._last_day
         design = known[2] if known is not None and known[0] == settings else None
-        try:
+        with _told_to_the_page(made.solar):
             return self._maps.excess_time(
                 *(made.aircraft, made.mission, made.solar), coarse=coarse, design=design
             )
-        except ImpossibleDesignError as error:
-            raise RefusedError([Refusal("design", None, str(error))], "impossible") from None
-        except ValueError as error:
-            raise RefusedError([Refusal("model", made.solar.model, str(error))]) from None
 
     def file_names(self) -> dict[str, str]:
         """Names for what is saved: ``aircraft``, ``mission`` and ``report``."""
@@ -277,7 +259,7 @@ class Session:
         made = self.inputs(settings)
         files = {
             kind: InputFile(f"{document.source}, as explored", None)
-            for kind, document in (("aircraft", made.aircraft_file), ("mission", made.mission_file))
+            for kind, document in made.files.items()
         }
         inputs = RunInputs(made.aircraft_file.data, made.mission_file.data, made.solar, files)
         return ReportTask(made.aircraft, made.mission, inputs)
@@ -295,12 +277,27 @@ class Session:
 
     def files(self, settings: Settings) -> dict[str, str]:
         """Text of the two files as they stand, by ``aircraft`` and ``mission``."""
-        made = self.inputs(settings)
         head = f"Written by solar-uav {__version__} explore from"
         return {
             kind: file_text(f"{head} {document.source}", document.data)
-            for kind, document in (("aircraft", made.aircraft_file), ("mission", made.mission_file))
+            for kind, document in self.inputs(settings).files.items()
         }
+
+
+def _analysed(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> Analysis:
+    """Aircraft on its mission, without the replay of its launch."""
+    return analyse(aircraft, mission, model=solar.model, correction=solar.correction, replay=False)
+
+
+@contextmanager
+def _told_to_the_page(solar: SolarModel) -> Iterator[None]:
+    """Refuse a point that cannot be computed."""
+    try:
+        yield
+    except ImpossibleDesignError as error:
+        raise RefusedError([Refusal("design", None, str(error))], "impossible") from None
+    except ValueError as error:  # a path that the wind does not let be flown
+        raise RefusedError([Refusal("model", solar.model, str(error))]) from None
 
 
 def _flight_charge(analysis: Analysis) -> list[float | None]:

@@ -180,7 +180,7 @@ def calibrate(
     structure = _structure(start, flight, mass_kg, structure_key)
     start = replaced(start, structure_key.split("."), structure)
     changes |= {drag_key: (drag, "level power"), structure_key: (structure, "total mass")}
-    factors = tuple(_factor(models, key, *change) for key, change in changes.items())
+    factors = tuple(_factor_on(models, key, *change) for key, change in changes.items())
     _check_ranges(technology, factors)
     document = _document(measured, technology, factors, dict(sources or {}))
     aircraft = validate(document, Aircraft)
@@ -294,7 +294,7 @@ def _structure(start: Aircraft, flight: FlightConditions, mass_kg: float, key: s
     return now * left_kg / float(masses.structure)
 
 
-def _factor(models: Aircraft, key: str, after: float, source: str) -> Factor:
+def _factor_on(models: Aircraft, key: str, after: float, source: str) -> Factor:
     before = parameter_value(models, None, key)
     try:
         known = parameter(key)

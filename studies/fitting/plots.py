@@ -61,7 +61,7 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
     )
     midnight_s = float(fit.log.time_s[0] // SECONDS_PER_DAY * SECONDS_PER_DAY)
     for part, upper, lower in zip(fit.estimates, panels[::2], panels[1::2], strict=True):
-        _draw(upper, lower, part, _hours(fit, part, midnight_s))
+        _draw(upper, lower, part, _shown_hours(fit, part, midnight_s))
     date = str(np.datetime64(int(midnight_s), "s").astype("datetime64[D]"))
     apart = ", later flights close behind" if len(fit.logs) > 1 else ""
     panels[-1].set_xlabel(f"time since {date} 00:00 [h UTC]{apart}")
@@ -70,7 +70,7 @@ def plot_fit(fit: FlightFit, *, figure: Canvas = DEFAULT) -> Figure:
     return drawn
 
 
-def _hours(fit: FlightFit, part: Estimate, midnight_s: float) -> FloatArray:
+def _shown_hours(fit: FlightFit, part: Estimate, midnight_s: float) -> FloatArray:
     """Hours of the first flight, and of the others as if each began when one ended."""
     lasts = [0.0, *(float(log.time_s[-1] - log.time_s[0]) + _BETWEEN_S for log in fit.logs)]
     starts = np.cumsum(lasts) + float(fit.log.time_s[0])

@@ -159,32 +159,25 @@ def _extrapolations_of_map(
     known = np.isin(columns["status"], ENDS)
     if not known.any():
         return ()
+    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     latitude, day = np.meshgrid(grid.latitudes_deg, grid.days, indexing="ij")
-    design = design_of(configuration.aircraft, configuration.mission)
-    where, in_wind = configuration.mission, []
+    design, calm, in_wind = design_of(aircraft, mission), mission, []
     if "wind" in columns:  # of each cell; that of the mission's own latitudes plays no part
-        where, winds = where.in_wind(0.0), columns["wind"][known]
-        in_wind = [] if configuration.mission.holds_station else list(wind_check(design, winds))
-    of_design = list(design_checks(configuration.aircraft, where, design, configuration.solar))
+        calm, winds = mission.in_wind(0.0), columns["wind"][known]
+        in_wind = [] if mission.holds_station else list(wind_check(design, winds))
+    of_design = list(design_checks(aircraft, calm, design, solar))
     if MAXIMUM_ALTITUDE.variable in columns:
         highest_m = columns[MAXIMUM_ALTITUDE.variable][known]
-        of_design = at_highest(
-            of_design, configuration.aircraft, where, configuration.solar, highest_m
-        )
-    checks = [
-        *in_wind,
-        *of_design,
-        *correction_check(
-            Scenarios(latitude[known], day[known]), configuration.solar, configuration.mission
-        ),
-    ]
+        of_design = at_highest(of_design, aircraft, calm, solar, highest_m)
+    cells = Scenarios(latitude[known], day[known])
+    checks = [*in_wind, *of_design, *correction_check(cells, solar, mission)]
     if "charge_rate" in columns:
         checks.append(Check.of("charge_rate_per_h", "battery", columns["charge_rate"][known]))
     extrapolations = told(checks, of=int(known.sum()), what="cells")
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = np.unravel_index(int(np.argmax(excess_h)), excess_h.shape)
     cell = Scenarios(latitude[best][np.newaxis], day[best][np.newaxis])
-    return with_worth(extrapolations, configuration.aircraft, lambda: _flown(configuration, cell))
+    return with_worth(extrapolations, aircraft, lambda: _fly(configuration, cell))
 
 
 def _map_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
@@ -251,7 +244,7 @@ def _cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str, NDArr
 
 
 def _flown_cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str, NDArray[Any]]:
-    mission, flight = configuration.mission, _flown(configuration, cells)
+    mission, flight = configuration.mission, _fly(configuration, cells)
     quantities = [*MAP, *([ENDURANCE] if configuration.endurance else [])]
     if mission.climb is not None:
         quantities.append(MAXIMUM_ALTITUDE)
@@ -267,7 +260,7 @@ def _flown_cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str,
     return columns
 
 
-def _flown(configuration: MapConfiguration, cells: Scenarios) -> Performance:
+def _fly(configuration: MapConfiguration, cells: Scenarios) -> Performance:
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     sunlit = solar_day(aircraft, mission, solar, scenarios=cells)
     return performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)

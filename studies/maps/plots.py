@@ -59,7 +59,7 @@ def plot_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     -------
     Figure
     """
-    drawn, axes = _begun(figure, data, "line: edge of perpetual flight")
+    drawn, axes = _map_axes(figure, data, "line: edge of perpetual flight")
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     excess_h = data["excess_time"].to_numpy()
     shown_h = np.where(np.isposinf(excess_h), 2.0 * UNLIMITED_H, excess_h)
@@ -101,7 +101,7 @@ def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     Figure
     """
     name = Objective(data.attrs["objective"]).column
-    drawn, axes = _begun(figure, data, objective_caption(data.attrs["objective"]))
+    drawn, axes = _map_axes(figure, data, objective_caption(data.attrs["objective"]))
     days, latitudes = data["day"].to_numpy(), data["latitude"].to_numpy()
     sized, about = np.isin(data["status"].to_numpy(), SIZED), data[name].attrs
     values = np.where(sized, data[name].to_numpy(), np.nan)
@@ -118,7 +118,7 @@ def plot_resized_map(data: OnGrid, *, figure: Canvas = DEFAULT) -> Figure:
     return drawn
 
 
-def _begun(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
+def _map_axes(canvas: Canvas, data: OnGrid, what: str) -> tuple[Figure, Axes]:
     """Figure with its heading."""
     drawn, (axes,) = new_figure(
         canvas=canvas,

@@ -28,7 +28,7 @@ from studies.output.gridded import (
     resize_objective,
     told_of_cells,
 )
-from studies.output.sized_columns import size_cells, sized_flight
+from studies.output.sized_columns import sized_cells, sized_flight
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -158,7 +158,7 @@ def _extrapolations_of_designs(
 def _resized_chunk(configuration: MapConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
     """Best designs of some cells."""
     assert configuration.objective is not None
-    return size_cells(
+    return sized_cells(
         configuration.aircraft,
         configuration.mission,
         cells,

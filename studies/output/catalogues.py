@@ -1,4 +1,4 @@
-"""Tables of the catalogues, for the terminal and for the documentation."""
+"""Tables and records of the catalogues."""
 
 from __future__ import annotations
 
@@ -81,17 +81,6 @@ def _values(one: Entry, columns: Sequence[Column]) -> Iterator[float | str | Non
         else:
             value = getattr(one, _ATTRIBUTES.get(name, name))
         yield 100.0 * value if column.unit.startswith("%") and value is not None else value
-
-
-def sources_table(kind: Kind) -> Table:
-    """Where the numbers of a catalogue come from, a row for each entry."""
-    columns = (Column("name"), Column("numbers"), Column("source"), Column("note"))
-    rows = []
-    for name, one in entries(kind).items():
-        others = [f"{key}: {text}" for key, text in one.sources.items()]
-        numbers = ", ".join(f"{key} {value:g}" for key, value in one.numbers().items())
-        rows.append((f"`{name}`", numbers, "; ".join([one.source, *others]), one.note or ""))
-    return Table("", columns, tuple(rows))
 
 
 def catalogue_record(kind: Kind) -> dict[str, Any]:

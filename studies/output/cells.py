@@ -1,6 +1,7 @@
 """Charts of cells: coloured by value, hatched where there is none, and lines of equal value.
 
-Cells are drawn as they were computed, between edges half-way to their neighbours.
+Cells are drawn as they were computed, between edges half-way to their neighbours; ``x`` and ``y``
+are the centres of their columns and rows, ascending.
 """
 
 from __future__ import annotations
@@ -81,9 +82,8 @@ def draw_cells(
 ) -> QuadMesh:
     """Colour cells by their value.
 
-    ``x``, ``y``: centres of the columns and rows of cells, ascending. ``values``: naN stays blank,
-    infinity has a colour beyond the top of the scale. Returns the cells, for
-    :func:`draw_colour_bar`.
+    ``values``: NaN stays blank, infinity has a colour beyond the top of the scale. Returns the
+    cells, for :func:`draw_colour_bar`.
     """
     low, high = _colour_ends(norm)
     shown = np.where(np.isposinf(values), high + (high - low), values)
@@ -118,9 +118,8 @@ def hatch_cells(
 ) -> list[Patch]:
     """Hatch cells by their status.
 
-    ``x``, ``y``: centres of the columns and rows of cells, ascending. ``hatches``: hatch of each
-    status, in the language of matplotlib; an empty one is filled with grey. Returns entries of a
-    legend, for those statuses that occur.
+    ``hatches``: hatch of each status, in the language of matplotlib; an empty one is filled with
+    grey. Returns entries of a legend, for those statuses that occur.
     """
     across, up = cell_edges(x), cell_edges(y)
     entries = []
@@ -155,9 +154,8 @@ def _area(marked: NDArray[np.bool_], across: FloatArray, up: FloatArray) -> Path
 def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: OnGrid) -> list[Patch]:
     """Hatch the cells that have no result by the reason why.
 
-    ``x``, ``y``: centres of the columns and rows of cells, ascending. ``data``: with the status of
-    each cell, over y and x, and the requirement that no design meets where aircraft are sized.
-    Returns entries of a legend, for the reasons that occur.
+    ``data``: with the status of each cell, over y and x, and the requirement that no design meets
+    where aircraft are sized. Returns entries of a legend, for the reasons that occur.
     """
     names = status_names(data)
     status = data["status"].to_numpy()
@@ -198,9 +196,8 @@ def draw_level_lines(
 ) -> None:
     """Draw labelled lines of equal value between neighbouring cells that have a value.
 
-    ``x``, ``y``: centres of the columns and rows of cells, ascending. ``values``: no line leads
-    from a cell with a value to one without (NaN). ``norm``: scale of the colours: panels that share
-    it have the same lines.
+    ``values``: no line leads from a cell with a value to one without (NaN). ``norm``: scale of the
+    colours: panels that share it have the same lines.
     """
     if min(values.shape) < 2 or np.isfinite(values).sum() <= 3:
         return

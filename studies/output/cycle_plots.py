@@ -37,11 +37,20 @@ if TYPE_CHECKING:
     from sizing.performance import Performance
     from sizing.replay import CalendarRun
     from sizing.results.analysis import Analysis
+    from solar.types import FloatArray
+
+
+_WITH_ERROR = "with that error in solar power"
 
 
 def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
     """Write a text a few points to the right of a place."""
     axes.annotate(text, place, (4, 0), textcoords="offset points", **options)
+
+
+def _error_band(axes: Axes, x: Any, low: Any, high: Any, colour: str, label: str) -> None:
+    """Shade what a curve becomes with the error of the solar power model."""
+    axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0, label=label)
 
 
 # ---- The cycle of a day
@@ -54,7 +63,8 @@ def plot_cycle(
     """State of charge and power over the cycle of one scenario, or over its flight if that ends.
 
     An aircraft that flies perpetually is drawn on its repeated day. One that does not has none: it
-    is drawn from the launch of its longest flight until the battery is empty.
+    is drawn from the launch of its longest flight until the battery is empty, unless the best
+    course of its climbs was searched for: that is one of the repeated day.
 
     Parameters
     ----------
@@ -71,8 +81,8 @@ def plot_cycle(
     """
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
-    repeated = analysis.climb is None and analysis.days is None
     longest = None if perf.cycle.perpetual[index] else analysis.endurances[index]
+    repeated = analysis.days is None and not _has_best_climb(analysis, index)
     if repeated and longest is not None and np.isfinite(longest.endurance_h):
         return _plot_own_flight(analysis, index, longest, figure)
     panels = 2 if analysis.climb is None else 3
@@ -93,13 +103,19 @@ def plot_cycle(
     drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     if analysis.climb is not None:
         _draw_altitude(every[2], analysis.climb, index)
-        if analysis.best_climb is not None and analysis.best_climb.scenario == index:
+        if _has_best_climb(analysis, index):
+            assert analysis.best_climb is not None
             _draw_best_climb(every[1], every[2], analysis.best_climb)
     sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
     for axes in every:
         shade(axes, [(a, b) for a, b in ((0.0, sunrise), (sunset, 24.0)) if b > a])
     every[-1].set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
     return drawn
+
+
+def _has_best_climb(analysis: Analysis, index: int) -> bool:
+    """Whether there is a best course of climbs, which is one of the repeated day."""
+    return analysis.best_climb is not None and analysis.best_climb.scenario == index
 
 
 def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
@@ -111,15 +127,8 @@ def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
         error = "RMS error after correction"
     error += where_error_is_known(perf.mission.altitude_m)
     axes.plot(time_h, solar, SUN_LINE, color=SUN, label="solar power")
-    axes.fill_between(
-        time_h,
-        solar * (1 - rms),
-        solar * (1 + rms),
-        color=SUN,
-        alpha=0.2,
-        linewidth=0,
-        label=f"{error}, {100 * rms:.0f} %",
-    )
+    label = f"{error}, {100 * rms:.0f} %"
+    _error_band(axes, time_h, solar * (1 - rms), solar * (1 + rms), SUN, label)
     axes.plot(time_h, load, LOAD_LINE, color=LOAD, label="load")
     for name, hour, side in (
         (r"$t_\mathrm{eq}$", perf.cycle.equal_power_morning_h[index], "right"),
@@ -142,15 +151,7 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
         for p in (perf, analysis.low, analysis.high)
     )
     axes.plot(time_h, charge, color=CHARGE, label="state of charge")
-    axes.fill_between(
-        time_h,
-        low,
-        high,
-        color=CHARGE,
-        alpha=0.2,
-        linewidth=0,
-        label="with that error in solar power",
-    )
+    _error_band(axes, time_h, low, high, CHARGE, _WITH_ERROR)
     full = perf.cycle.full_charge_h[index]
     if np.isfinite(full):
         axes.axvline(full, color=ink(), linestyle=":", linewidth=1)
@@ -182,19 +183,23 @@ def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
     flown = climbs.climb
     altitude_m = flown.altitude_m[index]
     axes.plot(flown.time_h, altitude_m, color=LOAD)
-    at = int(np.argmax(altitude_m))
-    gain = float(climbs.gain_h[index])
+    # Zero added: what rounds to -0 is no loss.
+    gain = f"{round(float(climbs.gain_h[index]), 1) + 0.0:+.1f}".replace("-", "−")
     axes.annotate(
-        f"highest {altitude_m[at]:.0f} m\nexcess time\n{gain:+.1f} h by climbing",
+        f"highest {altitude_m.max():.0f} m\nexcess time\n{gain} h by climbing",
         (0.0, 1.0),
         (4, -4),
         xycoords="axes fraction",
         textcoords="offset points",
         va="top",
     )
-    top = float(altitude_m[at])
-    margin = max(0.1 * (top - float(altitude_m.min())), 50.0)
-    axes.set(ylabel="altitude [m]", ylim=(float(altitude_m.min()) - margin, top + margin))
+    _set_altitudes(axes, altitude_m)
+
+
+def _set_altitudes(axes: Axes, altitude_m: FloatArray) -> None:
+    lowest, top = float(altitude_m.min()), float(altitude_m.max())
+    margin = max(0.1 * (top - lowest), 50.0)
+    axes.set(ylabel="altitude [m]", ylim=(lowest - margin, top + margin))
 
 
 def _draw_best_climb(charge: Axes, altitude: Axes, best: BestClimb) -> None:
@@ -235,41 +240,49 @@ def _plot_own_flight(analysis: Analysis, index: int, longest: Endurance, canvas:
     perf = analysis.performance
     hours, launch = float(longest.endurance_h), float(longest.launch_h)
     where = f"{analysis.mission.name}, {perf.day.scenarios.label(index)}"
-    drawn, (power, charge) = new_figure(
-        2,
+    panels = 2 if analysis.climb is None else 3
+    drawn, (power, charge, *more) = new_figure(
+        panels,
         canvas=canvas,
         title=f"{analysis.aircraft.name} on {where}: limited, {hours:.1f} h",
         notes=(perf.solar.label, extrapolation_caption(analysis.extrapolations)),
-        size_in=(8.0, 5.6),
+        size_in=(8.0, 2.8 * panels),
         sharex=True,
     )
     end = launch + hours
-    clock_h, solar, load, stored = perf.flight(index, launch, hours)
-    (_, least_w, _, least), (_, most_w, _, most) = (
-        one.flight(index, launch, hours) for one in (analysis.low, analysis.high)
+    flown, less, greater = (
+        one.course(index, launch, hours) for one in (perf, analysis.low, analysis.high)
     )
-    power.plot(clock_h, solar, SUN_LINE, color=SUN, label="solar power")
+    clock_h = flown.clock_h
+    (least_w, least), (most_w, most) = (
+        [np.interp(clock_h, one.clock_h, v) for v in (one.solar_power_w, one.state_of_charge)]
+        for one in (less, greater)
+    )
+    power.plot(clock_h, flown.solar_power_w, SUN_LINE, color=SUN, label="solar power")
     where = where_error_is_known(perf.mission.altitude_m)
     error = f"RMS error of the model{where}, {100 * perf.solar.rms_relative:.0f} %"
-    band: dict[str, Any] = {"alpha": 0.2, "linewidth": 0}
-    power.fill_between(clock_h, least_w, most_w, color=SUN, label=error, **band)
-    power.plot(clock_h, load, LOAD_LINE, color=LOAD, label="load")
+    _error_band(power, clock_h, least_w, most_w, SUN, error)
+    power.plot(clock_h, flown.load_w, LOAD_LINE, color=LOAD, label="load")
     power.set(ylabel="power [W]", ylim=(0, None))
-    charge.plot(clock_h, 100.0 * stored, CHARGE_LINE, color=CHARGE, label="state of charge")
-    with_error, ends = "with that error in solar power", (100.0 * least, 100.0 * most)
-    charge.fill_between(clock_h, *ends, color=CHARGE, label=with_error, **band)
+    percent = 100.0 * flown.state_of_charge
+    charge.plot(clock_h, percent, CHARGE_LINE, color=CHARGE, label="state of charge")
+    _error_band(charge, clock_h, 100.0 * least, 100.0 * most, CHARGE, _WITH_ERROR)
     sunrise, sunset = (float(v[index]) for v in (perf.day.sunrise_h, perf.day.sunset_h))
     if sunset > sunrise:
         nights = [(sunset + 24.0 * day, sunrise + 24.0 * (day + 1)) for day in range(-2, 367)]
     else:
         nights = [(launch, end)]
     shown = [(max(a, launch), min(b, end)) for a, b in nights if a < end and b > launch]
-    for axes in (power, charge):
+    for axes in more:
+        axes.plot(clock_h, flown.altitude_m, color=LOAD)
+        _set_altitudes(axes, flown.altitude_m)
+    last = [power, charge, *more][-1]
+    for axes in (power, charge, *more):
         shade(axes, shown)
     charge.plot([end], [0.0], "o", color=ink(), markersize=4, clip_on=False, label="empty")
     charge.set(ylabel="state of charge [%]", ylim=(0, 105), xlim=(launch, end))
-    _label_clock(charge, (launch, end), lambda day: f"day {day + 1}")
-    charge.set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
+    _label_clock(last, (launch, end), lambda day: f"day {day + 1}")
+    last.set_xlabel(f"solar time, launched with a full battery at {clock_label(launch)}")
     handles = [*power.get_legend_handles_labels()[0], *charge.get_legend_handles_labels()[0]]
     drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     return drawn

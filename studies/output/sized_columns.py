@@ -59,35 +59,23 @@ def sizing_row(
     return row | {"extrapolations": as_text(extrapolations(of, flown))}
 
 
-def size_cells(
+def sized_cells(
     aircraft: Aircraft,
     mission: Mission,
     cells: Sequence[tuple[float, ...]],
     objective: Objective,
     solar: SolarModel,
 ) -> dict[str, Any]:
-    """Best design of an aircraft in every cell of latitude and day of year, as columns.
+    """Best design of an aircraft in every cell, as columns of :data:`.gridded.DESCRIBED`.
 
-    A cell is the mission with the cell's latitude and day instead of its own.
-
-    Parameters
-    ----------
-    aircraft, mission, objective, solar
-        As for :func:`sizing.optimisation.cells.size_cells`.
-    cells : sequence of tuple
-        Latitude [deg] and day of year of every cell.
-
-    Returns
-    -------
-    dict
-        Columns of :data:`studies.output.gridded.DESCRIBED`, in its units.
+    A cell is the mission with the cell's latitude [deg] and day of year instead of its own.
     """
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
     )
     if solar.needs_path and not (able := mission.keeps_path(scenarios)).all():
         calm = [cell for cell, flown in zip(cells, able, strict=True) if flown]
-        sized = size_cells(aircraft, mission, calm, objective, solar) if calm else {}
+        sized = sized_cells(aircraft, mission, calm, objective, solar) if calm else {}
         return _beside_windy_cells(sized, able, mission, scenarios)
     problems = _programs(aircraft, mission, objective, solar)
     sizings = cell_sizing.size_cells(

@@ -107,23 +107,16 @@ def sizing_figures(
     def flown() -> Analysis:
         return analyse(sized, mission, model=solar.model, correction=solar.correction, replay=False)
 
-    def cycle() -> Figure:
-        return plot_cycle(flown(), figure=figure)
-
-    def masses() -> Figure:
-        notes = (extrapolation_caption(study.extrapolations),)
-        return design_plots.plot_masses(
-            parts, f"{sized.name}: mass budget", notes=notes, figure=figure
-        )
-
-    def sensitivities() -> Figure:
-        return design_plots.plot_sensitivities(
-            *(worth or [], result.objective, sized.name, solar),
-            extrapolations=study.extrapolations,
+    notes = (extrapolation_caption(study.extrapolations),)
+    drawn: dict[str, Callable[[], Figure]] = {
+        "cycle.png": lambda: plot_cycle(flown(), figure=figure),
+        "masses.png": partial(
+            design_plots.plot_masses,
+            *(parts, f"{sized.name}: mass budget"),
+            notes=notes,
             figure=figure,
-        )
-
-    drawn = {"cycle.png": cycle, "masses.png": masses}
+        ),
+    }
     if isinstance(getattr(sized.airframe, "structure", None), RibWingStructure):
         drawn["flight-envelope.png"] = lambda: design_plots.plot_flight_envelope(
             flown(), figure=figure
@@ -131,5 +124,10 @@ def sizing_figures(
     if sized.modules.layout is not None:
         drawn["cells.png"] = partial(design_plots.plot_cells, sized, figure=figure)
     if worth:
-        drawn["sensitivities.png"] = sensitivities
+        drawn["sensitivities.png"] = partial(
+            design_plots.plot_sensitivities,
+            *(worth, result.objective, sized.name, solar),
+            extrapolations=study.extrapolations,
+            figure=figure,
+        )
     return drawn

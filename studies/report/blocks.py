@@ -18,6 +18,11 @@ class Text:
     kind: ClassVar[str] = "text"
 
 
+def sentence(clause: str, looks: str = "plain") -> Text:
+    """A clause of a summary as a paragraph."""
+    return Text(f"{clause[:1].upper()}{clause[1:]}.", looks)
+
+
 @dataclass(frozen=True)
 class Items:
     """A list of lines."""

@@ -29,7 +29,7 @@ from sizing.sunlight import SolarDay
 from sizing.varying_load import DesignLoads
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import BoolArray
-from studies.report.blocks import Block, Items, Listing, Section, Tables, Text
+from studies.report.blocks import Block, Items, Listing, Section, Tables, Text, sentence
 from studies.report.subject import Subject
 
 
@@ -70,7 +70,7 @@ def belief_section(subject: Subject) -> Section:
             subject.aircraft, battery_record(subject.aircraft, subject.mission)
         )
         if condition is not None:
-            blocks.append(Text(f"{condition[:1].upper()}{condition[1:]}."))
+            blocks.append(sentence(condition))
     blocks.append(Tables((_published_errors(),)))
     blocks.append(Items(_left_out(subject)))
     return Section("belief", "Confidence", blocks)

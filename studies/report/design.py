@@ -22,17 +22,17 @@ from sizing.results.parts import (
     loss_line,
     neighbour_table,
 )
+from sizing.results.records import with_unit
 from sizing.results.requirements import constraint_words, requirement_margins, requirement_table
 from sizing.results.sizing_summary import (
     cross_check_line,
     margin_table,
     multiplier_table,
     sensitivity_table,
-    with_unit,
 )
 from sizing.results.tables import Table, facts
 from sizing.sunlight import SolarModel
-from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text
+from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text, sentence
 from studies.report.geometry import aircraft_drawing
 from studies.report.subject import Subject
 from studies.report.three_view import three_view
@@ -186,11 +186,11 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
     cells = sizing.get("whole_cells")
     if cells is not None:
         for line in (loss_line(cells, objective), *cells_lines(cells)):
-            blocks.append(Text(f"{line[:1].upper()}{line[1:]}."))
+            blocks.append(sentence(line))
     if sizing.get("structure") is not None:
         structure = sizing["structure"]
         for text in (structure["text"], *structure["remarks"]):
-            blocks.append(Text(f"{text[:1].upper()}{text[1:]}."))
+            blocks.append(sentence(text))
     if sizing.get("reliability") is not None:
         found = sizing["reliability"]
         achieved = f"{100.0 * found['achieved']:.1f} % of {found['samples']} draws"
@@ -216,10 +216,8 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
     if check is not None:
         values: dict[str, Any] = {k: float("nan") if v is None else v for k, v in check.items()}
         found = CrossCheck(**values)
-        line = cross_check_line(found, objective)
-        blocks.append(
-            Text(f"{line[:1].upper()}{line[1:]}.", "good" if found.cross_checked else "warning")
-        )
+        looks = "good" if found.cross_checked else "warning"
+        blocks.append(sentence(cross_check_line(found, objective), looks))
     elif not objective.of_range:
         blocks.append(Text("The optimum was not cross-checked.", "faint"))
     return Section("sizing", "Sizing", blocks)

@@ -65,6 +65,12 @@ def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block
     return blocks
 
 
+def _page_figure(plot: Plot, caption: str, *, title: str, description: str, key: str) -> Figure:
+    """Figure of matplotlib on the page; it is moved under the finger on a telephone."""
+    markup = figure_markup(plot, title=title, description=description, key=key)
+    return Figure(markup, caption, scrolls=True)
+
+
 def day_section(subject: Subject) -> Section:
     """Cycle of the weakest scenario, all scenarios, and the flight on the calendar."""
     analysis = subject.analysis
@@ -81,26 +87,21 @@ def day_section(subject: Subject) -> Section:
         f"{', the weakest scenario' if several else ''}; bands: the solar model's RMS error. Grey: "
         "night."
     )
-    markup = figure_markup(
-        plot_cycle(analysis, figure=page_options(_WIDTH_IN, height)),
-        title=f"Day cycle at {where}",
-        description=described,
-        key="cycle",
-    )
-    blocks: list[Block] = [Figure(markup, caption, scrolls=True)]
+    plot = plot_cycle(analysis, figure=page_options(_WIDTH_IN, height))
+    title = f"Day cycle at {where}"
+    blocks: list[Block] = [
+        _page_figure(plot, caption, title=title, description=described, key="cycle")
+    ]
     if several:
         blocks.append(Tables((_scenarios(analysis),)))
     if analysis.flight is not None:
         blocks.append(
-            Figure(
-                figure_markup(
-                    plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8)),
-                    title="Flight on the calendar",
-                    description="Solar power, load and state of charge over local time.",
-                    key="calendar",
-                ),
+            _page_figure(
+                plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8)),
                 "The mission's launch, flown on the calendar. Grey: night.",
-                scrolls=True,
+                title="Flight on the calendar",
+                description="Solar power, load and state of charge over local time.",
+                key="calendar",
             )
         )
         blocks.append(Tables((flight_table(analysis.flight),)))
@@ -135,12 +136,6 @@ def season_section(subject: Subject) -> Section:
     plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
     _ring_places(plot, scenarios.latitude_deg, scenarios.day_of_year)
     season = _season_text(subject)
-    markup = figure_markup(
-        plot,
-        title="Season map",
-        description=f"Excess time over the days of the year and all latitudes. {season}",
-        key="season",
-    )
     texts = [Text(season)] if season else []
     caption = (
         "Excess time of this aircraft on every day at every latitude, in the mission's air; black "
@@ -150,7 +145,14 @@ def season_section(subject: Subject) -> Section:
         caption = f"{caption[:-1]}; flown as fast as the wind, at the latitudes where it is known."
     if subject.mission.climb is not None:
         caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
-    return Section("season", "The season", [*texts, Figure(markup, caption, scrolls=True)])
+    drawing = _page_figure(
+        plot,
+        caption,
+        title="Season map",
+        description=f"Excess time over the days of the year and all latitudes. {season}",
+        key="season",
+    )
+    return Section("season", "The season", [*texts, drawing])
 
 
 def _ring_places(plot: Plot, latitude_deg: Any, day: Any) -> None:
@@ -207,14 +209,6 @@ def models_section(subject: Subject) -> Section:
     assert comparison is not None  # the path has no trouble
     height = 1.9 + 0.26 * len(comparison.cases)
     plot = plot_comparison(comparison, figure=page_options(_WIDTH_IN + 0.4, height))
-    markup = figure_markup(
-        plot,
-        title="Solar power models side by side",
-        description="For each model and correction the solar energy of a day with the model's RMS "
-        "error, the excess time with that error, and the season of perpetual flight; the same "
-        "numbers are in the table below.",
-        key="models",
-    )
     at = comparison.mission.latitudes()
     where = "" if len(at) == len(subject.mission.latitudes()) else f" at {_places(at)}"
     caption = (
@@ -223,7 +217,15 @@ def models_section(subject: Subject) -> Section:
     )
     blocks: list[Block] = [
         Text(f"{comparison.headline()} {comparison.perpetual_line()}"),
-        Figure(markup, caption, scrolls=True),
+        _page_figure(
+            plot,
+            caption,
+            title="Solar power models side by side",
+            description="For each model and correction the solar energy of a day with the model's "
+            "RMS error, the excess time with that error, and the season of perpetual flight; the "
+            "same numbers are in the table below.",
+            key="models",
+        ),
         *(Tables((table,)) for table in comparison.scenario_tables()),
     ]
     if comparison.notes:
@@ -239,24 +241,17 @@ def uncertainty_section(subject: Subject) -> Section | None:
     uncertainty = subject.uncertainty
     if uncertainty is None:
         return None
-    plot = plot_uncertainty(uncertainty, figure=page_options(9.6))
-    markup = figure_markup(
-        plot,
+    drawing = _page_figure(
+        plot_uncertainty(uncertainty, figure=page_options(9.6)),
+        f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
+        "inputs, and what it depends on.",
         title="Excess time under uncertain inputs",
         description=f"Histogram of the excess time. {uncertainty.headline()}. Beside it the "
         "inputs by what they explain of its variance, as in the table below.",
         key="scatter",
     )
-    blocks = summary_blocks(uncertainty.summary(), title="probability and spread")
-    caption = (
-        f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
-        "inputs, and what it depends on."
-    )
-    return Section(
-        "uncertainty",
-        "Uncertain inputs",
-        [blocks[0], Figure(markup, caption, scrolls=True), *blocks[1:]],
-    )
+    first, *others = summary_blocks(uncertainty.summary(), title="probability and spread")
+    return Section("uncertainty", "Uncertain inputs", [first, drawing, *others])
 
 
 def weather_section(subject: Subject) -> Section | None:
@@ -264,18 +259,16 @@ def weather_section(subject: Subject) -> Section | None:
     weather = subject.weather
     if weather is None:
         return None
-    markup = figure_markup(
+    drawing = _page_figure(
         plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4)),
+        "State of charge at every dawn, survival of launches, and the season in this weather.",
         title="Flight through the weather record",
         description=f"{weather.headline()}. Calendar of the state of charge at every dawn, share "
         "of launches still airborne, and days that close in every month.",
         key="weather",
     )
-    caption = "State of charge at every dawn, survival of launches, and the season in this weather."
-    blocks = summary_blocks(weather.summary(), title="flight through the record")
-    return Section(
-        "weather", "Weather", [blocks[0], Figure(markup, caption, scrolls=True), *blocks[1:]]
-    )
+    first, *others = summary_blocks(weather.summary(), title="flight through the record")
+    return Section("weather", "Weather", [first, drawing, *others])
 
 
 def verification_section(subject: Subject) -> Section | None:
@@ -286,16 +279,16 @@ def verification_section(subject: Subject) -> Section | None:
     from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
 
     blocks = summary_blocks(verification.summary(), title="errors")
-    drawn: list[Block] = []
-    for number, (name, draw) in enumerate(
-        figures(verification, figure=page_options(_WIDTH_IN + 0.4))
-    ):
-        markup = figure_markup(
+    some = figures(verification, figure=page_options(_WIDTH_IN + 0.4))
+    drawings = (
+        _page_figure(
             draw(),
+            f"Measured and modelled power: {name}.",
             title=f"Log and models, {name}",
             description="Measured and modelled solar power over solar time, and what the models "
             "say of angles, efficiencies and shade.",
             key=f"log{number}",
         )
-        drawn.append(Figure(markup, f"Measured and modelled power: {name}.", scrolls=True))
-    return Section("verification", "Models against the flight log", [*blocks, *drawn])
+        for number, (name, draw) in enumerate(some)
+    )
+    return Section("verification", "Models against the flight log", [*blocks, *drawings])

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.files.errors import did_you_mean
 from sizing.catalogues.choice import Kind, entry_names
-from sizing.parameters import catalogue, design_keys
+from sizing.parameters import MISSION_PREFIX, catalogue, design_keys
 
 SampleName = Literal["grid", "lhs", "sobol", "one-at-a-time"]
 SAMPLE_NAMES: tuple[SampleName, ...] = ("grid", "lhs", "sobol", "one-at-a-time")
@@ -138,7 +138,7 @@ def axis_names(axes: Sequence[Axis]) -> list[str]:
 
 def _short(key: str) -> str:
     """Last part of a key; one word alone (a mass, but of what?) takes the part before it along."""
-    *before, last = key.removeprefix("mission.").split(".")
+    *before, last = key.removeprefix(MISSION_PREFIX).split(".")
     return last if "_" in without_unit(last) or not before else f"{before[-1]}_{last}"
 
 
@@ -156,30 +156,26 @@ def axes_of(vary: Mapping[str, ArrayLike]) -> list[Axis]:
     return axes
 
 
-def _axis(key: str, values: tuple[float, ...], *, is_range: bool = False) -> Axis:
+def _axis(
+    key: str, values: tuple[float, ...], *, is_range: bool = False, names: tuple[str, ...] = ()
+) -> Axis:
     full = DESIGN_KEYS.get(key, key.removeprefix("aircraft."))
     if not values:
         raise ValueError(f"{key} needs values")
-    if len(set(values)) < len(values):
+    if len(set(names or values)) < len(values):
         raise ValueError(f"{key} has a value twice")
-    return Axis(full, values, is_range)
+    return Axis(full, values, is_range, names)
 
 
 def _named_axis(key: str, given: Sequence[str]) -> Axis:
     """Axis over entries of a catalogue."""
-    full = key.removeprefix("aircraft.")
     names = tuple(name.strip() for name in given)
-    allowed = entry_names(NAMED_KEYS[full])
+    allowed = entry_names(NAMED_KEYS[key.removeprefix("aircraft.")])
     for name in names:
         if name not in allowed:
             meant = did_you_mean(name, allowed, 3, 0.5)
             raise ValueError(f"{key}: no entry of the catalogue is called {name[:40]!r}{meant}")
-    places = tuple(float(place) for place in range(len(names)))
-    if len(set(names)) < len(names):
-        raise ValueError(f"{key} has a value twice")
-    if not names:
-        raise ValueError(f"{key} needs values")
-    return Axis(full, places, names=names)
+    return _axis(key, tuple(map(float, range(len(names)))), names=names)
 
 
 def shown_value(axis: Axis, value: float) -> Any:

@@ -270,9 +270,7 @@ def _mark_extrapolated(axes: Axes, x: Any, y: Any, outside: NDArray[np.bool_]) -
     """Ring around the points that lie outside the range of a model."""
     if np.isfinite(np.where(outside, y, np.nan)).any():
         x, y = np.asarray(x)[outside], np.asarray(y)[outside]
-        axes.plot(
-            x, y, "o", markersize=9, markerfacecolor="none", color=VERMILLION, label="extrapolated"
-        )
+        axes.plot(x, y, "o", markersize=9, fillstyle="none", color=VERMILLION, label="extrapolated")
 
 
 # ---- Samples

@@ -24,7 +24,7 @@ from sizing.energy.cycle import Status
 from sizing.limits import EQUATIONS, MASS_BUDGET, design_requirements
 from sizing.mass_budget import ImpossibleDesignError, measured_design, operating_trouble
 from sizing.optimisation.objectives import Objective, SizingStatus
-from sizing.parameters import all_replaced
+from sizing.parameters import MISSION_PREFIX, all_replaced
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.results.quantities import (
     CHOSEN,
@@ -44,9 +44,6 @@ from solar.types import FloatArray
 from studies.engine.workers import Cell
 from studies.output import gridded
 from studies.sweeps.axes import DESIGN_KEYS, design_variable
-
-MISSION_PREFIX = "mission."
-
 
 _FLOWN = (*CHOSEN, TOTAL_MASS, PAYLOAD_MASS, *REACHED, ENDURANCE, LOAD)
 

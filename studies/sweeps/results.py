@@ -130,7 +130,7 @@ def _table(data: xr.Dataset, rows: pd.DataFrame, top: int, front: Sequence[str])
     names = [*named, *(name for name in front if name not in shown)]
     columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
     cells = rows[names].astype(object).itertuples(index=False, name=None)
-    return Table("", columns, tuple(tuple(map(_words, row)) for row in cells))
+    return Table("", columns, tuple(tuple(map(_spaced, row)) for row in cells))
 
 
 def _plain(name: str) -> str:
@@ -143,7 +143,7 @@ def _column(data: xr.Dataset, name: str, form: str) -> Column:
     return Column(name, _plain(name), "" if unit == "1" else unit_label(unit), form)
 
 
-def _words(value: Any) -> Any:
+def _spaced(value: Any) -> Any:
     return value.replace("_", " ") if isinstance(value, str) else value
 
 

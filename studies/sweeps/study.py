@@ -25,6 +25,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.energy.cycle import ENDS, Status
 from sizing.optimisation.objectives import Objective, SizingStatus
+from sizing.parameters import MISSION_PREFIX
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
@@ -54,7 +55,6 @@ from studies.sweeps.axes import (
 )
 from studies.sweeps.points import (
     DESCRIBED,
-    MISSION_PREFIX,
     SIZED_BLANKS,
     SIZED_DESCRIBED,
     SweepConfiguration,

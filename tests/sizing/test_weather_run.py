@@ -14,12 +14,12 @@ from sizing.design import FlightConditions, level_flight
 from sizing.library import load_aircraft
 from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
+from sizing.results.weather import wait_for_window
 from sizing.sunlight import SolarModel
 from sizing.weather_run import (
     DayAxis,
     WeatherDays,
     _profile,
-    wait_for_window,
     weather_performance,
 )
 

@@ -41,6 +41,7 @@ def drawings() -> dict[str, Draw]:
     return {
         "cycle": lambda **kw: studies.plot_cycle(_flown(), **kw),
         "cycle-climbing": lambda **kw: studies.plot_cycle(_climbing(), **kw),
+        "cycle-climbing-short": lambda **kw: studies.plot_cycle(_climbs_and_comes_down(), **kw),
         "cycle-short": lambda **kw: studies.plot_cycle(_comes_down(), **kw),
         "flight": lambda **kw: studies.plot_flight(_on_calendar(), _on_calendar().flight, **kw),
         "sensitivities": _sensitivities,
@@ -107,6 +108,12 @@ def _on_calendar() -> sizing.Analysis:
 def _climbing() -> sizing.Analysis:
     climb = ["climb.ceiling_m=3000"]
     where = missions.load_mission("rafz-july", climb)
+    return sizing.analyse(_aircraft("atlantiksolar-as2"), where)
+
+
+@cache
+def _climbs_and_comes_down() -> sizing.Analysis:
+    where = missions.load_mission("rafz-july", ["dates={on: 12-21}", "climb.ceiling_m=3000"])
     return sizing.analyse(_aircraft("atlantiksolar-as2"), where)
 
 

@@ -39,7 +39,7 @@ def size(options: Size) -> None:
     case = load(options.case, options.place, required_excess_time_h=options.required_h)
     if options.hold_station is not None:
         case = case.holding_station(options.hold_station)
-    _check(case, options)
+    _refuse_unsizable(case, options)
     check_report(options.report_file, option="--report")
     study = _designed(case, options)
     record = case.named(study.to_dict())
@@ -79,7 +79,7 @@ def _summary(study: SizingStudy, options: Size) -> Summary:
     return Summary((*found.blocks, Line(f"the optimum by all solar power models: {line}")))
 
 
-def _check(case: Case, options: Size) -> None:
+def _refuse_unsizable(case: Case, options: Size) -> None:
     """Refuse an aircraft or a mission that cannot be sized so."""
     measured = "a measured aircraft cannot be sized; allowed: parametric"
     checks.require_parametric(case, measured)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import click
 
-from studies.cli.command import Command, OutputFile, argument, option
-from studies.cli.options import aircraft_argument, json_option
+from studies.cli.command import Command, argument, option
+from studies.cli.options import aircraft_argument, json_option, write_option
 
 # Kinds of tests; a test compares them with studies.bench.result.
 KINDS = ("iv-curve", "thrust-stand", "glide-polar", "capacity")
@@ -38,11 +38,8 @@ class Bench:
         callback=_print_template,
         help="Print the CSV template of a test, and nothing else.",
     )
-    write_file: str | None = option(
-        "--write",
-        type=OutputFile(),
-        metavar="FILE",
-        help="Write the aircraft with these values, and where they come from.",
+    write_file: str | None = write_option(
+        "Write the aircraft with these values, and where they come from."
     )
     as_json: bool = json_option()
 

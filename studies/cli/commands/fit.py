@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from studies.cli.command import Command, OutputFile, RealRange, argument, completes, option
+from studies.cli.command import Command, RealRange, argument, completes, option
 from studies.cli.options import (
     CaseOptions,
     LogOptions,
@@ -14,6 +14,7 @@ from studies.cli.options import (
     json_option,
     log_options,
     out_option,
+    write_option,
 )
 from studies.output.figures.options import FigureOptions
 
@@ -42,11 +43,8 @@ class Fit:
     other_log: str | None = option(
         "--predict", metavar="LOG", help="Another flight, whose charge is predicted from the fit."
     )
-    write_file: str | None = option(
-        "--write",
-        type=OutputFile(),
-        metavar="FILE",
-        help="Write the fitted aircraft, with where its numbers come from.",
+    write_file: str | None = write_option(
+        "Write the fitted aircraft, with where its numbers come from."
     )
     out_dir: str | None = out_option("a figure")
     figure: FigureOptions = figure_options()
@@ -64,9 +62,7 @@ class Calibrate:
         multiple=True,
         help="Override a key of TECHNOLOGY, e.g. airframe.avionics_mass_kg=0.3. May be repeated.",
     )
-    write_file: str | None = option(
-        "--write", type=OutputFile(), metavar="FILE", help="Write the file."
-    )
+    write_file: str | None = write_option("Write the file.")
     as_json: bool = json_option()
 
 

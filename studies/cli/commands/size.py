@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import click
@@ -97,8 +98,18 @@ class Size:
                 f"{self.objective} counts days or degrees: it has no sensitivities and no "
                 "cross-check"
             )
+        of_clear_days = {
+            "--sensitivities": self.with_sensitivities,
+            "--cross-check": self.with_cross_check,
+            "--reliability": self.reliability is not None,
+        }
         if self.whole_cells:
-            self._refuse_with_whole_cells()
+            others = {
+                f"--objective {self.objective}": self.goal.of_range,
+                **of_clear_days,
+                "--survive": self.survive is not None,
+            }
+            _refuse_given(others, "--whole-cells does not go with {}")
         if self.reliability is not None and of_optimum:
             raise click.UsageError("--sensitivities and --cross-check know of no --reliability")
         if (self.weather_file is None) != (self.survive is None):
@@ -107,44 +118,27 @@ class Size:
             raise click.UsageError(f"{given} needs {other} as well")
         if self.survive is not None:
             self.place.refuse_with_weather()
-            self._refuse_clear_days()
+            if self.report_file is not None:
+                raise click.UsageError(
+                    "--report is of repeated clear days: use --out FOLDER, then solar-uav report "
+                    "FOLDER --weather FILE"
+                )
+            _refuse_given(
+                of_clear_days | {"--required-excess-time": self.required_h is not None},
+                "{} is of repeated clear days: leave it out, or --weather with --survive",
+            )
 
     @property
     def goal(self) -> Objective:
         """Objective of the optimiser."""
         return Objective(self.objective)
 
-    def _refuse_with_whole_cells(self) -> None:
-        """Refuse what is known of the relaxed optimum alone."""
-        others = {
-            f"--objective {self.objective}": self.goal.of_range,
-            "--sensitivities": self.with_sensitivities,
-            "--cross-check": self.with_cross_check,
-            "--reliability": self.reliability is not None,
-            "--survive": self.survive is not None,
-        }
-        for name, given in others.items():
-            if given:
-                raise click.UsageError(f"--whole-cells does not go with {name}")
 
-    def _refuse_clear_days(self) -> None:
-        """Refuse what is asked of clear days together with a share of a record's days."""
-        if self.report_file is not None:
-            raise click.UsageError(
-                "--report is of repeated clear days: use --out FOLDER, then solar-uav report "
-                "FOLDER --weather FILE"
-            )
-        others = {
-            "--sensitivities": self.with_sensitivities,
-            "--cross-check": self.with_cross_check,
-            "--reliability": self.reliability is not None,
-            "--required-excess-time": self.required_h is not None,
-        }
-        for name, given in others.items():
-            if given:
-                raise click.UsageError(
-                    f"{name} is of repeated clear days: leave it out, or --weather with --survive"
-                )
+def _refuse_given(options: Mapping[str, bool], why: str) -> None:
+    """Refuse the first of some options that is given; its name stands for the braces."""
+    for name, given in options.items():
+        if given:
+            raise click.UsageError(why.format(name))
 
 
 size = Command(

@@ -200,7 +200,7 @@ def offline_record(session: Session, *, checks: int = CHECKS) -> dict[str, Any]:
 
 def _offline_field(field: Field) -> dict[str, Any]:
     """Field as the page gets it: within its slider, or fixed."""
-    record = {**vars(field), "whole": field.whole, "allowed": field.allowed}
+    record = field.to_dict()
     if field.fixed:
         return record
     if field.key in AXES:

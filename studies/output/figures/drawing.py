@@ -104,7 +104,9 @@ def new_figure(
     ``grid``: lines of the grid: ``x``, ``y``, ``both``, or none if empty. ``lines``: whether the
     figure is lines of text, such as named bars: its height goes with the type.
     """
-    figure = _begun(canvas, size_in, lines=lines) if isinstance(canvas, FigureOptions) else canvas
+    figure = (
+        _blank_figure(canvas, size_in, lines=lines) if isinstance(canvas, FigureOptions) else canvas
+    )
     panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
     for axes in panels:
         axes.set_axisbelow(True)
@@ -115,7 +117,7 @@ def new_figure(
     return figure, panels
 
 
-def _begun(options: FigureOptions, size_in: tuple[float, float], *, lines: bool) -> Figure:
+def _blank_figure(options: FigureOptions, size_in: tuple[float, float], *, lines: bool) -> Figure:
     """Canvas of the size that was asked for.
 
     A figure without a size grows with its type, by half as much. One of a given width has the

@@ -70,10 +70,6 @@ def _air(trial: Trial, celsius: float) -> Trial:
     return trial.with_mission(air=trial.mission.air.model_copy(update=update))
 
 
-def _wind(trial: Trial, wind_m_per_s: float) -> Trial:
-    return replace(trial.with_mission(wind_m_per_s=wind_m_per_s), solar=SolarModel("FM"))
-
-
 def _turbulence(trial: Trial, **keys: float) -> Trial:
     return trial.with_mission(turbulence=Turbulence().model_copy(update=keys))
 
@@ -87,112 +83,101 @@ def _battery_energy(trial: Trial, energy_wh: float) -> Trial:
     return trial.with_aircraft(battery={"specific_energy_wh_per_kg": specific})
 
 
-LOAD = Input(
-    "load in level flight",
-    "W",
-    lambda trial: trial.load_w,
-    Trial.with_load,
-    lambda used: (0.4 * used, 2.0 * used),
-)
-SOLAR_POWER = Input(
-    "solar power over CAM's",
-    "-",
-    lambda trial: 1.0,
-    lambda trial, factor: _modules(trial, factor * trial.aircraft.modules.efficiency_stc),
-    lambda used: (0.3, 2.0),
-    separate=False,
-)
-CLEARNESS = Input(
-    "clearness",
-    "-",
-    lambda trial: trial.mission.clearness,
-    lambda trial, value: trial.with_mission(clearness=value),
-    lambda used: (0.3, 2.0),
-    scales_power=True,
-)
-MODULES = Input(
-    "efficiency of the modules",
-    "-",
-    lambda trial: trial.aircraft.modules.efficiency_stc,
-    _modules,
-    lambda used: (0.3 * used, 2.0 * used),
-    scales_power=True,
-)
-BATTERY = Input(
-    "energy of the battery",
-    "Wh",
-    lambda trial: trial.aircraft.battery.battery_energy_wh,
-    _battery_energy,
-    lambda used: (0.5 * used, 2.0 * used),
-)
-DISCHARGE = Input(
-    "discharge efficiency",
-    "-",
-    lambda trial: trial.aircraft.battery.discharge_efficiency,
-    lambda trial, value: trial.with_aircraft(battery={"discharge_efficiency": value}),
-    lambda used: (0.5, 1.2),
-)
-TEMPERATURE = Input(
-    "air and module temperature",
-    "°C",
-    lambda trial: float(trial.mission.air_state().temperature_c),
-    _air,
-    lambda used: (-50.0, 100.0),
-)
-TURBULENCE = Input(
-    "turbulence, all day",
-    "-",
-    lambda trial: 0.0,
-    lambda trial, value: _turbulence(trial, all_day=value),
-    lambda used: (-0.6, 1.0),
-    separate=False,
-)
-THERMALS = Input(
-    "level power saved in thermals",
-    "-",
-    lambda trial: 0.0,
-    lambda trial, value: _turbulence(trial, thermal=-value),
-    lambda used: (0.0, 2.0),
-)
-WIND = Input(
-    "easterly wind (FM, circle)",
-    "m/s",
-    lambda trial: 0.0,
-    _wind,
-    lambda used: (0.0, 8.0),
-    separate=False,
-)
-FULL = Input(
-    "charge that counts as full",
-    "-",
-    lambda trial: trial.full_charge,
-    lambda trial, value: replace(trial, full_charge=value),
-    lambda used: (0.9, 1.0),
-)
-LAUNCH = Input(
-    "state of charge at launch",
-    "-",
-    lambda trial: trial.mission.launch.state_of_charge if trial.mission.launch else 1.0,
-    lambda trial, value: trial.with_mission(
-        launch=trial.mission.launch
-        and trial.mission.launch.model_copy(update={"state_of_charge": value})
-    ),
-    lambda used: (0.3, 1.0),
-)
-
 INPUTS = {
-    "load": LOAD,
-    "solar_power": SOLAR_POWER,
-    "clearness": CLEARNESS,
-    "modules": MODULES,
-    "battery": BATTERY,
-    "discharge": DISCHARGE,
-    "temperature": TEMPERATURE,
-    "turbulence": TURBULENCE,
-    "thermals": THERMALS,
-    "wind": WIND,
-    "full": FULL,
-    "launch": LAUNCH,
+    "load": Input(
+        "load in level flight",
+        "W",
+        lambda trial: trial.load_w,
+        Trial.with_load,
+        lambda used: (0.4 * used, 2.0 * used),
+    ),
+    "solar_power": Input(
+        "solar power over CAM's",
+        "-",
+        lambda trial: 1.0,
+        lambda trial, factor: _modules(trial, factor * trial.aircraft.modules.efficiency_stc),
+        lambda used: (0.3, 2.0),
+        separate=False,
+    ),
+    "clearness": Input(
+        "clearness",
+        "-",
+        lambda trial: trial.mission.clearness,
+        lambda trial, value: trial.with_mission(clearness=value),
+        lambda used: (0.3, 2.0),
+        scales_power=True,
+    ),
+    "modules": Input(
+        "efficiency of the modules",
+        "-",
+        lambda trial: trial.aircraft.modules.efficiency_stc,
+        _modules,
+        lambda used: (0.3 * used, 2.0 * used),
+        scales_power=True,
+    ),
+    "battery": Input(
+        "energy of the battery",
+        "Wh",
+        lambda trial: trial.aircraft.battery.battery_energy_wh,
+        _battery_energy,
+        lambda used: (0.5 * used, 2.0 * used),
+    ),
+    "discharge": Input(
+        "discharge efficiency",
+        "-",
+        lambda trial: trial.aircraft.battery.discharge_efficiency,
+        lambda trial, value: trial.with_aircraft(battery={"discharge_efficiency": value}),
+        lambda used: (0.5, 1.2),
+    ),
+    "temperature": Input(
+        "air and module temperature",
+        "°C",
+        lambda trial: float(trial.mission.air_state().temperature_c),
+        _air,
+        lambda used: (-50.0, 100.0),
+    ),
+    "turbulence": Input(
+        "turbulence, all day",
+        "-",
+        lambda trial: 0.0,
+        lambda trial, value: _turbulence(trial, all_day=value),
+        lambda used: (-0.6, 1.0),
+        separate=False,
+    ),
+    "thermals": Input(
+        "level power saved in thermals",
+        "-",
+        lambda trial: 0.0,
+        lambda trial, value: _turbulence(trial, thermal=-value),
+        lambda used: (0.0, 2.0),
+    ),
+    "wind": Input(
+        "easterly wind (FM, circle)",
+        "m/s",
+        lambda trial: 0.0,
+        lambda trial, value: replace(
+            trial.with_mission(wind_m_per_s=value), solar=SolarModel("FM")
+        ),
+        lambda used: (0.0, 8.0),
+        separate=False,
+    ),
+    "full": Input(
+        "charge that counts as full",
+        "-",
+        lambda trial: trial.full_charge,
+        lambda trial, value: replace(trial, full_charge=value),
+        lambda used: (0.9, 1.0),
+    ),
+    "launch": Input(
+        "state of charge at launch",
+        "-",
+        lambda trial: trial.mission.launch.state_of_charge if trial.mission.launch else 1.0,
+        lambda trial, value: trial.with_mission(
+            launch=trial.mission.launch
+            and trial.mission.launch.model_copy(update={"state_of_charge": value})
+        ),
+        lambda used: (0.3, 1.0),
+    ),
 }
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sizing.results.tables import Column, Line, Result, Summary, Table
-from studies.validation.flights.inputs import MISSES, SOLAR_POWER, Input, Miss, Spread
+from studies.validation.flights.inputs import INPUTS, MISSES, Input, Miss, Spread
 from studies.validation.flights.published_flights import Trial, facts_of
 
 if TYPE_CHECKING:
@@ -235,7 +235,7 @@ def explain(
     rows = []
     for miss in misses:
         trial = miss.flight.trial()
-        factor = _root(miss, SOLAR_POWER, trial)
+        factor = _root(miss, INPUTS["solar_power"], trial)
         needed = tuple(_needed(miss, spread, trial, factor) for spread in miss.spreads)
         computed = miss.quantity.compute(trial)
         rows.append(Explanation(miss, computed, needed, _together(miss, trial, computed)))
@@ -261,7 +261,7 @@ def _needed(miss: Miss, spread: Spread, trial: Trial, factor: float | None) -> N
     """Value of one input; ``factor`` is what the solar power would have to be multiplied by."""
     source = spread.input
     used = source.read(trial)
-    if source is SOLAR_POWER or source.scales_power:
+    if source is INPUTS["solar_power"] or source.scales_power:
         needed = None if factor is None else factor * used
     else:
         needed = _root(miss, source, trial)

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from missions.files.writing import (
     OutputError,
+    check_writable_file,
     check_writable_folder,
     to_json,
     to_yaml,
@@ -253,6 +254,27 @@ def test_file_in_the_way_of_a_folder_is_refused(tmp_path: Path) -> None:
         with pytest.raises(OutputError):
             write_folder(path, {"a": b""})
     check_writable_folder(tmp_path / "not" / "there" / "yet")
+
+
+@pytest.mark.parametrize("name", ["nowhere", "loop", "n" * 300, "new/" + "n" * 300 + "/newer"])
+def test_folder_that_cannot_be_made_is_refused_before_any_work(tmp_path: Path, name: str) -> None:
+    (tmp_path / "nowhere").symlink_to(tmp_path / "not" / "there")
+    (tmp_path / "loop").symlink_to("loop")
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(OutputError, match=f"cannot write to .*{name}: "):
+        check_writable_folder(tmp_path / name)
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_folder_that_is_tried_is_not_left(tmp_path: Path) -> None:
+    check_writable_folder(tmp_path / "not" / "there" / "yet")
+    assert not list(tmp_path.iterdir())
+
+
+def test_name_that_is_too_long_is_refused_before_any_work(tmp_path: Path) -> None:
+    path = tmp_path / ("n" * 300 + ".png")
+    with pytest.raises(OutputError, match=r"cannot write .*n\.png: "):
+        check_writable_file(path)
 
 
 def test_folder_made_in_vain_goes_again(tmp_path: Path) -> None:

@@ -193,11 +193,23 @@ def test_all_structural_problems_come_together() -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["a: " + "[" * 50_000, "a: " + "{" * 50_000, "- " * 50_000, "? " * 50_000, "[a, " * 50_000],
+    ("text", "column"),
+    [
+        # The mapping is the first level.
+        ("a: " + "[" * 50_000, 43),
+        ("a: " + "{" * 50_000, 43),
+        ("- " * 50_000, 81),
+        ("? " * 50_000, 81),
+        ("[a, " * 50_000, 161),
+    ],
 )
-def test_deep_nesting_is_refused(parser: str, text: str) -> None:
-    assert "nested too deeply (at most 40 levels)" in parse_problem(text)
+def test_deep_nesting_is_refused_at_its_place(parser: str, text: str, column: int) -> None:
+    assert parse_problem(text) == f"a.yaml:1:{column}: nested too deeply (at most 40 levels)"
+
+
+def test_a_mistake_behind_many_brackets_is_told_as_such(parser: str) -> None:
+    message = parse_problem("a: '" + "[" * 50 + "'\nb: ]")
+    assert message.startswith("a.yaml:2:4: is not valid YAML: ")
 
 
 def test_forty_levels_are_allowed() -> None:

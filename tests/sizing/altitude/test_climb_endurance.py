@@ -130,7 +130,8 @@ def test_without_any_sun_it_is_the_battery_over_the_load() -> None:
 def test_flight_that_is_drawn_ends_with_the_endurance() -> None:
     flown = performance(AS2, mission(3536.0, "surplus"))
     flight = longest(flown)
-    clock_h, solar_w, load_w, charge = flown.flight(0, flight.launch_h, flight.endurance_h)
+    course = flown.course(0, flight.launch_h, flight.endurance_h)
+    clock_h, solar_w, load_w, charge, altitude_m = course
     assert clock_h[[0, -1]] == pytest.approx(
         [flight.launch_h, flight.launch_h + flight.endurance_h]
     )
@@ -141,6 +142,8 @@ def test_flight_that_is_drawn_ends_with_the_endurance() -> None:
     assert load_w.max() > 1.5 * float(flown.nominal_load_w[0])
     assert load_w.min() == pytest.approx(float(flown.design.constant_power_w), rel=1e-6)
     assert solar_w.min() == 0.0
+    assert altitude_m[[0, -1]] == pytest.approx(FLOOR_M)
+    assert FLOOR_M + 500.0 < altitude_m.max() <= 3536.0
 
 
 def test_analysis_gives_the_flight_with_climbs() -> None:

@@ -153,8 +153,8 @@ def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path: Path) -
                 "pack": {"cells_in_parallel": 16667, "cell_mass_kg": 0.0486},
                 "voltage": VOLTAGE,
             },
-            "battery.pack.cells_in_parallel: must be at most 16666, with 6 in series 100000 cells "
-            "(got 16667)",
+            "battery.pack.cells_in_parallel: must be at most 16666: 100000 cells in all, 6 in "
+            "series (got 16667)",
         ),
     ],
 )

@@ -117,6 +117,25 @@ def test_no_tried_launch_flies_longer(name: str) -> None:
     assert 0.0 <= float(found.launch_h) < 24.0
 
 
+def test_of_launches_that_fly_equally_long_the_middle_one_is_found_whatever_rounding_does() -> None:
+    # An October night: launched between 18.9 and 20.4 h a flight of AS-2 ends in the dark of the
+    # third night, at the same load.
+    store, load = Store.of(battery(732.0)), np.full_like(TIME, 42.0)
+    launches = np.arange(16.0, 21.0, 0.01)
+    found = []
+    for nudge in np.random.default_rng(3).uniform(-1e-12, 1e-12, 8):
+        solar = sun(47.6, 292) * (1.0 + nudge)
+        tried = flight_time_h(PowerBalance.of(TIME, solar, load), store, launches)
+        longest = launches[tried > tried.max() - 1e-6]
+        assert longest[-1] - longest[0] > 1.0
+        found.append(float(longest_flight(TIME, solar, load, store).launch_h))
+        # The tries are 0.27 h from each other.
+        assert found[-1] == pytest.approx((longest[0] + longest[-1]) / 2.0, abs=0.28)
+    # Deficits of a night with a sun that differs by 1e-12, summed; a choice by rounding differs
+    # by 0.27 h.
+    assert np.ptp(found) < 1e-9
+
+
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
 @pytest.mark.parametrize("power", [17.0, 40.0])
 def test_polar_night_is_the_battery_alone(limit: ChargeLimit, power: float) -> None:

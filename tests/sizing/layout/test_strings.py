@@ -98,3 +98,18 @@ def test_temperatures_that_no_module_has_are_refused(key: str, value: float) -> 
     with pytest.raises(ValidationError, match=key):
         strings(**{key: value})
     assert strings(coldest_c=-100.0, hottest_c=100.0).coldest_c == -100.0
+
+
+@pytest.mark.parametrize("conversion", ["any", "step_up", "step_down"])
+def test_cells_without_a_voltage_fit_no_mppt(conversion: str) -> None:
+    hot = {"coldest_c": 80.0, "hottest_c": 90.0, "voltage_coefficient_per_k": 0.05}
+    trouble = strings(30, conversion, **hot).trouble(90, LOSS_PER_K, BATTERY_V)
+    assert trouble is not None
+    key, words = trouble
+    assert key == "cells_in_series"
+    assert words.startswith("no number of cells will do: the MPPT takes ")
+
+
+def test_a_string_beyond_the_current_of_the_mppt_is_told_at_the_mppt() -> None:
+    trouble = strings(30, mpp_current_a=7.1).trouble(90, LOSS_PER_K, None)
+    assert trouble == ("mppt", "takes 7 A, less than the 7.1 A of a string")

@@ -74,7 +74,7 @@ def test_record_and_text(reliable):
     assert record["samples"] == 4000
     text = " ".join(str(reliable).split())
     assert "reliability (3 h of excess time in every scenario)" in text
-    assert "asked for 90 %" in text
+    assert "required 90 %" in text
 
 
 def test_no_smaller_design_nearby_is_as_reliable(reliable):

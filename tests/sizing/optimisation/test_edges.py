@@ -20,7 +20,8 @@ pytestmark = pytest.mark.slow
 
 # Wings that are sized by strength alone: the lightest ones, for the widest design spaces.
 STRONG = "airframe.structure={model: rib_wing, calibration: 1.188}"
-# A design for high altitude whose optimum lies far inside its wide design space.
+# A design for high altitude whose optimum lies far inside its wide design space. With 537 Wh/kg a
+# heated battery and modules that balance their heat leave none: a search by simulation misses 3 %.
 HIGH = builders.aircraft(
     "atlantiksolar-design",
     STRONG,
@@ -28,7 +29,7 @@ HIGH = builders.aircraft(
     "design_space.battery_mass_kg={minimum: 0.1, maximum: 1500}",
     "design_space.module_area_m2={minimum: 0.1, maximum: 800}",
     "battery.charge_limit={kind: none}",
-    "battery.specific_energy_wh_per_kg=537",
+    "battery.specific_energy_wh_per_kg=700",
     "modules.efficiency_stc=0.3",
     "airframe.avionics_mass_kg=5",
     "power.avionics_w=20",

@@ -5,11 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
+from missions.files.overrides import with_values
 from missions.library import load_mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.optimisation.cross_check import CrossCheck, _elsewhere, _Judge, cross_check
 from sizing.optimisation.objectives import Objective
+from sizing.optimisation.propulsion import with_flow_of_optimum
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
@@ -20,7 +22,7 @@ from sizing.optimisation.sensitivity import (
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.results.sizing_summary import cross_check_line
-from sizing.sunlight import SolarModel
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from studies.output.design_plots import plot_sensitivities
 
 pytestmark = pytest.mark.slow
@@ -83,24 +85,34 @@ def test_sensitivities_equal_sizing_again(
         assert here.derivative == pytest.approx(difference, rel=0.01), name
 
 
-def test_sensitivities_hold_where_the_charger_takes_over() -> None:
-    # Random mission 37 of benchmarks.random_missions: its optimum sits where, in one interval of
-    # the day, the charger takes over from the sun. A thousandth more light returns 0.45 thousandths
-    # of the capacity, a thousandth less takes 0.56.
+@pytest.mark.parametrize("module_temperature", ["of the air", "by heat balance"])
+def test_sensitivities_hold_where_the_charger_takes_over(module_temperature: str) -> None:
+    # Random mission 37 of benchmarks.random_missions: with modules as warm as the air its optimum
+    # sits where, in one interval of the day, the charger takes over from the sun. A thousandth more
+    # light returns 0.45 thousandths of the capacity, a thousandth less takes 0.56.
     random_missions = pytest.importorskip("benchmarks.random_missions")
     aircraft, mission, objective, required_h = random_missions.random_case(37)
+    if module_temperature == "of the air":
+        air_c = float(mission.air_state().temperature_c)
+        mission = with_values(mission, {"air.module_temperature_c": air_c})
 
-    def best(craft: Aircraft) -> SizingResult:
-        return size_aircraft(craft, mission, objective, required_excess_time_h=required_h)
+    def best(craft: Aircraft) -> tuple[Aircraft, SizingResult]:
+        # At 3.9 km the flow cools the modules. The file's aircraft has half the optimum's span: as
+        # in a whole sizing, the program has the flow of its optimum.
+        given, hours = (mission, objective, UNCORRECTED_CAM), {"required_excess_time_h": required_h}
+        craft, start = with_flow_of_optimum(craft, *given, **hours)
+        return craft, size_aircraft(craft, *given, start=start, **hours)
 
-    here = {s.parameter: s for s in sensitivities(aircraft, mission, best(aircraft))}
+    settled, result = best(aircraft)
+    here = {s.parameter: s for s in sensitivities(settled, mission, result)}
     for name in ("modules.efficiency_stc", "battery.specific_energy_wh_per_kg"):
         step = 5e-3 * here[name].value
         low, high = (
-            value(best(with_parameter(aircraft, mission, name, here[name].value + sign * step)[0]))
-            for sign in (-1.0, 1.0)
+            value(best(with_parameter(aircraft, mission, name, here[name].value + by)[0])[1])
+            for by in (-step, step)
         )
-        # Curvature is nothing in a central difference: 0.1 % is found.
+        # Curvature is nothing in a central difference: 0.1 % is found, and 0.4 % where the
+        # optimum's flow follows the parameter.
         assert here[name].derivative == pytest.approx((high - low) / (2.0 * step), rel=0.005), name
 
 

@@ -81,6 +81,9 @@ def test_shipped_records_are_listed_and_shown(run, tmp_path):
     missing = run("analyse", AS2, "--weather", "colorado")
     assert missing.code == 2
     assert "there is no such file, and none is shipped but colorado-2023" in missing.err
+    nameless = run("analyse", AS2, "--weather", "")
+    assert nameless.code == 2
+    assert nameless.err.startswith("'': there is no such file")
 
 
 def test_what_plays_no_part_in_a_record_is_said(run, tmp_path):

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from click.shell_completion import ShellComplete
 
+from benchmarks.completion_keys import keys_of_classes, to_text
 from studies.cli import __main__ as main
 from studies.cli import completion
 from studies.cli.completion import KEYS_FILE, known_keys
-from studies.cli.completion_keys import keys_of_classes, to_text
 from studies.sweeps.points import BLANKS, SIZED_BLANKS
 
 AGEING = [key.key + "=" for key in known_keys() if key.key.startswith("battery.ageing.")]
@@ -66,19 +66,20 @@ def test_keys_are_offered_part_by_part() -> None:
 
 def test_files_and_folders_are_offered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    for name in ("mine.yaml", "mine-log.csv", "mine.txt", "results/run.json", "more/mine.yml"):
+    logs = ("mine-log.csv", "mine-log.bin")
+    for name in ("mine.yaml", *logs, "mine.txt", "results/run.json", "more/mine.yml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).touch()
     assert offered("analyse", "mi") == ["mine.yaml"]
     assert offered("analyse", "re") == ["results"]
     assert offered("validate", "mo") == ["more/"]
     assert offered("validate", "more/") == ["more/mine.yml"]
-    assert offered("verify", "x", "mine") == ["mine-log.csv"]
+    assert offered("verify", "x", "mine") == ["mine-log.bin", "mine-log.csv"]
     assert offered("analyse", "nowhere/") == []
 
 
 def test_keys_that_are_written_down_are_those_of_the_classes() -> None:
-    made_anew = f"python -m studies.cli.completion_keys writes {KEYS_FILE} anew"
+    made_anew = f"python -m benchmarks.completion_keys writes {KEYS_FILE} anew"
     assert to_text(known_keys()) == to_text(keys_of_classes()), made_anew
 
 

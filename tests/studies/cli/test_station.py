@@ -116,6 +116,11 @@ def test_cells_too_windy_for_the_path_are_infeasible_and_not_failed(
     assert "too windy for the path" in shown.out
     every = run("map", "atlantiksolar-as2", *where, "--latitudes", "60:70:10", "--days", "1:31:30")
     assert every.code == 0
+    # The mission's own place is none of the cells, however windy it is.
+    windy = [*where, "--set", "mission.latitude_deg=60", "--set", "mission.dates.on=01-01"]
+    assert run("analyse", "atlantiksolar-as2", *windy).code == 2
+    from_there = run("map", "atlantiksolar-as2", *windy, *cells, "--json").json()
+    assert from_there["too_windy_days"] == [1, 1]
 
 
 def test_cells_of_designs_too_windy_for_the_path_say_so(run: Run, tmp_path: Path) -> None:

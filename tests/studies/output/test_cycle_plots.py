@@ -55,6 +55,26 @@ def test_an_aircraft_that_comes_down_is_drawn_from_launch_to_empty() -> None:
     assert power.get_ylabel() == "power [W]"
 
 
+def test_a_flight_with_climbs_that_ends_is_drawn_with_its_altitude() -> None:
+    analysis = sizing.analyse(
+        sizing.load_aircraft("atlantiksolar-as2"),
+        missions.load_mission("rafz-july", ["dates={on: 12-21}", "climb.ceiling_m=3536"]),
+    )
+    figure = studies.plot_cycle(analysis)
+    assert figure.get_suptitle().endswith(f"limited, {analysis.endurance_h:.1f} h")
+    _, charge, altitude = figure.axes
+    clock_h, altitude_m = altitude.lines[0].get_data()
+    assert clock_h[-1] - clock_h[0] == pytest.approx(analysis.endurance_h)
+    assert len(charge.lines[0].get_xdata()) == len(clock_h)
+    # From the floor of 536 m up and down again; the repeated day, with an empty battery, has no
+    # surplus to climb with.
+    assert altitude_m[[0, -1]] == pytest.approx(536.0)
+    assert altitude_m.max() > 2500.0
+    assert analysis.climb is not None
+    assert analysis.climb.climb.maximum_altitude_m[0] == pytest.approx(536.0)
+    assert "highest altitude, repeated day" in str(analysis)
+
+
 def test_notes_stand_below_the_title_and_go_with_it() -> None:
     analysis = flown()
     figure = studies.plot_cycle(analysis)

@@ -134,8 +134,10 @@ def test_numbers_of_the_words_on_the_flights() -> None:
         nearly = replace(flight.trial(), full_charge=0.99)
         assert flight.quantity(name).compute(nearly) == pytest.approx(clock_h, abs=0.5 / 60.0)
     flown = study.FLIGHTS["solong-48h"].quantity("time flown").compute
-    assert flown(inputs.THERMALS.change(of_48h, 0.85)) < 40.0
-    assert flown(inputs.THERMALS.change(of_48h.with_load(90.0), 0.85)) == pytest.approx(48.27)
+    assert flown(inputs.INPUTS["thermals"].change(of_48h, 0.85)) < 40.0
+    assert flown(inputs.INPUTS["thermals"].change(of_48h.with_load(90.0), 0.85)) == pytest.approx(
+        48.27
+    )
     with_payload = shipped_mission("rafz-july", payload={"power_w": 6.5})
     lowest = performance(AS2, with_payload).cycle.minimum_state_of_charge[0]
     assert lowest == pytest.approx(0.26, abs=0.005)

@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from studies.validation.flights import inputs, published_flights
-from studies.validation.flights.inputs import CLEARNESS, LOAD, MISSES, MODULES, Miss, Spread
+from studies.validation.flights import published_flights
+from studies.validation.flights.inputs import INPUTS, MISSES, Miss, Spread
 from studies.validation.flights.single_inputs import Explanations, Needed, explain, nearest_root
 
 # The season takes a year of days for each value; it is computed for the documentation's table.
@@ -48,8 +48,10 @@ def test_of_two_roots_the_nearer_is_found() -> None:
 
 def test_uncertainty_of_a_range_is_that_of_an_even_distribution() -> None:
     # JCGM 100:2008, 4.3.7: half the width over the square root of 3.
-    assert Spread(LOAD, 35.0, 46.0, "").standard_uncertainty == pytest.approx(5.5 / 3**0.5)
-    assert Spread(LOAD, 35.0, 46.0, "", 2.0).standard_uncertainty == 2.0
+    assert Spread(INPUTS["load"], 35.0, 46.0, "").standard_uncertainty == pytest.approx(
+        5.5 / 3**0.5
+    )
+    assert Spread(INPUTS["load"], 35.0, 46.0, "", 2.0).standard_uncertainty == 2.0
 
 
 def test_needed_values_give_the_published_number(found: Explanations) -> None:
@@ -62,7 +64,7 @@ def test_needed_values_give_the_published_number(found: Explanations) -> None:
 
 
 def test_one_night_of_atlantiksolar_wants_less_power_and_one_more(found: Explanations) -> None:
-    of_81h, of_28h = (needed(found, i, LOAD.name) for i in (0, 1))
+    of_81h, of_28h = (needed(found, i, INPUTS["load"].name) for i in (0, 1))
     assert of_81h.needed is not None
     assert of_28h.needed is not None
     assert of_81h.needed < of_81h.used < of_28h.needed
@@ -73,7 +75,7 @@ def test_one_night_of_atlantiksolar_wants_less_power_and_one_more(found: Explana
 
 
 def test_light_and_efficiency_scale_the_power_alike(found: Explanations) -> None:
-    clearness, modules = (needed(found, 1, i.name) for i in (CLEARNESS, MODULES))
+    clearness, modules = (needed(found, 1, INPUTS[i].name) for i in ("clearness", "modules"))
     assert clearness.needed is not None
     assert modules.needed is not None
     assert clearness.needed / clearness.used == pytest.approx(modules.needed / modules.used)
@@ -93,7 +95,7 @@ def test_all_inputs_together_lead_towards_the_published_number(found: Explanatio
 
 def test_impossible_number_has_no_explanation() -> None:
     flight = published_flights.FLIGHTS["sky-sailor-27h"]
-    spread = Spread(inputs.TEMPERATURE, 10.0, 32.0, "a test")
+    spread = Spread(INPUTS["temperature"], 10.0, 32.0, "a test")
     told: list[tuple[int, int]] = []
     result = explain(
         (Miss(flight, flight.quantities[0], (spread,)),), lambda *counts: told.append(counts)

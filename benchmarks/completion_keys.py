@@ -1,7 +1,7 @@
 """Keys of aircraft and mission files, written down for shell completion so that it is quick.
 
-Reading them from the classes takes half a second; ``python -m studies.cli.completion_keys`` writes
-``completion_keys.csv`` anew, and a test compares it with the classes.
+Reading them from the classes takes half a second; ``python -m benchmarks.completion_keys`` writes
+``studies/cli/completion_keys.csv`` anew, and a test compares it with the classes.
 """
 
 from __future__ import annotations
@@ -81,4 +81,5 @@ def to_text(keys: list[Key]) -> str:
 
 
 if __name__ == "__main__":
-    Path(__file__).with_name(KEYS_FILE).write_text(to_text(keys_of_classes()), encoding="utf-8")
+    place = Path(__file__).parents[1] / "studies" / "cli" / KEYS_FILE
+    place.write_text(to_text(keys_of_classes()), encoding="utf-8")
