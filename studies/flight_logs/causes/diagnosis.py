@@ -122,7 +122,7 @@ class Diagnosis:
             for name in row.free:
                 if hasattr(error, name):
                     value = self.offsets.get(name, (getattr(self.fit.error, name),))[0]
-                    error = replace(error, **{name: value})
+                    error = error.plus({name: value - getattr(error, name)})
             error = replace(error, signs=error.signs | set(row.signs))
         sigma_s = 0.0 if self.clock is None else self.clock[1]
         return replace(error, clock_s=snapped(error.clock_s, sigma_s))

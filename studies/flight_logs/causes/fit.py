@@ -78,7 +78,8 @@ class Loss:
         if self.form != "low_light":
             return np.asarray(inside, float)
         below = 1.0 - light / LOW_LIGHT_W_PER_M2
-        return inside * np.clip(0.5 + 0.5 * below / MODEL_SIGMAS["level"], 0.0, 1.0)
+        near = np.clip(0.5 + 0.5 * below / MODEL_SIGMAS["level"], 0.0, 1.0)
+        return np.asarray(inside * near, float)
 
 
 class Hypothesis(NamedTuple):
