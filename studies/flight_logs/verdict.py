@@ -75,7 +75,9 @@ def words_of(candidate: Candidate, aircraft: Aircraft) -> str:
     if name == "clock":
         return clock
     if name == "clock and heading":
-        return f"{clock}, and heading off by {_degrees(candidate.fit.error.heading):+.1f} deg"
+        turned = candidate.of_each()[1]
+        heading = f"{_degrees(turned.size):+.1f} ± {np.degrees(turned.sigma):.1f} deg"
+        return f"{clock}, and heading off by {heading}"
     way = {"heading": "clockwise", "roll": "right wing down", "pitch": "nose up"}[name]
     return f"{name} off by {_degrees(size):+.1f} ± {np.degrees(sigma):.1f} deg ({way} is positive)"
 

@@ -12,7 +12,7 @@ from studies.flight_logs.causes.data import Data
 from studies.flight_logs.causes.fit import UNKNOWN_NOISE, Fit, Hypothesis, Noise, fitted
 from studies.flight_logs.causes.fit import modelled as modelled_power
 from studies.flight_logs.causes.forward import Forward, LogError
-from studies.flight_logs.causes.hypotheses import LOSSES, ROWS, Candidate, candidates
+from studies.flight_logs.causes.hypotheses import LOSSES, ROWS, Candidate, candidates, sizes_of
 from studies.flight_logs.causes.left_out import NEAR_FULL, may_be_limited
 from studies.flight_logs.causes.noise import noise_of
 from studies.flight_logs.trackers import Trackers
@@ -93,11 +93,15 @@ class Diagnosis:
         every = [c for one in self.findings for c in (one.best, *one.others)]
         return any(free in one.row.free for one in every)
 
+    @property
+    def offsets(self) -> dict[str, tuple[float, float]]:
+        """Clock and heading as far as they are known."""
+        both = {"clock_s": self.clock, "heading": self.heading}
+        return {name: offset for name, offset in both.items() if offset is not None}
+
     def with_offset(self, finding: Finding) -> Finding:
         """A finding with the clock or heading that all findings together leave."""
-        offsets = {"clock_s": self.clock, "heading": self.heading}
-        marginal = offsets.get(next(iter(finding.best.row.free), ""))
-        return replace(finding, best=replace(finding.best, marginal=marginal))
+        return replace(finding, best=replace(finding.best, offsets=self.offsets))
 
     @property
     def certain(self) -> bool:
@@ -117,8 +121,7 @@ class Diagnosis:
             row = one.best.row
             for name in row.free:
                 if hasattr(error, name):
-                    offset = {"clock_s": self.clock, "heading": self.heading}.get(name)
-                    value = getattr(self.fit.error, name) if offset is None else offset[0]
+                    value = self.offsets.get(name, (getattr(self.fit.error, name),))[0]
                     error = error.plus({name: value - getattr(error, name)})
             error = replace(error, signs=error.signs | set(row.signs))
         sigma_s = 0.0 if self.clock is None else self.clock[1]
@@ -127,11 +130,14 @@ class Diagnosis:
 
 def _well_known(found: Candidate) -> bool:
     """Whether a clock or heading is known to what matters, or is that of a zone."""
-    if found.marginal is None:
-        return True
-    size, sigma = found.marginal
-    zone = found.row.free[0] == "clock_s" and snapped(size, sigma) != size
-    return found.counts() and (zone or sigma <= found.row.least)
+    known = [one for one in found.of_each() if set(one.row.free) & {*one.offsets}]
+    return not known or (found.counts() and all(map(_is_precise, known)))
+
+
+def _is_precise(offset: Candidate) -> bool:
+    """Whether a clock or heading alone is known to what matters, or is that of a zone."""
+    zone = offset.row.name == "clock" and snapped(offset.size, offset.sigma) != offset.size
+    return zone or offset.sigma <= offset.row.least
 
 
 def snapped(ahead_s: float, sigma_s: float) -> float:
@@ -214,7 +220,46 @@ def _findings(data: Data) -> tuple[tuple[Finding, ...], Fit, Noise]:
         # What else is wrong does not depend on which loss it is, but on all other causes.
         if not all(one.row.form in LOSSES for one in found.others):
             break
+    findings, base = _weighed_again(data, findings, base, noise)
     return tuple(findings), base, noise
+
+
+def _weighed_again(
+    data: Data, findings: list[Finding], base: Fit, noise: Noise
+) -> tuple[list[Finding], Fit]:
+    """Findings and fit when losses that fitted alike are compared with all else that is known.
+
+    Errors of the log that were found after a loss make another of those losses the likeliest.
+    """
+    lost = [number for number, one in enumerate(findings) if one.best.row.form in LOSSES]
+    if not lost or lost[-1] == len(findings) - 1 or not findings[lost[-1]].others:
+        return findings, base
+    found, known = findings[lost[-1]], base.hypothesis
+    of_best = found.best.fit.hypothesis
+    every = []
+    for one in (found.best, *found.others):
+        mine = one.fit.hypothesis
+        hypothesis = known._replace(
+            start=base.error,
+            losses=(*known.losses[:-1], mine.losses[-1]),
+            sizes=(*sizes_of(base)[:-1], one.size),
+            parameters=known.parameters + mine.parameters - of_best.parameters,
+            choices=known.choices + mine.choices - of_best.choices,
+        )
+        every.append(replace(one, fit=fitted(data, hypothesis, noise, base)))
+    every = _alike(every, noise)
+    found = Finding(every[0], tuple(every[1:]))
+    findings[lost[-1]] = replace(found, battery=_battery(data.forward.log, found))
+    return findings, every[0].fit
+
+
+def _alike(few: list[Candidate], noise: Noise) -> list[Candidate]:
+    """The best and what fits about as well: in the order of the table where that says nothing."""
+    least = min(one.fit.score(noise) for one in few)
+    alike = [one for one in few if one.fit.score(noise) < least + ALIKE]
+    order = [row.name for row in ROWS]
+    alike.sort(key=lambda one: (max(one.fit.score(noise) - least, BARE), order.index(one.row.name)))
+    return alike
 
 
 def _round(data: Data, known: Hypothesis, base: Fit) -> tuple[Finding | None, Fit, Noise]:
@@ -235,11 +280,7 @@ def _round(data: Data, known: Hypothesis, base: Fit) -> tuple[Finding | None, Fi
     few = [one for one in few if one.counts() and none - one.fit.score(noise) > CLEAR]
     if not few:
         return None, base, noise
-    least = min(one.fit.score(noise) for one in few)
-    alike = [one for one in few if one.fit.score(noise) < least + ALIKE]
-    # A difference that is not worth more than a bare mention leaves the order of the table.
-    order = [row.name for row in ROWS]
-    alike.sort(key=lambda one: (max(one.fit.score(noise) - least, BARE), order.index(one.row.name)))
+    alike = _alike(few, noise)
     # Two errors are not blamed where one of them is enough.
     alike = [
         a for a in alike if not any(set(b.row.free) < set(a.row.free) for b in alike if b.row.free)

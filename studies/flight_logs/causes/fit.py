@@ -69,6 +69,18 @@ class Loss:
         inside = (time_s >= self.start_s) & (time_s <= self.end_s)
         return inside & (light < LOW_LIGHT_W_PER_M2) if self.form == "low_light" else inside
 
+    def share(self, time_s: FloatArray, light: FloatArray) -> FloatArray:
+        """How far it acts on each sample: light near the limit is known to its level only.
+
+        A sharp limit would move samples in and out of the loss with every small turn of the log.
+        """
+        inside = (time_s >= self.start_s) & (time_s <= self.end_s)
+        if self.form != "low_light":
+            return np.asarray(inside, float)
+        below = 1.0 - light / LOW_LIGHT_W_PER_M2
+        near = np.clip(0.5 + 0.5 * below / MODEL_SIGMAS["level"], 0.0, 1.0)
+        return np.asarray(inside * near, float)
+
 
 class Hypothesis(NamedTuple):
     """What is taken to be wrong: an error of the log to start from, what is free, what is lost."""
@@ -149,8 +161,8 @@ def modelled(
         if loss.shadow_w is not None:
             shadow = values[f"loss{number}"] * loss.shadow_w
             continue
-        acts = loss.acts(time_s, parts.light)[:, None] & np.array(loss.surfaces)
-        left = np.where(acts, 0.0 if loss.whole else 1.0 - values[f"loss{number}"], 1.0)
+        lost = 1.0 if loss.whole else values[f"loss{number}"]
+        left = 1.0 - lost * loss.share(time_s, parts.light)[:, None] * np.array(loss.surfaces)
         direct = direct * left
         diffuse = diffuse if loss.form == "direct" else diffuse * left
     power = (direct + diffuse).sum(axis=1) - shadow

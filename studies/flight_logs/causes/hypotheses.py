@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -66,11 +66,16 @@ ROWS = (
 
 @dataclass(frozen=True)
 class Candidate:
-    """A row of the table and its best fit; ``marginal``: mean and deviation of its first error."""
+    """A row of the table and its best fit; ``offsets``: clock and heading with their deviations."""
 
     row: Row
     fit: Fit
-    marginal: tuple[float, float] | None = None
+    offsets: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def _offset(self) -> tuple[float, float] | None:
+        """Mean and deviation of the first free error, if it is one of the offsets."""
+        return self.offsets.get(self.row.free[0]) if self.row.free else None
 
     @property
     def _whole(self) -> bool:
@@ -80,8 +85,8 @@ class Candidate:
     @property
     def size(self) -> float:
         """How large it is: of the first free error, or the share that is lost."""
-        if self.marginal is not None:
-            return self.marginal[0]
+        if self._offset is not None:
+            return self._offset[0]
         if self.row.form == "cap":
             cap = self.fit.hypothesis.cap_w
             assert cap is not None
@@ -98,8 +103,8 @@ class Candidate:
     @property
     def sigma(self) -> float:
         """Standard deviation of the size."""
-        if self.marginal is not None:
-            return self.marginal[1]
+        if self._offset is not None:
+            return self._offset[1]
         if self._whole or self.row.form == "cap" or not (self.row.free or self.row.form):
             return 0.0
         name = self.row.free[0] if self.row.free else f"loss{len(self.fit.hypothesis.losses) - 1}"
@@ -118,12 +123,16 @@ class Candidate:
             return False
         return self.fit.hypothesis.parameters > 0
 
+    def of_each(self) -> list[Candidate]:
+        """The same for each of several free errors alone."""
+        if len(self.row.free) < 2:
+            return [self]
+        rows = [row for row in ROWS if len(row.free) == 1 and row.free[0] in self.row.free]
+        return [replace(self, row=row) for row in rows]
+
     def counts(self) -> bool:
         """Whether it is large enough to matter, and to be no chance."""
-        if len(self.row.free) > 1:
-            rows = [row for row in ROWS if len(row.free) == 1 and row.free[0] in self.row.free]
-            return all(replace(self, row=row).counts() for row in rows)
-        return abs(self.size) >= max(self.row.least, 3.0 * self.sigma)
+        return all(abs(one.size) >= max(one.row.least, 3.0 * one.sigma) for one in self.of_each())
 
 
 def candidates(data: Data, known: Hypothesis, base: Fit, noise: Noise) -> Iterator[Candidate]:
@@ -179,7 +188,7 @@ def _with_losses(
         if shadow is not None and shadow.max() > _LEAST_SHADOW * data.peak:
             shaded = data.time_s[shadow > _LEAST_SHADOW * data.peak]
             loss = Loss("shadow", float(shaded[0]), float(shaded[-1]), (True,) * count, shadow)
-            losses, sizes = (*known.losses, loss), (*_sizes(base), 0.5)
+            losses, sizes = (*known.losses, loss), (*sizes_of(base), 0.5)
             yield known._replace(start=base.error, losses=losses, sizes=sizes)
         return
     own = [tuple(map(bool, mine)) for mine in data.members] if data.trackers > 1 else []
@@ -210,13 +219,13 @@ def _with_losses(
             yield known._replace(
                 start=base.error,
                 losses=(*known.losses, loss),
-                sizes=(*_sizes(base), size),
+                sizes=(*sizes_of(base), size),
                 parameters=known.parameters + one.ends,
                 choices=known.choices + choices,
             )
 
 
-def _sizes(fit: Fit) -> tuple[float, ...]:
+def sizes_of(fit: Fit) -> tuple[float, ...]:
     """Sizes of the losses of a fit."""
     return tuple(fit.values[f"loss{i}"] for i in range(len(fit.hypothesis.losses)))
 
