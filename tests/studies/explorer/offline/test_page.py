@@ -25,7 +25,7 @@ def session_of(name: str) -> Session:
     from studies.cli.options import CaseOptions
 
     case = load(CaseOptions(name, "rafz-july"))
-    return Session(case.craft.document, case.where.document, case.solar)
+    return Session(case.aircraft_file.document, case.mission_file.document, case.solar)
 
 
 @pytest.fixture(scope="module")
