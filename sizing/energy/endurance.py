@@ -4,7 +4,8 @@ One day of the year repeats; a flight is marched from its launch until the batte
 load. A launch by surplus is never the best one: the battery stays full, so the same flight may
 begin when the surplus begins. Launches are therefore tried while the load exceeds the sun. Flight
 time jumps where one more night is just survived and is smooth elsewhere: a coarse search, refined
-around the best launch, finds the longest flight to within seconds.
+around the best launch, finds the longest flight to within seconds. One more launch is tried where
+the day's surplus begins: with next to no battery that alone flies through the day.
 """
 
 from __future__ import annotations
@@ -280,7 +281,11 @@ class Flights(ABC):
         dark_h = self.balance.cumulative_deficit_h()
         cells = np.arange(dark_h.shape[1])
         spacing_h = dark_h[-1] / self.launches
-        tries_h = np.arange(self.launches)[:, np.newaxis] * spacing_h
+        # Begun with a surplus is begun a moment before the deficit ends: its end has the same level.
+        sunniest = dark_h[np.argmax(self.balance.net_w, axis=0), cells]
+        at_surplus_h = np.maximum(np.nextafter(sunniest, -np.inf), 0.0)
+        even_h = np.arange(self.launches)[:, np.newaxis] * spacing_h
+        tries_h = np.sort(np.vstack([even_h, at_surplus_h]), axis=0)
         search = _Search(self, dark_h, np.broadcast_to(cells, tries_h.shape))
         hours = search.hours(tries_h)
         middle = _best_of_day(hours)

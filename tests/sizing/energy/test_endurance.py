@@ -136,6 +136,21 @@ def test_of_launches_that_fly_equally_long_the_middle_one_is_found_whatever_roun
     assert np.ptp(found) < 1e-9
 
 
+@pytest.mark.parametrize("energy_wh", [3e-7, 1e-5, 1e-3])
+def test_next_to_no_battery_flies_from_the_first_surplus_to_the_last(energy_wh: float) -> None:
+    solar, load = sun(47.6, 196), 43.0
+    lit = np.flatnonzero(solar > load)
+    assert np.all(np.diff(lit) == 1)
+    begin, end = (
+        float(np.interp(load, solar[around], TIME[around]))
+        for around in ([lit[0] - 1, lit[0]], [lit[-1] + 1, lit[-1]])
+    )
+    found = longest_flight(TIME, solar, np.full_like(TIME, load), Store.of(battery(energy_wh)))
+    # Beside the surplus the sun changes by some 15 W in an hour: 1 mWh carries a flight for 40 s.
+    assert end - begin <= float(found.endurance_h) + 1e-9 <= end - begin + 0.04
+    assert float(found.launch_h) == pytest.approx(begin, abs=0.02)
+
+
 @pytest.mark.parametrize("limit", [NoChargeLimit(), RuleChargeLimit()])
 @pytest.mark.parametrize("power", [17.0, 40.0])
 def test_polar_night_is_the_battery_alone(limit: ChargeLimit, power: float) -> None:
