@@ -174,7 +174,7 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
     The folder may have come from elsewhere: a symbolic link in it is replaced even where it leads
     to a device.
     """
-    made = _make_folder(folder)
+    made = make_folder(folder)
     try:
         _write_all({folder / file: data for file, data in contents.items()}, named=False)
     except BaseException:  # a signal, too, leaves no empty folder
@@ -182,7 +182,7 @@ def write_folder(folder: Path, contents: Mapping[str, bytes]) -> None:
         raise
 
 
-def _make_folder(folder: Path) -> list[Path]:
+def make_folder(folder: Path) -> list[Path]:
     """Make a folder, and those above it; the new ones, innermost first."""
     made: list[Path] = []
     name = printable(os.fspath(folder))
@@ -235,7 +235,7 @@ def check_writable_folder(folder: Path) -> None:
 
     A folder that does not exist is made, and taken away again.
     """
-    made = _make_folder(folder)
+    made = make_folder(folder)
     try:
         probe(folder, f"to {printable(os.fspath(folder))}")
     finally:

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from missions.files.errors import printable
-from missions.files.writing import OutputError, probe, writing_trouble
+from missions.files.writing import OutputError, make_folder, probe, writing_trouble
 
 _KEY = "[0-9a-f]" * 40
 _LOCK = ".solar-uav.lock"
@@ -65,11 +65,7 @@ class ChunkStore:
 
         Returns this store, locked until the context ends.
         """
-        made = not self.folder.exists()
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"cannot make {self.folder}: {writing_trouble(error)}") from error
+        made = make_folder(self.folder)
         with _locked(self.folder / _LOCK):
             try:
                 probe(self.folder, f"to {printable(os.fspath(self.folder))}")

@@ -213,7 +213,12 @@ def test_a_stopped_command_says_how_to_go_on(
     [
         (["--out", "none/map.nc"], 1, "folder does not exist"),
         (["--out", "folder.nc"], 1, "it is a folder"),
-        (["--out", "map.nc", "--work", "file"], 1, "cannot make file"),
+        (["--out", "map.nc", "--work", "file"], 1, "cannot write to file: file is not a folder"),
+        (
+            ["--out", "map.nc", "--work", "/proc/x"],
+            1,
+            "cannot write to /proc/x: no folder can be made there",
+        ),
         (["--plot", "none/map.png"], 1, "folder does not exist"),
         (["--resize", "min_mass", "--endurance"], 2, "--endurance"),
         (["--scheduler", "tcp://a:1", "--workers", "2"], 2, "--workers"),
