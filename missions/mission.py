@@ -269,6 +269,10 @@ class Climb(Record):
     ``design_space``: what a sizing chooses of both; all else flies between them as they are.
     """
 
+    explained_keys: ClassVar[Mapping[str, str]] = {
+        "maximum_altitude_m": "the highest altitude is climb.ceiling_m"
+    }
+
     ceiling_m: Altitude
     minimum_altitude_m: Altitude | None = None
     strategy: Literal["battery_full", "surplus"] = "battery_full"
@@ -444,7 +448,10 @@ class Mission(FileRecord):
             return self
         try:
             if self.wind_m_per_s:
-                raise ValueError(f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s)")
+                raise ValueError(
+                    f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s), not both: "
+                    "wind_m_per_s: 0 leaves it to wind, wind: null to the constant one"
+                )
             floors = None if self.climb is None else self.climb.design_space.minimum_altitude_m
             ends = () if floors is None else (floors.minimum, floors.maximum)
             for altitude_m in (self.altitude_m, *ends):

@@ -76,7 +76,7 @@ def test_a_given_wind_stays_as_it_is() -> None:
         ({"wind": {"percentile": 100.0}}, "less than 100"),
         ({"wind": {}}, "percentile"),
         ({"wind": {"percentile": "95"}}, "percentile"),
-        ({"wind_m_per_s": 3.0}, r"give wind or wind_m_per_s \(got 3 m/s\)"),
+        ({"wind_m_per_s": 3.0}, r"give wind or wind_m_per_s \(got 3 m/s\), not both"),
         ({"wind": P95 | {"file": "none.csv"}}, "cannot read 'none.csv': No such file"),
     ],
 )

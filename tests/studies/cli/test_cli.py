@@ -269,6 +269,7 @@ def test_wrong_chords_are_refused(run: Run, values: tuple[str, ...], said: str) 
         ("mass_kg", "a known total mass is --mass of analyse"),
         ("airframe.total_mass_kg", "a known total mass is --mass of analyse"),
         ("airframe.mean_chord_m", "the mean chord is airframe.chord_m, in place of aspect_ratio"),
+        ("mission.climb.maximum_altitude_m", "the highest altitude is climb.ceiling_m"),
     ],
 )
 def test_keys_that_people_look_for_are_answered(run: Run, key: str, said: str) -> None:
