@@ -281,7 +281,7 @@ class Flights(ABC):
         dark_h = self.balance.cumulative_deficit_h()
         cells = np.arange(dark_h.shape[1])
         spacing_h = dark_h[-1] / self.launches
-        # Its level is where the deficit before the surplus ends, a moment before that after it begins.
+        # The level of the surplus is where it ends; a moment less of deficit is where it begins.
         sunniest = dark_h[np.argmax(self.balance.net_w, axis=0), cells]
         at_surplus_h = np.maximum(np.nextafter(sunniest, -np.inf), 0.0)
         even_h = np.arange(self.launches)[:, np.newaxis] * spacing_h
