@@ -147,7 +147,20 @@ def rounded(value: float, standard_error: float) -> float:
 def with_values(
     aircraft: Aircraft, parameters: tuple[FitParameter, ...], values: tuple[float, ...]
 ) -> Aircraft:
-    """Aircraft with other values of some parameters, one for each in its unit; not validated."""
+    """Aircraft with other values of some parameters, not validated.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What is changed.
+    parameters : tuple of FitParameter
+    values : tuple of float
+        One for each, in its unit.
+
+    Returns
+    -------
+    Aircraft
+    """
     for one, value in zip(parameters, values, strict=True):
         aircraft = one.applied(aircraft, float(value))
     return aircraft
