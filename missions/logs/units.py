@@ -26,47 +26,36 @@ _DEG = 180.0 / np.pi
 _KNOT = 1852.0 / 3600.0  # International Hydrographic Conference (1929), as are feet those of 1959
 _FOOT = 0.3048
 # The first spelling of each is that of messages. Angles are degrees in log files.
-UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
+_SPELLINGS: Mapping[Dimension, Mapping[str, Unit]] = {
     "time": {
-        "s": Unit(1.0), "sec": Unit(1.0), "seconds": Unit(1.0),
-        "ms": Unit(1e-3), "us": Unit(1e-6), "µs": Unit(1e-6), "ns": Unit(1e-9),
+        "s sec seconds": Unit(1.0), "ms": Unit(1e-3), "us µs": Unit(1e-6), "ns": Unit(1e-9),
         "min": Unit(60.0), "h": Unit(3600.0),
     },
     "angle": {
-        "deg": Unit(1.0), "degree": Unit(1.0), "degrees": Unit(1.0), "°": Unit(1.0),
-        "rad": Unit(_DEG), "radian": Unit(_DEG), "radians": Unit(_DEG), "mrad": Unit(1e-3 * _DEG),
-        "cdeg": Unit(1e-2), "dege7": Unit(1e-7), "e7": Unit(1e-7), "1e-7deg": Unit(1e-7),
+        "deg degree degrees °": Unit(1.0), "rad radian radians": Unit(_DEG),
+        "mrad": Unit(1e-3 * _DEG), "cdeg": Unit(1e-2), "dege7 e7 1e-7deg": Unit(1e-7),
     },
     "length": {
-        "m": Unit(1.0), "metre": Unit(1.0), "metres": Unit(1.0), "meter": Unit(1.0),
-        "meters": Unit(1.0), "km": Unit(1e3), "cm": Unit(1e-2), "mm": Unit(1e-3),
-        "ft": Unit(_FOOT), "feet": Unit(_FOOT),
+        "m metre metres meter meters": Unit(1.0), "km": Unit(1e3), "cm": Unit(1e-2),
+        "mm": Unit(1e-3), "ft feet": Unit(_FOOT),
     },
-    "power": {
-        "w": Unit(1.0), "watt": Unit(1.0), "watts": Unit(1.0), "kw": Unit(1e3), "mw": Unit(1e-3),
-    },
-    "voltage": {
-        "v": Unit(1.0), "volt": Unit(1.0), "volts": Unit(1.0), "mv": Unit(1e-3), "kv": Unit(1e3),
-    },
-    "current": {
-        "a": Unit(1.0), "amp": Unit(1.0), "amps": Unit(1.0), "ampere": Unit(1.0), "ma": Unit(1e-3),
-        "ca": Unit(1e-2),
-    },
+    "power": {"w watt watts": Unit(1.0), "kw": Unit(1e3), "mw": Unit(1e-3)},
+    "voltage": {"v volt volts": Unit(1.0), "mv": Unit(1e-3), "kv": Unit(1e3)},
+    "current": {"a amp amps ampere": Unit(1.0), "ma": Unit(1e-3), "ca": Unit(1e-2)},
     "temperature": {
-        "c": Unit(1.0), "degc": Unit(1.0), "°c": Unit(1.0), "celsius": Unit(1.0),
-        "k": Unit(1.0, -273.15), "kelvin": Unit(1.0, -273.15),
-        "f": Unit(5.0 / 9.0, -160.0 / 9.0), "degf": Unit(5.0 / 9.0, -160.0 / 9.0),
+        "c degc °c celsius": Unit(1.0), "k kelvin": Unit(1.0, -273.15),
+        "f degf": Unit(5.0 / 9.0, -160.0 / 9.0),
     },
-    "share": {
-        "-": Unit(1.0), "1": Unit(1.0), "share": Unit(1.0), "%": Unit(1e-2),
-        "percent": Unit(1e-2), "pct": Unit(1e-2),
-    },
+    "share": {"- 1 share": Unit(1.0), "% percent pct": Unit(1e-2)},
     "speed": {
-        "m/s": Unit(1.0), "mps": Unit(1.0), "m_per_s": Unit(1.0), "m_s": Unit(1.0),
-        "km/h": Unit(1.0 / 3.6), "kmh": Unit(1.0 / 3.6), "kph": Unit(1.0 / 3.6),
-        "kt": Unit(_KNOT), "kts": Unit(_KNOT), "kn": Unit(_KNOT), "knots": Unit(_KNOT),
+        "m/s mps m_per_s m_s": Unit(1.0), "km/h kmh kph": Unit(1.0 / 3.6),
+        "kt kts kn knots": Unit(_KNOT),
     },
 }  # fmt: skip
+UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
+    dimension: {name: unit for names, unit in known.items() for name in names.split()}
+    for dimension, known in _SPELLINGS.items()
+}
 
 _TWO_PI = 2.0 * np.pi
 MOST_SINCE_START = 1e8  # s: smaller times count from the start of a log

@@ -21,7 +21,7 @@ from solar.types import FloatArray
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Channel
 from studies.fitting.channels.flight_errors import WARMTH, FlightError
-from studies.fitting.least_squares import Alone, Problem, Solution, singular_values, solved
+from studies.fitting.least_squares import Problem, Solution, singular_values, solved
 from studies.fitting.parameters import FitParameter, with_values
 
 COLLINEAR = 20.0
@@ -93,43 +93,31 @@ class FoundError(NamedTuple):
 
 @dataclass(frozen=True)
 class Estimate:
-    """Fit of one channel.
-
-    ``covariance``: of the fitted parameters, and after them of the errors. ``singular_values``: of
-    the Jacobian of the fitted parameters with columns of unit length. ``independent``: residuals
-    that are independent in effect. ``before``, ``after``: residuals with the file's values and with
-    the fitted ones. ``errors``: of the flights. ``flights``: values of each of several flights
-    alone, with ``chi_square`` of the differences and its degrees of ``freedom``.
-    """
+    """Fit of one channel; ``before``: residuals with the values of the file."""
 
     channel: Channel
     fitted: tuple[Fitted, ...]
     held: tuple[Held, ...]
-    covariance: FloatArray
-    singular_values: FloatArray
-    independent: float
     before: FloatArray
-    after: FloatArray
-    errors: tuple[FoundError, ...] = ()
-    flights: tuple[Alone, ...] = ()
-    chi_square: float = 0.0
-    freedom: int = 0
+    solution: Solution
+    errors: tuple[FoundError, ...]
 
     def noise(self, hours: float) -> float:
         """Deviation of the residuals' integral over hours: independent ones add up as squares."""
-        if not 0.0 < self.independent < math.inf:
+        left, independent = self.solution.residual, self.solution.independent
+        if not 0.0 < independent < math.inf:
             return 0.0
-        lasts_h = len(self.after) / self.independent * BIN_S / 3600.0
-        return math.sqrt(float(np.mean(self.after**2)) * lasts_h * max(hours, 0.0))
+        lasts_h = len(left) / independent * BIN_S / 3600.0
+        return math.sqrt(float(np.mean(left**2)) * lasts_h * max(hours, 0.0))
 
     @property
     def collinearity(self) -> float:
         """Collinearity index of the fitted parameters; 1 where they do nothing in common."""
-        return 1.0 / float(self.singular_values.min()) if len(self.singular_values) else 1.0
+        return 1.0 / float(self.solution.singular.min(initial=1.0))
 
     def correlation(self) -> FloatArray:
         """Correlation of the fitted parameters."""
-        own = self.covariance[: len(self.fitted), : len(self.fitted)]
+        own = self.solution.covariance[: len(self.fitted), : len(self.fitted)]
         root = np.sqrt(np.diag(own))
         return np.asarray(own / np.outer(root, root))
 
@@ -151,7 +139,6 @@ def estimate(
         place, reason = worst
         held.append(_held(problem, place, reason))
         problem = problem.without(place)
-    before = channel.residual(aircraft)
     fitted = tuple(
         Fitted(one, start, value, error, value - half, value + half)
         for one, start, value, error, half in zip(
@@ -169,15 +156,9 @@ def estimate(
         channel=channel,
         fitted=fitted,
         held=tuple(held),
-        covariance=solution.covariance,
-        singular_values=solution.singular,
-        independent=solution.independent,
-        before=before,
-        after=solution.residual,
+        before=channel.residual(aircraft),
+        solution=solution,
         errors=tuple(FoundError(*one) for one in found),
-        flights=solution.flights,
-        chi_square=solution.chi_square,
-        freedom=solution.freedom,
     )
 
 

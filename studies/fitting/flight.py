@@ -19,9 +19,10 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import FloatArray
+from studies.fitting.channels.battery import charge_channel, load_channel
 from studies.fitting.channels.bins import BIN_S
-from studies.fitting.channels.channel import Flown, joined
-from studies.fitting.channels.found import channels
+from studies.fitting.channels.channel import Channel, Flown, joined
+from studies.fitting.channels.solar import solar_channel
 from studies.fitting.estimation import (
     Estimate,
     Fitted,
@@ -32,13 +33,14 @@ from studies.fitting.estimation import (
 )
 from studies.fitting.flight_tables import differences, error_table, flight_records, flight_table
 from studies.fitting.least_squares import CONFIDENCE
-from studies.fitting.parameters import chosen
+from studies.fitting.parameters import ChannelName, chosen
 from studies.flight_logs.verification import DEFAULT_MISSION, utc_label, verify
 
 Log: TypeAlias = FlightLog | str | os.PathLike[str]
 
 # The report's irradiance model and PV_LIB agree within 3 %; docs/validation.md compares more.
 LIGHT_SIGMA = 0.03
+_FEWEST_BINS = 12  # an hour
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,7 +103,7 @@ class FlightFit(Result):
             )
             for part in self.estimates
         ]
-        whole = block_diag(*(part.covariance[np.ix_(own, own)] for own, part in blocks))
+        whole = block_diag(*(part.solution.covariance[np.ix_(own, own)] for own, part in blocks))
         # Parameters first.
         last = np.concatenate([np.array(own) >= len(part.fitted) for own, part in blocks])
         order = np.argsort(last, kind="stable")
@@ -162,8 +164,8 @@ class FlightFit(Result):
         )
         rows = tuple(
             (
-                *(part.channel.label, part.channel.unit, len(part.after), _independent(part)),
-                *(_rms(part.before), _rms(part.after), part.collinearity),
+                *(part.channel.label, part.channel.unit, len(part.before), _independent(part)),
+                *(_rms(part.before), _rms(part.solution.residual), part.collinearity),
             )
             for part in self.estimates
         )
@@ -200,7 +202,7 @@ def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
 
 def _independent(part: Estimate) -> float | None:
     """Residuals that are independent in effect; nobody asks where nothing was fitted to them."""
-    return part.independent if part.fitted else None
+    return part.solution.independent if part.fitted else None
 
 
 def _log_record(log: FlightLog) -> dict[str, Any]:
@@ -213,16 +215,41 @@ def _channel_record(part: Estimate) -> dict[str, Any]:
         "channel": part.channel.name,
         "label": part.channel.label,
         "unit": part.channel.unit,
-        "bins": len(part.after),
+        "bins": len(part.before),
         "independent": _independent(part),
         "rms_before": _rms(part.before),
-        "rms_after": _rms(part.after),
-        "singular_values": part.singular_values.tolist(),
+        "rms_after": _rms(part.solution.residual),
+        "singular_values": part.solution.singular.tolist(),
         "collinearity": part.collinearity,
         "parameters": [one.parameter.name for one in part.fitted],
         "correlation": part.correlation().tolist(),
         **flight_records(part),
     }
+
+
+def _channels(
+    flown: Flown, aircraft: Aircraft, light_sigma: float
+) -> tuple[dict[ChannelName, Channel], dict[ChannelName, str]]:
+    """Channels that a log has, and why it has no others.
+
+    Each predicts from an aircraft alone, given what else was logged: the charge from the *measured*
+    power and load, so that no error of one model is taken for another's.
+    """
+    found: dict[ChannelName, Channel] = {}
+    lacking: dict[ChannelName, str] = {}
+    made: dict[ChannelName, Channel | str] = {
+        "solar": solar_channel(flown, aircraft, light_sigma),
+        "load": load_channel(flown),
+        "charge": charge_channel(flown),
+    }
+    for name, one in made.items():
+        if isinstance(one, str):
+            lacking[name] = one
+        elif len(one.measured) < _FEWEST_BINS:
+            lacking[name] = f"{len(one.measured)} means over {BIN_S / 60:g} min are too few"
+        else:
+            found[name] = one
+    return found, lacking
 
 
 def fit_flight(
@@ -279,7 +306,7 @@ def fit_flight(
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     verified = [verify(aircraft, one, mission, correct=correct) for one in logs]
     flights = [Flown.of(one, mission) for one in verified]
-    found = [channels(one, aircraft, light_sigma) for one in flights]
+    found = [_channels(one, aircraft, light_sigma) for one in flights]
     estimates, lacking = [], []
     for name in dict.fromkeys(one.channel for one in parameters):
         own = tuple(one for one in parameters if one.channel == name)
@@ -287,8 +314,7 @@ def fit_flight(
         if parts:
             estimates.append(estimate(joined(parts), aircraft, own))
             continue
-        reason = next(m for m in found[0][1] if m.startswith(name)).partition(": ")[2]
-        lacking += [Held(one, one.value(aircraft), reason) for one in own]
+        lacking += [Held(one, one.value(aircraft), found[0][1][name]) for one in own]
     notes = [note for one in verified for note in one.log.notes]
     for one in verified:
         notes += [sentence for sentence, wrong in one.log_verdicts() if wrong]

@@ -43,7 +43,7 @@ def flight_table(estimates: Sequence[Estimate], names: Sequence[str]) -> Table:
 
 def _alone(part: Estimate, place: int) -> Iterator[tuple[Any, ...]]:
     """Number of each flight with value, standard error and share [%] of a parameter."""
-    for number, one in zip(part.channel.numbers, part.flights, strict=False):
+    for number, one in zip(part.channel.numbers, part.solution.flights, strict=False):
         share = float(one.shares[place])
         yield number, float(one.values[place]), float(one.errors[place]), 100.0 * share
 
@@ -70,14 +70,14 @@ def error_table(estimates: Sequence[Estimate], names: Sequence[str]) -> Table:
 def differences(estimates: Sequence[Estimate]) -> Iterator[Line]:
     """Whether several flights agree, a line for each channel."""
     for part in estimates:
-        if part.freedom:
-            likely = float(chi2.sf(part.chi_square, part.freedom))
+        chi_square, freedom = part.solution.chi_square, part.solution.freedom
+        if freedom:
             text = (
                 f"{part.channel.label}: differences between the flights have chi-square "
-                f"{part.chi_square:.1f} at {part.freedom} degrees of freedom, probability "
-                f"{likely:.2g}"
+                f"{chi_square:.1f} at {freedom} degrees of freedom, probability "
+                f"{float(chi2.sf(chi_square, freedom)):.2g}"
             )
-            wider = widening(part.chi_square, part.freedom)
+            wider = widening(chi_square, freedom)
             if wider > 1.0:
                 text += f": they differ; intervals are {wider:.2f} times as wide for it"
             yield Line(text, "warning" if wider > 1.0 else "plain")
@@ -100,8 +100,8 @@ def flight_records(part: Estimate) -> dict[str, Any]:
                 "standard_errors": one.errors.tolist(),
                 "shares": one.shares.tolist(),
             }
-            for number, one in zip(part.channel.numbers, part.flights, strict=False)
+            for number, one in zip(part.channel.numbers, part.solution.flights, strict=False)
         ],
-        "chi_square": part.chi_square,
-        "degrees_of_freedom": part.freedom,
+        "chi_square": part.solution.chi_square,
+        "degrees_of_freedom": part.solution.freedom,
     }

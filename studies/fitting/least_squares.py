@@ -98,9 +98,11 @@ class Problem:
 class Solution:
     """Best values and their errors.
 
-    ``half_width``: of the parameters. ``errors``: best values of those of the flights.
-    ``covariance``: of parameters and errors. ``flights``: what each says alone, where there are
-    several. ``chi_square``, ``freedom``: of the differences between them.
+    ``residual``: with them. ``covariance``: of the parameters, and after them of the errors.
+    ``half_width``: of the parameters. ``singular``: values of the parameters' Jacobian with columns
+    of unit length. ``independent``: residuals that are so in effect. ``errors``: best values of
+    those of the flights. ``flights``: what each says alone, where there are several.
+    ``chi_square``, ``freedom``: of the differences between them.
     """
 
     values: FloatArray

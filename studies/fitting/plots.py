@@ -86,7 +86,7 @@ def _draw(upper: Axes, lower: Axes, part: Estimate, hours: FloatArray) -> None:
     measured = channel.measured
     for residual, name, colour, dashes in (
         (part.before, "before", BLUE, "--"),
-        (part.after, "fitted", VERMILLION, "-"),
+        (part.solution.residual, "fitted", VERMILLION, "-"),
     ):
         model = broken_line(channel.run, hours, measured - residual)
         upper.plot(*model, color=colour, linestyle=dashes, linewidth=1.2, label=name)

@@ -193,8 +193,8 @@ def _noise_wh(fit: FlightFit, course: Course) -> float:
 
 def _gauge(fit: FlightFit) -> float:
     """Error of the gauge that the fitted flight shows, with which the other is read too [-]."""
-    spread = [float(np.std(p.after)) for p in fit.estimates if p.channel.name == "charge"]
-    return spread[0] if spread else 0.0
+    left = [p.solution.residual for p in fit.estimates if p.channel.name == "charge"]
+    return float(np.std(left[0])) if left else 0.0
 
 
 def _measured(log: FlightLog, night_h: float | None) -> Course:

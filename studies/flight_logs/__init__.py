@@ -2,6 +2,6 @@
 
 * ``verification``: ``verify``: errors of all models, and what looks wrong in the flight
 * ``samples``, ``errors``, ``log_view``: models on a log, their errors, the log as rules look at it
-* ``anomalies``, ``limited_charging``: the rules; ``synthetic``: logs with known faults
+* ``anomalies``: losses and gaps by periods; ``synthetic``: logs with known faults
 * ``plots``: figures
 """

@@ -5,19 +5,17 @@ Time is universal time, as the log has it; solar time stands above.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from solar.names import ModelName
 from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.errors import Section, day_masks, moving_average
 from studies.flight_logs.log_view import Kind
-from studies.flight_logs.samples import Detail, Samples
+from studies.flight_logs.samples import Samples
 from studies.flight_logs.verification import Verification
 from studies.output.figures.drawing import (
     BLUE,
@@ -54,37 +52,34 @@ _FAULTS: dict[Kind, tuple[str, str]] = {
     "frozen_channel": ("channel frozen", "||"),
     "missing_data": ("no data", "///"),
 }
+_POWER = "solar power [W]"  # the highest panel
 # More points than this are not told apart on a page.
 _MOST_POINTS = 4000
 
 
-@dataclass(frozen=True)
-class _View:
+class _Row(NamedTuple):
+    """One of the panels: label, values and style of each line, whether zero is marked, limits."""
+
+    label: str
+    lines: list[tuple[str, FloatArray, dict[str, Any]]]
+    zero: bool = False
+    limits: Mapping[str, Any] = {}
+
+
+class _View(NamedTuple):
     """What one figure shows: samples of one window or day, filtered, over universal time.
 
-    ``hours`` counts on across midnight from that of ``date``, solar time is ``solar_ahead_h`` more;
-    ``raw`` are the samples as they were logged. ``gaps`` are where samples are missing that the sun
-    would have lit, ``faults`` what looks wrong, by kind.
+    ``hours`` counts on across midnight from that of ``date``, solar time is ``solar_ahead_h`` more.
+    ``faults``: what looks wrong by kind, and where samples are missing that the sun would have lit.
     """
 
     date: str
     solar_ahead_h: float
-
     hours: FloatArray
     run: IntArray
-    measured: FloatArray
-    modelled: dict[ModelName, FloatArray]
-    angles: list[tuple[str, FloatArray]]
-    yaw_deg: FloatArray | None
-    detail: Detail | None
-    raw_shaded_m2: FloatArray | None
-    raw_volts: FloatArray | None
+    rows: list[_Row]
     excluded: BoolArray
-    gaps: list[tuple[float, float]]
     faults: dict[Kind, list[tuple[float, float]]]
-
-
-Draw: TypeAlias = "Callable[[Axes, _View], None]"
 
 
 def figures(
@@ -152,7 +147,7 @@ def _faults(
 
 
 def _view(result: Verification, mask: BoolArray, filter_s: float, *, attitude: bool) -> _View:
-    samples, log = result.samples, result.log
+    samples = result.samples
     stride = max(1, int(mask.sum()) // _MOST_POINTS)
     chosen = np.flatnonzero(mask)[::stride]
     # As in the errors, limited power does not leak into the averages beside it.
@@ -162,35 +157,79 @@ def _view(result: Verification, mask: BoolArray, filter_s: float, *, attitude: b
     def shown(values: FloatArray) -> FloatArray:
         return moving_average(values, run, samples.time_s, filter_s)[chosen]
 
-    angles, yaw = [], None
-    if attitude and log.attitude is not None:
-        roll, pitch, heading = (np.degrees(a[samples.index]) for a in log.attitude)
-        angles = [("roll", shown(roll)), ("pitch", shown(pitch))]
-        yaw = heading[chosen] % 360.0  # not averaged: across north the mean would point south
-    detail = None
-    if samples.detail is not None:
-        detail = samples.detail.mapped(lambda _, values: shown(values))
-    shaded = None if samples.detail is None else samples.detail.shaded_m2
-    volts = log.mppt_voltage_v
     hours, midnight_s = _hours(samples, mask)
     solar_h = samples.time_solar_h[mask] + 24.0 * samples.solar_day[mask]
-    ahead = solar_h - hours - midnight_s / 3600.0
+    faults = _faults(result, hours, midnight_s)
+    if gaps := _gaps(result, mask, midnight_s):
+        faults["missing_data"] = gaps
     return _View(
         date=str(np.datetime64(int(midnight_s), "s").astype("datetime64[D]")),
-        solar_ahead_h=float(np.median(ahead)),
+        solar_ahead_h=float(np.median(solar_h - hours - midnight_s / 3600.0)),
         hours=hours[::stride],
         run=run[chosen],
-        measured=shown(samples.measured_w),
-        modelled={m: shown(power) for m, power in samples.modelled_w.items()},
-        angles=angles,
-        yaw_deg=yaw,
-        detail=detail,
-        raw_shaded_m2=None if shaded is None else shaded[chosen],
-        raw_volts=None if volts is None else volts[samples.index][chosen],
+        rows=list(_rows(result, chosen, shown, attitude=attitude)),
         excluded=result.excluded[chosen],
-        gaps=_gaps(result, mask, midnight_s),
-        faults=_faults(result, hours, midnight_s),
+        faults=faults,
     )
+
+
+def _rows(
+    result: Verification,
+    chosen: IntArray,
+    shown: Callable[[FloatArray], FloatArray],
+    *,
+    attitude: bool,
+) -> Iterator[_Row]:
+    """Panels of a figure: ``shown`` averages what is drawn of the samples that are ``chosen``."""
+    samples, log, detail = result.samples, result.log, result.samples.detail
+    measured = shown(samples.measured_w)
+    models = [
+        (m, shown(power), {"color": MODEL_COLOURS[m], "linestyle": MODEL_LINES[m]})
+        for m, power in samples.modelled_w.items()
+    ]
+    flown = ("measured", measured, {"color": ink(), "linewidth": _MEASURED_WIDTH})
+    yield _Row(_POWER, [*models, flown])
+    left = [(f"_{m}", power - measured, style) for m, power, style in models]
+    yield _Row("model − measured [W]", left, zero=True)
+    attitude &= log.attitude is not None
+    angles: list[tuple[str, FloatArray, dict[str, Any]]] = []
+    yaw = np.zeros(0)
+    if attitude and log.attitude is not None:
+        roll, pitch, yaw = (np.degrees(angle[samples.index]) for angle in log.attitude)
+        angles = [
+            ("roll", shown(roll), {"color": GREEN}),
+            ("pitch", shown(pitch), {"color": SKY, "linestyle": "--"}),
+        ]
+    if detail is not None:
+        style = {"color": VERMILLION, "linestyle": ":"}
+        angles.append(("incidence", shown(detail.incidence_deg), style))
+    if angles:
+        yield _Row("angle [deg]", angles)
+    if attitude:  # not averaged: across north the mean would point south
+        dots = {"color": "grey", "linestyle": "none", "marker": ".", "markersize": 2}
+        compass = {"ylim": (0, 360), "yticks": (0, 90, 180, 270, 360)}
+        yield _Row("angle [deg]", [("yaw", yaw[chosen] % 360.0, dots)], limits=compass)
+    if detail is not None:
+        every = (
+            ("incidence", detail.incidence_efficiency, ORANGE, ":"),
+            ("low light", detail.low_light_efficiency, SKY, "-."),
+            ("temperature", detail.temperature_efficiency, GREEN, (0, (6, 1, 1, 1, 1, 1))),
+            ("MPPT", detail.mppt_efficiency, BLUE, "--"),
+            ("module", detail.module_efficiency, VERMILLION, "-"),
+        )
+        drawn = [
+            (label, 100.0 * shown(values), {"color": colour, "linestyle": dashes})
+            for label, values, colour, dashes in every
+        ]
+        yield _Row("efficiency [%]", drawn)
+    if detail is not None and detail.shaded_m2 is not None:
+        shaded = 1e4 * detail.shaded_m2[chosen]
+        top = max(1.0, 1.05 * float(np.nanmax(shaded, initial=0.0)))
+        limits = {"ylim": (-0.03 * top, top)}  # a line at zero stays visible
+        yield _Row("shaded [cm²]", [("modelled", shaded, {"color": LOGGED})], limits=limits)
+    if log.mppt_voltage_v is not None:
+        volts = log.mppt_voltage_v[samples.index][chosen]
+        yield _Row("voltage [V]", [("MPPT", volts, {"color": LOGGED})])
 
 
 def _figure(
@@ -200,10 +239,9 @@ def _figure(
     patches: list[tuple[float, float]],
     canvas: Canvas,
 ) -> Figure:
-    rows = _rows(view)
-    heights = [2.0 if draw is _draw_power else 1.2 for draw in rows]
+    heights = [2.0 if row.label == _POWER else 1.2 for row in view.rows]
     figure, every = new_figure(
-        len(rows),
+        len(heights),
         canvas=canvas,
         title=f"{result.aircraft}, {section.label}: models against flight",
         notes=(f"average over ±{section.filter_s:g} s",),
@@ -213,9 +251,14 @@ def _figure(
     )
     edges = np.flatnonzero(np.diff(np.concatenate(([0], view.excluded.astype(int), [0]))))
     excluded = view.hours[edges.reshape(-1, 2) - (0, 1)]
-    for axes, draw in zip(every, rows, strict=True):
-        draw(axes, view)
-        named = draw is _draw_power
+    for axes, row in zip(every, view.rows, strict=True):
+        for label, values, style in row.lines:
+            points = broken_line(view.run, view.hours, values)
+            axes.plot(*points, label=label, **{"linewidth": 1.0, **style})
+        if row.zero:
+            axes.axhline(0.0, color=ink(), linewidth=0.8)
+        axes.set(ylabel=row.label, **row.limits)
+        named = row.label == _POWER
         shade(axes, patches, "window" if named else None)
         shade(axes, excluded, "excluded" if named else None, color=LIMITED, alpha=0.3)
         _mark_faults(axes, view, named=named)
@@ -235,45 +278,12 @@ def _shift(hours: float) -> Callable[[Any], Any]:
 
 def _mark_faults(axes: Axes, view: _View, *, named: bool) -> None:
     """Hatch what looks wrong, a hatch for each kind, and where there are no samples."""
-    marked = dict(view.faults)
-    if view.gaps:
-        marked["missing_data"] = view.gaps
-    for kind, spans in marked.items():
+    for kind, spans in view.faults.items():
         label, hatch = _FAULTS[kind]
         style: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK_GREY, "hatch": hatch}
         for number, (start, end) in enumerate(spans):
             name = label if named and number == 0 else None
             axes.axvspan(start, end, zorder=0.5, linewidth=0.0, label=name, **style)
-
-
-def _rows(view: _View) -> list[Draw]:
-    rows: list[Draw] = [_draw_power, _draw_residuals]
-    if view.angles or view.detail is not None:
-        rows.append(_draw_angles)
-    if view.yaw_deg is not None:
-        rows.append(_draw_yaw)
-    if view.detail is not None:
-        rows.append(_draw_efficiencies)
-    if view.raw_shaded_m2 is not None:
-        rows.append(_draw_shade)
-    if view.raw_volts is not None:
-        rows.append(_draw_voltage)
-    return rows
-
-
-def _line(
-    axes: Axes,
-    view: _View,
-    values: FloatArray,
-    *,
-    color: str,
-    label: str,
-    linestyle: Any = "-",
-    linewidth: float = 1.0,
-) -> None:
-    """Draw a line that is broken where samples are missing."""
-    points = broken_line(view.run, view.hours, values)
-    axes.plot(*points, linewidth=linewidth, color=color, linestyle=linestyle, label=label)
 
 
 def broken_line(
@@ -282,66 +292,3 @@ def broken_line(
     """Points of a line that is broken between uninterrupted stretches."""
     breaks = np.flatnonzero(np.diff(run)) + 1
     return np.insert(hours, breaks, np.nan), np.insert(np.asarray(values, float), breaks, np.nan)
-
-
-def _draw_power(axes: Axes, view: _View) -> None:
-    for model, power in view.modelled.items():
-        _line(
-            axes, view, power,
-            color=MODEL_COLOURS[model], linestyle=MODEL_LINES[model], label=model,
-        )  # fmt: skip
-    _line(axes, view, view.measured, color=ink(), label="measured", linewidth=_MEASURED_WIDTH)
-    axes.set_ylabel("solar power [W]")
-
-
-def _draw_residuals(axes: Axes, view: _View) -> None:
-    for model, power in view.modelled.items():
-        _line(
-            axes, view, power - view.measured,
-            color=MODEL_COLOURS[model], linestyle=MODEL_LINES[model], label=f"_{model}",
-        )  # fmt: skip
-    axes.axhline(0.0, color=ink(), linewidth=0.8)
-    axes.set_ylabel("model − measured [W]")
-
-
-def _draw_angles(axes: Axes, view: _View) -> None:
-    for (name, values), colour, dashes in zip(view.angles, (GREEN, SKY), ("-", "--"), strict=False):
-        _line(axes, view, values, color=colour, linestyle=dashes, label=name)
-    if view.detail is not None:
-        angle = view.detail.incidence_deg
-        _line(axes, view, angle, color=VERMILLION, linestyle=":", label="incidence")
-    axes.set_ylabel("angle [deg]")
-
-
-def _draw_yaw(axes: Axes, view: _View) -> None:
-    assert view.yaw_deg is not None  # a row of figures of a window with attitude
-    axes.plot(view.hours, view.yaw_deg, ".", color="grey", markersize=2, label="yaw")
-    axes.set(ylabel="angle [deg]", ylim=(0, 360), yticks=(0, 90, 180, 270, 360))
-
-
-def _draw_efficiencies(axes: Axes, view: _View) -> None:
-    detail = view.detail
-    assert detail is not None  # a row of figures with a Full Model
-    for values, label, colour, dashes in (
-        (detail.incidence_efficiency, "incidence", ORANGE, ":"),
-        (detail.low_light_efficiency, "low light", SKY, "-."),
-        (detail.temperature_efficiency, "temperature", GREEN, (0, (6, 1, 1, 1, 1, 1))),
-        (detail.mppt_efficiency, "MPPT", BLUE, "--"),
-        (detail.module_efficiency, "module", VERMILLION, "-"),
-    ):
-        _line(axes, view, 100.0 * values, color=colour, linestyle=dashes, label=label)
-    axes.set_ylabel("efficiency [%]")
-
-
-def _draw_shade(axes: Axes, view: _View) -> None:
-    assert view.raw_shaded_m2 is not None  # a row of figures with a tail
-    _line(axes, view, 1e4 * view.raw_shaded_m2, color=LOGGED, label="modelled")
-    axes.set_ylabel("shaded [cm²]")
-    top = max(1.0, 1.05e4 * float(np.nanmax(view.raw_shaded_m2, initial=0.0)))
-    axes.set_ylim(-0.03 * top, top)  # a line at zero stays visible
-
-
-def _draw_voltage(axes: Axes, view: _View) -> None:
-    assert view.raw_volts is not None  # a row of figures with a voltage
-    _line(axes, view, view.raw_volts, color=LOGGED, label="MPPT")
-    axes.set_ylabel("voltage [V]")

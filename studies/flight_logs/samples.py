@@ -6,9 +6,9 @@ aircraft allow: VM and FM need the attitude and the module surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,7 @@ from solar.types import FloatArray, IntArray
 from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
 
 
-@dataclass(frozen=True)
-class Detail:
+class Detail(NamedTuple):
     """What the Full Model says beside the power, averaged over the surfaces by area.
 
     Angles in degrees, temperatures in degrees Celsius, irradiance on the modules in W/m2; relative
@@ -42,11 +41,6 @@ class Detail:
     mppt_efficiency: FloatArray
     module_temperature_c: FloatArray
     shaded_m2: FloatArray | None
-
-    def mapped(self, change: Callable[[str, FloatArray], FloatArray]) -> Detail:
-        """Every array changed by a function of its name and itself."""
-        arrays: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
-        return replace(self, **{n: change(n, v) for n, v in arrays.items() if v is not None})
 
 
 @dataclass(frozen=True)
@@ -144,9 +138,9 @@ def _modelled(lit: Forward) -> tuple[dict[ModelName, FloatArray], Detail | None]
     power = {model: np.concatenate([part[model] for part in parts]) for model in parts[0]}
     if details[0] is None:
         return power, None
-    return power, details[0].mapped(
-        lambda name, _: np.concatenate([getattr(detail, name) for detail in details])
-    )
+    columns = zip(*details, strict=True)
+    joined: list[Any] = [None if c[0] is None else np.concatenate(c) for c in columns]
+    return power, Detail(*joined)
 
 
 def _of_chunk(lit: Forward, module_c: float) -> tuple[dict[ModelName, FloatArray], Detail | None]:

@@ -33,14 +33,6 @@ _MPPT_V = 20.0
 _GUST_S = 2.0  # over which gusts are correlated
 
 
-class Fault(NamedTuple):
-    """A fault put into a log, of a kind of :mod:`studies.flight_logs.log_view`; times in s UTC."""
-
-    kind: str
-    start_s: float
-    end_s: float
-
-
 @dataclass(frozen=True)
 class Faults:
     """What to put into a log; periods are hours since its start.
@@ -73,10 +65,9 @@ class Settings:
 
 @dataclass(frozen=True)
 class SyntheticLog:
-    """Rows of a log in the CSV format, and the faults that are in them."""
+    """Rows of a log in the CSV format."""
 
     table: pd.DataFrame
-    faults: tuple[Fault, ...]
 
     def log(self) -> FlightLog:
         """The rows as if they had been read from a file."""
@@ -96,8 +87,7 @@ def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> S
     elapsed = np.arange(count) / settings.rate_hz
     flown = _path_flown(mission, elapsed, settings, rng)
     truth = _truth(aircraft, mission, settings.start_utc_s + elapsed, flown, settings.faults)
-    table = _instruments(mission, settings, elapsed, flown, truth, rng)
-    return SyntheticLog(table, _listed(settings, truth))
+    return SyntheticLog(_instruments(mission, settings, elapsed, flown, truth, rng))
 
 
 class _Flown(NamedTuple):
@@ -111,7 +101,6 @@ class _Flown(NamedTuple):
 class _Truth(NamedTuple):
     power_w: FloatArray
     irradiance_w_per_m2: FloatArray
-    shaded: FloatArray
 
 
 def _path_flown(
@@ -176,7 +165,7 @@ def _truth(
         covered = part.shadowed(LogError())
         taken = none[part.index] if covered is None else (every.direct * covered).sum(axis=1)
         shaded = taken / np.maximum(every.power, 1e-9)
-        chunks.append(_Truth(every.power * (1.0 - shaded), every.light, shaded))
+        chunks.append(_Truth(every.power * (1.0 - shaded), every.light))
     return _Truth(*(np.concatenate(columns) for columns in zip(*chunks, strict=True)))
 
 
@@ -241,22 +230,3 @@ def _within(hours: FloatArray, period: Period | None) -> np.ndarray[tuple[int], 
     if period is None:
         return np.zeros(len(hours), bool)
     return np.asarray((hours >= period[0]) & (hours < period[1]), bool)
-
-
-def _listed(settings: Settings, truth: _Truth) -> tuple[Fault, ...]:
-    faults, begin = settings.faults, settings.start_utc_s
-    periods = {
-        "mppt_not_tracking": faults.mppt,
-        "battery_full": faults.battery_full,
-        "missing_data": faults.missing,
-    }
-    listed = [
-        Fault(kind, begin + 3600.0 * period[0], begin + 3600.0 * period[1])
-        for kind, period in periods.items()
-        if period is not None
-    ]
-    dark = np.flatnonzero(truth.shaded > 0.01)
-    if len(dark):
-        first, last = (begin + dark[i] / settings.rate_hz for i in (0, -1))
-        listed.append(Fault("shading", first, last))
-    return tuple(listed)

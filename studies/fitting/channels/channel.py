@@ -81,11 +81,6 @@ class Channel:
         means = np.bincount(self.run, values) / np.maximum(counts, 1)
         return np.asarray(values - means[self.run])
 
-    @property
-    def levels(self) -> int:
-        """Unknown levels: one for each stretch of a floating channel."""
-        return int(self.run[-1]) + 1 if self.floating else 0
-
 
 def joined(flights: Mapping[int, Channel]) -> Channel:
     """Channel of several flights, by their numbers: errors and stretches of their own."""

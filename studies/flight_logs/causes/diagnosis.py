@@ -7,14 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from missions.logs.table import FlightLog
+from sizing.aircraft import Aircraft
+from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.flight_logs.causes.data import Data
 from studies.flight_logs.causes.fit import UNKNOWN_NOISE, Fit, Hypothesis, Noise, fitted
 from studies.flight_logs.causes.fit import modelled as modelled_power
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.causes.hypotheses import LOSSES, ROWS, Candidate, candidates, sizes_of
-from studies.flight_logs.causes.left_out import NEAR_FULL, may_be_limited
 from studies.flight_logs.causes.noise import noise_of
+from studies.flight_logs.errors import moving_average
+from studies.flight_logs.log_view import SMOOTH_S
 from studies.flight_logs.trackers import Trackers
 
 # Differences of the criterion: Kass, R. E., Raftery, A. E. (1995), Journal of the American
@@ -33,6 +36,11 @@ _MOST_STEPS, UNLIKELY = 8, 9.0
 _MOSTLY = 0.8
 _SECONDS_PER_DEG, _DAY_S, _ALIKE_S = 240.0, 86400.0, 120.0
 _UNITS = {1.0: "W", 1e-3: "kW", 1e3: "mW"}
+# State of charge from which a battery may take less; share of what load and battery take from which
+# power may be limited by them: batteries of one type differ, and so does the logged charge.
+NEAR_FULL, OF_LIMIT = 0.85, 0.8
+# Load and power that are alike, as a share of rated power, where no charge is logged.
+_AS_LOAD = 0.05
 # Offsets of time zones from universal time that exist [h].
 _ZONES_H = (*range(-12, 15), -9.5, -3.5, 3.5, 4.5, 5.5, 5.75, 6.5, 8.75, 9.5, 10.5, 12.75)
 
@@ -192,6 +200,32 @@ def diagnose(
         heading=_offset(data, fit, "heading", noise),
     )
     return replace(known, findings=tuple(map(known.with_offset, findings)))
+
+
+def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
+    """Samples in which the battery may hold power back, by what is logged; no model decides."""
+    modules, battery = aircraft.modules, aircraft.battery
+    rated = modules.full_load_w_per_m2 * modules.area_m2
+    run = log.segment()
+
+    def smooth(values: FloatArray) -> FloatArray:
+        return moving_average(values, run, log.time_s, SMOOTH_S)
+
+    power = smooth(log.solar_power_w)
+    load = None if log.load_w is None else smooth(np.nan_to_num(log.load_w))
+    if log.state_of_charge is None:
+        if load is None:
+            return np.zeros(len(log), bool)
+        return np.asarray((np.abs(power - load) < _AS_LOAD * rated) & (power > 0.0))
+    charge = np.clip(np.nan_to_num(log.state_of_charge, nan=0.0), 0.0, 1.0)
+    if load is None:
+        return charge >= NEAR_FULL
+    if isinstance(battery.charge_limit, NoChargeLimit):
+        return (charge >= NEAR_FULL) & (power > OF_LIMIT * load)
+    taken = charge_rate_per_h(battery.charge_limit, charge) * battery.battery_energy_wh
+    taken = taken / float(battery.mean_charge_efficiency)
+    taken = np.where(taken < load, 0.0, taken)  # as good as full
+    return np.asarray((charge >= NEAR_FULL) & (power > OF_LIMIT * (taken + load)))
 
 
 def _battery(log: FlightLog, finding: Finding) -> str:

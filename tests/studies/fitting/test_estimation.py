@@ -90,15 +90,15 @@ def test_several_flights_share_the_parameter_and_say_whether_they_agree() -> Non
     (one,) = whole.fitted
     # Each flight has an error of its own: four of them halve it.
     assert one.standard_error == pytest.approx(0.5 * 0.04 * one.value, rel=0.05)
-    shares = [float(flight.shares[0]) for flight in whole.flights]
+    shares = [float(flight.shares[0]) for flight in whole.solution.flights]
     assert sum(shares) == pytest.approx(1.0)
     assert shares == pytest.approx([0.25] * 4, abs=0.05)
-    assert whole.freedom == 3
-    assert 0.0 <= whole.chi_square < 11.3  # one in a hundred
+    assert whole.solution.freedom == 3
+    assert 0.0 <= whole.solution.chi_square < 11.3  # one in a hundred
     shifted = replace(parts[3], measured=parts[3].measured + 20.0)
     apart = estimate(joined({**parts, 3: shifted}), AS2, (PARAMETERS["level_power"],))
-    assert apart.chi_square > 30.0
-    widened = np.sqrt(apart.chi_square / apart.freedom)
+    assert apart.solution.chi_square > 30.0
+    widened = np.sqrt(apart.solution.chi_square / apart.solution.freedom)
     assert apart.fitted[0].standard_error > 0.9 * widened * one.standard_error
 
 

@@ -75,8 +75,8 @@ def test_intervals_of_a_noisy_flight_hold_the_truth_and_are_narrower_than_before
         assert one.low <= TRUTH[NAMES.index(one.parameter.name)] <= one.high
         assert one.half_width >= 1.9 * one.standard_error
     for part in fit.estimates:
-        assert np.mean(part.after**2) < np.mean(part.before**2)
-        assert part.independent < 0.5 * len(part.after)
+        assert np.mean(part.solution.residual**2) < np.mean(part.before**2)
+        assert part.solution.independent < 0.5 * len(part.solution.residual)
 
 
 def test_the_light_widens_the_intervals_of_the_modules_alone() -> None:
@@ -232,8 +232,8 @@ def test_two_flights_are_fitted_together() -> None:
     assert [one.source for one in both.logs] == ["synthetic.csv", "second.csv"]
     assert both.fitted[0].half_width < alone.fitted[0].half_width
     for part in both.estimates:
-        assert len(part.flights) == 2
-        assert part.chi_square < 6.63  # one in a hundred of one degree of freedom
+        assert len(part.solution.flights) == 2
+        assert part.solution.chi_square < 6.63  # one in a hundred of one degree of freedom
     found = {one.parameter.name: one for one in both.fitted}
     one = found["module_efficiency"]
     assert one.low <= TRUTH[0] <= one.high

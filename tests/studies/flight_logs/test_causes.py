@@ -23,10 +23,9 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from solar.geometry import ModuleGeometry
-from studies.flight_logs.causes.diagnosis import Diagnosis, diagnose, snapped
+from studies.flight_logs.causes.diagnosis import Diagnosis, diagnose, may_be_limited, snapped
 from studies.flight_logs.causes.fit import Fit, Hypothesis, Noise
 from studies.flight_logs.causes.forward import Forward, LogError
-from studies.flight_logs.causes.left_out import may_be_limited
 from studies.flight_logs.causes.losses import subsets
 from studies.flight_logs.causes.noise import design_effect
 from studies.flight_logs.samples import lit_samples
