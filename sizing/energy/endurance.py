@@ -281,11 +281,7 @@ class Flights(ABC):
         dark_h = self.balance.cumulative_deficit_h()
         cells = np.arange(dark_h.shape[1])
         spacing_h = dark_h[-1] / self.launches
-        # The level of the surplus is where it ends; a moment less of deficit is where it begins.
-        sunniest = dark_h[np.argmax(self.balance.net_w, axis=0), cells]
-        at_surplus_h = np.maximum(np.nextafter(sunniest, -np.inf), 0.0)
-        even_h = np.arange(self.launches)[:, np.newaxis] * spacing_h
-        tries_h = np.sort(np.vstack([even_h, at_surplus_h]), axis=0)
+        tries_h = np.arange(self.launches)[:, np.newaxis] * spacing_h
         search = _Search(self, dark_h, np.broadcast_to(cells, tries_h.shape))
         hours = search.hours(tries_h)
         middle = _best_of_day(hours)
@@ -296,7 +292,14 @@ class Flights(ABC):
         # The last of equal cells stays: one of its longest flights, from the best try if it is one.
         order = np.lexsort((rank == middle[cell], best.endurance_h >= longest[cell] - _EQUAL_H))
         longest[cell[order]], launch_h[cell[order]] = best.endurance_h[order], best.launch_h[order]
-        return Endurance(longest, launch_h)
+        # The level of the surplus is where it ends; a moment less of deficit is where it begins.
+        sunniest = dark_h[np.argmax(self.balance.net_w, axis=0), cells]
+        level_h = np.maximum(np.nextafter(sunniest, -np.inf), 0.0)
+        at_surplus = search.at(cells)
+        flown_h = at_surplus.hours(level_h)
+        longer = flown_h > longest + _EQUAL_H
+        launch_h = np.where(longer, at_surplus.launch_h(level_h), launch_h)
+        return Endurance(np.where(longer, flown_h, longest), launch_h)
 
     def hours(self, cells: IntArray, launch_h: FloatArray) -> FloatArray:
         """Flight time [h] in some elements of the batch from launches with a full battery."""
