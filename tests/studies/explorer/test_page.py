@@ -28,6 +28,13 @@ def address() -> Iterator[str]:
         yield address
 
 
+@pytest.fixture(scope="module")
+def measured_address() -> Iterator[str]:
+    """Of an explorer that outlives the page, which looks for its server every few seconds."""
+    with headless.explorer("atlantiksolar-as2", "-m", "rafz-july") as address:
+        yield address
+
+
 @pytest.fixture
 def page(open_page: Any, address: str) -> Any:
     return at_rest(open_page(address, waiting=True))
@@ -307,10 +314,9 @@ def test_nothing_hangs_out_of_its_panel(page: Any) -> None:
         assert too_wide(page) == [], (width, height)
 
 
-def test_measured_aircraft_says_what_it_cannot(open_page: Any) -> None:
-    with headless.explorer("atlantiksolar-as2", "-m", "rafz-july") as address:
-        page = at_rest(open_page(address, waiting=True))
-        assert slider(page, "airframe.wingspan_m").is_disabled()
-        assert page.get_by_role("button", name="Size it").is_disabled()
-        assert "measured airframe cannot be sized" in page.locator("#sizing-result").inner_text()
-        assert accessibility_problems(page) == []
+def test_measured_aircraft_says_what_it_cannot(open_page: Any, measured_address: str) -> None:
+    page = at_rest(open_page(measured_address, waiting=True))
+    assert slider(page, "airframe.wingspan_m").is_disabled()
+    assert page.get_by_role("button", name="Size it").is_disabled()
+    assert "measured airframe cannot be sized" in page.locator("#sizing-result").inner_text()
+    assert accessibility_problems(page) == []
