@@ -78,8 +78,11 @@ def packed(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
     raw = data["pack"]
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, BatteryPack) else raw
     if not isinstance(raw, Mapping):
-        return data, set()
-    pack = {**_of_entry(data), **_cells_in_series(data, raw), **raw}
+        return {"mass_kg": 1.0, **data}, set()
+    of_voltage = _cells_in_series(data, raw)
+    if any(not is_positive(n) or n > MOST_CELLS or n % 1 for n in of_voltage.values()):
+        return {"mass_kg": 1.0, **data, "pack": None}, set()
+    pack = {**_of_entry(data), **of_voltage, **raw}
     given, share = data.get("mass_kg"), data.get("cell_mass_fraction", 1.0)
     unit = _unit_kg(pack, share)
     if unit is not None and is_positive(given):

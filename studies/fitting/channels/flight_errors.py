@@ -15,7 +15,7 @@ import numpy as np
 from sizing.sunlight import UNCORRECTED_CAM
 from solar.types import FloatArray
 from studies.flight_logs.causes.data import LOG_SIGMAS
-from studies.flight_logs.causes.fit import MODEL_SIGMAS, Hypothesis, modelled
+from studies.flight_logs.causes.fit import MODEL_SIGMAS, modelled
 from studies.flight_logs.causes.forward import Forward, LogError
 
 WARMTH = "warmth"  # of the modules: no error where their temperature is fitted
@@ -75,10 +75,7 @@ def _moved(
 
     def power(error: LogError, values: dict[str, float]) -> FloatArray:
         found = [
-            modelled(
-                part.parts(error)._replace(beam_over_diffuse=nothing, passed=nothing),
-                *(values, Hypothesis(), part.log.time_s[part.index]),
-            )
+            modelled(part.parts(error)._replace(beam_over_diffuse=nothing, passed=nothing), values)
             for part in forward.chunks()
         ]
         return np.maximum(mean(np.concatenate(found)), _LEAST_W)

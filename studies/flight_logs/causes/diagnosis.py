@@ -180,11 +180,7 @@ def diagnose(
     if noise is not None and noise.sigma > MOST_SCATTER * data.peak:
         note = "clock, angles and modules are not checked: the power scatters too much (clouds?)"
         return replace(known, notes=(note,))
-    bare = fit.hypothesis._replace(losses=(), cap_w=None)
-    expected = [
-        modelled_power(part.parts(fit.error), fit.values, bare, part.log.time_s[part.index])
-        for part in forward.chunks()
-    ]
+    expected = [modelled_power(p.parts(fit.error), fit.values) for p in forward.chunks()]
     known = replace(
         known,
         expected_w=np.concatenate(expected),

@@ -6,7 +6,7 @@ deviation, and a few that a hypothesis leaves free. ``docs/verify.md`` has the e
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -69,17 +69,12 @@ class Loss:
         inside = (time_s >= self.start_s) & (time_s <= self.end_s)
         return inside & (light < LOW_LIGHT_W_PER_M2) if self.form == "low_light" else inside
 
-    def share(self, time_s: FloatArray, light: FloatArray) -> FloatArray:
-        """How far it acts on each sample: light near the limit is known to its level only.
-
-        A sharp limit would move samples in and out of the loss with every small turn of the log.
-        """
-        inside = (time_s >= self.start_s) & (time_s <= self.end_s)
+    def is_unsure(self, time_s: FloatArray, light: FloatArray) -> BoolArray:
+        """Samples that it may act on or not: light near the limit is known to its level only."""
         if self.form != "low_light":
-            return np.asarray(inside, float)
-        below = 1.0 - light / LOW_LIGHT_W_PER_M2
-        near = np.clip(0.5 + 0.5 * below / MODEL_SIGMAS["level"], 0.0, 1.0)
-        return np.asarray(inside * near, float)
+            return np.zeros(len(time_s), bool)
+        inside = (time_s >= self.start_s) & (time_s <= self.end_s)
+        return inside & (np.abs(light / LOW_LIGHT_W_PER_M2 - 1.0) < MODEL_SIGMAS["level"])
 
 
 class Hypothesis(NamedTuple):
@@ -142,9 +137,12 @@ class Fit:
 
 
 def modelled(
-    parts: Parts, values: Mapping[str, float], hypothesis: Hypothesis, time_s: FloatArray
+    parts: Parts,
+    values: Mapping[str, float],
+    losses: Sequence[Loss] = (),
+    acts: Sequence[BoolArray] = (),
 ) -> FloatArray:
-    """Power [W] with errors of model and sky, and what is lost."""
+    """Power [W] with errors of model and sky, and what is lost where losses act."""
     slant = np.minimum(1.0 / np.maximum(parts.cosine, 0.1) - 1.0, 5.0)
     passed = np.exp(-values["haze"] * parts.air_mass)
     direct = parts.direct * passed[:, None]
@@ -157,12 +155,12 @@ def modelled(
     scatter *= np.maximum(1.0 + _FORWARD * parts.beam_over_diffuse * (1.0 - passed), _LEAST_DIFFUSE)
     diffuse = parts.diffuse * scatter[:, None] * (1.0 + circumsolar * toward)
     shadow: FloatArray | float = 0.0
-    for number, loss in enumerate(hypothesis.losses):
+    for number, (loss, on) in enumerate(zip(losses, acts, strict=True)):
         if loss.shadow_w is not None:
             shadow = values[f"loss{number}"] * loss.shadow_w
             continue
         lost = 1.0 if loss.whole else values[f"loss{number}"]
-        left = 1.0 - lost * loss.share(time_s, parts.light)[:, None] * np.array(loss.surfaces)
+        left = 1.0 - lost * (on[:, None] & np.array(loss.surfaces))
         direct = direct * left
         diffuse = diffuse if loss.form == "direct" else diffuse * left
     power = (direct + diffuse).sum(axis=1) - shadow
@@ -252,7 +250,11 @@ class _State(NamedTuple):
 
 @dataclass(frozen=True)
 class _Problem:
-    """Names of the errors of one hypothesis, and which of them are free."""
+    """Names of the errors of one hypothesis, which of them are free, and where losses act.
+
+    That is decided where the hypothesis starts: with samples that move in and out of a loss, or
+    only nearly so, a few would tell clock and angles far better than they can.
+    """
 
     data: Data
     hypothesis: Hypothesis
@@ -260,6 +262,8 @@ class _Problem:
     moving: tuple[str, ...]
     sigmas: FloatArray
     spreads: FloatArray
+    acts: tuple[BoolArray, ...]
+    unsure: BoolArray
 
     @classmethod
     def of(cls, data: Data, hypothesis: Hypothesis) -> _Problem:
@@ -275,7 +279,12 @@ class _Problem:
         sigmas = np.array([known[n] for n in names])
         spreads = np.array([as_normal.get(n, known[n]) for n in names])
         moving = tuple(n for n in data.geometric if n in free)
-        return cls(data, hypothesis, names, moving, sigmas, spreads)
+        given = data.time_s, data.parts(hypothesis.start).light
+        acts = tuple(one.acts(*given) for one in hypothesis.losses)
+        unsure = np.zeros(len(data.time_s), bool)
+        for one in hypothesis.losses:
+            unsure |= one.is_unsure(*given)
+        return cls(data, hypothesis, names, moving, sigmas, spreads, acts, unsure)
 
     def start(self, known: Fit | None) -> _State:
         """What is known already, and the losses by their size."""
@@ -300,7 +309,7 @@ class _Problem:
 
         def at(other: LogError, **changed: float) -> FloatArray:
             parts = data.parts(other)
-            return modelled(parts, values | changed, self.hypothesis, data.time_s)
+            return modelled(parts, values | changed, self.hypothesis.losses, self.acts)
 
         power = at(error)
         columns = []
@@ -320,6 +329,8 @@ class _Problem:
         if (cap := self.hypothesis.cap_w) is not None:
             every = np.where((whole > cap)[:, None], 0.0, every)
             whole = np.minimum(whole, cap)
+        every = np.where(self.unsure[:, None], 0.0, every)
+        whole = np.where(self.unsure, data.measured, whole)
         return _State(error, theta, every, spread, data.measured - whole, slopes, near)
 
     def prior(self, state: _State) -> FloatArray:

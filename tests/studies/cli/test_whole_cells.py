@@ -98,6 +98,20 @@ def test_mistakes_are_one_line_with_the_key(run: Run, change: str, words: str) -
     assert len(outcome.err.strip().splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("change", "allowed"),
+    [
+        ("battery.pack=3", "must be a mapping of keys and values (got 3)"),
+        ("battery.voltage.cells_in_series=100001", "must be at most 100000 (got 100001)"),
+        ("battery.voltage.cells_in_series=5.5", "must be a whole number (got 5.5)"),
+    ],
+)
+def test_a_wrong_pack_or_voltage_is_told_once(run: Run, change: str, allowed: str) -> None:
+    outcome = run("analyse", "twin-boom-design", "--set", change)
+    key = change.partition("=")[0]
+    assert (outcome.code, outcome.err) == (2, f"--set {key}: {allowed}\n")
+
+
 def test_mistakes_of_a_file_have_their_line(run: Run, tmp_path: Path) -> None:
     shown = run("show", "atlantiksolar-design").out
     text = shown.replace(

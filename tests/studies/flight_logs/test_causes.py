@@ -191,6 +191,18 @@ def test_nothing_is_corrected_where_the_level_jumps() -> None:
     assert found.correction == LogError()
 
 
+@pytest.mark.slow
+def test_samples_near_the_limit_of_an_mppt_fault_do_not_turn_the_heading() -> None:
+    # With this seed a few of them did, by five deviations.
+    settings = Settings(rate_hz=0.5, seed=2, bias=-0.0175, faults=Faults(mppt=(18.5, 21.0)))
+    found = diagnose(forward(synthetic_log(aircraft(), mission(), settings).log()))
+    assert "mppt at low light" in names(found)
+    assert found.heading is not None
+    turned, deviation = found.heading
+    assert abs(turned) < 2.0 * deviation
+    assert np.degrees(deviation) < 2.0  # without the fault it is 1.4
+
+
 def clouded(log: FlightLog, cover: float) -> FlightLog:
     """Clouds of ten minutes each, that leave a tenth to seven tenths of the power."""
     rng = np.random.default_rng(3)
