@@ -1,12 +1,12 @@
 """Energy constraints of one scenario with climbs by day and glides in the evening, as symbols.
 
 The program's counterpart of :mod:`sizing.altitude.climb_march`: battery and potential energy over
-the nodes of the lit day, then over the dark in a few steps. Between floor, middle and ceiling,
-sunlight and the logarithm of the power of level flight are parabolas of the potential energy, since
-density falls exponentially; the simulator's are linear between levels at most 500 m apart.
+the nodes of the lit day, then over the dark in a few steps. Sunlight and the logarithm of the power
+of level flight are cubic splines of the potential energy, through the floor and four levels up to
+the ceiling; the simulator's are linear between levels at most 500 m apart.
 
 The days close where the night leaves at least the potential energy that the day begins with, which
-is a variable of the program. What parabolas and longer steps do to an excess time is taken back by
+is a variable of the program. What splines and longer steps do to an excess time is taken back by
 the simulator, which decides (:mod:`sizing.optimisation.loop`): a model of low fidelity, corrected
 in its value until it agrees with that of high fidelity at the optimum, as in approximation and
 model management (Alexandrov, N. M., Lewis, R. M., Gumbert, C. R., Green, L. L. and Newman, P. A.
@@ -29,20 +29,25 @@ from sizing.altitude.climb_levels import climb_limits
 from sizing.design import Design, FlightConditions, parametric_design
 from sizing.energy.battery import ChargeLimit
 from sizing.optimisation.energy_constraints import (
-    NODES,
+    CLIMB_NODES,
+    LEVELS_ALOFT,
+    SPLINE,
     charge_step_function,
     mean_positive,
     powers_of_loads_w,
+    spline_basis,
+    spline_coefficients,
 )
 from sizing.smooth import smooth_minimum
 from solar.types import FloatArray
 
 Strategy = Literal["battery_full", "surplus"]
 
-# Besides those of flight at one altitude: light in the middle and at the ceiling.
-CLIMB_SUN_PARAMETERS = 4 * NODES + 3
-# Conditions in the middle and at the ceiling, and how far above the floor they are [m].
-ALOFT_PARAMETERS = 2 * (len(FlightConditions._fields) + 1)
+# Besides those of flight at one altitude: light aloft.
+CLIMB_SUN_PARAMETERS = (1 + SPLINE) * CLIMB_NODES + 3
+# Conditions of each level, and how far above the floor it is [m].
+_EACH_LEVEL = len(FlightConditions._fields) + 1
+ALOFT_PARAMETERS = LEVELS_ALOFT * _EACH_LEVEL
 _DARK_STEPS = 12
 # Thrust powers over level flight's by which the efficiency of a propulsion by parts is known.
 _LEVEL, _CLIMB, _GLIDE = (1.0,), (2.0,), (0.5, 0.25)
@@ -52,22 +57,20 @@ _NOTHING = 1e-9
 _FILLING = 0.002
 # Likewise between the climbs that the surplus allows and those that the rated power does.
 _BLEND, _TINY_WH = 0.1, 1e-6
+_SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 
 
 class ClimbValues(NamedTuple):
     """What the potential store needs of a design; symbols.
 
-    Power of level flight in calm air at floor, middle and ceiling [W], potential energy of the
-    middle and the ceiling [Wh], efficiency and largest power of the propulsion [W], power of
-    avionics and payload [W], and level flight's factor of the turbulence of all hours. Thrust power
-    over electric power beyond level flight's in climbs, below it in glides with a part of the
-    power, and with so little that the motor runs for a part of the time.
+    Power of level flight in calm air at floor and levels [W], potential energy of the ceiling [Wh],
+    efficiency and largest power of the propulsion [W], power of avionics and payload [W], and level
+    flight's factor of the turbulence of all hours. Thrust power over electric power beyond level
+    flight's in climbs, below it in glides with a part of the power, and with so little that the
+    motor runs for a part of the time.
     """
 
-    floor_w: Any
-    middle_w: Any
-    ceiling_w: Any
-    middle_wh: Any
+    level_w: Any
     ceiling_wh: Any
     efficiency: Any
     maximum_w: Any
@@ -77,14 +80,22 @@ class ClimbValues(NamedTuple):
     gliding: Any
     intermittent: Any
 
+    @classmethod
+    def of(cls, vector: Any) -> ClimbValues:
+        """From a vector of all of them."""
+        return cls(vector[: LEVELS_ALOFT + 1], *ca.vertsplit(vector)[LEVELS_ALOFT + 1 :])
+
+
+_CLIMB_VALUES = LEVELS_ALOFT + len(ClimbValues._fields)
+
 
 def aloft_parameters(mission: Mission, aircraft: Aircraft) -> FloatArray:
-    """Conditions in the middle and at the ceiling, and their heights above the floor [m]."""
+    """Conditions at the levels aloft, and their heights above the floor [m]."""
     assert mission.climb is not None
     # The program divides by the height: a ceiling at the floor is a metre above it.
     highest_m = max(mission.climb.ceiling_m - mission.altitude_m, 1.0)
     floor_m, parts = mission.altitude_m, []
-    for height_m in (highest_m / 2.0, highest_m):
+    for height_m in highest_m * np.arange(1, LEVELS_ALOFT + 1) / LEVELS_ALOFT:
         there = mission.at_altitude(min(floor_m + height_m, MAXIMUM_ALTITUDE_M))
         parts.append([*FlightConditions.of(there, aircraft), height_m])
     return np.concatenate(parts)
@@ -97,52 +108,36 @@ def climb_values(
 
     ``aloft``: as :func:`aloft_parameters` gives it.
     """
-    size = ALOFT_PARAMETERS // 2
-    power_w, energy_wh = [], []
-    weight_n = design.total_mass_kg * GRAVITY_M_PER_S2
-    for part in (0, size):
-        there = FlightConditions(*(aloft[part + i] for i in range(size - 1)))
+    limits = climb_limits(aircraft, design)
+    floor_w, efficiency = design.propulsion_power_w, limits.efficiency
+    power_w, height_m = [floor_w], 0.0
+    for part in range(0, ALOFT_PARAMETERS, _EACH_LEVEL):
+        there = FlightConditions(*(aloft[part + i] for i in range(_EACH_LEVEL - 1)))
         flown = parametric_design(
             *(aircraft, there, design.variables, design.total_mass_kg),
             horizontal_volume=design.horizontal_volume,
         )
         faster = flown.airspeed_m_per_s**2 - design.airspeed_m_per_s**2
-        height_m = aloft[part + size - 1] + faster / (2.0 * GRAVITY_M_PER_S2)
+        height_m = aloft[part + _EACH_LEVEL - 1] + faster / (2.0 * GRAVITY_M_PER_S2)
         loads_w = powers_of_loads_w(aircraft, flown, there, _LEVEL)
         power_w.append(flown.propulsion_power_w if loads_w is None else loads_w[0])
-        energy_wh.append(weight_n * height_m / 3600.0)
-    limits = climb_limits(aircraft, design)
-    (middle_w, ceiling_w), (middle_wh, ceiling_wh) = power_w, energy_wh
-    floor_w, efficiency = design.propulsion_power_w, limits.efficiency
     gains = [efficiency] * 3
     loads_w = powers_of_loads_w(aircraft, design, conditions, _LEVEL + _CLIMB + _GLIDE)
     if loads_w is not None:
         thrust_w = floor_w * efficiency
         floor_w, climb_w, partial_w, least_w = loads_w
-        efficiency = thrust_w / floor_w
+        power_w[0], efficiency = floor_w, thrust_w / floor_w
         gains = [
             thrust_w * (_CLIMB[0] - 1.0) / (climb_w - floor_w),
             thrust_w * (1.0 - _GLIDE[0]) / (floor_w - partial_w),
             thrust_w * _GLIDE[1] / least_w,
         ]
     return ClimbValues(
-        *(floor_w, middle_w, ceiling_w, middle_wh, ceiling_wh),
+        ca.vertcat(*power_w),
+        design.total_mass_kg * GRAVITY_M_PER_S2 * height_m / 3600.0,
         *(efficiency, limits.maximum_power_w),
         *(design.constant_power_w, 1.0 + conditions.turbulence, *gains),
     )
-
-
-class _Parabola:
-    """A quantity over the potential energy, from its values at floor, middle and ceiling."""
-
-    def __init__(self, floor: Any, middle: Any, ceiling: Any, place: Any) -> None:
-        self.floor, self.place = floor, place
-        self.slope = (middle - floor) / place
-        self.bend = (ceiling - middle) / (1.0 - place) - self.slope
-
-    def at(self, share: Any) -> Any:
-        """Value at a share of the potential energy of the ceiling."""
-        return self.floor + share * (self.slope + (share - self.place) * self.bend)
 
 
 @lru_cache(maxsize=32)
@@ -156,8 +151,8 @@ def climbing_cycle_function(
     efficiencies of charge and discharge, the margin of the recharge, and the sun with the light
     aloft (:func:`sizing.optimisation.energy_constraints.sun_parameters`). Returns deficit and
     charge relative to the capacity, the potential energy that the day's surplus reaches over that
-    of the ceiling, and the hours of gliding from the height that is left at the morning's equal
-    power [h]. ``by_parts``: the efficiency follows the load.
+    of the ceiling, and the excess time beyond that of the state of charge at dawn [h].
+    ``by_parts``: the efficiency follows the load.
 
     The day begins with less than the night leaves, by the margin times the deficit. Where the
     aircraft climbs once the battery is full, a battery that fills a little later leaves less time
@@ -165,20 +160,20 @@ def climbing_cycle_function(
     """
     area, capacity_wh = ca.SX.sym("area"), ca.SX.sym("capacity")
     dawn_soc, height = ca.SX.sym("dawn"), ca.SX.sym("height")
-    vector = ca.SX.sym("climb", len(ClimbValues._fields))
+    vector = ca.SX.sym("climb", _CLIMB_VALUES)
     efficiencies, margin = ca.SX.sym("efficiencies", 2), ca.SX.sym("margin")
     sun = ca.SX.sym("sun", CLIMB_SUN_PARAMETERS)
     kind = _DayByParts if by_parts else _Day
-    day = kind(area, capacity_wh, ClimbValues(*ca.vertsplit(vector)), sun, efficiencies[0])
+    day = kind(area, capacity_wh, ClimbValues.of(vector), sun, efficiencies[0])
     charge = charge_step_function(charge_limit)
-    deficit_wh, left_h = day.deficit(height)
+    deficit_wh, beyond_h = day.deficit(height)
     deficit = deficit_wh / (efficiencies[1] * capacity_wh)
     begun = dawn_soc - margin * deficit
     soc, reached = day.climbed(begun, height, charge, always=strategy == "surplus")
     return ca.Function(
         "climbing_cycle",
         [area, capacity_wh, dawn_soc, height, vector, efficiencies, margin, sun],
-        [deficit, soc, reached, left_h],
+        [deficit, soc, reached, beyond_h],
         {"is_diff_in": [True] * 5 + [False] * 3, "never_inline": True, "jac_penalty": 0},
     )
 
@@ -200,24 +195,24 @@ class _Day:
         self, area: Any, capacity_wh: Any, values: ClimbValues, sun: Any, charge_efficiency: Any
     ) -> None:
         self.values, self.rate = values, charge_efficiency / capacity_wh
-        place = values.middle_wh / values.ceiling_wh
-        low, half, high = map(ca.log, (values.floor_w, values.middle_w, values.ceiling_w))
-        self._log_power = _Parabola(low, half, high, place)
-        floor, middle, top = (area * sun[n * NODES : (n + 1) * NODES] for n in (0, 2, 3))
-        self.solar_w = [_Parabola(floor[k], middle[k], top[k], place) for k in range(NODES)]
-        self.factor = values.steady + sun[NODES : 2 * NODES]
-        self.step_h, self.dark_h = sun[4 * NODES], sun[4 * NODES + 1]
+        # Levels are even in height; in energy, speed puts them off by a few thousandths at most.
+        self._log_power = ca.mtimes(ca.DM(spline_coefficients()), ca.log(values.level_w))
+        rows = [sun[n * CLIMB_NODES : (n + 1) * CLIMB_NODES] for n in (0, *range(2, SPLINE + 1))]
+        self._solar_w = area * ca.horzcat(*rows)
+        self.factor = values.steady + sun[CLIMB_NODES : 2 * CLIMB_NODES]
+        self.step_h, self.dark_h = sun[-3], sun[-2]
+        self.nominal_w = values.level_w[0] * values.steady + values.constant_w
         # Electric energy that the height of the ceiling stands for.
         self.store_wh = values.ceiling_wh / values.efficiency
 
     def motor_w(self, at: Any) -> Any:
         """Power of level flight in calm air at a share of the height [W]."""
-        return ca.exp(self._log_power.at(at))
+        return ca.exp(ca.dot(self._log_power, spline_basis(at)))
 
     def balance(self, k: int, at: Any) -> _Balance:
         """What the sun leaves over and lacks between two nodes, at a share of the height."""
-        v, motor_w = self.values, self.motor_w(at)
-        first, last = (self.solar_w[n].at(at) for n in (k, k + 1))
+        v, motor_w, basis = self.values, self.motor_w(at), spline_basis(at)
+        first, last = (ca.dot(self._solar_w[n, :].T, basis) for n in (k, k + 1))
         left = first - motor_w * self.factor[k] - v.constant_w
         right = last - motor_w * self.factor[k + 1] - v.constant_w
         lacking_wh = mean_positive(-left, -right) * self.step_h
@@ -230,7 +225,7 @@ class _Day:
     ) -> tuple[Any, Any]:
         """State of charge and height that the day's surplus leads to, without a ceiling."""
         v, reached, before = self.values, 0.0, 0.0
-        for k in range(NODES - 1):
+        for k in range(CLIMB_NODES - 1):
             at = ca.fmin(ca.fmax(1.5 * reached - 0.5 * before, 0.0), height)
             one, before = self.balance(k, at), reached
             rates = (self.rate * one.left_w, self.rate * one.right_w)
@@ -248,6 +243,12 @@ class _Day:
             soc = charged
         return soc, reached
 
+    def carried(self, k: int) -> Any:
+        """Share of an interval in which the sun at the floor carries the load without thermals."""
+        first, last = (self._solar_w[n, 0] - self.nominal_w for n in (k, k + 1))
+        above = ca.fmax(first, 0.0) + ca.fmax(last, 0.0)
+        return above / (ca.fabs(first) + ca.fabs(last) + _NOTHING)
+
     def lifted(self, climb_wh: Any) -> Any:
         """Share of the ceiling's height that electric energy lifts by."""
         return climb_wh / self.store_wh
@@ -259,12 +260,15 @@ class _Day:
         return glide_wh, share - glide_wh / self.store_wh
 
     def deficit(self, height: Any) -> tuple[Any, Any]:
-        """Energy that the battery gives [Wh], and hours of gliding from what is left at dawn [h].
+        """Energy that the battery gives [Wh], and excess time beyond what it has left [h].
+
+        That is what thermals take from it after the morning's equal power, over the nominal load,
+        and glides from the height that is left, with avionics and payload on the battery.
 
         Glides through the evening, the dark and the morning's twilight, in this order.
         """
         v, share, deficit_wh = self.values, height, 0.0
-        for k in range(NODES // 2, NODES - 1):
+        for k in range(CLIMB_NODES // 2, CLIMB_NODES - 1):
             one = self.balance(k, share)
             glide_wh, share = self.glided(k, ca.fmax(one.of_motor_wh, 0.0), share)
             deficit_wh = deficit_wh + one.lacking_wh - glide_wh
@@ -276,12 +280,18 @@ class _Day:
             glide_wh = ca.fmin(wanted_wh, share * self.store_wh)
             share = share - glide_wh / self.store_wh
             deficit_wh = deficit_wh + wanted_wh + v.constant_w * hours - glide_wh
-        for k in range(NODES // 2):
+        late_wh: Any = 0.0
+        for k in range(CLIMB_NODES // 2):
             one = self.balance(k, share)
             glide_wh, share = self.glided(k, ca.fmax(one.of_motor_wh, 0.0), share)
-            deficit_wh = deficit_wh + one.lacking_wh - glide_wh
-        sinking_w = v.efficiency * self.motor_w(share / 2.0) * v.steady
-        return deficit_wh, share * v.ceiling_wh / sinking_w
+            drawn_wh = one.lacking_wh - glide_wh
+            late_wh = late_wh + self.carried(k) * drawn_wh
+            deficit_wh = deficit_wh + drawn_wh
+        at = (0.0, share / 2.0, share)
+        slowness = ca.dot(_SIMPSON, ca.vertcat(*(1.0 / self.motor_w(one) for one in at)))
+        glide_h = share * v.ceiling_wh * slowness / (v.efficiency * v.steady)
+        of_motor = 1.0 - v.constant_w / self.nominal_w
+        return deficit_wh, late_wh / self.nominal_w + of_motor * glide_h
 
 
 class _DayByParts(_Day):

@@ -23,11 +23,17 @@ from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.smooth import Value
 from sizing.sunlight import SolarDay
 from sizing.varying_load import thermal_shape
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 # 10 min apart on a day of 16 h.
 NODES = 97
 SUN_PARAMETERS = 2 * NODES + 3
+# Half as many where both stores are followed: excess times differ by 0.02 h.
+CLIMB_NODES = 49
+# From the floor of climbs to the ceiling, evenly spaced, without the floor.
+LEVELS_ALOFT = 4
+# Coefficients of the spline through floor and levels.
+SPLINE = LEVELS_ALOFT + 2
 _SAME_POWER = 1e-6  # relative
 # Keeps an interval without any charge from dividing by zero [state of charge].
 _NOTHING = 1e-12
@@ -56,20 +62,22 @@ class NodeBalance(NamedTuple):
 Charger = Callable[[Any, Any], _Taken]
 
 
-def sun_parameters(day: SolarDay, mission: Mission, sunlit: Collection[int] = ()) -> FloatArray:
+def sun_parameters(
+    day: SolarDay, mission: Mission, sunlit: Collection[int] = (), *, climbs: bool = False
+) -> FloatArray:
     """Sun, thermals, step and darkness of every scenario.
 
-    ``lit``: scenarios in which the sun must carry the nominal load at all times. Returns specific
-    power [W/m2] and extra propulsion power [-] at the nodes, step between them [h], hours without
-    light, and the specific power that must carry the nominal load: the lowest one of the day in the
-    scenarios of ``lit``, else 0 [W/m2].
+    ``sunlit``: scenarios in which the sun must carry the nominal load at all times. Returns
+    specific power [W/m2] and extra propulsion power [-] at the nodes, on missions with ``climbs``
+    the light aloft, step between nodes [h], hours without light, and the specific power that must
+    carry the nominal load: the lowest one of the day in the scenarios of ``sunlit``, else 0 [W/m2].
     """
     thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
     thermal = np.broadcast_to(thermal, day.specific_power_w_per_m2.shape)
     active = (day.specific_power_w_per_m2 > 0.0) | (thermal > 0.0)
     suns = np.stack(
         [
-            _one_scenario(day, *rows)
+            _one_scenario(day, *rows, climbs=climbs)
             for rows in zip(range(len(thermal)), thermal, active, strict=True)
         ]
     )
@@ -102,26 +110,61 @@ def growing_lit_sets(lowest_w_per_m2: FloatArray) -> list[list[int]]:
     return [order[:n] for n in ends]
 
 
-def _one_scenario(day: SolarDay, number: int, thermal: FloatArray, active: Any) -> FloatArray:
-    """Parameters of one scenario: light, thermals, light aloft if any, step, darkness."""
+def _one_scenario(
+    day: SolarDay, number: int, thermal: FloatArray, active: BoolArray, *, climbs: bool
+) -> FloatArray:
+    """Parameters of one scenario: light, thermals, light aloft, step, darkness."""
     time_h = day.time_h
     sunlit = np.flatnonzero(active)
     first = max(int(sunlit[0]) - 1, 0) if len(sunlit) else 0
     last = min(int(sunlit[-1]) + 1, len(time_h) - 1) if len(sunlit) else len(time_h) - 1
-    nodes = np.linspace(time_h[first], time_h[last], NODES)
-    lit_h = float(time_h[last] - time_h[first])
-    rows = [day.specific_power_w_per_m2[number], thermal]
-    if day.aloft_w_per_m2 is not None:
-        rows += _middle_and_top(day.aloft_w_per_m2[:, number])
-    return np.concatenate(
-        [np.interp(nodes, time_h, row) for row in rows] + [[lit_h / (NODES - 1), 24.0 - lit_h, 0.0]]
-    )
+    begin_h, lit_h = time_h[first], float(time_h[last] - time_h[first])
+    light = day.specific_power_w_per_m2[number]
+    if active.all():
+        # Without a night the day begins where the sun carries least: in thermals that may be noon.
+        begin_h = time_h[np.argmin(light / (1.0 + thermal))]
+    count = CLIMB_NODES if climbs else NODES
+    nodes = begin_h + np.linspace(0.0, lit_h, count)
+    rows = [light, thermal]
+    if climbs:
+        assert day.aloft_w_per_m2 is not None
+        rows += list(_spline_of_light(day.aloft_w_per_m2[:, number]))
+    found = [np.interp(nodes, time_h, row, period=24.0) for row in rows]
+    return np.concatenate([*found, [lit_h / (count - 1), 24.0 - lit_h, 0.0]])
 
 
-def _middle_and_top(light: FloatArray) -> list[FloatArray]:
-    """Light in the middle and at the ceiling of evenly spaced levels, linear between them."""
-    last = len(light) - 1
-    return [(light[last // 2] + light[last - last // 2]) / 2.0, light[-1]]
+def _spline_of_light(light: FloatArray) -> FloatArray:
+    """Coefficients of the spline through light aloft, after the first: that at the floor.
+
+    ``light``: at evenly spaced levels, the first of them the floor, and linear between them.
+    """
+    own = np.linspace(0.0, len(light) - 1.0, LEVELS_ALOFT + 1)
+    below = np.minimum(own.astype(int), len(light) - 2)
+    upper = (own - below)[:, np.newaxis]
+    found = (1.0 - upper) * light[below] + upper * light[below + 1]
+    return np.asarray(spline_coefficients() @ found)[1:]
+
+
+@lru_cache(maxsize=1)
+def spline_coefficients() -> FloatArray:
+    """Matrix from values at floor and levels to coefficients of a natural cubic spline.
+
+    Those are of 1, of the share of the way to the ceiling, and of the cubes of its positive parts
+    beyond the floor and each level but the last (truncated power basis: de Boor, C. 1978, A
+    Practical Guide to Splines, ch. VIII).
+    """
+    places = np.linspace(0.0, 1.0, LEVELS_ALOFT + 1)
+    knots = places[:-1]
+    cubes = np.maximum(places[:, np.newaxis] - knots, 0.0) ** 3
+    through = np.column_stack([np.ones_like(places), places, cubes])
+    straight = np.concatenate([[0.0, 0.0], 1.0 - knots])  # at the ceiling; at the floor all are
+    return np.asarray(np.linalg.inv(np.vstack([through, straight]))[:, :-1])
+
+
+def spline_basis(share: Any) -> Any:
+    """Functions that the coefficients of a spline belong to, of a symbol."""
+    places = np.linspace(0.0, 1.0, LEVELS_ALOFT + 1)[:-1]
+    return ca.vertcat(1.0, share, *(ca.fmax(share - place, 0.0) ** 3 for place in places))
 
 
 @lru_cache(maxsize=32)

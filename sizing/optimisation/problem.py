@@ -39,7 +39,6 @@ from sizing.limits import EQUATIONS, STATIC_MARGIN, DesignInFlight, Requirement,
 from sizing.optimisation.climb_constraints import (
     ALOFT_PARAMETERS,
     CLIMB_SUN_PARAMETERS,
-    ClimbValues,
     Strategy,
     climb_values,
     climbing_cycle_function,
@@ -350,14 +349,13 @@ def _program(
         else:
             parts = kind.propulsion_by_parts is not None
             climbing = climbing_cycle_function(kind.battery.charge_limit, climb, by_parts=parts)
-            deficit, charged, reached, glide_h = climbing(
+            deficit, charged, reached, beyond_h = climbing(
                 *(lit_area, capacity_wh, dawn_soc[i], heights[i], store),
                 *(efficiencies, margin, sun[:, i]),
             )
             charged = charged + margin * deficit  # the day began with so much less
             rows.append((Constraint(HEIGHT, i, firm=True), reached - heights[i]))
-            of_avionics = ClimbValues(*ca.vertsplit(store)).constant_w / nominal_w
-            reserve_h = dawn_soc[i] * usable_h + glide_h * (1.0 - of_avionics)
+            reserve_h = dawn_soc[i] * usable_h + beyond_h
         # The margin is slightly more charge than the night takes. At equality the cycle
         # stands on an edge: a day that returns any less lets the battery run empty over many days.
         recharged = charged - dawn_soc[i] - (1.0 + margin) * deficit

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ from missions.mission import Mission
 from sizing.design import DesignVariables, FlightConditions, variable_keys
 from sizing.mass_budget import closed_design
 from sizing.optimisation.climb_constraints import Strategy, aloft_parameters
-from sizing.optimisation.energy_constraints import NODES, lowest_power, sun_parameters
+from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
 from sizing.optimisation.problem import SizingProblem, SizingProblems
 from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
 from sizing.optimisation.solver_options import Effort
@@ -109,6 +109,7 @@ class ProgramSolver:
         far = climb is not None and climb.ceiling_m - mission.altitude_m > _FAR_M
         self._held_between = _HELD_BETWEEN if far else ()
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
+        self._climb_suns = None if climb is None else sun_parameters(day, mission, climbs=True)
         self._winds = mission.scenario_winds_m_per_s(day.scenarios)
         self.work = SolverReport()
         self.unreached: set[float] = set()  # heights that no design has
@@ -154,16 +155,7 @@ class ProgramSolver:
             return self.solve(instance, distinct, starts, efforts=efforts)
         if not rises or (known is not None and instance.penalty == math.inf):
             return known
-        found = [known]
-        # What is missed at the floor as well is missed by as much from there.
-        if known is None or level is None or not level.missed() or not _as_good(known, level):
-            found.append(self._risen(posed, 0.0, starts, level))
-        highest = (one.x[posed.heights].min() for one in found if one is not None)
-        if max(highest, default=0.0) < _AT_CEILING:
-            held = [*self._held_between, 1.0]
-            found += [self._risen(posed, height, starts, previous) for height in held]
-            if known is None and found[-1] is None:
-                found.append(self._risen(posed, _BELOW_CEILING, starts, previous))
+        found = [known, *self._risen(posed, starts, level, known)]
         # Of several the best: a little height may be worth less than none, and more than either.
         solved = sorted((one for one in found if one is not None), key=_cost_of)
         if not solved:
@@ -185,24 +177,52 @@ class ProgramSolver:
     def _risen(
         self,
         posed: _Posed,
+        starts: Sequence[DesignVariables],
+        level: Solution | None,
+        known: Solution | None,
+    ) -> Iterator[Solution]:
+        """Solutions next to those whose heights are all held at one value, from none to all.
+
+        Each starts from the one before, the first from the optimum of ``level`` flight.
+        """
+        last, highest = level, 0.0 if known is None else known.x[posed.heights].min()
+        # What is missed at the floor as well is missed by as much from there.
+        heights = [0.0]
+        if known is not None and level is not None and level.missed() and _as_good(known, level):
+            heights = []
+        heights += [*self._held_between, 1.0]
+        if known is None:
+            heights.append(_BELOW_CEILING)
+        for height in heights:
+            if height > 0.0 and highest >= _AT_CEILING:
+                return
+            near = known if known is not None and height == 1.0 else last
+            held = None if height in self.unreached else self._held(posed, height, starts, near)
+            if held is None:
+                continue
+            last = held
+            freed = self._solved(posed, "next", _warm(posed, held)) or held
+            highest = max(highest, freed.x[posed.heights].min())
+            yield freed
+            if height == 1.0:
+                return
+
+    def _held(
+        self,
+        posed: _Posed,
         height: float,
         starts: Sequence[DesignVariables],
         previous: Solution | None,
     ) -> Solution | None:
-        """Solution next to the one whose heights are all held at one value."""
-        if height in self.unreached:
-            return None
+        """Solution with all heights held at one value."""
         places = posed.heights
         lower, upper = (np.array(posed.limits[key]) for key in ("lbx", "ubx"))
         lower[places] = upper[places] = height
         ends = posed.limits | {"lbx": lower, "ubx": upper}
         held = self._from(posed._replace(limits=ends), starts, ("quick",), previous)
-        if held is None:
-            if posed.instance.penalty is not None:  # every other row has a way to give
-                self.unreached.add(height)
-            return None
-        freed = self._solved(posed, "next", _warm(posed, held))
-        return held if freed is None else freed
+        if held is None and posed.instance.penalty is not None:
+            self.unreached.add(height)  # every other row has a way to give
+        return held
 
     def _from(
         self,
@@ -288,9 +308,9 @@ class ProgramSolver:
             problem = self.problems.of(len(scenarios), eased=True, **kind)
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
-        suns = self._suns[list(scenarios)]
-        if climb is None:
-            suns = np.hstack([suns[:, : 2 * NODES], suns[:, -3:]])
+        known = self._suns if climb is None else self._climb_suns
+        assert known is not None
+        suns = known[list(scenarios)]
         sunlit = [i for i, scenario in enumerate(scenarios) if scenario in instance.sunlit]
         lowest = self._lowest_power[[scenarios[i] for i in sunlit]]
         suns[sunlit, -1] = lowest / (1.0 + instance.spare_sun)
@@ -341,7 +361,7 @@ class ProgramSolver:
         if not ((stats["success"] or stands) and np.isfinite(x).all()):
             return None
         slacks = [problem.index[v.name] for v in problem.of_role(Role.slack)]
-        doubtful = bool(stands and np.all(x[slacks] < _CLEARLY_MISSED))
+        doubtful = bool(stands and np.all(x[slacks] < _CLEARLY_MISSED)) and not program.climbs
         if stands and not doubtful:
             x[slacks] = np.where(x[slacks] < _CLEARLY_MISSED, 0.0, x[slacks])
         design = problem.design_variables(x, posed.ends)
