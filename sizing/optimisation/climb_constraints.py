@@ -29,8 +29,8 @@ from sizing.altitude.climb_levels import climb_limits
 from sizing.design import Design, FlightConditions, parametric_design
 from sizing.energy.battery import ChargeLimit
 from sizing.optimisation.energy_constraints import (
-    CLIMB_NODES,
     LEVELS_ALOFT,
+    NODES,
     SPLINE,
     charge_step_function,
     mean_positive,
@@ -44,11 +44,11 @@ from solar.types import FloatArray
 Strategy = Literal["battery_full", "surplus"]
 
 # Besides those of flight at one altitude: light aloft.
-CLIMB_SUN_PARAMETERS = (1 + SPLINE) * CLIMB_NODES + 3
+CLIMB_SUN_PARAMETERS = (1 + SPLINE) * NODES + 3
 # Conditions of each level, and how far above the floor it is [m].
 _EACH_LEVEL = len(FlightConditions._fields) + 1
 ALOFT_PARAMETERS = LEVELS_ALOFT * _EACH_LEVEL
-_DARK_STEPS = 12
+_DARK_STEPS = 24
 # Thrust powers over level flight's by which the efficiency of a propulsion by parts is known.
 _LEVEL, _CLIMB, _GLIDE = (1.0,), (2.0,), (0.5, 0.25)
 _NOTHING = 1e-9
@@ -179,13 +179,17 @@ def climbing_cycle_function(
 
 
 class _Balance(NamedTuple):
-    """Surplus, deficit and the motor's part of it over an interval [Wh]; net power at the ends."""
+    """Surplus, deficit and the motor's part of it over an interval [Wh].
+
+    Net power at the ends, and that of level flight in calm air [W].
+    """
 
     surplus_wh: Any
     lacking_wh: Any
     of_motor_wh: Any
     left_w: Any
     right_w: Any
+    motor_w: Any
 
 
 class _Day:
@@ -197,9 +201,9 @@ class _Day:
         self.values, self.rate = values, charge_efficiency / capacity_wh
         # Levels are even in height; in energy, speed puts them off by a few thousandths at most.
         self._log_power = ca.mtimes(ca.DM(spline_coefficients()), ca.log(values.level_w))
-        rows = [sun[n * CLIMB_NODES : (n + 1) * CLIMB_NODES] for n in (0, *range(2, SPLINE + 1))]
+        rows = [sun[n * NODES : (n + 1) * NODES] for n in (0, *range(2, SPLINE + 1))]
         self._solar_w = area * ca.horzcat(*rows)
-        self.factor = values.steady + sun[CLIMB_NODES : 2 * CLIMB_NODES]
+        self.factor = values.steady + sun[NODES : 2 * NODES]
         self.step_h, self.dark_h = sun[-3], sun[-2]
         self.nominal_w = values.level_w[0] * values.steady + values.constant_w
         # Electric energy that the height of the ceiling stands for.
@@ -207,25 +211,29 @@ class _Day:
 
     def motor_w(self, at: Any) -> Any:
         """Power of level flight in calm air at a share of the height [W]."""
-        return ca.exp(ca.dot(self._log_power, spline_basis(at)))
+        return self._motor_w(spline_basis(at))
+
+    def _motor_w(self, basis: Any) -> Any:
+        return ca.exp(ca.dot(self._log_power, basis))
 
     def balance(self, k: int, at: Any) -> _Balance:
         """What the sun leaves over and lacks between two nodes, at a share of the height."""
-        v, motor_w, basis = self.values, self.motor_w(at), spline_basis(at)
+        v, basis = self.values, spline_basis(at)
+        motor_w = self._motor_w(basis)
         first, last = (ca.dot(self._solar_w[n, :].T, basis) for n in (k, k + 1))
         left = first - motor_w * self.factor[k] - v.constant_w
         right = last - motor_w * self.factor[k + 1] - v.constant_w
         lacking_wh = mean_positive(-left, -right) * self.step_h
         of_avionics_wh = mean_positive(v.constant_w - first, v.constant_w - last) * self.step_h
         surplus_wh = mean_positive(left, right) * self.step_h
-        return _Balance(surplus_wh, lacking_wh, lacking_wh - of_avionics_wh, left, right)
+        return _Balance(surplus_wh, lacking_wh, lacking_wh - of_avionics_wh, left, right, motor_w)
 
     def climbed(
         self, soc: Any, height: Any, charge: ca.Function, *, always: bool
     ) -> tuple[Any, Any]:
         """State of charge and height that the day's surplus leads to, without a ceiling."""
         v, reached, before = self.values, 0.0, 0.0
-        for k in range(CLIMB_NODES - 1):
+        for k in range(NODES - 1):
             at = ca.fmin(ca.fmax(1.5 * reached - 0.5 * before, 0.0), height)
             one, before = self.balance(k, at), reached
             rates = (self.rate * one.left_w, self.rate * one.right_w)
@@ -235,7 +243,7 @@ class _Day:
             if not always:
                 full = 1.0 - (stored + _NOTHING) / (charged - soc + _NOTHING)
                 usable_wh = ca.fmin(usable_wh, full * one.surplus_wh)
-            mean_w = self.motor_w(at) * (self.factor[k] + self.factor[k + 1]) / 2.0
+            mean_w = one.motor_w * (self.factor[k] + self.factor[k + 1]) / 2.0
             room_wh = ca.fmax(v.maximum_w - mean_w, 0.0) * self.step_h
             wanted_wh = ca.fmax(usable_wh, 0.0) + _TINY_WH
             climb_wh = smooth_minimum(wanted_wh, room_wh + _TINY_WH, _BLEND)
@@ -253,10 +261,10 @@ class _Day:
         """Share of the ceiling's height that electric energy lifts by."""
         return climb_wh / self.store_wh
 
-    def glided(self, k: int, saved_wh: Any, share: Any) -> tuple[Any, Any]:
+    def glided(self, k: int, one: _Balance, share: Any) -> tuple[Any, Any]:
         """Electric energy that sinking saves from a node on [Wh], and the height after it."""
         del k
-        glide_wh = ca.fmin(saved_wh, share * self.store_wh)
+        glide_wh = ca.fmin(ca.fmax(one.of_motor_wh, 0.0), share * self.store_wh)
         return glide_wh, share - glide_wh / self.store_wh
 
     def deficit(self, height: Any) -> tuple[Any, Any]:
@@ -268,9 +276,9 @@ class _Day:
         Glides through the evening, the dark and the morning's twilight, in this order.
         """
         v, share, deficit_wh = self.values, height, 0.0
-        for k in range(CLIMB_NODES // 2, CLIMB_NODES - 1):
+        for k in range(NODES // 2, NODES - 1):
             one = self.balance(k, share)
-            glide_wh, share = self.glided(k, ca.fmax(one.of_motor_wh, 0.0), share)
+            glide_wh, share = self.glided(k, one, share)
             deficit_wh = deficit_wh + one.lacking_wh - glide_wh
         hours = self.dark_h / _DARK_STEPS
         for _ in range(_DARK_STEPS):
@@ -281,9 +289,9 @@ class _Day:
             share = share - glide_wh / self.store_wh
             deficit_wh = deficit_wh + wanted_wh + v.constant_w * hours - glide_wh
         late_wh: Any = 0.0
-        for k in range(CLIMB_NODES // 2):
+        for k in range(NODES // 2):
             one = self.balance(k, share)
-            glide_wh, share = self.glided(k, ca.fmax(one.of_motor_wh, 0.0), share)
+            glide_wh, share = self.glided(k, one, share)
             drawn_wh = one.lacking_wh - glide_wh
             late_wh = late_wh + self.carried(k) * drawn_wh
             deficit_wh = deficit_wh + drawn_wh
@@ -305,10 +313,10 @@ class _DayByParts(_Day):
         """As by constants, with the efficiency of climbs."""
         return climb_wh * self.values.climbing / self.values.ceiling_wh
 
-    def glided(self, k: int, saved_wh: Any, share: Any) -> tuple[Any, Any]:
+    def glided(self, k: int, one: _Balance, share: Any) -> tuple[Any, Any]:
         """As by constants, with that of the power that is left for the motor."""
         v, factor = self.values, (self.factor[k] + self.factor[k + 1]) / 2.0
-        level_wh = self.motor_w(share) * factor * self.step_h
+        saved_wh, level_wh = ca.fmax(one.of_motor_wh, 0.0), one.motor_w * factor * self.step_h
         off_wh = v.efficiency * level_wh - v.intermittent * ca.fmax(level_wh - saved_wh, 0.0)
         sunk = ca.fmin(v.gliding * saved_wh, off_wh) / v.ceiling_wh
         flown = ca.fmin(share / (sunk + _NOTHING), 1.0)

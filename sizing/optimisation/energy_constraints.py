@@ -28,8 +28,6 @@ from solar.types import BoolArray, FloatArray
 # 10 min apart on a day of 16 h.
 NODES = 97
 SUN_PARAMETERS = 2 * NODES + 3
-# Half as many where both stores are followed: excess times differ by 0.02 h.
-CLIMB_NODES = 49
 # From the floor of climbs to the ceiling, evenly spaced, without the floor.
 LEVELS_ALOFT = 4
 # Coefficients of the spline through floor and levels.
@@ -62,14 +60,12 @@ class NodeBalance(NamedTuple):
 Charger = Callable[[Any, Any], _Taken]
 
 
-def sun_parameters(
-    day: SolarDay, mission: Mission, sunlit: Collection[int] = (), *, climbs: bool = False
-) -> FloatArray:
+def sun_parameters(day: SolarDay, mission: Mission, sunlit: Collection[int] = ()) -> FloatArray:
     """Sun, thermals, step and darkness of every scenario.
 
     ``sunlit``: scenarios in which the sun must carry the nominal load at all times. Returns
-    specific power [W/m2] and extra propulsion power [-] at the nodes, on missions with ``climbs``
-    the light aloft, step between nodes [h], hours without light, and the specific power that must
+    specific power [W/m2] and extra propulsion power [-] at the nodes, on missions with climbs the
+    light aloft, step between nodes [h], hours without light, and the specific power that must
     carry the nominal load: the lowest one of the day in the scenarios of ``sunlit``, else 0 [W/m2].
     """
     thermal = mission.turbulence.thermal * thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
@@ -77,7 +73,7 @@ def sun_parameters(
     active = (day.specific_power_w_per_m2 > 0.0) | (thermal > 0.0)
     suns = np.stack(
         [
-            _one_scenario(day, *rows, climbs=climbs)
+            _one_scenario(day, *rows)
             for rows in zip(range(len(thermal)), thermal, active, strict=True)
         ]
     )
@@ -110,10 +106,8 @@ def growing_lit_sets(lowest_w_per_m2: FloatArray) -> list[list[int]]:
     return [order[:n] for n in ends]
 
 
-def _one_scenario(
-    day: SolarDay, number: int, thermal: FloatArray, active: BoolArray, *, climbs: bool
-) -> FloatArray:
-    """Parameters of one scenario: light, thermals, light aloft, step, darkness."""
+def _one_scenario(day: SolarDay, number: int, thermal: FloatArray, active: BoolArray) -> FloatArray:
+    """Parameters of one scenario: light, thermals, light aloft if any, step, darkness."""
     time_h = day.time_h
     sunlit = np.flatnonzero(active)
     first = max(int(sunlit[0]) - 1, 0) if len(sunlit) else 0
@@ -123,14 +117,12 @@ def _one_scenario(
     if active.all():
         # Without a night the day begins where the sun carries least: in thermals that may be noon.
         begin_h = time_h[np.argmin(light / (1.0 + thermal))]
-    count = CLIMB_NODES if climbs else NODES
-    nodes = begin_h + np.linspace(0.0, lit_h, count)
+    nodes = begin_h + np.linspace(0.0, lit_h, NODES)
     rows = [light, thermal]
-    if climbs:
-        assert day.aloft_w_per_m2 is not None
+    if day.aloft_w_per_m2 is not None:
         rows += list(_spline_of_light(day.aloft_w_per_m2[:, number]))
     found = [np.interp(nodes, time_h, row, period=24.0) for row in rows]
-    return np.concatenate([*found, [lit_h / (count - 1), 24.0 - lit_h, 0.0]])
+    return np.concatenate([*found, [lit_h / (NODES - 1), 24.0 - lit_h, 0.0]])
 
 
 def _spline_of_light(light: FloatArray) -> FloatArray:

@@ -229,7 +229,7 @@ class _Lagrangian:
         parameters = problem.parameters(
             self._weights(problem),
             FlightConditions.of(mission, aircraft),
-            sun_parameters(day, mission, sunlit, climbs=climb is not None),
+            sun_parameters(day, mission, sunlit),
             margin=self.optimum.instance.margin,
             aloft=None if climb is None else aloft_parameters(mission, aircraft),
             winds_m_per_s=mission.scenario_winds_m_per_s(self.scenarios),

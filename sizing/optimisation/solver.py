@@ -14,7 +14,7 @@ from missions.mission import Mission
 from sizing.design import DesignVariables, FlightConditions, variable_keys
 from sizing.mass_budget import closed_design
 from sizing.optimisation.climb_constraints import Strategy, aloft_parameters
-from sizing.optimisation.energy_constraints import lowest_power, sun_parameters
+from sizing.optimisation.energy_constraints import NODES, lowest_power, sun_parameters
 from sizing.optimisation.problem import SizingProblem, SizingProblems
 from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
 from sizing.optimisation.solver_options import Effort
@@ -109,7 +109,6 @@ class ProgramSolver:
         far = climb is not None and climb.ceiling_m - mission.altitude_m > _FAR_M
         self._held_between = _HELD_BETWEEN if far else ()
         self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
-        self._climb_suns = None if climb is None else sun_parameters(day, mission, climbs=True)
         self._winds = mission.scenario_winds_m_per_s(day.scenarios)
         self.work = SolverReport()
         self.unreached: set[float] = set()  # heights that no design has
@@ -308,9 +307,9 @@ class ProgramSolver:
             problem = self.problems.of(len(scenarios), eased=True, **kind)
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
-        known = self._suns if climb is None else self._climb_suns
-        assert known is not None
-        suns = known[list(scenarios)]
+        suns = self._suns[list(scenarios)]
+        if climb is None:
+            suns = np.hstack([suns[:, : 2 * NODES], suns[:, -3:]])
         sunlit = [i for i, scenario in enumerate(scenarios) if scenario in instance.sunlit]
         lowest = self._lowest_power[[scenarios[i] for i in sunlit]]
         suns[sunlit, -1] = lowest / (1.0 + instance.spare_sun)
