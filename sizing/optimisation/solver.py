@@ -360,6 +360,7 @@ class ProgramSolver:
         if not ((stats["success"] or stands) and np.isfinite(x).all()):
             return None
         slacks = [problem.index[v.name] for v in problem.of_role(Role.slack)]
+        # With climbs most optima lie at a kink: whether one misses anything the simulator decides.
         doubtful = bool(stands and np.all(x[slacks] < _CLEARLY_MISSED)) and not program.climbs
         if stands and not doubtful:
             x[slacks] = np.where(x[slacks] < _CLEARLY_MISSED, 0.0, x[slacks])

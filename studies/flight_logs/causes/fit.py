@@ -66,15 +66,18 @@ class Loss:
 
     def acts(self, time_s: FloatArray, light: FloatArray) -> BoolArray:
         """Samples that it acts on."""
-        inside = (time_s >= self.start_s) & (time_s <= self.end_s)
+        inside = self._inside(time_s)
         return inside & (light < LOW_LIGHT_W_PER_M2) if self.form == "low_light" else inside
 
     def is_unsure(self, time_s: FloatArray, light: FloatArray) -> BoolArray:
         """Samples that it may act on or not: light near the limit is known to its level only."""
         if self.form != "low_light":
             return np.zeros(len(time_s), bool)
-        inside = (time_s >= self.start_s) & (time_s <= self.end_s)
-        return inside & (np.abs(light / LOW_LIGHT_W_PER_M2 - 1.0) < MODEL_SIGMAS["level"])
+        near = np.abs(light / LOW_LIGHT_W_PER_M2 - 1.0) < MODEL_SIGMAS["level"]
+        return np.asarray(self._inside(time_s) & near)
+
+    def _inside(self, time_s: FloatArray) -> BoolArray:
+        return np.asarray((time_s >= self.start_s) & (time_s <= self.end_s))
 
 
 class Hypothesis(NamedTuple):
@@ -329,8 +332,9 @@ class _Problem:
         if (cap := self.hypothesis.cap_w) is not None:
             every = np.where((whole > cap)[:, None], 0.0, every)
             whole = np.minimum(whole, cap)
-        every = np.where(self.unsure[:, None], 0.0, every)
-        whole = np.where(self.unsure, data.measured, whole)
+        if self.unsure.any():
+            every = np.where(self.unsure[:, None], 0.0, every)
+            whole = np.where(self.unsure, data.measured, whole)
         return _State(error, theta, every, spread, data.measured - whole, slopes, near)
 
     def prior(self, state: _State) -> FloatArray:
