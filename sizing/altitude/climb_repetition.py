@@ -34,7 +34,8 @@ def repeated_day(march: March) -> DayRun:
     unsettled = np.flatnonzero(np.maximum(*changes) > _TOLERANCE * scale)
     if not len(unsettled):
         return run
-    settled = _periodic_state(march.select(unsettled), scale[unsettled])
+    begun = Stored(*(values[unsettled] for values in end))
+    settled = _periodic_state(march.select(unsettled), scale[unsettled], begun)
     for values, found in zip(start, settled, strict=True):
         values[unsettled] = found
     run = march.empty_run()
@@ -42,10 +43,10 @@ def repeated_day(march: March) -> DayRun:
     return run
 
 
-def _periodic_state(march: March, scale: FloatArray) -> Stored:
-    """What is stored at midnight of a day that repeats itself, by repetition."""
+def _periodic_state(march: March, scale: FloatArray, begun: Stored) -> Stored:
+    """What is stored at midnight of a day that repeats itself, by repetition from a first day."""
     full = march.store.battery_energy_wh
-    energy, potential = full.copy(), np.zeros_like(full)
+    energy, potential = begun
     bracket = _EnergyBracket(full)
     last = Stored(np.zeros_like(full), np.zeros_like(full))
     low = np.ones(full.shape, bool)

@@ -37,7 +37,7 @@ from sizing.optimisation.variables import TOTAL_MASS
 from sizing.parameters import with_parameter
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.smooth_propulsion import corrected, smooth_propulsion
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 _LIFT = "airframe.aerodynamics.lift_coefficient"
 _ROUNDS, _NARROWED = 12, 2
@@ -213,8 +213,13 @@ def with_flow_of_optimum(
     """
     if objective.of_range or not balances_heat(mission):
         return aircraft, start
+    # A given day is not confirmed by finer steps: nothing but the flow is wanted here.
     first = size_aircraft(
-        *(aircraft, mission, objective, solar), start=start, explain=False, **options
+        *(aircraft, mission, objective, solar),
+        day=solar_day(aircraft, mission, solar),
+        start=start,
+        explain=False,
+        **options,
     )
     if first.design is None or not first.feasible:
         return aircraft, start
