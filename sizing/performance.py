@@ -89,6 +89,17 @@ class Performance:
         """Index of the scenario with the least excess time (of a single design)."""
         return int(np.argmin(self.cycle.excess_time_h))
 
+    def climbed(self) -> FloatArray:
+        """Potential energy of every scenario's highest altitude over the ceiling's (of one design).
+
+        Of a mission with climbs.
+        """
+        assert self.levels is not None and self.maximum_altitude_m is not None
+        energies = self.levels.potential_energy_wh
+        rows = zip(self.maximum_altitude_m, energies.T, strict=True)
+        reached = [np.interp(at, self.levels.altitude_m, own) for at, own in rows]
+        return np.array(reached) / np.where(energies[-1] > 0.0, energies[-1], np.inf)
+
     def endurances(self) -> list[Endurance | None]:
         """Longest flight in every scenario (of a single design); None where it is unlimited."""
         flights, perpetual = self._longest_flights(), self.cycle.perpetual

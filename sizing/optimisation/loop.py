@@ -36,6 +36,7 @@ PENALTY = 300.0
 _MARGIN_WASTE = 2e-3  # the same of a margin on the recharge that climbs may do with less of
 _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
+_OTHER_DAY = 0.1  # of the ceiling's height
 _LARGE_MARGIN = 0.1  # of the recharge: climbs that need more begin a longer night
 _LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
 
@@ -126,7 +127,9 @@ class Search:
         accepted = self.accepts(simulated)
         if accepted and (self.best is None or simulated.merit > self.best.found.merit):
             self.best = Accepted(self.current, simulated)
-        if accepted and simulated.worst in self.scenarios and not self._wasteful(simulated):
+        errors = self._height_errors(simulated)
+        known = errors is None and simulated.worst in self.scenarios
+        if accepted and known and not self._wasteful(simulated):
             return False
         unlimited = np.isinf(simulated.excess_time_h)  # nothing is worse than the others
         if accepted and self.instance.sunlit and unlimited and not self._wastes_sun(simulated):
@@ -138,6 +141,12 @@ class Search:
         if simulated.worst in self.scenarios:
             bound = _Bound(self.instance.goal_h, self.instance.margin, simulated.excess_time_h)
             self._short, self._enough = (self._short, bound) if accepted else (bound, self._enough)
+        if errors is not None:
+            self.instance = replace(self.instance, height_errors=errors)
+            # Those were of another program.
+            self._short, self._enough, self.ceiling_h = None, None, math.inf
+            self.previous, self.solution = self.solution, None
+            return True
         if not accepted:
             self.rejected = self.current.design
             if self.ceiling_h - self.instance.goal_h < _SAME_GOAL_H or self.enclosed():
@@ -145,6 +154,22 @@ class Search:
         self._tighten(simulated)
         self.previous, self.solution = self.solution, None
         return True
+
+    def _height_errors(self, simulated: Simulated) -> dict[int, float] | None:
+        """Height errors of the program as the simulator finds them; None where they cost nothing.
+
+        Where both differ by much they have ended on different days that repeat themselves.
+        """
+        held_back, perf = self.current.held_back(), simulated.performance
+        if not held_back or perf is None or perf.levels is None:
+            return None
+        climbed, known, cost = perf.climbed(), dict(self.instance.height_errors), 0.0
+        for scenario, (height, by_height) in held_back.items():
+            error = height - float(climbed[scenario])
+            if abs(error) < _OTHER_DAY:
+                cost += by_height * abs(error)
+                known[scenario] = known.get(scenario, 0.0) + error
+        return known if cost > _WASTE and not self._unchanged() else None
 
     def _wastes_sun(self, simulated: Simulated) -> bool:
         """Whether a sun that must carry the load has more to spare than next to nothing costs."""

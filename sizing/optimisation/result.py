@@ -16,6 +16,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.objectives import SizingStatus as SizingStatus
 from sizing.optimisation.own_terms import OwnObjective
 from sizing.optimisation.variables import (
+    HEIGHT,
     OWN,
     RELATIVE_STEP,
     WORST_EXCESS,
@@ -60,7 +61,8 @@ class ProblemInstance:
     must return than the night takes, relative. ``lit``: scenarios in which the sun must carry the
     nominal load at all times. Their excess time is unlimited and meets any requirement.
     ``spare_sun``: by how much more than the program's modules need, relative. ``wind_m_per_s``:
-    wind instead of the mission's strongest [m/s].
+    wind instead of the mission's strongest [m/s]. ``height_errors``: by how much the program's
+    climbs end above the simulator's, by scenario, over the energy of the ceiling's height.
     """
 
     cost: Mapping[str, float]
@@ -74,6 +76,7 @@ class ProblemInstance:
     sunlit: frozenset[int] = frozenset()
     spare_sun: float = 0.0
     wind_m_per_s: float | None = None
+    height_errors: Mapping[int, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, objective: Objective, required_h: float) -> ProblemInstance:
@@ -160,14 +163,29 @@ class Solution:
         by_hour, by_charge = self._cost_of("excess_time"), self._cost_of("energy_balance")
         return excess_time_h * by_hour + margin * by_charge
 
+    def held_back(self) -> dict[int, tuple[float, float]]:
+        """Heights of climbs that the surplus holds back, and what a height costs, by scenario."""
+        rows = zip(self.constraints, self.constraint_multipliers, strict=True)
+        heights = [x for x, v in zip(self.x, self.variables, strict=True) if v.role is Role.height]
+        found: dict[int, tuple[float, float]] = {}
+        for row, multiplier in rows:
+            if row.name == HEIGHT and multiplier != 0.0 and row.block is not None:
+                cost = self._relative(abs(float(multiplier)))
+                found[self.scenarios[row.block]] = float(heights[row.block]), cost
+        return found
+
     def _cost_of(self, name: str) -> float:
         """Multipliers of the rows of a name over their scale, relative to the objective."""
-        if not _SIZES & set(self.instance.cost):
-            return 0.0  # an excess time, or technology
         rows = zip(self.constraints, self.constraint_multipliers, strict=True)
         cost = sum(abs(m) / row.scale for row, m in rows if row.name == name)
         if name == "energy_balance" and self.margin_cost is not None:
             cost = self.margin_cost
+        return self._relative(cost)
+
+    def _relative(self, cost: float) -> float:
+        """Cost over that of the objective; 0 where that is an excess time, or technology."""
+        if not _SIZES & set(self.instance.cost):
+            return 0.0
         # The cost is a logarithm, or a payload over its scale.
         payload = [v for v in self.variables if v.name in self.instance.cost and v.scale]
         whole = sum(

@@ -24,6 +24,7 @@ from sizing.optimisation.variables import (
     TOTAL_MASS,
     WIND,
     WORST_EXCESS,
+    Constraint,
     Role,
 )
 from sizing.parameters import parameter_value
@@ -329,7 +330,7 @@ class ProgramSolver:
             ),
             "lbx": lower,
             "ubx": upper,
-            "lbg": 0.0,
+            "lbg": np.array([_least(row, instance, scenarios) for row in problem.constraints]),
             "ubg": np.array([0.0 if c.equation else np.inf for c in problem.constraints]),
         }
         return _Posed(problem, instance, tuple(scenarios), weights, ends, limits)
@@ -415,6 +416,13 @@ class ProgramSolver:
         return np.array([v.to_program(guess.get(v.name, v.first_guess)) for v in problem.variables])
 
 
+def _least(row: Constraint, instance: ProblemInstance, scenarios: Sequence[int]) -> float:
+    """Least value of a row: in the program climbs end too high by their error."""
+    if row.name != HEIGHT or row.block is None:
+        return 0.0
+    return instance.height_errors.get(scenarios[row.block], 0.0)
+
+
 def _stands_still(stats: Mapping[str, Any], effort: Effort) -> bool:
     """Whether interior points have ended where the cost stands still, at an optimum with a kink.
 
@@ -449,6 +457,7 @@ def _same_but_for_goal(posed: _Posed, previous: Solution) -> bool:
     """Whether a solution is that of the same instance with another goal in the same scenarios."""
     now, then = posed.instance, previous.instance
     then = replace(then, goal_h=now.goal_h, margin=now.margin, spare_sun=now.spare_sun)
+    then = replace(then, height_errors=now.height_errors)
     same = replace(then, penalty=now.penalty) == now and previous.scenarios == posed.scenarios
     return same and now.penalty != math.inf and previous.climbs
 
