@@ -101,7 +101,7 @@ class Judge:
         self.axes = axes_of(problem)
         self.conditions = FlightConditions.of(problem.mission, problem.aircraft)
         self.days: dict[float, SolarDay] = {}
-        self.simulated = 0
+        self.simulated, self.overstated_h = 0, 0.0
 
     def variables(self, shares: FloatArray) -> DesignVariables:
         """Designs at shares of the logarithmic ranges, one design a row."""
@@ -136,6 +136,18 @@ class Judge:
         """Excess time that a design must have [h]."""
         return np.asarray(np.min(perf.cycle.excess_time_h, axis=-1))
 
+    def learn_overstated(self, shares: FloatArray) -> None:
+        """Ask of the usual steps what they overstate near a design, for one that fine steps keep.
+
+        With climbs both differ by more than the optimum's tolerance, and the product asks both.
+        """
+        usual, fine = (
+            float(self.excess_h(self.performance(self.variables(shares), step_h))[0])
+            for step_h in (DEFAULT_STEP_H, self.fine_step_h)
+        )
+        if 0.0 < usual - fine < FINE_ALLOWANCE_H:
+            self.overstated_h = usual - fine
+
     def value(self, perf: Performance, allowance_h: float = 0.0) -> FloatArray:
         """Objective of designs, NaN where a requirement is missed, as the optimiser counts it.
 
@@ -160,7 +172,13 @@ class Judge:
         """Whether designs stay feasible with fine steps, a few at a time."""
         several = np.array_split(shares, -(-len(shares) // 8))
         perfs = (self.performance(self.variables(some), self.fine_step_h) for some in several)
-        return np.concatenate([~np.isnan(self.value(perf, FINE_ALLOWANCE_H)) for perf in perfs])
+        return np.concatenate([~np.isnan(self.value(perf, self.allowance_h)) for perf in perfs])
+
+    @property
+    def allowance_h(self) -> float:
+        """By how much fine steps may fall short of the required excess time [h]."""
+        asked = self.problem.mission.climb is not None and not self.problem.objective.of_range
+        return 0.0 if asked else FINE_ALLOWANCE_H
 
     @property
     def fine_step_h(self) -> float:
@@ -174,12 +192,12 @@ class Judge:
     def judged(self, shares: FloatArray, step_h: float) -> tuple[FloatArray, FloatArray]:
         """What designs miss, 0 where they are feasible, and their cost."""
         perf = self.performance(self.variables(shares), step_h)
-        value = self.value(perf)
+        value = self.value(perf, -self.overstated_h)
         cost = -value if self.problem.objective.maximised else value
         return np.where(np.isnan(value), self._missed(perf), 0.0), cost
 
     def _missed(self, perf: Performance) -> FloatArray:
-        excess_h = self.excess_h(perf)
+        excess_h = self.excess_h(perf) - self.overstated_h
         short_h = np.maximum(self.problem.required_h - excess_h, 0.0) + (excess_h <= 0.0)
         carried = self.conditions.with_payload_of(perf.design.variables)
         missed = short_h / 24.0
@@ -311,6 +329,12 @@ def search(
     last = _Population(judge, rng, np.vstack([elite.shares, around]), DEFAULT_STEP_H)
     last = last.best(how.population)
     last.evolve(how.polishing)
+    if judge.allowance_h == 0.0:
+        judge.learn_overstated(last.best(1).shares)
+        around = _around(judge, rng, centre, how.population)
+        last = _Population(judge, rng, np.vstack([last.shares, around]), DEFAULT_STEP_H)
+        last = last.best(how.population)
+        last.evolve(how.polishing)
     winner = last.confirmed()
     variables = judge.variables(winner.shares).mapped(lambda v: float(np.asarray(v)[0]))
     by_chance = float(elite.cost[0])

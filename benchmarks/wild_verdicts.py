@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.simulated_search import FINE_ALLOWANCE_H, Effort, Found, Judge, judge_of, search
+from benchmarks.simulated_search import Effort, Found, Judge, judge_of, search
 from benchmarks.wild_problems import WildProblem
 from missions.files.overrides import with_values
 from sizing.aircraft import Aircraft
@@ -201,7 +201,7 @@ def _at(
     """Value of one design, NaN where it misses a requirement, and its performance."""
     step_h = judge.fine_step_h if fine else DEFAULT_STEP_H
     perf = judge.performance(variables.mapped(lambda v: np.atleast_1d(float(v))), step_h)
-    value = judge.value(perf, FINE_ALLOWANCE_H if fine else 0.0)
+    value = judge.value(perf, judge.allowance_h if fine else 0.0)
     return float(value[0]), perf
 
 

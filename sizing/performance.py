@@ -94,7 +94,8 @@ class Performance:
 
         Of a mission with climbs.
         """
-        assert self.levels is not None and self.maximum_altitude_m is not None
+        assert self.levels is not None
+        assert self.maximum_altitude_m is not None
         energies = self.levels.potential_energy_wh
         rows = zip(self.maximum_altitude_m, energies.T, strict=True)
         reached = [np.interp(at, self.levels.altitude_m, own) for at, own in rows]

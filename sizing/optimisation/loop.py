@@ -36,7 +36,7 @@ PENALTY = 300.0
 _MARGIN_WASTE = 2e-3  # the same of a margin on the recharge that climbs may do with less of
 _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
-_OTHER_DAY = 0.1  # of the ceiling's height
+_OTHER_DAY, _SAME_HEIGHT = 0.1, 1e-4  # of the ceiling's height
 _LARGE_MARGIN = 0.1  # of the recharge: climbs that need more begin a longer night
 _LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
 
@@ -102,6 +102,8 @@ class Search:
         # Programs of these scenarios whose designs the simulator rejected and accepted last.
         self._short: _Bound | None = None
         self._enough: _Bound | None = None
+        # Height errors by scenario with which climbs still ended too low, and at the ceiling.
+        self._errors: dict[int, tuple[float, float]] = {}
         self._longer_night = False  # than any margin on the recharge makes up for
         # Design of the last program whose goal turned out too low: as good as any can be.
         self.rejected: DesignVariables | None = None
@@ -161,15 +163,28 @@ class Search:
         Where both differ by much they have ended on different days that repeat themselves.
         """
         held_back, perf = self.current.held_back(), simulated.performance
-        if not held_back or perf is None or perf.levels is None:
+        if not held_back or perf is None or perf.levels is None or self._unchanged():
             return None
-        climbed, known, cost = perf.climbed(), dict(self.instance.height_errors), 0.0
+        climbed, known, worth_it = perf.climbed(), dict(self.instance.height_errors), False
         for scenario, (height, by_height) in held_back.items():
-            error = height - float(climbed[scenario])
-            if abs(error) < _OTHER_DAY:
-                cost += by_height * abs(error)
-                known[scenario] = known.get(scenario, 0.0) + error
-        return known if cost > _WASTE and not self._unchanged() else None
+            last, off = known.get(scenario, 0.0), height - float(climbed[scenario])
+            if abs(off) >= _OTHER_DAY:
+                continue
+            low, high = self._errors.get(scenario, (0.0, math.inf))
+            if off > _SAME_HEIGHT:
+                low = last
+            elif height - off > 1.0 - _SAME_HEIGHT and last > low:
+                high = last
+            self._errors[scenario] = low, high
+            # A day that ends too low begins the next one with less: what is lacking once it repeats
+            # itself is more than the error of a day. At the ceiling nothing tells by how much.
+            known[scenario] = last + off
+            if math.isfinite(high) and off > -_SAME_HEIGHT:
+                middle = (low + high) / 2.0
+                known[scenario] = middle if (high - middle) * by_height > _WASTE else high
+            moved = abs(known[scenario] - last)
+            worth_it |= moved * by_height > _WASTE or (last == low and known[scenario] == high)
+        return known if worth_it else None
 
     def _wastes_sun(self, simulated: Simulated) -> bool:
         """Whether a sun that must carry the load has more to spare than next to nothing costs."""
