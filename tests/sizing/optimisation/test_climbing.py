@@ -122,6 +122,16 @@ def test_the_program_has_the_excess_time_of_the_simulator(number: int) -> None:
     assert float(np.min(flown.cycle.excess_time_h)) == pytest.approx(expected, abs=0.03)
 
 
+def test_climbs_that_end_short_of_the_ceiling_cost_what_they_must() -> None:
+    # Best payload of a search over simulated designs [kg], of an aircraft of 45 kg. The program's
+    # climbs end 0.6 % too high there; with a goal of another tenth of an hour instead 7 % were lost.
+    problem = wild_problem(8300, 8, climb=True)
+    given = (problem.aircraft, problem.mission, problem.objective, problem.solar)
+    result = size_aircraft(*given, required_excess_time_h=problem.required_h)
+    assert result.objective_value is not None
+    assert result.objective_value > 1.2786 * (1.0 - 3e-3)  # what a sizing is held to
+
+
 def test_spline_of_the_levels_aloft() -> None:
     places = np.linspace(0.0, 1.0, LEVELS_ALOFT + 1)
     values = np.exp(places) + np.array([0.0, 0.3, 0.0, -0.2, 0.1])

@@ -20,10 +20,15 @@ class Found:
 
     instance: ProblemInstance
     climbs: bool = False
+    height: float = 1.0
 
     @property
     def design(self) -> DesignVariables:
-        return DesignVariables(3.0 + self.instance.goal_h, 15.0, 2.0, 1.0)
+        error = self.instance.height_errors.get(0, 0.0)
+        return DesignVariables(3.0 + self.instance.goal_h, 15.0, 2.0, 1.0 + error)
+
+    def held_back(self) -> dict[int, tuple[float, float]]:
+        return {0: (self.height, 1.0)} if self.climbs else {}
 
     def cost(self, excess_time_h: float, margin: float = 0.0) -> float:
         return 0.02 * excess_time_h + margin
@@ -140,3 +145,54 @@ def test_status_has_the_numbers_of_gridded_files() -> None:
         "cross_checked": 4,
     }
     assert [status.name for status in SizingStatus if status.sized] == ["optimal", "cross_checked"]
+
+
+@dataclass(frozen=True)
+class Climbs:
+    """As much of a performance as the loop looks at: climbs that end too low, day after day."""
+
+    error: float
+    height: float
+    levels: tuple[()] = ()
+
+    def climbed(self) -> list[float]:
+        # What a day lacks comes four times, since the next one begins with less; so does the gain
+        # below the ceiling.
+        return [min(self.height - 4.0 * self.error, 1.0)]
+
+
+def climbing(height: float, error: float) -> tuple[Search, list[float]]:
+    """Search with a program whose climbs end too high by an error, and the errors it tries."""
+    tried: list[float] = []
+
+    def simulator(searches: Sequence[Search]) -> list[Simulated]:
+        (search,) = searches
+        tried.append(search.current.instance.height_errors.get(0, 0.0))
+        goal_h = search.current.instance.goal_h
+        perf = cast(Any, Climbs(error - tried[-1], height))
+        return [Simulated(goal_h, 0, -tried[-1], True, perf)]
+
+    instance = ProblemInstance.of(Objective.min_wingspan, 2.0)
+    search = Search(
+        instance, 2.0, [0], lambda one: cast(Any, Found(one.instance, True, height)), count=1
+    )
+    run([search], simulator)
+    return search, tried
+
+
+def test_at_the_ceiling_the_height_of_climbs_is_bisected() -> None:
+    search, tried = climbing(1.0, 0.006)
+    assert tried[:3] == pytest.approx([0.0, 0.024, 0.012])
+    # Ends on the side that reaches the ceiling, within a thousandth of the objective.
+    assert 0.006 <= tried[-1] < 0.008
+    assert search.instance.height_errors == {0: tried[-1]}
+
+
+def test_a_height_that_costs_nothing_is_not_looked_for() -> None:
+    _, tried = climbing(0.6, 0.0002)
+    assert tried == [0.0]
+
+
+def test_another_day_that_repeats_itself_is_no_error() -> None:
+    _, tried = climbing(0.6, 0.1)
+    assert tried == [0.0]
