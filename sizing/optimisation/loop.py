@@ -104,6 +104,7 @@ class Search:
         self._enough: _Bound | None = None
         # Height errors by scenario with which climbs still ended too low, and at the ceiling.
         self._errors: dict[int, tuple[float, float]] = {}
+        self._knows_heights = True  # whether programs with them are solved
         self._longer_night = False  # than any margin on the recharge makes up for
         # Design of the last program whose goal turned out too low: as good as any can be.
         self.rejected: DesignVariables | None = None
@@ -122,7 +123,14 @@ class Search:
         """Whether there is a solution to be judged, after solving the program if need be."""
         if self.solution is None:
             self.solution = self._solve(self)
+        then = self.previous
+        if self.solution is None and then is not None and self._heights_moved(then):
+            # The goal takes what the heights are off, as it does where that costs little.
+            self._knows_heights, self.instance, self.solution = False, then.instance, then
         return self.solution is not None
+
+    def _heights_moved(self, then: Solution) -> bool:
+        return self.instance.height_errors != then.instance.height_errors
 
     def judge(self, simulated: Simulated) -> bool:
         """Keep the solution if it is the best one; whether the program is to be solved again."""
@@ -163,7 +171,9 @@ class Search:
         Where both differ by much they have ended on different days that repeat themselves.
         """
         held_back, perf = self.current.held_back(), simulated.performance
-        if not held_back or perf is None or perf.levels is None or self._unchanged():
+        if not held_back or perf is None or perf.levels is None:
+            return None
+        if self._unchanged() or not self._knows_heights:
             return None
         climbed, known, worth_it = perf.climbed(), dict(self.instance.height_errors), False
         for scenario, (height, by_height) in held_back.items():

@@ -456,14 +456,25 @@ class _Sizing:
         return self._restarted([nearest, *starts()], largest.simulated)
 
     def _largest_excess(self, solver: ProgramSolver) -> SizingResult:
-        """Sizing for the largest excess time; too short a one is held against a grid of designs."""
+        """Sizing for the largest excess time; too short a one is held against other designs.
+
+        Those are the search's last one and a grid.
+        """
         largest = _sized(solver, Objective.max_excess_time, 0.0, explain=True)
         if not largest.feasible or largest.merit >= self.required_h:
             return largest
-        for one in promising_designs(solver)[:1]:
-            if one.missed == 0.0 and one.excess_time_h > largest.merit:
-                again = _sized(solver, Objective.max_excess_time, 0.0, one.design, explain=False)
-                return max(largest, again, key=attrgetter("merit"))
+        others = [
+            (one.excess_time_h, one.design)
+            for one in promising_designs(solver)[:1]
+            if one.missed == 0.0
+        ]
+        if self.last is not None:
+            flown = solver.performance(self.last.design)
+            others.append((float(flown.cycle.excess_time_h.min()), self.last.design))
+        for excess_h, start in others:
+            if excess_h > largest.merit:
+                again = _sized(solver, Objective.max_excess_time, 0.0, start, explain=False)
+                largest = max(largest, again, key=attrgetter("merit"))
         return largest
 
     def _explained_by_least_missed(self, starts: list[DesignVariables]) -> SizingResult:
