@@ -85,8 +85,15 @@ def test_sensitivities_equal_sizing_again(
         assert here.derivative == pytest.approx(difference, rel=0.01), name
 
 
-@pytest.mark.parametrize("module_temperature", ["of the air", "by heat balance"])
-def test_sensitivities_hold_where_the_charger_takes_over(module_temperature: str) -> None:
+# Curvature is nothing in a central difference: 0.1 % is found with modules as warm as the air. With
+# those of the heat balance the optimum sits within the interval in which the charger takes over:
+# the derivative there is not that of steps across it, whose difference is the same for 0.25 to 1 %.
+@pytest.mark.parametrize(
+    ("module_temperature", "tolerance"), [("of the air", 0.005), ("by heat balance", 0.04)]
+)
+def test_sensitivities_hold_where_the_charger_takes_over(
+    module_temperature: str, tolerance: float
+) -> None:
     # Random mission 37 of benchmarks.random_missions: with modules as warm as the air its optimum
     # sits where, in one interval of the day, the charger takes over from the sun. A thousandth more
     # light returns 0.45 thousandths of the capacity, a thousandth less takes 0.56.
@@ -111,9 +118,8 @@ def test_sensitivities_hold_where_the_charger_takes_over(module_temperature: str
             value(best(with_parameter(aircraft, mission, name, here[name].value + by)[0])[1])
             for by in (-step, step)
         )
-        # Curvature is nothing in a central difference: 0.1 % is found, and 0.4 % where the
-        # optimum's flow follows the parameter.
-        assert here[name].derivative == pytest.approx((high - low) / (2.0 * step), rel=0.005), name
+        difference = (high - low) / (2.0 * step)
+        assert here[name].derivative == pytest.approx(difference, rel=tolerance), name
 
 
 def test_sensitivities_are_sorted_and_consistent() -> None:
