@@ -160,6 +160,12 @@ class ProgramSolver:
         solved = sorted((one for one in found if one is not None), key=_cost_of)
         if not solved:
             return None
+        heights = solved[0].x[posed.heights]
+        if np.ptp(heights) == 0.0 and 0.0 < heights[0] < _BELOW_CEILING:
+            # Still held: steps from there have ended at a kink.
+            freed = self._solved(posed, "quick", {"x0": solved[0].x})
+            if freed is not None and _cost_of(freed) < _cost_of(solved[0]):
+                solved.insert(0, freed)
         others = (_cost_of(one) for one in solved if not _same_cost(one, solved[0]))
         margin_cost = self._margin_cost(posed, solved[0])
         return replace(solved[0], rival=min(others, default=math.inf), margin_cost=margin_cost)
