@@ -7,28 +7,28 @@ them. What is guessed is told.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import AfterValidator, Field
 
-from missions.files.errors import Problem, printable, shortened, shown
+from missions.files.errors import printable, shortened, shown
 from missions.files.validation import unknown_key, validate
 from missions.files.yaml import read_yaml
 from missions.logs.clock import Span, instant_text, parse_span, span_text, zone_name
-from missions.logs.quantities import QUANTITIES
+from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER
 from missions.logs.units import UNITS, Dimension, Unit, known_unit, spelled, split_unit
 from solar.schema import Real, Record, Text
 from solar.types import FloatArray
 
-# Written time columns of the log format itself.
-TIME_NAMES = ("time_utc", "time_utc_s")
 # Where on the wing the modules of an MPPT are, in the name of its column.
 _PLACE = re.compile(r"[ _.-]?(?:left|right|cent(?:re|er)|front|rear|inner|outer)", re.IGNORECASE)
 # Made of others, never a column of the result.
 _PARTS = ("solar_voltage_v", "solar_current_a")
+# What may stand in brackets behind a time and is no unit.
+_ZONES = ("UTC", "Z", "GMT", "ISO", "LOCAL", "UNIX")
 
 
 class Source(Record):
@@ -141,11 +141,6 @@ class Recipe:
         return " + ".join(" * ".join(factor.column for factor in term) for term in self.terms)
 
     @property
-    def trackers(self) -> bool:
-        """Whether it is the power of several MPPTs, each a term."""
-        return self.quantity == "solar_power_w" and len(self.terms) > 1
-
-    @property
     def plain(self) -> bool:
         """Whether the column stands in the log as the format has it."""
         return self.columns == [self.quantity] and self.factor == 1.0 and self.unit is None
@@ -165,20 +160,24 @@ class Recipe:
         text = " + ".join(" * ".join(map(_with_unit, term)) for term in self.terms)
         return f"{self.quantity} = {printable(text)}"
 
-    def values(self, column: Callable[[str], FloatArray], unit: str | None = None) -> FloatArray:
-        """Values in the unit of the log format, of the only column by its ``unit``."""
-        return np.asarray(sum(values for _, values in self.parts(column, unit)), float)
-
-    def parts(
+    def values(
         self, column: Callable[[str], FloatArray], unit: str | None = None
-    ) -> Iterator[tuple[str, FloatArray]]:
-        """Terms of the sum, each with its columns."""
+    ) -> dict[str, FloatArray]:
+        """Values in the unit of the log format, and beside their sum the power of several MPPTs.
+
+        ``unit``: that of the only column.
+        """
+        parts = []
         for term in self.terms:
             product: Any = self.factor
             for factor in term:
                 scale = _scale(self.quantity, len(term), factor.unit or unit)
                 product = product * (scale.factor * column(factor.column) + scale.offset)
-            yield " * ".join(factor.column for factor in term), np.asarray(product, float)
+            parts.append((" * ".join(factor.column for factor in term), np.asarray(product, float)))
+        every = {self.quantity: np.asarray(sum(values for _, values in parts), float)}
+        if self.quantity == "solar_power_w" and len(parts) > 1:
+            every |= {TRACKER + name: values for name, values in parts}
+        return every
 
 
 def _with_unit(factor: Factor) -> str:
@@ -226,7 +225,7 @@ def recipes_for(
     taken = {column for recipe in recipes.values() for column in recipe.columns}
     for quantity in QUANTITIES if guess else ():
         if quantity not in recipes and (column := _guess(quantity, header, taken)) is not None:
-            own = column.column == quantity or column.column in TIME_NAMES
+            own = column.column in (quantity, TIME, EPOCH)
             recipes[quantity] = Recipe(quantity, ((column,),), guessed=not own)
             if quantity not in _PARTS:  # one voltage may serve the power and itself
                 taken.add(column.column)
@@ -312,20 +311,13 @@ def _unit_of_name(quantity: str, factors: int, name: str) -> str | None:
 
 def _guess(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | None:
     """Column that a quantity most likely is; its own name before any other."""
-    if quantity in header and quantity not in taken:
-        return Factor(quantity, None)
-    if quantity == "time":
-        for name in TIME_NAMES:
-            if name in header and name not in taken:
-                return Factor(name, None)
-    best: tuple[int, Factor] | None = None
-    for name in header:
-        if name in taken or name in QUANTITIES:
-            continue
-        match = _matched(quantity, name)
-        if match is not None and (best is None or match[0] < best[0]):
-            best = match
-    return None if best is None else best[1]
+    free = [name for name in header if name not in taken]
+    for own in (quantity, TIME, EPOCH) if quantity == "time" else (quantity,):
+        if own in free:
+            return Factor(own, None)
+    matches = [_matched(quantity, name) for name in free if name not in QUANTITIES]
+    found = [match for match in matches if match is not None]
+    return min(found, key=lambda match: match[0])[1] if found else None
 
 
 def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
@@ -333,7 +325,8 @@ def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
     dimension, aliases = QUANTITIES[quantity].dimension, QUANTITIES[quantity].aliases.split()
     base, bracketed = split_unit(name)
     unit = None if bracketed is None else known_unit(bracketed, dimension)
-    if bracketed and unit is None and not _is_zone(quantity, bracketed):
+    zone = quantity == "time" and bracketed is not None and bracketed.upper() in _ZONES
+    if bracketed and unit is None and not zone:
         return None  # a unit of something else
     words = _words_of_name(base)
     for count in range(min(4, len(words))):
@@ -346,18 +339,6 @@ def _matched(quantity: str, name: str) -> tuple[int, Factor] | None:
             if count == 0 or named is not None:
                 return aliases.index(stem), Factor(name, unit or named)
     return None
-
-
-def _is_zone(quantity: str, text: str) -> bool:
-    """Whether brackets behind a time hold no unit but a zone or form, which is no harm."""
-    return quantity == "time" and text.strip().upper() in [
-        "UTC",
-        "Z",
-        "GMT",
-        "ISO",
-        "LOCAL",
-        "UNIX",
-    ]
 
 
 def _power_of_trackers(header: Sequence[str], taken: set[str]) -> dict[str, Recipe]:
@@ -390,14 +371,8 @@ def _join_power(recipes: dict[str, Recipe]) -> None:
 
 def _leave_half_attitude(recipes: dict[str, Recipe], ignored: Sequence[str]) -> None:
     """Forget guessed angles if there are not all three: a course alone is no attitude."""
-    every = ("roll_deg", "pitch_deg", "yaw_deg")
-    angles = [name for name in every if name in recipes]
-    unwanted = any(name in ignored for name in every)
-    if len(angles) < len(every) and (unwanted or all(recipes[n].guessed for n in angles)):
+    angles = [name for name in ATTITUDE if name in recipes]
+    unwanted = any(name in ignored for name in ATTITUDE)
+    if len(angles) < len(ATTITUDE) and (unwanted or all(recipes[n].guessed for n in angles)):
         for name in angles:
             del recipes[name]
-
-
-def problems_of(recipes: Recipes, source: str, line: int | None) -> list[Problem]:
-    """Mistakes in the naming of columns, at the header."""
-    return [Problem(source, line, None, "", message) for message in recipes.problems]

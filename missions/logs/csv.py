@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import datetime
 import os
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,30 +20,12 @@ from missions.files.errors import (
 )
 from missions.files.validation import unknown_key
 from missions.logs.clock import parse_instant, parse_zone, times_from_numbers, times_from_text
-from missions.logs.columns import (
-    TIME_NAMES,
-    ColumnMap,
-    Recipe,
-    Recipes,
-    problems_of,
-    recipes_for,
-)
+from missions.logs.columns import ColumnMap, Recipe, Recipes, recipes_for
 from missions.logs.dataflash import read_dataflash
 from missions.logs.delimited import Text, read_text
 from missions.logs.px4_ulog import read_ulog
-from missions.logs.quantities import QUANTITIES
-from missions.logs.table import (
-    ATTITUDE,
-    COLUMNS,
-    EPOCH,
-    REQUIRED,
-    TIME,
-    TRACKER,
-    Check,
-    FlightLog,
-    checked_log,
-    numbers,
-)
+from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER
+from missions.logs.table import COLUMNS, REQUIRED, Check, FlightLog, checked_log, numbers
 from missions.logs.units import in_radians, recognised, spelled, surely_radians
 
 _RADIANS = "roll, pitch and yaw read as radians: the yaw turns within 2 pi and none exceeds it"
@@ -81,32 +63,50 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     layout = columns or ColumnMap()
     text = read_text(source, layout)
     recipes = recipes_for(text.header, layout)
-    notes = [*text.notes, *_check_header(text, recipes)]
+    matched = recipes.found
+    used = {name for recipe in matched.values() for name in recipe.columns}
+    # Dates beside times of day.
+    dates = [n for n in text.header if n.lower() in ("date", "date_utc") and n not in used]
+    date = dates[0] if dates else None
+    notes = [*text.notes, *_check_header(text, recipes, date)]
     for name in layout.ignore:
         if name not in text.header and name not in QUANTITIES:
             alike = did_you_mean(name, [*text.header, *QUANTITIES])
             notes.append(f"nothing is called {shortened(printable(name))}, to ignore it{alike}")
-    matched = recipes.found
-    date = _date_column(text.header, matched)
-    wanted = {name for recipe in matched.values() for name in recipe.columns} | {date}
-    frame = text.frame([name for name in text.header if name in wanted])
-    return _log(_Raw(text, layout, matched, frame, date), notes)
+    frame = text.frame([name for name in text.header if name in used or name == date])
+    zone = None if layout.timezone is None else parse_zone(layout.timezone)
+    check, remarks = Check(source, np.asarray(text.numbers)), list[str]()
+    raw = _Raw(text, layout, frame, date, zone, check, remarks)
+    made = [_time(raw, matched["time"])]
+    for quantity, recipe in matched.items():
+        if quantity != "time":
+            made += _quantity(raw, recipe)
+            check.labels[quantity] = recipe.expression or quantity
+    check.done()
+    table = pd.DataFrame({str(column.name): column for column in made})
+    _turn_radians(matched, table, remarks)
+    guessed = [recipe.told() for recipe in matched.values() if recipe.guessed]
+    if guessed:
+        remarks.insert(0, f"guessed: {', '.join(guessed)}")
+    return checked_log(table, check, [*remarks, *notes], layout.spans, zone)
 
 
 class _Raw(NamedTuple):
-    """A text table, which column of it is what, and the columns that are needed."""
+    """A text table, its layout and the columns that are needed; what is found while it is read."""
 
     text: Text
     layout: ColumnMap
-    recipes: dict[str, Recipe]
     frame: pd.DataFrame
     date: str | None
+    zone: datetime.tzinfo | None
+    check: Check
+    notes: list[str]
 
 
-def _check_header(text: Text, recipes: Recipes) -> list[str]:
+def _check_header(text: Text, recipes: Recipes, date: str | None) -> list[str]:
     """Refuse missing, doubled and misspelt columns; say what is ignored."""
     header, line = text.header, text.line
-    problems = problems_of(recipes, text.source, line)
+    problems = [Problem(text.source, line, None, "", message) for message in recipes.problems]
 
     def complain(name: str, message: str) -> None:
         problems.append(Problem(text.source, line, None, shortened(printable(name)), message))
@@ -116,7 +116,6 @@ def _check_header(text: Text, recipes: Recipes) -> list[str]:
             complain(name, "column appears more than once: which one is meant?")
     absent = [name for name in COLUMNS if name not in (*recipes.found, *header)]
     ignored = []
-    date = _date_column(header, recipes.found)
     for name in recipes.unused:
         if name == date:
             continue
@@ -132,7 +131,7 @@ def _check_header(text: Text, recipes: Recipes) -> list[str]:
         complain(name, f"required column is missing{hint}")
     if "time" not in recipes.found:
         complain(TIME, f"required column is missing; allowed: {TIME} or {EPOCH}")
-    elif all(name in header for name in TIME_NAMES) and TIME in recipes.found["time"].columns:
+    elif TIME in header and EPOCH in header and TIME in recipes.found["time"].columns:
         complain(EPOCH, f"give {TIME} or {EPOCH}, not both")
     if any(name in REQUIRED for name in missing) or "time" not in recipes.found:
         names = ", ".join(shortened(printable(name)) for name in header[:20])
@@ -142,39 +141,14 @@ def _check_header(text: Text, recipes: Recipes) -> list[str]:
     return [f"columns not used: {', '.join(ignored)}"] if ignored else []
 
 
-def _date_column(header: Sequence[str], recipes: dict[str, Recipe]) -> str | None:
-    """Column of dates beside one of times of day."""
-    used = {name for recipe in recipes.values() for name in recipe.columns}
-    dates = [name for name in header if name.lower() in ("date", "date_utc") and name not in used]
-    return dates[0] if dates else None
-
-
-def _log(raw: _Raw, notes: Sequence[str]) -> FlightLog:
-    """Log of a table whose columns are known."""
-    remarks: list[str] = []
-    check = Check(raw.text.source, np.asarray(raw.text.numbers))
-    columns = [_time(raw, check, remarks)]
-    for quantity, recipe in raw.recipes.items():
-        if quantity != "time":
-            columns += _quantity(raw, recipe, check, remarks)
-            check.labels[quantity] = recipe.expression or quantity
-    check.done()
-    table = pd.DataFrame({str(column.name): column for column in columns})
-    _turn_radians(raw, table, remarks)
-    guessed = [recipe.told() for recipe in raw.recipes.values() if recipe.guessed]
-    if guessed:
-        remarks.insert(0, f"guessed: {', '.join(guessed)}")
-    zone = None if raw.layout.timezone is None else parse_zone(raw.layout.timezone)
-    return checked_log(table, check, [*remarks, *notes], raw.layout.spans, zone)
-
-
-def _time(raw: _Raw, check: Check, notes: list[str]) -> pd.Series:
+def _time(raw: _Raw, recipe: Recipe) -> pd.Series:
     """Column of time: text in the form of the log format, or seconds since 1970."""
-    recipe = raw.recipes["time"]
+    check, notes = raw.check, raw.notes
     if recipe.value is not None or not recipe.single:
         raise file_error(check.source, "columns.time: needs the name of one column")
     name = recipe.columns[0]
     column = raw.frame[name]
+    check.labels |= dict.fromkeys((TIME, EPOCH), shortened(printable(name)))
     as_numbers = pd.to_numeric(column, errors="coerce").notna().sum() > 0.5 * column.notna().sum()
     if as_numbers and raw.date is None and recipe.form is None:
         values = numbers(column, check)
@@ -186,7 +160,6 @@ def _time(raw: _Raw, check: Check, notes: list[str]) -> pd.Series:
             problem = Problem(check.source, raw.text.line, None, printable(name), str(error))
             raise InputError([problem]) from None
         notes += [note] if note else []
-        _keep_label(check, EPOCH, name)
         return pd.Series(time_s, name=EPOCH)
     text = column.astype("string")
     if raw.layout.start is not None:
@@ -194,49 +167,39 @@ def _time(raw: _Raw, check: Check, notes: list[str]) -> pd.Series:
     if raw.date is not None:
         text = raw.frame[raw.date].astype("string").str.strip() + " " + text.str.strip()
         notes.append(f"{printable(raw.date)} and {printable(name)} read as date and time")
-    _keep_label(check, TIME, name)
     if recipe.form is None:
         return text.rename(TIME)
-    zone = None if raw.layout.timezone is None else parse_zone(raw.layout.timezone)
-    times = times_from_text(text, zone, recipe.form)
+    times = times_from_text(text, raw.zone, recipe.form)
     for wrong in times.wrong.values():
         check.complain(text.rename(TIME), wrong, f"is not of the form {recipe.form!r} or its zone")
     return pd.Series(times.time_s, name=EPOCH)
 
 
-def _keep_label(check: Check, quantity: str, name: str) -> None:
-    if name != quantity:
-        check.labels[quantity] = shortened(printable(name))
-
-
-def _quantity(raw: _Raw, recipe: Recipe, check: Check, notes: list[str]) -> list[pd.Series]:
+def _quantity(raw: _Raw, recipe: Recipe) -> list[pd.Series]:
     """A quantity in the unit of the log format, and of several MPPTs the power of each."""
     quantity = recipe.quantity
     if recipe.value is not None:
         return [pd.Series(np.full(len(raw.frame), recipe.value), name=quantity)]
     if recipe.plain:
         return [raw.frame[quantity]]
-    parts = {name: numbers(raw.frame[name], check) for name in recipe.columns}
+    parts = {name: numbers(raw.frame[name], raw.check) for name in recipe.columns}
     unit = None
     if recipe.single and recipe.unit is None:
         dimension = QUANTITIES[quantity].dimension
         unit = recognised(quantity, dimension, next(iter(parts.values())))
         if unit is not None:
-            notes.append(
-                f"{printable(recipe.columns[0])} read as {spelled(unit)}: so its size says"
-            )
-    every = {quantity: recipe.values(parts.__getitem__, unit)}
-    if recipe.trackers:
-        every |= {TRACKER + name: values for name, values in recipe.parts(parts.__getitem__)}
-        check.labels |= {name: name.removeprefix(TRACKER) for name in every}
+            name = printable(recipe.columns[0])
+            raw.notes.append(f"{name} read as {spelled(unit)}: so its size says")
+    every = recipe.values(parts.__getitem__, unit)
+    raw.check.labels |= {name: name.removeprefix(TRACKER) for name in every}
     return [pd.Series(values, name=name) for name, values in every.items()]
 
 
-def _turn_radians(raw: _Raw, table: pd.DataFrame, notes: list[str]) -> None:
+def _turn_radians(matched: dict[str, Recipe], table: pd.DataFrame, notes: list[str]) -> None:
     """Angles of the attitude from radians, where their values say that they are such."""
-    if any(name not in raw.recipes or name not in table for name in ATTITUDE):
+    if any(name not in matched for name in ATTITUDE):
         return
-    recipes = [raw.recipes[name] for name in ATTITUDE]
+    recipes = [matched[name] for name in ATTITUDE]
     if any(r.value is not None or r.unit not in (None, "deg") for r in recipes):
         return
     named = all(r.unit is None and not r.plain for r in recipes)

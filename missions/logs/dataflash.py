@@ -18,6 +18,7 @@ from missions.files.errors import file_error
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.nearest import Series
+from missions.logs.quantities import ATTITUDE
 from missions.logs.streams import (
     Stream,
     constants_of,
@@ -27,7 +28,7 @@ from missions.logs.streams import (
     no_power,
     rising,
 )
-from missions.logs.table import ATTITUDE, FlightLog
+from missions.logs.table import FlightLog
 
 _MOST_BYTES = 500_000_000
 _HEAD, _FMT, _FMT_LENGTH = b"\xa3\x95", 128, 89

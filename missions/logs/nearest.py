@@ -6,14 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from missions.logs.quantities import ATTITUDE
 from solar.types import FloatArray
 
 # A sample of a stream stands for a time no further from it than this [s].
-ATTITUDE_AGE_S, POSITION_AGE_S, OTHER_AGE_S = 0.5, 2.0, 5.0
-_AGES = {
-    **dict.fromkeys(("roll_deg", "pitch_deg", "yaw_deg"), ATTITUDE_AGE_S),
-    **dict.fromkeys(("latitude_deg", "longitude_deg", "altitude_m"), POSITION_AGE_S),
-}
+_PLACE = ("latitude_deg", "longitude_deg", "altitude_m")
+_AGES = {**dict.fromkeys(ATTITUDE, 0.5), **dict.fromkeys(_PLACE, 2.0)}
+OTHER_AGE_S = 5.0
 
 
 class Series(NamedTuple):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from missions.files.errors import file_error, printable
 from missions.logs.columns import ColumnMap
 from missions.logs.nearest import Series
+from missions.logs.quantities import ATTITUDE, TRACKER
 from missions.logs.streams import (
     Stream,
     constants_of,
@@ -23,7 +24,7 @@ from missions.logs.streams import (
     log_from_series,
     no_power,
 )
-from missions.logs.table import ATTITUDE, TRACKER, FlightLog
+from missions.logs.table import FlightLog
 from solar.types import FloatArray
 
 _POWER_TOPIC = "sensor_mppt"

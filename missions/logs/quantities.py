@@ -7,6 +7,10 @@ from typing import NamedTuple
 
 from missions.logs.units import Dimension
 
+TIME, EPOCH = "time_utc", "time_utc_s"
+ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
+TRACKER = "solar_power_w: "  # power of one of several MPPTs, before its own name
+
 
 class Quantity(NamedTuple):
     """What may be in a log, least and most that it can be in the unit of the log format.

@@ -10,10 +10,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from missions.files.errors import InputError, file_error, printable
-from missions.logs.columns import ColumnMap, Recipe, Source, problems_of, recipes_for
+from missions.files.errors import InputError, Problem, file_error, printable
+from missions.logs.columns import ColumnMap, Recipe, Source, recipes_for
 from missions.logs.nearest import OTHER_AGE_S, Series, age_s_of, sampled
-from missions.logs.table import EPOCH, REQUIRED, TRACKER, FlightLog, log_from_table
+from missions.logs.quantities import EPOCH
+from missions.logs.table import REQUIRED, FlightLog, log_from_table
 from solar.types import BoolArray, FloatArray
 
 _FIX_3D = 3
@@ -69,7 +70,7 @@ def given_series(
     header = [f"{name}.{field}" for name, stream in streams.items() for field in stream.fields]
     recipes = recipes_for(header, layout, guess=False)
     if recipes.problems:
-        raise InputError(problems_of(recipes, source, None))
+        raise InputError(Problem(source, None, None, "", text) for text in recipes.problems)
     made = (_made(recipe, streams) for name, recipe in recipes.found.items() if name != "time")
     return {name: series for every in made for name, series in every.items()}
 
@@ -85,10 +86,7 @@ def _made(recipe: Recipe, streams: Mapping[str, Stream]) -> dict[str, Series]:
         values = np.asarray(streams[stream].fields[field], float)
         return sampled(Series(streams[stream].time_s, values), first, OTHER_AGE_S)
 
-    made = {recipe.quantity: Series(first, recipe.values(column))}
-    if recipe.trackers:
-        made |= {TRACKER + name: Series(first, v) for name, v in recipe.parts(column)}
-    return made
+    return {name: Series(first, values) for name, values in recipe.values(column).items()}
 
 
 def log_from_series(

@@ -30,11 +30,9 @@ from missions.logs.plausible import (
     no_place,
     without_spans,
 )
-from missions.logs.quantities import QUANTITIES, quantity_of
+from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER, quantity_of
 from solar.types import BoolArray, FloatArray, IntArray
 
-TIME, EPOCH = "time_utc", "time_utc_s"
-ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
 REQUIRED = ("latitude_deg", "longitude_deg", "altitude_m", "solar_power_w")
 OPTIONAL = (
     "ambient_temperature_c",
@@ -45,7 +43,6 @@ OPTIONAL = (
     "battery_power_w",
 )
 COLUMNS = (TIME, EPOCH, *REQUIRED, *ATTITUDE, *OPTIONAL)
-TRACKER = "solar_power_w: "  # power of one of several MPPTs, before its own name
 
 # A step longer than this many median steps is a gap: a logger that skips a few samples is not.
 GAP_STEPS = 5.0
@@ -153,10 +150,7 @@ def first_few(items: Sequence[Any]) -> list[tuple[Any, str]]:
 
 
 def log_from_table(
-    table: pd.DataFrame,
-    source: str,
-    notes: Iterable[str] = (),
-    exclude: Sequence[Span] = (),
+    table: pd.DataFrame, source: str, notes: Iterable[str] = (), exclude: Sequence[Span] = ()
 ) -> FlightLog:
     """Log of a table with the columns of the CSV format, without some times of day."""
     return checked_log(table, Check(source, np.arange(2, len(table) + 2)), list(notes), exclude)

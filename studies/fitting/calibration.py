@@ -134,9 +134,7 @@ class Calibration(Result):
 
 
 def calibrate_aircraft(
-    measured: str | os.PathLike[str],
-    technology: str | os.PathLike[str],
-    overrides: Overrides = (),
+    measured: str | os.PathLike[str], technology: str | os.PathLike[str], overrides: Overrides = ()
 ) -> Calibration:
     """Make a parametric aircraft of a measured one, so that it can be sized.
 

@@ -123,9 +123,7 @@ class Estimate:
 
 
 def estimate(
-    channel: Channel,
-    aircraft: Aircraft,
-    parameters: tuple[FitParameter, ...],
+    channel: Channel, aircraft: Aircraft, parameters: tuple[FitParameter, ...]
 ) -> Estimate:
     """Fit as many parameters as a channel can tell apart; the later ones are held."""
     problem = Problem(channel, aircraft, parameters)

@@ -23,14 +23,7 @@ from studies.fitting.channels.battery import charge_channel, load_channel
 from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Channel, Flown, joined
 from studies.fitting.channels.solar import solar_channel
-from studies.fitting.estimation import (
-    Estimate,
-    Fitted,
-    FoundError,
-    Held,
-    estimate,
-    with_fitted,
-)
+from studies.fitting.estimation import Estimate, Fitted, FoundError, Held, estimate, with_fitted
 from studies.fitting.flight_tables import differences, error_table, flight_records, flight_table
 from studies.fitting.least_squares import CONFIDENCE
 from studies.fitting.parameters import ChannelName, chosen
@@ -97,10 +90,7 @@ class FlightFit(Result):
     def covariance_with_model(self) -> FloatArray:
         """Covariance of the fitted parameters, then of :attr:`model_errors`."""
         blocks = [
-            (
-                [*range(len(part.fitted)), *(len(part.fitted) + i for i in _of_the_model(part))],
-                part,
-            )
+            ([*range(len(part.fitted)), *(len(part.fitted) + i for i in _of_the_model(part))], part)
             for part in self.estimates
         ]
         whole = block_diag(*(part.solution.covariance[np.ix_(own, own)] for own, part in blocks))

@@ -42,12 +42,7 @@ from studies.flight_logs.errors import (
     solar_span,
 )
 from studies.flight_logs.log_view import Anomaly
-from studies.flight_logs.samples import (
-    Samples,
-    lit_samples,
-    module_geometry,
-    tail_shading,
-)
+from studies.flight_logs.samples import Samples, lit_samples, module_geometry, tail_shading
 from studies.flight_logs.trackers import TrackerPower, Trackers, tracker_table
 from studies.flight_logs.verdict import log_sentences, model_sentence, words_of
 

@@ -51,9 +51,7 @@ def combined(errors: tuple[FlightError, ...], count: int) -> FloatArray:
 
 
 def flight_errors(
-    forward: Forward,
-    light_sigma: float,
-    mean: Callable[[FloatArray], FloatArray] = np.asarray,
+    forward: Forward, light_sigma: float, mean: Callable[[FloatArray], FloatArray] = np.asarray
 ) -> tuple[FlightError, ...]:
     """Errors of light, attitude, clock and model, ``mean`` in bins; none known exactly."""
     level = light_sigma if forward.knows_angles else float(np.hypot(light_sigma, CAM_SIGMA))
