@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missions.files.errors import file_error
 from missions.files.texts import read_plain_file
@@ -21,7 +20,6 @@ from missions.logs.nearest import Series
 from missions.logs.quantities import ATTITUDE
 from missions.logs.streams import (
     Stream,
-    constants_of,
     given_series,
     kinds_named,
     log_from_series,
@@ -45,19 +43,18 @@ _GPS_FIELDS = {"latitude_deg": "Lat", "longitude_deg": "Lng", "altitude_m": "Alt
 _KINDS = ("ATT", "GPS", "BAT", "CURR", "ARSP")
 _EXAMPLE = "BAT[1].Volt * BAT[1].Curr"
 # GPS time began on 1980-01-06; it is ahead of UTC by so many seconds from each of these instants
-# on [s since 1970]: IERS, Bulletin C 28 to 52.
+# on [s since 1970], by 14 s before: IERS, Bulletin C 28 to 52.
 _GPS_EPOCH_S, _WEEK_S = 315964800.0, 604800.0
 _LEAP = ((1230768000.0, 15.0), (1341100800.0, 16.0), (1435708800.0, 17.0), (1483228800.0, 18.0))
-_LEAP_BEFORE = 14.0
 
 
 class _Kind(NamedTuple):
-    """One kind of message: its name, length with head, fields, and their scales."""
+    """One kind of message: its name, fields with the head, their scales, where messages begin."""
 
     name: str
-    length: int
     dtype: np.dtype[Any]
     scales: dict[str, float]
+    places: list[int]
 
 
 def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:
@@ -69,20 +66,17 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     source, layout = os.fspath(path), columns or ColumnMap()
     content = read_plain_file(source, most_bytes=_MOST_BYTES)
     streams, skipped = _streams(content, {*_KINDS, *kinds_named(layout)}, source)
-    given, constants = given_series(streams, layout, source), constants_of(layout)
+    given = given_series(streams, layout, source)
     if "solar_power_w" not in given:
         raise no_power(streams, source, _EXAMPLE)
     gps = _needed(streams, "GPS", source)
-    series = {
-        quantity: Series(
-            gps.time_s, np.where(gps.has_fix("Status"), gps.field(source, field), np.nan)
-        )
-        for quantity, field in _GPS_FIELDS.items()
-    }
-    if not all(name in given or name in constants for name in ATTITUDE):
+    place = {name: gps.field(source, field) for name, field in _GPS_FIELDS.items()}
+    fixed = gps.has_fix("Status")
+    series = gps.series({name: np.where(fixed, v, np.nan) for name, v in place.items()})
+    if not all(name in given for name in ATTITUDE):
         attitude = _needed(streams, "ATT", source)
-        for quantity, field in zip(ATTITUDE, ("Roll", "Pitch", "Yaw"), strict=True):
-            series[quantity] = Series(attitude.time_s, attitude.field(source, field))
+        angles = (attitude.field(source, name) for name in ("Roll", "Pitch", "Yaw"))
+        series |= attitude.series(dict(zip(ATTITUDE, angles, strict=True)))
     series |= _first_battery(streams)
     notes = []
     if skipped:
@@ -96,7 +90,6 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
     """Messages of the kinds that are wanted, by instance; bytes that are no messages."""
     kinds: dict[int, _Kind] = {}
     lengths = {_FMT: _FMT_LENGTH}
-    places: dict[int, list[int]] = {}
     at, end, skipped = 0, len(content) - 3, 0
     while at <= end:
         kind = content[at + 2]
@@ -110,25 +103,21 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
         if at + length > len(content):
             break
         if kind == _FMT:
-            _take_in_format(content[at + 3 : at + length], kinds, lengths, wanted, places)
-        elif kind in places:
-            places[kind].append(at)
+            _take_in_format(content[at + 3 : at + length], kinds, lengths, wanted)
+        elif kind in kinds:
+            kinds[kind].places.append(at)
         at += length
-    if _FMT not in lengths or len(lengths) == 1:
+    if len(lengths) == 1:
         raise file_error(source, "is not a DataFlash log: it describes no messages")
     streams: dict[str, Stream] = {}
-    for number, found_at in places.items():
-        if found_at:
-            streams |= _by_instance(kinds[number], content, np.array(found_at))
+    for one in kinds.values():
+        if one.places:
+            streams |= _by_instance(one, content)
     return streams, skipped
 
 
 def _take_in_format(
-    body: bytes,
-    kinds: dict[int, _Kind],
-    lengths: dict[int, int],
-    wanted: set[str],
-    places: dict[int, list[int]],
+    body: bytes, kinds: dict[int, _Kind], lengths: dict[int, int], wanted: set[str]
 ) -> None:
     """Take in a FMT message; what it cannot be is left out."""
     number, length = body[0], body[1]
@@ -151,14 +140,13 @@ def _take_in_format(
         if name == "CURR":  # until 2016 hundredths of volts and amperes, as plain integers
             hundredths = {f for f, c in zip(fields, letters, strict=True) if c in "hH"}
             scales |= dict.fromkeys(hundredths & {"Volt", "Curr"}, 0.01)
-        kinds[number] = _Kind(name, length, dtype, {f: s for f, s in scales.items() if s})
-        places[number] = []
+        kinds[number] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
 
 
-def _by_instance(kind: _Kind, content: bytes, at: NDArray[Any]) -> dict[str, Stream]:
+def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
     """Streams of one kind of message, apart by instance where it has such."""
-    raw = np.frombuffer(content, np.uint8)
-    rows = raw[at[:, np.newaxis] + np.arange(kind.length)]
+    raw, at = np.frombuffer(content, np.uint8), np.array(kind.places)
+    rows = raw[at[:, np.newaxis] + np.arange(kind.dtype.itemsize)]
     table = np.ascontiguousarray(rows).view(kind.dtype)[:, 0]
     fields = {f: table[f].astype(float) * s for f, s in kind.scales.items()}
     clock, step = ("TimeUS", 1e-6) if "TimeUS" in fields else ("TimeMS", 1e-3)
@@ -166,16 +154,13 @@ def _by_instance(kind: _Kind, content: bytes, at: NDArray[Any]) -> dict[str, Str
         clock = "T"
     if clock not in fields:
         return {}
-    whole = Stream(kind.name, fields[clock] * step, fields)
-    instance = next((fields[n] for n in _INSTANCES if n in fields), None)
-    if instance is None:
-        return {kind.name: rising(whole)}
+    instance = next((fields[n] for n in _INSTANCES if n in fields), np.zeros(len(at)))
     streams = {}
     for number in np.unique(instance)[:16]:
         rows_of = instance == number
         name = kind.name if number == 0 else f"{kind.name}[{int(number)}]"
         own = {f: v[rows_of] for f, v in fields.items()}
-        streams[name] = rising(Stream(name, whole.time_s[rows_of], own))
+        streams[name] = rising(Stream(name, own[clock] * step, own))
     return streams
 
 
@@ -192,12 +177,12 @@ def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
         return {}
     fields, result = battery.fields, {}
     if "Volt" in fields and "Curr" in fields:
-        result["load_w"] = Series(battery.time_s, fields["Volt"] * fields["Curr"])
+        result["load_w"] = fields["Volt"] * fields["Curr"]
     if "RemPct" in fields:
         share = np.asarray(fields["RemPct"], float) / 100.0
         known = (share >= 0.0) & (share <= 1.0)
-        result["state_of_charge"] = Series(battery.time_s, np.where(known, share, np.nan))
-    return result
+        result["state_of_charge"] = np.where(known, share, np.nan)
+    return battery.series(result)
 
 
 def _boot_s(gps: Stream, source: str) -> float:
@@ -207,8 +192,6 @@ def _boot_s(gps: Stream, source: str) -> float:
     if not known.any():
         raise file_error(source, "message GPS never knows the universal time")
     gps_s = _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms
-    leap = _LEAP_BEFORE
     middle = float(np.median(gps_s[known]))
-    for since, ahead in _LEAP:
-        leap = ahead if middle - ahead >= since else leap
+    leap = max((ahead for since, ahead in _LEAP if middle - ahead >= since), default=14.0)
     return float(np.median((gps_s - gps.time_s)[known])) - leap

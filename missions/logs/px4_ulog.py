@@ -7,23 +7,15 @@ import io
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from missions.files.errors import file_error, printable
 from missions.logs.columns import ColumnMap
 from missions.logs.nearest import Series
 from missions.logs.quantities import ATTITUDE, TRACKER
-from missions.logs.streams import (
-    Stream,
-    constants_of,
-    given_series,
-    kinds_named,
-    log_from_series,
-    no_power,
-)
+from missions.logs.streams import Stream, given_series, kinds_named, log_from_series, no_power
 from missions.logs.table import FlightLog
 from solar.types import FloatArray
 
@@ -47,7 +39,7 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damage = _ulog_topics(source, kinds_named(layout))
-    given, constants = given_series(topics, layout, source), constants_of(layout)
+    given = given_series(topics, layout, source)
     series: dict[str, Series] = {}
     if "solar_power_w" not in given:
         if _POWER_TOPIC not in topics:
@@ -55,9 +47,9 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
         series |= _mppt(topics[_POWER_TOPIC], source)
     position = _topic(topics, _POSITION_TOPICS, source, "needed for position and universal time")
     series |= _position(position, source)
-    if not all(name in given or name in constants for name in ATTITUDE):
-        needed = ("vehicle_attitude",)
-        series |= _euler_deg(_topic(topics, needed, source, "needed for the attitude"), source)
+    if not all(name in given for name in ATTITUDE):
+        attitude = _topic(topics, ("vehicle_attitude",), source, "needed for the attitude")
+        series |= _euler_deg(attitude, source)
     if "battery_status" in topics:
         series |= _battery_state(topics["battery_status"])
     series |= _airspeed(topics)
@@ -73,28 +65,19 @@ class _EndlessError(Exception):
     """More is to be read or laid out of a file than any flight could need."""
 
 
-class _BoundedFile:
+class _BoundedFile(io.BufferedReader):
     """File for a parser that may go round in circles where a byte is wrong."""
 
-    def __init__(self, file: BinaryIO) -> None:
-        self._file = file
-        self._left = _MOST_PASSES * (os.fstat(file.fileno()).st_size + 1000)
+    def __init__(self, path: str) -> None:
+        super().__init__(io.FileIO(path))
+        self._left = _MOST_PASSES * (os.fstat(self.fileno()).st_size + 1000)
 
-    def read(self, size: int = -1) -> bytes:
-        data = self._file.read(size)
+    def read(self, size: int | None = -1) -> bytes:
+        data = super().read(size)
         self._left -= len(data) + 1  # a read at the end counts as well
         if self._left < 0:
             raise _EndlessError("its messages lead back to themselves")
         return data
-
-    def seek(self, offset: int, whence: int = 0) -> int:
-        return self._file.seek(offset, whence)
-
-    def tell(self) -> int:
-        return self._file.tell()
-
-    def close(self) -> None:
-        self._file.close()
 
 
 def _bounded_reader(reader: Any) -> Any:
@@ -160,8 +143,8 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
     # What pyulog prints of damaged logs would stand among the results.
     with contextlib.redirect_stdout(io.StringIO()):
         try:
-            with open(source, "rb") as file:  # noqa: PTH123
-                log = _bounded_reader(ULog)(_BoundedFile(file), sorted(names))
+            with _BoundedFile(source) as file:
+                log = _bounded_reader(ULog)(file, sorted(names))
         except OSError as error:
             raise file_error(source, f"cannot be read: {error.strerror}") from None
         except RecursionError:
@@ -180,8 +163,7 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
             topic = Stream(name, np.asarray(fields["timestamp"], float) / 1e6, fields, "topic")
             topics.setdefault(name, topic)
     lost = [_DAMAGED] if log.file_corruption else []
-    dropouts = getattr(log, "dropouts", ())
-    if dropouts:
+    if dropouts := getattr(log, "dropouts", ()):
         whole_s = 1e-3 * sum(one.duration for one in dropouts)
         lost.append(f"the logger fell out {len(dropouts)} times, for {whole_s:.1f} s in all")
     return topics, lost
@@ -192,10 +174,6 @@ def _topic(topics: dict[str, Stream], names: Sequence[str], source: str, purpose
         if name in topics:
             return topics[name]
     raise file_error(source, f"has no topic {' or '.join(names)}: {purpose}")
-
-
-def _series(topic: Stream, values: Mapping[str, NDArray[Any]]) -> dict[str, Series]:
-    return {name: Series(topic.time_s, np.asarray(v, float)) for name, v in values.items()}
 
 
 def _mppt(power: Stream, source: str) -> dict[str, Series]:
@@ -210,7 +188,7 @@ def _mppt(power: Stream, source: str) -> dict[str, Series]:
     values = {"mppt_voltage_v": mean, "solar_power_w": (volt * amp).sum(axis=0)}
     if used.sum() > 1:
         values |= {f"{TRACKER}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
-    return _series(power, values)
+    return power.series(values)
 
 
 def _airspeed(topics: Mapping[str, Stream]) -> dict[str, Series]:
@@ -218,7 +196,7 @@ def _airspeed(topics: Mapping[str, Stream]) -> dict[str, Series]:
     field = "true_airspeed_m_s"
     for name in _AIRSPEED_TOPICS:
         if name in topics and field in topics[name].fields:
-            return _series(topics[name], {"airspeed_m_per_s": topics[name].fields[field]})
+            return topics[name].series({"airspeed_m_per_s": topics[name].fields[field]})
     return {}
 
 
@@ -244,7 +222,7 @@ def _position(position: Stream, source: str) -> dict[str, Series]:
         values = position.field(source, new, old)
         scaled = values if new in position.fields else values * unit
         result[column] = np.where(fixed, scaled, np.nan)
-    return _series(position, result)
+    return position.series(result)
 
 
 def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
@@ -261,7 +239,7 @@ def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
     pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     degrees = map(np.degrees, (roll, pitch, yaw))
-    return _series(attitude, dict(zip(ATTITUDE, degrees, strict=True)))
+    return attitude.series(dict(zip(ATTITUDE, degrees, strict=True)))
 
 
 def _battery_state(battery: Stream) -> dict[str, Series]:
@@ -274,4 +252,4 @@ def _battery_state(battery: Stream) -> dict[str, Series]:
     if "remaining" in fields:
         remaining = np.asarray(fields["remaining"], float)
         result["state_of_charge"] = np.where(remaining < 0.0, np.nan, remaining)
-    return _series(battery, result)
+    return battery.series(result)

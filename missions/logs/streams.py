@@ -43,6 +43,10 @@ class Stream(NamedTuple):
             return np.ones(len(self.time_s), bool)
         return np.asarray(self.fields[status] >= _FIX_3D)
 
+    def series(self, values: Mapping[str, NDArray[Any]]) -> dict[str, Series]:
+        """Quantities at the times of the messages."""
+        return {name: Series(self.time_s, np.asarray(v, float)) for name, v in values.items()}
+
 
 def kinds_named(layout: ColumnMap) -> set[str]:
     """Kinds of messages that a map of columns names."""
@@ -96,7 +100,7 @@ def log_from_series(
     notes: Sequence[str],
     layout: ColumnMap,
 ) -> FlightLog:
-    """Put quantities, those of one value first, together at the times of the solar power."""
+    """Put quantities together at the times of the solar power, those of one value at all."""
     if needed := set(REQUIRED) & set(layout.ignore):
         raise file_error(source, f"{min(needed)} cannot be ignored: it is needed")
     time_s = series["solar_power_w"].time_s
@@ -104,17 +108,10 @@ def log_from_series(
     for quantity, one in series.items():
         if quantity not in layout.ignore:
             columns[quantity] = sampled(one, time_s, age_s_of(quantity))
-    columns |= constants_of(layout)
+    for quantity, source_of in layout.columns.items():
+        if isinstance(source_of, Source) and source_of.value is not None:
+            columns[quantity] = source_of.factor * source_of.value
     return log_from_table(pd.DataFrame(columns), source, notes, layout.spans)
-
-
-def constants_of(layout: ColumnMap) -> dict[str, float]:
-    """Quantities that a map of columns gives as one value."""
-    return {
-        quantity: one.factor * one.value
-        for quantity, one in layout.columns.items()
-        if isinstance(one, Source) and one.value is not None
-    }
 
 
 def no_power(streams: Mapping[str, Stream], source: str, example: str) -> InputError:
