@@ -139,26 +139,21 @@ def times_from_text(
     zoned = text.str.fullmatch(r".*\d.*(?:[Zz]|[+-]\d\d(?::?\d\d)?)", na=False).to_numpy(bool)
     # A bare date ends like an offset does.
     zoned &= text.str.contains("T|t| |:", regex=True, na=False).to_numpy(bool)
-    zoned |= np.full(len(column), form is not None and "%z" in form)
-    time_s = np.full(len(column), np.nan)
+    zoned |= form is not None and "%z" in form
+    time_s, naive = np.full(len(column), np.nan), np.zeros(len(column), bool)
     rows = given & zoned
     if rows.any():
         parsed = pd.to_datetime(text[rows], format=form or "ISO8601", utc=True, errors="coerce")
         time_s[rows] = _seconds(parsed)
     rows = given & ~zoned
-    odd = np.zeros(len(column), bool)
     if rows.any():
         local = pd.to_datetime(text[rows], format=form or "ISO8601", errors="coerce")
-        odd[rows] = local.isna().to_numpy(bool)
+        naive[rows] = local.notna().to_numpy(bool)
         if zone is not None:
             time_s[rows] = _localised(local, zone)
-    naive = given & ~zoned & ~odd
-    wrong = {
-        "form": given & np.isnan(time_s) & ~naive,
-        "zone": naive if zone is None else np.zeros(len(column), bool),
-        "hour": naive & np.isnan(time_s) if zone is not None else np.zeros(len(column), bool),
-    }
-    return Times(time_s, wrong, tuple(notes))
+    unknown = given & np.isnan(time_s)
+    why = "zone" if zone is None else "hour"
+    return Times(time_s, {"form": unknown & ~naive, why: unknown & naive}, tuple(notes))
 
 
 def _of_whole_day(text: pd.Series) -> tuple[pd.Series, bool]:

@@ -70,24 +70,24 @@ class Text:
 
 def read_text(source: str, layout: ColumnMap) -> Text:
     """Read a table's text and find out how it is written."""
-    lines, numbers, notes = _text_lines(source)
-    named = _NAMED_SEPARATOR.fullmatch(lines[0]) if lines else None
+    lines, notes = _text_lines(source)
+    named = _NAMED_SEPARATOR.fullmatch(lines[0][1]) if lines else None
     if named is not None:
-        lines, numbers = lines[1:], numbers[1:]
-    while lines and lines[0].lstrip().startswith("#"):  # remarks above the table
-        lines, numbers = lines[1:], numbers[1:]
+        del lines[0]
+    while lines and lines[0][1].lstrip().startswith("#"):  # remarks above the table
+        del lines[0]
     if not lines:
         raise file_error(source, "is empty; allowed: a header with the names of the columns")
-    separator = _separator(lines[0], layout, named[1] if named else None)
-    header = [name.strip() for name in next(csv.reader([lines[0]], delimiter=separator))]
-    rows, at = _of_width(source, lines, numbers, separator, notes)
-    if rows and _are_units(rows[0], separator):
-        header = [
-            f"{name} [{unit}]" if unit else name
-            for name, unit in zip(header, _fields(rows[0], separator), strict=False)
-        ]
-        rows, at = rows[1:], at[1:]
+    line, first = lines[0]
+    separator = _separator(first, layout, named[1] if named else None)
+    header = [name.strip() for name in next(csv.reader([first], delimiter=separator))]
+    kept = _of_width(source, lines, separator, notes)
+    if kept and _are_units(kept[0][1], separator):
+        units = _fields(kept.pop(0)[1], separator)
+        pairs = zip(header, units, strict=False)
+        header = [f"{name} [{unit}]" if unit else name for name, unit in pairs]
         notes.append("units are those of the row below the header")
+    numbers, rows = [number for number, _ in kept], [row for _, row in kept]
     decimal = layout.decimal or _decimal(rows, separator)
     if separator != ",":
         sign = "decimal comma" if decimal == "," else "decimal point"
@@ -96,29 +96,28 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     if thousands is not None:
         notes.append(f"numbers have {thousands!r} between thousands")
     written = (separator, decimal, thousands, tuple(notes))
-    return Text(source, header, numbers[0], rows, at, *written)
+    return Text(source, header, line, rows, numbers, *written)
 
 
-def _text_lines(source: str) -> tuple[list[str], list[int], list[str]]:
-    """Lines that are not blank, their numbers counted from 1, and how the text was read."""
+def _text_lines(source: str) -> tuple[list[tuple[int, str]], list[str]]:
+    """Lines that are not blank with their numbers from 1 on, and how the text was read."""
     if Path(source).suffix.lower() == ".xlsx":
         text, notes = _sheet_text(source)
     else:
         text, notes = _decoded(read_plain_file(source, most_bytes=_MOST_BYTES), source)
     # Only line breaks: str.splitlines would also break at other control characters.
-    every = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    long = next((i for i, line in enumerate(every, start=1) if len(line) > _LONGEST_LINE), None)
-    if long is not None:
-        message = f"is longer than {_LONGEST_LINE} characters"
-        raise InputError([Problem(source, long, None, "", message)])
-    kept = [(line, number) for number, line in enumerate(every, start=1) if line.strip()]
-    return [line for line, _ in kept], [number for _, number in kept], notes
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    every = list(enumerate(lines, start=1))
+    for number, line in every:
+        if len(line) > _LONGEST_LINE:
+            message = f"is longer than {_LONGEST_LINE} characters"
+            raise InputError([Problem(source, number, None, "", message)])
+    return [(number, line) for number, line in every if line.strip()], notes
 
 
 def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
     """Text of a file: UTF-8, UTF-16 of spreadsheets, else the code page of Windows."""
-    begin = content[:_LONGEST_LINE]
-    wide = begin.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text, notes = content.decode("utf-16" if wide else "utf-8-sig"), []
     except UnicodeDecodeError as error:
@@ -199,12 +198,12 @@ def _decimal(rows: Sequence[str], separator: str) -> str:
 
 
 def _of_width(
-    source: str, lines: list[str], at: list[int], separator: str, notes: list[str]
-) -> tuple[list[str], list[int]]:
+    source: str, lines: list[tuple[int, str]], separator: str, notes: list[str]
+) -> list[tuple[int, str]]:
     """Rows with as many fields as the header above them; most must have them."""
-    rows, numbers = lines[1:], at[1:]
-    expected, *widths = (_width(line, separator) for line in lines)
-    odd = [(n, width) for n, width in zip(numbers, widths, strict=True) if width != expected]
+    expected, *widths = (_width(line, separator) for _, line in lines)
+    rows = list(zip(lines[1:], widths, strict=True))
+    odd = [(number, width) for (number, _), width in rows if width != expected]
     if len(odd) > MAXIMUM_DROPPED * len(rows):
         raise InputError(
             Problem(source, number, None, "", f"has {found} fields, the header {expected}{rest}")
@@ -214,8 +213,7 @@ def _of_width(
         count = "1 line is" if len(odd) == 1 else f"{len(odd)} lines are"
         number, found = odd[0]
         notes.append(f"{count} left out: line {number} has {found} fields, the header {expected}")
-    kept = [place for place, width in enumerate(widths) if width == expected]
-    return [rows[place] for place in kept], [numbers[place] for place in kept]
+    return [row for row, width in rows if width == expected]
 
 
 def _width(row: str, separator: str) -> int:

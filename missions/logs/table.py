@@ -141,12 +141,9 @@ class FlightLog:
 
 def first_few(items: Sequence[Any]) -> list[tuple[Any, str]]:
     """First few items, the last of them with the number of those not shown."""
-    chosen = list(items[:_SHOWN_PROBLEMS])
-    more = len(items) - len(chosen)
-    tails = ["" for _ in chosen]
-    if more:
-        tails[-1] = f" (and {more} more rows)"
-    return list(zip(chosen, tails, strict=True))
+    more = len(items) - _SHOWN_PROBLEMS
+    tails = [""] * (_SHOWN_PROBLEMS - 1) + [f" (and {more} more rows)" if more > 0 else ""]
+    return list(zip(items, tails, strict=False))
 
 
 def log_from_table(
@@ -177,7 +174,7 @@ def checked_log(
         for name in ("latitude_deg", "longitude_deg"):
             values[name] = check.without(values[name], nowhere, table[name], "code")
     check.done()
-    left = check.left_out(time_s)
+    left = [left_out(*doubt[:3], time_s, doubt[3]) for doubt in check.doubts]
     empty = [n for n in ATTITUDE if n not in values or np.isnan(values[n]).all()]
     if empty:
         angles = [values.pop(name, None) for name in ATTITUDE]
@@ -298,10 +295,6 @@ class Check:
         self.doubts.append((self.label(column), kind, wrong, example))
         return np.where(wrong, np.nan, values)
 
-    def left_out(self, time_s: FloatArray) -> list[LeftOut]:
-        """Values that were left out, with the times of the rows."""
-        return [left_out(*doubt[:3], time_s, doubt[3]) for doubt in self.doubts]
-
     def done(self) -> None:
         """Raise what was noted."""
         if self.problems:
@@ -319,8 +312,8 @@ def _times(
         "--timezone",
         "hour": "does not exist, or comes twice, in this time zone: the clocks were changed",
     }
-    for kind, message in messages.items():
-        check.without(times.time_s, times.wrong[kind], column, "no_number", message)
+    for kind, wrong in times.wrong.items():
+        check.without(times.time_s, wrong, column, "no_number", messages[kind])
     return _of_flight(times.time_s, column, check)
 
 
@@ -339,8 +332,7 @@ def numbers(column: pd.Series, check: Check, quantity: str | None = None) -> Flo
     """Column as numbers, NaN where empty or, for a known quantity, what that cannot be."""
     if pd.api.types.is_bool_dtype(column):
         column = column.astype("string")
-    numeric = pd.to_numeric(column, errors="coerce").astype(float)
-    values = np.asarray(numeric.to_numpy(float, na_value=np.nan), float)
+    values = np.asarray(pd.to_numeric(column, errors="coerce").to_numpy(float, na_value=np.nan))
     wrong = np.isnan(values) & column.notna().to_numpy(bool)
     values = check.without(values, wrong, column, "no_number", "must be a number")
     values = check.without(values, np.isinf(values), column, "no_number", "must be finite")
@@ -364,20 +356,19 @@ def _complete(
 ) -> BoolArray:
     """Rows in which nothing required is missing."""
     required = {TIME: time_s} | {n: values[n] for n in (*REQUIRED, *ATTITUDE) if n in values}
-    lacking = {name: int(np.count_nonzero(np.isnan(v))) for name, v in required.items()}
-    keep = ~np.any([np.isnan(v) for v in required.values()], axis=0)
-    total, dropped = len(time_s), int(np.count_nonzero(~keep))
+    lacking = {name: np.isnan(v) for name, v in required.items()}
+    drop = np.any(list(lacking.values()), axis=0)
+    total, dropped = len(time_s), int(drop.sum())
+    why = "".join(f"; {one.told()}" for one in left)
     if dropped > MAXIMUM_DROPPED * total:
-        counts = ", ".join(f"{name} in {n}" for name, n in lacking.items() if n)
-        raise file_error(
-            source,
-            f"{dropped} of {total} rows lack a required value ({counts}); "
-            f"allowed: at most {MAXIMUM_DROPPED:.0%}" + "".join(f"; {one.told()}" for one in left),
+        counts = ", ".join(
+            f"{name} in {lacks.sum()}" for name, lacks in lacking.items() if lacks.any()
         )
+        message = f"{dropped} of {total} rows lack a required value ({counts})"
+        raise file_error(source, f"{message}; allowed: at most {MAXIMUM_DROPPED:.0%}{why}")
     if total - dropped < 2:
-        why = "".join(f"; {one.told()}" for one in left)
         raise file_error(source, f"has fewer than two complete rows{why}")
-    return np.asarray(keep, bool)
+    return np.asarray(~drop)
 
 
 def _assembled(
