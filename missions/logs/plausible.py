@@ -70,7 +70,7 @@ class LeftOut(NamedTuple):
         text += f" ({self.example})" if self.example else ""
         if not self.periods:
             return text
-        first, last = _utc(self.periods[0][0]), _utc(self.periods[-1][1])
+        first, last = utc_text(self.periods[0][0]), utc_text(self.periods[-1][1])
         if first == last:
             return f"{text}, {first} (UTC)"
         if first[:10] == last[:10]:
@@ -78,10 +78,10 @@ class LeftOut(NamedTuple):
         return f"{text}, {first} to {last} (UTC)"
 
 
-def _utc(time_s: float) -> str:
-    return datetime.datetime.fromtimestamp(round(time_s), datetime.UTC).strftime(
-        "%Y-%m-%d %H:%M:%S"
-    )
+def utc_text(time_s: float) -> str:
+    """Universal time, to the second."""
+    instant = datetime.datetime.fromtimestamp(round(float(time_s)), datetime.UTC)
+    return instant.strftime("%Y-%m-%d %H:%M:%S")
 
 
 def left_out(

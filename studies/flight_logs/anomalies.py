@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,7 +53,7 @@ class Anomalies:
 
     def every(self) -> list[Anomaly]:
         """All that looks wrong, in the order of time."""
-        found = [*_missing(self.log, len(self.samples.time_s) * self.log.step_s), *self._stuck()]
+        found = [*self._missing(), *self._stuck()]
         found += [self._full(part) for part in self._full_periods()]
         found += [self._loss(f) for f in self.diagnosis.findings if f.best.name in _KINDS]
         return sorted(found, key=lambda one: (one.start_s, one.kind))
@@ -75,10 +75,6 @@ class Anomalies:
     def _expected_w(self) -> FloatArray:
         return self.diagnosis.expected_w[self.samples.index]
 
-    def _lost_wh(self, mask: BoolArray) -> float:
-        missing = (self._expected_w - self.samples.measured_w)[mask]
-        return max(float(missing.sum()) * self.log.step_s / 3600.0, 0.0)
-
     def _full_periods(self) -> Iterator[BoolArray]:
         """Samples of each period in which the battery limits the power."""
         modules = self.aircraft.modules
@@ -94,45 +90,40 @@ class Anomalies:
         flagged = may_be & (measured < left * expected)
         not_whole = may_be & (measured < UNLIMITED * expected)
         time_s = self.samples.time_s
-        for period in clusters(flagged, time_s, MERGE_S):
-            if flagged[period.slice()].sum() * self.log.step_s < LIMITED_LEAST_S:
+        for period in clusters(flagged, time_s):
+            if flagged[period].sum() * self.log.step_s < LIMITED_LEAST_S:
                 continue
             # To where the power is whole, and what the average hides.
-            before = np.flatnonzero(~not_whole[: period.first])
-            after = np.flatnonzero(~not_whole[period.last :])
-            start = time_s[before[-1]] if len(before) else time_s[0]
-            end = time_s[period.last + after[0]] if len(after) else time_s[-1]
+            whole_s = time_s[~not_whole]
+            start = whole_s[whole_s < time_s[period.start]].max(initial=-np.inf)
+            end = whole_s[whole_s > time_s[period.stop - 1]].min(initial=np.inf)
             yield (time_s >= start - SMOOTH_S) & (time_s <= end + SMOOTH_S)
 
     def _full(self, inside: BoolArray) -> Anomaly:
         charge = self.log.state_of_charge
-        mean = None if charge is None else float(np.nanmean(charge[self.samples.index][inside]))
-        why = (
-            "power follows the load"
-            if mean is None
-            else f"state of charge {100 * mean:.0f} % on average"
-        )
-        ratio = self._smooth(self.samples.measured_w) / np.maximum(
-            self._smooth(self._expected_w), 1.0
-        )
+        why = "power follows the load"
+        if charge is not None:
+            mean = float(np.nanmean(charge[self.samples.index][inside]))
+            why = f"state of charge {100 * mean:.0f} % on average"
+        expected = np.maximum(self._smooth(self._expected_w), 1.0)
+        ratio = self._smooth(self.samples.measured_w) / expected
         text = (
             f"power down to {100 * ratio[inside].min():.0f} % of the model; the battery is full "
             f"({why}), which is normal; not counted in the errors"
         )
-        return self._anomaly("battery_full", inside, text, lost="normal")
+        return self._anomaly("battery_full", inside, text)
 
-    def _anomaly(self, kind: Kind, inside: BoolArray, text: str, *, lost: str = "") -> Anomaly:
-        time_s, lost_wh = self.samples.time_s[inside], self._lost_wh(inside)
-        whole_wh = float(self._expected_w.sum()) * self.log.step_s / 3600.0
-        severity = severity_of(lost_wh / max(whole_wh, 1e-9), 0.01)
+    def _anomaly(self, kind: Kind, inside: BoolArray, text: str) -> Anomaly:
+        """Something that looks wrong in some samples; a full battery is normal."""
+        time_s, step_s = self.samples.time_s[inside], self.log.step_s
+        missing_w = (self._expected_w - self.samples.measured_w)[inside]
+        lost_wh = max(float(missing_w.sum()) * step_s / 3600.0, 0.0)
+        whole_wh = float(self._expected_w.sum()) * step_s / 3600.0
+        severity = severity_of(lost_wh / max(whole_wh, 1e-9))
         return Anomaly(
-            kind,
-            float(time_s[0]),
-            float(time_s[-1]),
-            "normal" if lost == "normal" else severity,
-            text,
-            float(inside.sum() * self.log.step_s),
-            lost_wh,
+            *(kind, float(time_s[0]), float(time_s[-1])),
+            *("normal" if kind == "battery_full" else severity, text),
+            *(float(inside.sum() * step_s), lost_wh),
         )
 
     def _inside(self, finding: Finding) -> BoolArray:
@@ -155,7 +146,7 @@ class Anomalies:
         text = words_of(finding.best, self.aircraft)
         if finding.normal:
             text = f"battery nearly full ({finding.battery}), which is normal; or {text}"
-            return self._anomaly("battery_full", inside, text, lost="normal")
+            return self._anomaly("battery_full", inside, text)
         if finding.battery:
             text = f"{text}; or the battery is nearly full ({finding.battery})"
         if volts := self._volts(inside):
@@ -178,43 +169,31 @@ class Anomalies:
         for one in self.log.left_out:
             if one.kind in ("frozen", "saturated"):
                 lasted_s = sum(end - start for start, end in one.periods)
-                severity = severity_of(lasted_s / (whole_s + lasted_s), 0.01)
+                severity = severity_of(lasted_s / (whole_s + lasted_s))
                 start_s, end_s = one.periods[0][0], one.periods[-1][1]
                 yield Anomaly("frozen_channel", start_s, end_s, severity, one.told(), lasted_s, 0.0)
 
-
-def _missing(log: FlightLog, known_s: float) -> list[Anomaly]:
-    """Stretches without samples in sunlight that were not left out; close ones are one finding."""
-    spans = [span for one in log.left_out for span in one.periods]
-    starts, ends = (np.array([span[i] for span in spans]) for i in (0, 1))
-    step_s = GAP_STEPS * log.step_s
-    lit = [
-        (gap, sunlit)
-        for gap in log.gaps
-        if not np.any((starts <= gap.start_s + step_s) & (ends >= gap.end_s - step_s))
-        and (sunlit := _sunlit_s(log, gap)) > 0.0
-    ]
-    groups: list[list[tuple[Gap, float]]] = []
-    for gap, sunlit in lit:
-        if groups and gap.start_s - groups[-1][-1][0].end_s <= MERGE_S:
+    def _missing(self) -> Iterator[Anomaly]:
+        """Stretches without samples in sunlight that were not left out; close ones are one."""
+        log, known_s = self.log, len(self.samples.time_s) * self.log.step_s
+        spans = [span for one in log.left_out for span in one.periods]
+        starts, ends = (np.array([span[i] for span in spans]) for i in (0, 1))
+        step_s = GAP_STEPS * log.step_s
+        groups: list[list[tuple[Gap, float]]] = []
+        for gap in log.gaps:
+            told = np.any((starts <= gap.start_s + step_s) & (ends >= gap.end_s - step_s))
+            if told or not (sunlit := _sunlit_s(log, gap)) > 0.0:
+                continue
+            if not groups or gap.start_s - groups[-1][-1][0].end_s > MERGE_S:
+                groups.append([])
             groups[-1].append((gap, sunlit))
-        else:
-            groups.append([(gap, sunlit)])
-    return [_missing_anomaly(group, known_s) for group in groups]
-
-
-def _missing_anomaly(group: Sequence[tuple[Gap, float]], known_s: float) -> Anomaly:
-    total = sum(sunlit for _, sunlit in group)
-    count = "1 gap" if len(group) == 1 else f"{len(group)} gaps"
-    return Anomaly(
-        "missing_data",
-        group[0][0].start_s,
-        group[-1][0].end_s,
-        severity_of(total / (known_s + total), 0.01),
-        f"{count}, {total:.0f} s without samples while the sun is up",
-        total,
-        0.0,
-    )
+        for group in groups:
+            total = sum(sunlit for _, sunlit in group)
+            count = "1 gap" if len(group) == 1 else f"{len(group)} gaps"
+            text = f"{count}, {total:.0f} s without samples while the sun is up"
+            severity = severity_of(total / (known_s + total))
+            start_s, end_s = group[0][0].start_s, group[-1][0].end_s
+            yield Anomaly("missing_data", start_s, end_s, severity, text, total, 0.0)
 
 
 def _sunlit_s(log: FlightLog, gap: Gap) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -44,30 +44,15 @@ class Anomaly:
     lost_wh: float
 
 
-def severity_of(share: float, minor: float, factor: float = 5.0) -> Severity:
-    """Severity of a share: minor below ``minor``, major from ``factor`` times that on."""
-    if share < minor:
+def severity_of(share: float) -> Severity:
+    """Severity of a share: minor below one per cent, major from five on."""
+    if share < 0.01:
         return "minor"
-    return "moderate" if share < factor * minor else "major"
+    return "moderate" if share < 0.05 else "major"
 
 
-class Period(NamedTuple):
-    """Samples from the first to the last of a cluster, the latter included."""
-
-    first: int
-    last: int
-
-    def slice(self) -> slice:
-        """Period as an index of the samples."""
-        return slice(self.first, self.last + 1)
-
-
-def clusters(flagged: BoolArray, time_s: FloatArray, merge_s: float) -> list[Period]:
-    """Join flagged samples."""
+def clusters(flagged: BoolArray, time_s: FloatArray) -> list[slice]:
+    """Stretches of samples from the first to the last of those that are flagged and close."""
     places = np.flatnonzero(flagged)
-    if not len(places):
-        return []
-    cuts = np.flatnonzero(np.diff(time_s[places]) > merge_s)
-    firsts = places[np.concatenate(([0], cuts + 1))]
-    lasts = places[np.concatenate((cuts, [len(places) - 1]))]
-    return [Period(int(a), int(b)) for a, b in zip(firsts, lasts, strict=True)]
+    cuts = np.flatnonzero(np.diff(time_s[places]) > MERGE_S) + 1
+    return [slice(int(one[0]), int(one[-1]) + 1) for one in np.split(places, cuts) if len(one)]

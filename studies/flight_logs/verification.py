@@ -6,7 +6,6 @@ The errors are those of :mod:`studies.flight_logs.errors`; what is wrong is deci
 
 from __future__ import annotations
 
-import datetime
 import io
 import os
 import warnings
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 from missions.files.errors import InputError, file_error
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
-from missions.logs.plausible import LeftOut
+from missions.logs.plausible import LeftOut, utc_text
 from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -287,8 +286,7 @@ class Verification(Result):
 
 def utc_label(time_s: float) -> str:
     """Universal time as ISO 8601, to the second."""
-    instant = datetime.datetime.fromtimestamp(round(float(time_s)), datetime.UTC)
-    return instant.strftime("%Y-%m-%dT%H:%M:%SZ")
+    return f"{utc_text(time_s).replace(' ', 'T')}Z"
 
 
 def _span_record(start_s: float, end_s: float) -> dict[str, str]:
@@ -301,10 +299,7 @@ def _left_out_record(one: LeftOut) -> dict[str, Any]:
 
 
 def _evidence(anomaly: Anomaly) -> str:
-    span = " to ".join(
-        utc_label(time_s).replace("T", " ").rstrip("Z")
-        for time_s in (anomaly.start_s, anomaly.end_s)
-    )
+    span = " to ".join(utc_text(time_s) for time_s in (anomaly.start_s, anomaly.end_s))
     lost = f"; {anomaly.lost_wh:.1f} Wh lost" if anomaly.lost_wh else ""
     return f"{span} (UTC): {anomaly.evidence}{lost}"
 
