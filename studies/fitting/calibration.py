@@ -10,7 +10,7 @@ from __future__ import annotations
 import copy
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
@@ -29,10 +29,10 @@ from missions.files.shipped import find_document
 from missions.files.validation import located_error, validate
 from missions.files.yaml import Document
 from missions.mission import Mission
-from sizing.aircraft import Aircraft, MeasuredAirframe, ParametricAirframe
+from sizing.aircraft import Aircraft, LevelFlight, MeasuredAirframe, ParametricAirframe
 from sizing.design import FlightConditions, parametric_design, variables_of
 from sizing.mass_budget import closed_design
-from sizing.parameters import parameter, parameter_value, replaced
+from sizing.parameters import all_replaced, parameter, parameter_value
 from sizing.propulsion.chain import Propulsion
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.results.tables import Column, Line, Result, Summary, Table
@@ -105,10 +105,7 @@ class Calibration(Result):
                 Column("maximum", "most", form=".4g"),
                 Column("source", "from"),
             ),
-            tuple(
-                (one.key, one.before, one.after, one.minimum, one.maximum, one.source)
-                for one in self.factors
-            ),
+            tuple(map(astuple, self.factors)),
         )
         columns = (
             Column("quantity"),
@@ -127,8 +124,8 @@ class Calibration(Result):
             "technology": self.technology,
             "factors": [vars(one) for one in self.factors],
             "agreement": [
-                {"quantity": name, "unit": unit, "measured": built, "parametric": modelled}
-                for name, unit, built, modelled in self.agreement
+                dict(zip(("quantity", "unit", "measured", "parametric"), row, strict=True))
+                for row in self.agreement
             ],
         }
 
@@ -167,53 +164,48 @@ def calibrate(
     """Parametric aircraft with the mass, level power and module power of a measured one."""
     built, models = validate(measured, Aircraft), validate(technology, Aircraft)
     _check_kinds(measured, technology, built, models)
-    start, changes = _combined(built, models)
-    flight = _level_flight(built)
+    known = built.airframe
+    assert isinstance(known, MeasuredAirframe)
+    mass_kg = known.mass_without_battery_kg + built.battery.mass_kg
+    start, changes = _combined(built, known, models)
+    flight = _level_flight(built, known.level_flight.density_kg_per_m3)
     drag_key = PARAMETERS[power_name(start)].key
-    drag = _drag(start, built, flight, drag_key)
-    start = replaced(start, drag_key.split("."), drag)
+    drag = _drag(start, known.level_flight, flight, drag_key)
+    start = all_replaced(start, {drag_key: drag})
     structure_key = _structure_key(start)
-    # Of a measured aircraft alone, which was checked before.
-    mass_kg = built.airframe.mass_without_battery_kg + built.battery.mass_kg  # type: ignore[union-attr]
     structure = _structure(start, flight, mass_kg, structure_key)
-    start = replaced(start, structure_key.split("."), structure)
     changes |= {drag_key: (drag, "level power"), structure_key: (structure, "total mass")}
     factors = tuple(_factor_on(models, key, *change) for key, change in changes.items())
     _check_ranges(technology, factors)
     document = _document(measured, technology, factors, dict(sources or {}))
     aircraft = validate(document, Aircraft)
-    agreement = _agreement(built, aircraft, flight)
+    agreement = _agreement(built, known.level_flight, mass_kg, aircraft, flight)
     return Calibration(built.name, models.name, aircraft, document, factors, agreement)
 
 
 def _check_kinds(
     measured: Document, technology: Document, built: Aircraft, models: Aircraft
 ) -> None:
-    problems = []
-    for document, aircraft, wanted in (
-        (measured, built, "measured"),
-        (technology, models, "parametric"),
-    ):
-        if aircraft.airframe.kind != wanted:
-            line, column = document.value_marks.get(("airframe", "kind"), (None, None))
-            message = (
-                f"must be {wanted} (got {aircraft.airframe.kind}): the measured aircraft first"
-            )
-            problems.append(Problem(document.source, line, column, "airframe.kind", message))
+    problems: list[Problem] = []
+    both = ((measured, built, "measured"), (technology, models, "parametric"))
+    for document, aircraft, wanted in both:
+        kind = aircraft.airframe.kind
+        if kind != wanted:
+            message = f"must be {wanted} (got {kind}): the measured aircraft first"
+            problems += located_error(document, ("airframe", "kind"), message).problems
     if models.propulsion_by_parts is not None:
-        key = ("airframe", "propulsion", "kind")
-        problems.append(
-            located_error(technology, key, "must be constant to be calibrated").problems[0]
-        )
+        key, message = ("airframe", "propulsion", "kind"), "must be constant to be calibrated"
+        problems += located_error(technology, key, message).problems
     if problems:
         raise InputError(problems)
 
 
-def _combined(built: Aircraft, models: Aircraft) -> tuple[Aircraft, dict[str, tuple[float, str]]]:
+def _combined(
+    built: Aircraft, known: MeasuredAirframe, models: Aircraft
+) -> tuple[Aircraft, dict[str, tuple[float, str]]]:
     """Technology in the measured aircraft's size, and what its file changes of it by itself."""
-    frame, known = models.airframe, built.airframe
+    frame = models.airframe
     assert isinstance(frame, ParametricAirframe)
-    assert isinstance(known, MeasuredAirframe)
     level, propulsion = known.level_flight, frame.propulsion
     assert isinstance(propulsion, Propulsion)
     changes: dict[str, tuple[float, str]] = {}
@@ -232,20 +224,14 @@ def _combined(built: Aircraft, models: Aircraft) -> tuple[Aircraft, dict[str, tu
     coverage = built.modules.area_m2 * known.aspect_ratio / known.wingspan_m**2
     if coverage > frame.maximum_module_coverage:
         changes["airframe.maximum_module_coverage"] = (min(coverage, 1.0), "module area")
-    start = models
-    for part in _OF_THE_MEASURED:
-        start = replaced(start, [part], getattr(built, part))
-    for key in _SIZE:
-        start = replaced(start, ["airframe", key], getattr(known, key))
-    for key, (changed, _) in changes.items():
-        start = replaced(start, key.split("."), changed)
-    return start, changes
+    values = {part: getattr(built, part) for part in _OF_THE_MEASURED}
+    values |= {f"airframe.{key}": getattr(known, key) for key in _SIZE}
+    values |= {key: changed for key, (changed, _) in changes.items()}
+    return all_replaced(models, values), changes
 
 
-def _level_flight(built: Aircraft) -> FlightConditions:
+def _level_flight(built: Aircraft, density: float) -> FlightConditions:
     """Conditions of the measured level flight: standard air of its density."""
-    assert isinstance(built.airframe, MeasuredAirframe)
-    density = built.airframe.level_flight.density_kg_per_m3
     altitudes = np.linspace(MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M, 65001)
     densities = standard_air(altitudes).density_kg_per_m3
     altitude_m = float(np.interp(-density, -densities, altitudes))
@@ -263,14 +249,13 @@ def _power_w(aircraft: Aircraft, flight: FlightConditions, mass_kg: float) -> fl
     return float(design.propulsion_power_w)
 
 
-def _drag(start: Aircraft, built: Aircraft, flight: FlightConditions, key: str) -> float:
+def _drag(start: Aircraft, level: LevelFlight, flight: FlightConditions, key: str) -> float:
     """Drag that takes the measured power, which rises in a straight line with the key."""
-    assert isinstance(built.airframe, MeasuredAirframe)
-    level, parts = built.airframe.level_flight, key.split(".")
     now = parameter_value(start, None, key)
     assert now is not None  # power_name names a key of the model
     low, high = (
-        _power_w(replaced(start, parts, value), flight, level.mass_kg) for value in (now, 2.0 * now)
+        _power_w(all_replaced(start, {key: value}), flight, level.mass_kg)
+        for value in (now, 2.0 * now)
     )
     return now * (1.0 + (level.electric_power_w - low) / (high - low))
 
@@ -302,19 +287,15 @@ def _factor_on(models: Aircraft, key: str, after: float, source: str) -> Factor:
 
 
 def _check_ranges(technology: Document, factors: tuple[Factor, ...]) -> None:
-    problems = [
-        Problem(
-            technology.source,
-            None,
-            None,
-            one.key,
-            f"would have to be {one.after:.4g} for the measured {one.source}; "
-            f"allowed: {one.minimum:g} to {one.maximum:g}, what has been built or is in sight. "
-            f"Other technology, or other masses with --set, may fit",
-        )
-        for one in factors
-        if not one.inside
-    ]
+    problems = []
+    for one in factors:
+        if not one.inside:
+            message = (
+                f"would have to be {one.after:.4g} for the measured {one.source}; "
+                f"allowed: {one.minimum:g} to {one.maximum:g}, what has been built or is in sight. "
+                f"Other technology, or other masses with --set, may fit"
+            )
+            problems.append(Problem(technology.source, None, None, one.key, message))
     if problems:
         raise InputError(problems)
 
@@ -332,51 +313,42 @@ def _document(
     name = measured.data["name"]
     values["name"] = renamed(name, "parametric")
     values["description"] = f"{name} with the technology of {technology.data['name']}, calibrated"
-    values["uncertainty"] = _uncertainty(measured, technology)
-    values["provenance"] = {
-        **provenance(measured, "calibrate", sources),
-        "technology": technology.source,
-    }
-    if not values["uncertainty"]["inputs"]:
-        del values["uncertainty"]
-        data = {key: value for key, value in technology.data.items() if key != "uncertainty"}
-        technology = Document(technology.source, data)
-    return with_overrides(technology, values)
-
-
-def _uncertainty(measured: Document, technology: Document) -> dict[str, Any]:
-    """Inputs that scatter: of the airframe those of the technology, else the measured ones."""
+    # Inputs that scatter: of the airframe those of the technology, else the measured ones.
     inputs: dict[str, Any] = {}
     for document, own in ((technology, True), (measured, False)):
         given = (document.data.get("uncertainty") or {}).get("inputs") or {}
         inputs |= {key: v for key, v in given.items() if key.startswith("airframe.") == own}
-    return {"inputs": {key: value for key, value in inputs.items() if "level_flight" not in key}}
+    inputs = {key: value for key, value in inputs.items() if "level_flight" not in key}
+    if inputs:
+        values["uncertainty"] = {"inputs": inputs}
+    else:
+        data = {key: value for key, value in technology.data.items() if key != "uncertainty"}
+        technology = Document(technology.source, data)
+    origin = provenance(measured, "calibrate", sources)
+    values["provenance"] = {**origin, "technology": technology.source}
+    return with_overrides(technology, values)
 
 
 def _agreement(
-    built: Aircraft, aircraft: Aircraft, flight: FlightConditions
+    built: Aircraft,
+    level: LevelFlight,
+    mass_kg: float,
+    aircraft: Aircraft,
+    flight: FlightConditions,
 ) -> tuple[tuple[str, str, float, float], ...]:
     """Measured quantities beside those of the parametric aircraft, whose budget is closed anew."""
-    known = built.airframe
-    assert isinstance(known, MeasuredAirframe)
-    level = known.level_flight
-    mass_kg = known.mass_without_battery_kg + built.battery.mass_kg
     closed = closed_design(aircraft, flight, variables_of(aircraft))
     consumed_w = _power_w(aircraft, flight, level.mass_kg)
     rated, modelled = (
         STC_IRRADIANCE_W_PER_M2 * one.modules.efficiency_stc * one.modules.area_m2
         for one in (built, aircraft)
     )
+    measured_wh, energy_wh = (one.battery.battery_energy_wh for one in (built, aircraft))
     rows = (
         ("total mass", "kg", mass_kg, float(closed.total_mass_kg)),
         ("power of level flight", "W", level.electric_power_w, consumed_w),
         ("module power at standard conditions", "W", rated, modelled),
-        (
-            "battery energy",
-            "Wh",
-            built.battery.battery_energy_wh,
-            aircraft.battery.battery_energy_wh,
-        ),
+        ("battery energy", "Wh", measured_wh, energy_wh),
     )
     for name, unit, wanted, estimate in rows:
         if not abs(estimate - wanted) <= _AGREE * max(wanted, 1.0):

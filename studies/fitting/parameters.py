@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.parameters import parameter_value, replaced
+from sizing.parameters import all_replaced, parameter_value
 from solar.modules import MpptTable
 
 ChannelName = Literal["solar", "load", "charge"]
@@ -51,13 +51,11 @@ class FitParameter:
 
     def applied(self, aircraft: Aircraft, value: float) -> Aircraft:
         """Aircraft with another value, not validated."""
-        changed = replaced(aircraft, self.key.split("."), value)
-        if self.name != MPPT:
-            return changed
-        # The Full Model takes the MPPT from a curve: it moves along.
-        modules = aircraft.modules
-        table = scaled_mppt(aircraft, value / modules.mppt_efficiency)
-        return replaced(changed, ["modules", "mppt"], table)
+        changes: dict[str, Any] = {self.key: value}
+        if self.name == MPPT:  # the Full Model takes it from a curve, which moves along
+            factor = value / aircraft.modules.mppt_efficiency
+            changes["modules.mppt"] = scaled_mppt(aircraft, factor)
+        return all_replaced(aircraft, changes)
 
 
 MPPT = "mppt_efficiency"
@@ -114,16 +112,11 @@ def chosen(names: tuple[str, ...], aircraft: Aircraft) -> tuple[FitParameter, ..
         if parameter_value(aircraft, None, one.key) is None:
             other = f": fit {power_name(aircraft)}" if one.channel == "load" else ""
             raise ValueError(f"{name} cannot be fitted: {aircraft.name} has no {one.key}{other}")
-        if one.key.startswith("battery.") and one.key.endswith("_efficiency"):
-            _check_efficiency(one, aircraft)
+        if one.key in (_IN, _OUT) and aircraft.battery.resistance is not None:
+            message = f"{aircraft.name} has battery.resistance, which replaces {one.key}"
+            raise ValueError(f"{one.name} cannot be fitted: {message}")
         parameters.append(one)
     return tuple(parameters)
-
-
-def _check_efficiency(one: FitParameter, aircraft: Aircraft) -> None:
-    if aircraft.battery.resistance is not None:
-        message = f"{aircraft.name} has battery.resistance, which replaces {one.key}"
-        raise ValueError(f"{one.name} cannot be fitted: {message}")
 
 
 def scaled_mppt(aircraft: Aircraft, factor: float) -> MpptTable:
