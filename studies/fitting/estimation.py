@@ -57,15 +57,8 @@ class Fitted:
 
     def to_dict(self) -> dict[str, Any]:
         """Key of the file with its value and interval, JSON-ready."""
-        return {
-            "key": self.parameter.key,
-            "unit": self.parameter.unit,
-            "before": self.before,
-            "value": self.value,
-            "standard_error": self.standard_error,
-            "low": self.low,
-            "high": self.high,
-        }
+        numbers = {name: value for name, value in vars(self).items() if name != "parameter"}
+        return {"key": self.parameter.key, "unit": self.parameter.unit, **numbers}
 
 
 def with_fitted(aircraft: Aircraft, fitted: Sequence[Fitted]) -> Aircraft:
@@ -81,6 +74,10 @@ class Held:
     parameter: FitParameter
     value: float
     reason: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Key of the file with its value and the reason, JSON-ready."""
+        return {"key": self.parameter.key, "value": self.value, "reason": self.reason}
 
 
 class FoundError(NamedTuple):
@@ -186,8 +183,9 @@ def _told_apart(problem: Problem, held: list[Held]) -> Problem:
             held.append(_held(problem, place, f"it plays no part in the {problem.channel.label}"))
             continue
         singular = singular_values(jacobian[:, [*kept, place]])
-        if len(singular) and 1.0 / max(float(singular.min()), 1e-300) > COLLINEAR:
-            held.append(_held(problem, place, _alike(problem, jacobian, kept, place)))
+        index = 1.0 / max(float(singular.min()), 1e-300)
+        if index > COLLINEAR:
+            held.append(_held(problem, place, _alike(problem, jacobian, kept, place, index)))
             continue
         kept.append(place)
     return Problem(
@@ -195,12 +193,13 @@ def _told_apart(problem: Problem, held: list[Held]) -> Problem:
     )
 
 
-def _alike(problem: Problem, jacobian: FloatArray, kept: list[int], place: int) -> str:
+def _alike(
+    problem: Problem, jacobian: FloatArray, kept: list[int], place: int, index: float
+) -> str:
     """Words for a parameter that does what others do."""
     columns = jacobian / np.sqrt(np.sum(jacobian**2, axis=0))
     cosines = columns[:, kept].T @ columns[:, place]
     nearest = kept[int(np.argmax(np.abs(cosines)))]
-    index = 1.0 / max(float(singular_values(jacobian[:, [*kept, place]]).min()), 1e-300)
     ratio = "above 1e6" if index > 1e6 else f"{index:.0f}"
     other = problem.parameters[nearest].name
     if len(kept) > 1:

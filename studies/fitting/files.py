@@ -18,7 +18,7 @@ from solar._version import __version__
 from studies.fitting.estimation import Fitted
 from studies.fitting.flight import FlightFit
 from studies.fitting.least_squares import CONFIDENCE
-from studies.fitting.parameters import MPPT, rounded, scaled_mppt
+from studies.fitting.parameters import MPPT, scaled_mppt
 
 _MOST_OF_A_NAME = 110
 _TAILS = 3.8  # standard deviations: beyond what draws of uncertain inputs are cut off at
@@ -32,9 +32,7 @@ def fitted_document(
     if any(one.parameter.name == MPPT for one in fit.fitted):
         aircraft = fit.fitted_aircraft()
         more["modules.mppt"] = scaled_mppt(aircraft, 1.0).model_dump(mode="json")
-    held = [
-        {"key": one.parameter.key, "value": one.value, "reason": one.reason} for one in fit.held
-    ]
+    held = [one.to_dict() for one in fit.held]
     block = {**provenance(document, "fit", sources), "light_sigma": fit.light_sigma}
     return changed_document(document, fit.fitted, {**block, "held": held}, "fitted", more)
 
@@ -109,7 +107,9 @@ def provenance(
 
 def _digits(value: float, standard_error: float) -> float:
     """Value with three digits of its standard error: rounding must not widen the interval."""
-    return rounded(value, standard_error / 10.0)
+    if not 0.0 < standard_error < math.inf:
+        return value
+    return round(value, 1 - math.floor(math.log10(standard_error / 10.0)))
 
 
 def file_text(document: Document, notes: Sequence[str]) -> str:

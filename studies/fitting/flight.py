@@ -89,14 +89,14 @@ class FlightFit(Result):
 
     def covariance_with_model(self) -> FloatArray:
         """Covariance of the fitted parameters, then of :attr:`model_errors`."""
-        blocks = [
-            ([*range(len(part.fitted)), *(len(part.fitted) + i for i in _of_the_model(part))], part)
-            for part in self.estimates
-        ]
-        whole = block_diag(*(part.solution.covariance[np.ix_(own, own)] for own, part in blocks))
-        # Parameters first.
-        last = np.concatenate([np.array(own) >= len(part.fitted) for own, part in blocks])
-        order = np.argsort(last, kind="stable")
+        parameters, errors, first = list[int](), list[int](), 0
+        for part in self.estimates:
+            after = first + len(part.fitted)
+            parameters += range(first, after)
+            errors += (after + i for i in _of_the_model(part))
+            first += len(part.solution.covariance)
+        whole = block_diag(*(part.solution.covariance for part in self.estimates))
+        order = parameters + errors
         return np.asarray(whole[np.ix_(order, order)])
 
     @property
@@ -170,13 +170,7 @@ class FlightFit(Result):
             "confidence": CONFIDENCE,
             "light_sigma": self.light_sigma,
             "fitted": [{"name": one.parameter.name, **one.to_dict()} for one in self.fitted],
-            "held": [
-                {
-                    **{"name": one.parameter.name, "key": one.parameter.key},
-                    **{"value": one.value, "reason": one.reason},
-                }
-                for one in self.held
-            ],
+            "held": [{"name": one.parameter.name, **one.to_dict()} for one in self.held],
             "channels": [_channel_record(part) for part in self.estimates],
             "notes": list(self.notes),
         }
@@ -186,7 +180,7 @@ def _of_the_model(part: Estimate) -> list[int]:
     return [i for i, one in enumerate(part.errors) if one.known.flight is None]
 
 
-def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
+def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
@@ -219,27 +213,21 @@ def _channel_record(part: Estimate) -> dict[str, Any]:
 
 def _channels(
     flown: Flown, aircraft: Aircraft, light_sigma: float
-) -> tuple[dict[ChannelName, Channel], dict[ChannelName, str]]:
-    """Channels that a log has, and why it has no others.
+) -> dict[ChannelName, Channel | str]:
+    """Channels that a log has, or why it does not have them.
 
     Each predicts from an aircraft alone, given what else was logged: the charge from the *measured*
     power and load, so that no error of one model is taken for another's.
     """
-    found: dict[ChannelName, Channel] = {}
-    lacking: dict[ChannelName, str] = {}
     made: dict[ChannelName, Channel | str] = {
         "solar": solar_channel(flown, aircraft, light_sigma),
         "load": load_channel(flown),
         "charge": charge_channel(flown),
     }
     for name, one in made.items():
-        if isinstance(one, str):
-            lacking[name] = one
-        elif len(one.measured) < _FEWEST_BINS:
-            lacking[name] = f"{len(one.measured)} means over {BIN_S / 60:g} min are too few"
-        else:
-            found[name] = one
-    return found, lacking
+        if isinstance(one, Channel) and len(one.measured) < _FEWEST_BINS:
+            made[name] = f"{len(one.measured)} means over {BIN_S / 60:g} min are too few"
+    return made
 
 
 def fit_flight(
@@ -300,11 +288,12 @@ def fit_flight(
     estimates, lacking = [], []
     for name in dict.fromkeys(one.channel for one in parameters):
         own = tuple(one for one in parameters if one.channel == name)
-        parts = {number: known[name] for number, (known, _) in enumerate(found) if name in known}
+        every = {number: channels[name] for number, channels in enumerate(found)}
+        parts = {number: one for number, one in every.items() if isinstance(one, Channel)}
         if parts:
             estimates.append(estimate(joined(parts), aircraft, own))
-            continue
-        lacking += [Held(one, one.value(aircraft), found[0][1][name]) for one in own]
+        else:
+            lacking += [Held(one, one.value(aircraft), str(every[0])) for one in own]
     notes = [note for one in verified for note in one.log.notes]
     for one in verified:
         notes += [sentence for sentence, wrong in one.log_verdicts() if wrong]

@@ -33,19 +33,15 @@ def flight_table(estimates: Sequence[Estimate], names: Sequence[str]) -> Table:
         Column("share", "adds [%]", form=".0f"),
     )
     rows = [
-        (one.parameter.name, one.parameter.unit, names[number], *values)
+        (
+            *(one.parameter.name, one.parameter.unit, names[number], float(alone.values[place])),
+            *(float(alone.errors[place]), 100.0 * float(alone.shares[place])),
+        )
         for part in estimates
         for place, one in enumerate(part.fitted)
-        for number, *values in _alone(part, place)
+        for number, alone in zip(part.channel.numbers, part.solution.flights, strict=False)
     ]
     return Table("what each flight adds", columns, tuple(rows))
-
-
-def _alone(part: Estimate, place: int) -> Iterator[tuple[Any, ...]]:
-    """Number of each flight with value, standard error and share [%] of a parameter."""
-    for number, one in zip(part.channel.numbers, part.solution.flights, strict=False):
-        share = float(one.shares[place])
-        yield number, float(one.values[place]), float(one.errors[place]), 100.0 * share
 
 
 def error_table(estimates: Sequence[Estimate], names: Sequence[str]) -> Table:

@@ -289,12 +289,11 @@ def _with_errors(problem: Problem, at: FloatArray, fit: _Weighted) -> Solution:
     channel, count, jacobian = problem.channel, len(problem.parameters), fit.jacobian
     flights, prior = channel.flights, _prior(problem)
     inverse = np.linalg.pinv(_normal(jacobian, fit.weight, prior))
-    sizes = zip(flights, fit.times, strict=True)
-    independent = sum((own.stop - own.start) / time for own, time in sizes)
+    pairs = list(zip(flights, fit.times, strict=True))
+    independent = sum((own.stop - own.start) / time for own, time in pairs)
     free = max(independent - fit.unknown, 1.0)
     # As if each of the independent residuals stood for `time` bins, all of them equal.
     scores = fit.weight[:, np.newaxis] * jacobian * fit.apart[:, np.newaxis]
-    pairs = zip(flights, fit.times, strict=True)
     meat = sum(time * scores[own].T @ scores[own] for own, time in pairs) * independent / free
     scatter, known = inverse @ meat @ inverse, inverse @ np.diag(prior) @ inverse
     alone, chi_square, freedom = _by_flight(problem, at, fit)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal
@@ -128,13 +127,6 @@ def scaled_mppt(aircraft: Aircraft, factor: float) -> MpptTable:
         relative_load=tuple(loads),
         mppt_efficiency=tuple(float(value) for value in factor * efficiency),
     )
-
-
-def rounded(value: float, standard_error: float) -> float:
-    """Value with as many digits as its standard error warrants: two of that one."""
-    if not 0.0 < standard_error < math.inf:
-        return value
-    return round(value, 1 - math.floor(math.log10(standard_error)))
 
 
 def with_values(

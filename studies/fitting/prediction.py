@@ -18,6 +18,7 @@ from missions.library import load_mission
 from missions.logs.csv import read_flight_log
 from missions.logs.table import FlightLog
 from missions.mission import Mission
+from missions.weather.record import runs_of
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import Store
 from sizing.energy.march import empty_after_h, march
@@ -205,10 +206,8 @@ def _measured(log: FlightLog, night_h: float | None) -> Course:
     charge = log.state_of_charge[known]
     empty = float(hours[-1]) if charge[-1] <= _EMPTY else None
     slot = np.floor(hours * 3600.0 / BIN_S).astype(int)
-    counts = np.maximum(np.bincount(slot), 1)
-    hours, charge = (
-        np.bincount(slot, v)[np.unique(slot)] / counts[np.unique(slot)] for v in (hours, charge)
-    )
+    _, number, counts = np.unique(slot, return_inverse=True, return_counts=True)
+    hours, charge = (np.bincount(number, values) / counts for values in (hours, charge))
     return Course(hours, charge, _least(hours, charge, night_h), empty)
 
 
@@ -216,15 +215,6 @@ def _least(hours: FloatArray, charge: FloatArray, night_h: float | None) -> floa
     """Least charge from the start of the first night on; of a flight by day, after its peak."""
     later = hours >= night_h if night_h is not None else np.arange(len(charge)) >= charge.argmax()
     return float(charge[later].min(initial=charge[-1]))
-
-
-def _first_night_h(hours: FloatArray, dark: BoolArray) -> float | None:
-    """Hours from the start to the first night that is longer than twilight; None without one."""
-    ends = np.flatnonzero(np.diff(dark.astype(int), prepend=0, append=0))
-    for first, last in zip(ends[::2], ends[1::2] - 1, strict=True):
-        if hours[last] - hours[first] > _NIGHT_H:
-            return float(hours[first])
-    return None
 
 
 @dataclass(frozen=True)
@@ -264,8 +254,10 @@ class _Forecast:
 
     @property
     def night_h(self) -> float | None:
-        """Start of the first night."""
-        return _first_night_h(self.hours, self.dark)
+        """Hours from the start to the first night longer than twilight; None without one."""
+        first, after = runs_of(self.dark)
+        nights = self.hours[first][self.hours[after - 1] - self.hours[first] > _NIGHT_H]
+        return float(nights[0]) if len(nights) else None
 
     def factor(self, fit: FlightFit, errors: FloatArray) -> FloatArray:
         """Solar power with errors of the aircraft's model over that without."""

@@ -8,20 +8,21 @@ take is not generated, the gauge drifts. The numbers of the errors are assumptio
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from missions.logs.table import FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import Store
 from sizing.mass_budget import design_of
 from solar.types import FloatArray
-from studies.flight_logs.synthetic import START_UTC_S, Settings, lasting, synthetic_log
-
-if TYPE_CHECKING:
-    import pandas as pd
+from studies.flight_logs.synthetic import (
+    START_UTC_S,
+    Settings,
+    SyntheticLog,
+    lasting,
+    synthetic_log,
+)
 
 
 @dataclass(frozen=True)
@@ -57,20 +58,15 @@ class Flight:
 
 
 @dataclass(frozen=True)
-class Flown:
+class Flown(SyntheticLog):
     """A flight's log, and what became of it.
 
     ``empty_h`` is when the battery was empty, in hours after the start; the log ends there. None
     where it lasted. ``minimum_charge`` is the least charge of the night, without the gauge's error.
     """
 
-    table: pd.DataFrame
     minimum_charge: float
     empty_h: float | None
-
-    def log(self, source: str = "synthetic.csv") -> FlightLog:
-        """Rows as if they had been read from a file."""
-        return log_from_table(self.table, source)
 
 
 def fly(aircraft: Aircraft, mission: Mission, flight: Flight) -> Flown:

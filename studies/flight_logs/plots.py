@@ -267,13 +267,10 @@ def _figure(
     every[-1].set_xlabel(f"time of {view.date} [h UTC]")
     every[-1].set_xlim(float(view.hours.min()), float(np.nextafter(view.hours.max(), np.inf)))
     ahead = view.solar_ahead_h
-    top = every[0].secondary_xaxis("top", functions=(_shift(ahead), _shift(-ahead)))
+    shifts = (lambda time_h: time_h + ahead, lambda time_h: time_h - ahead)
+    top = every[0].secondary_xaxis("top", functions=shifts)
     top.set_xlabel("solar time [h]")
     return figure
-
-
-def _shift(hours: float) -> Callable[[Any], Any]:
-    return lambda time_h: time_h + hours
 
 
 def _mark_faults(axes: Axes, view: _View, *, named: bool) -> None:

@@ -19,7 +19,7 @@ from missions.flight_path import Circle, orbit
 from missions.logs.table import EulerAngles, FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
 
 Period: TypeAlias = tuple[float, float]
@@ -69,9 +69,9 @@ class SyntheticLog:
 
     table: pd.DataFrame
 
-    def log(self) -> FlightLog:
+    def log(self, source: str = "synthetic.csv") -> FlightLog:
         """The rows as if they had been read from a file."""
-        return log_from_table(self.table, "synthetic.csv")
+        return log_from_table(self.table, source)
 
     def to_csv(self) -> str:
         """Text of the CSV file."""
@@ -199,12 +199,10 @@ def _instruments(
         error = settings.attitude_error_deg * rng.standard_normal(count)
         return np.round((np.degrees(angle) + error + 180.0) % 360.0 - 180.0, 3)
 
-    utc = pd.to_datetime(
-        np.round((settings.start_utc_s + elapsed) * 1e3).astype(np.int64), unit="ms", utc=True
-    )
+    utc = np.round((settings.start_utc_s + elapsed) * 1e3).astype("datetime64[ms]")
     table = pd.DataFrame(
         {
-            "time_utc": _iso(utc),
+            "time_utc": np.strings.add(np.datetime_as_string(utc), "Z"),
             "latitude_deg": np.round(flown.latitude_deg, 7),
             "longitude_deg": np.round(flown.longitude_deg, 7),
             "altitude_m": np.round(mission.altitude_m + rng.normal(0.0, 1.0, count), 2),
@@ -221,12 +219,7 @@ def _instruments(
     return table[~_within(hours, faults.missing)].reset_index(drop=True)
 
 
-def _iso(utc: pd.DatetimeIndex) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
-    plain = utc.tz_localize(None).to_numpy("datetime64[ms]")
-    return np.strings.add(np.datetime_as_string(plain), "Z")
-
-
-def _within(hours: FloatArray, period: Period | None) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _within(hours: FloatArray, period: Period | None) -> BoolArray:
     if period is None:
         return np.zeros(len(hours), bool)
     return np.asarray((hours >= period[0]) & (hours < period[1]), bool)
