@@ -50,11 +50,8 @@ def read_flight_log(path: str | os.PathLike[str], columns: ColumnMap | None = No
     InputError
         If the file cannot be read or anything in it is wrong.
     """
-    if Path(path).suffix.lower() == ".ulg":
-        return read_ulog(path, columns)
-    if Path(path).suffix.lower() == ".bin":
-        return read_dataflash(path, columns)
-    return read_csv(path, columns)
+    readers = {".ulg": read_ulog, ".bin": read_dataflash}
+    return readers.get(Path(path).suffix.lower(), read_csv)(path, columns)
 
 
 def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> FlightLog:

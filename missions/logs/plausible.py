@@ -131,7 +131,9 @@ def stretches(
         return mask
 
     if solar:
-        spikes = _spikes(values[known])
+        size = pd.Series(np.abs(values[known]))
+        usual = size.rolling(_NEIGHBOURS, center=True, min_periods=3).median().max()
+        spikes = np.asarray((size > _SPIKE * usual) & (usual > 0.0), bool)
         if spikes.any():
             yield "spike", among_all(spikes)
             known = known[~spikes]
@@ -140,13 +142,6 @@ def stretches(
     for kind, mask in _unchanging(values[known], time_s[known], dark=_DARK if solar else 0.0):
         if mask.any() and (solar or kind == "frozen"):
             yield kind, among_all(mask)
-
-
-def _spikes(power: FloatArray) -> BoolArray:
-    """Single values far above the highest power of any others."""
-    size = pd.Series(np.abs(power))
-    usual = size.rolling(_NEIGHBOURS, center=True, min_periods=3).median().max()
-    return np.asarray(size > _SPIKE * usual, bool) & bool(usual > 0.0)
 
 
 def _unchanging(

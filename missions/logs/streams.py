@@ -108,9 +108,9 @@ def log_from_series(
     for quantity, one in series.items():
         if quantity not in layout.ignore:
             columns[quantity] = sampled(one, time_s, age_s_of(quantity))
-    for quantity, source_of in layout.columns.items():
-        if isinstance(source_of, Source) and source_of.value is not None:
-            columns[quantity] = source_of.factor * source_of.value
+    for quantity, said in layout.columns.items():
+        if isinstance(said, Source) and said.value is not None:
+            columns[quantity] = said.factor * said.value
     return log_from_table(pd.DataFrame(columns), source, notes, layout.spans)
 
 

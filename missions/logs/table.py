@@ -258,18 +258,10 @@ class Check:
 
     def complain(self, column: pd.Series, wrong: NDArray[Any], message: str) -> None:
         """Note the first few rows in which a column is wrong."""
-        rows = np.flatnonzero(wrong).tolist()
         label = self.label(column)
-        self.problems.extend(
-            Problem(
-                self.source,
-                int(self.lines[row]),
-                None,
-                label,
-                f"{message} (got {_cell(column.iloc[row])}){rest}",
-            )
-            for row, rest in first_few(rows)
-        )
+        for row, rest in first_few(np.flatnonzero(wrong).tolist()):
+            text = f"{message} (got {_cell(column.iloc[row])}){rest}"
+            self.problems.append(Problem(self.source, int(self.lines[row]), None, label, text))
 
     def label(self, column: pd.Series) -> str:
         """Name of a column in the file."""
@@ -385,8 +377,8 @@ def _assembled(
     attitude = None
     if "roll_deg" in values:
         attitude = EulerAngles(*(np.radians(values[name]) for name in ATTITUDE))
-    optional: dict[str, Any] = dict.fromkeys(OPTIONAL)
-    optional |= {n: v for n, v in values.items() if n in OPTIONAL and not np.isnan(v).all()}
+    known = {name: v for name, v in values.items() if not np.isnan(v).all()}
+    optional: dict[str, Any] = {name: known.get(name) for name in OPTIONAL}
     total = len(time_s) + dropped
     remarks = [*notes, *_remarks(values, dropped, total, gaps)]
     return FlightLog(

@@ -133,34 +133,33 @@ def estimate(
             break
         place, reason = worst
         held.append(_held(problem, place, reason))
-        problem = problem.without(place)
+        rest = problem.parameters[:place] + problem.parameters[place + 1 :]
+        problem = replace(problem, parameters=rest)
+    deviations = np.sqrt(np.diag(solution.covariance)).tolist()
+    values, halves = solution.values.tolist(), solution.half_width.tolist()
     fitted = tuple(
-        Fitted(one, start, value, error, value - half, value + half)
-        for one, start, value, error, half in zip(
-            *(problem.parameters, problem.start().tolist(), solution.values.tolist()),
-            *(solution.standard_error().tolist(), solution.half_width.tolist()),
-            strict=True,
+        Fitted(one, one.value(aircraft), value, error, value - half, value + half)
+        for one, value, error, half in zip(
+            problem.parameters, values, deviations, halves, strict=False
         )
     )
-    found = zip(
-        *(_free_of_known(problem).channel.errors, solution.errors.tolist()),
-        np.sqrt(np.diag(solution.covariance))[len(fitted) :].tolist(),
-        strict=True,
-    )
+    known, found = _free_of_known(problem).channel.errors, solution.errors.tolist()
     return Estimate(
         channel=channel,
         fitted=fitted,
         held=tuple(held),
         before=channel.residual(aircraft),
         solution=solution,
-        errors=tuple(FoundError(*one) for one in found),
+        errors=tuple(map(FoundError, known, found, deviations[len(fitted) :])),
     )
 
 
 def _free_of_known(problem: Problem) -> Problem:
     """Problem without errors that are what is fitted."""
-    warm = any(one.key in _WARMTH_KEYS for one in problem.parameters)
-    return replace(problem, channel=problem.channel.without((WARMTH,))) if warm else problem
+    if not any(one.key in _WARMTH_KEYS for one in problem.parameters):
+        return problem
+    errors = tuple(one for one in problem.channel.errors if one.name != WARMTH)
+    return replace(problem, channel=replace(problem.channel, errors=errors))
 
 
 def _held(problem: Problem, place: int, reason: str) -> Held:
@@ -188,9 +187,7 @@ def _told_apart(problem: Problem, held: list[Held]) -> Problem:
             held.append(_held(problem, place, _alike(problem, jacobian, kept, place, index)))
             continue
         kept.append(place)
-    return Problem(
-        problem.channel, problem.aircraft, tuple(problem.parameters[place] for place in kept)
-    )
+    return replace(problem, parameters=tuple(problem.parameters[place] for place in kept))
 
 
 def _alike(

@@ -152,13 +152,9 @@ class FlightFit(Result):
             Column("rms_after", "RMS after", form=".3g"),
             Column("collinearity", form=".1f"),
         )
-        rows = tuple(
-            (
-                *(part.channel.label, part.channel.unit, len(part.before), _independent(part)),
-                *(_rms(part.before), _rms(part.solution.residual), part.collinearity),
-            )
-            for part in self.estimates
-        )
+        names = ("label", *(column.name for column in columns[1:]))
+        records = map(_channel_record, self.estimates)
+        rows = tuple(tuple(record[name] for name in names) for record in records)
         return Table(f"residuals, means over {BIN_S / 60.0:g} min", columns, rows)
 
     def to_dict(self) -> dict[str, Any]:
@@ -184,11 +180,6 @@ def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _independent(part: Estimate) -> float | None:
-    """Residuals that are independent in effect; nobody asks where nothing was fitted to them."""
-    return part.solution.independent if part.fitted else None
-
-
 def _log_record(log: FlightLog) -> dict[str, Any]:
     ends = {"start": utc_label(log.time_s[0]), "end": utc_label(log.time_s[-1])}
     return {"source": log.source, **ends, "samples": len(log)}
@@ -200,7 +191,8 @@ def _channel_record(part: Estimate) -> dict[str, Any]:
         "label": part.channel.label,
         "unit": part.channel.unit,
         "bins": len(part.before),
-        "independent": _independent(part),
+        # Nobody asks where nothing was fitted.
+        "independent": part.solution.independent if part.fitted else None,
         "rms_before": _rms(part.before),
         "rms_after": _rms(part.solution.residual),
         "singular_values": part.solution.singular.tolist(),

@@ -88,11 +88,6 @@ class Problem:
             columns = np.apply_along_axis(self.channel.centred, 0, columns)
         return np.asarray(columns)
 
-    def without(self, place: int) -> Problem:
-        """The same with a parameter less."""
-        rest = tuple(one for i, one in enumerate(self.parameters) if i != place)
-        return Problem(self.channel, self.aircraft, rest)
-
 
 @dataclass(frozen=True)
 class Solution:
@@ -115,10 +110,6 @@ class Solution:
     flights: tuple[Alone, ...] = ()
     chi_square: float = 0.0
     freedom: int = 0
-
-    def standard_error(self) -> FloatArray:
-        """Of the parameters."""
-        return np.asarray(np.sqrt(np.diag(self.covariance))[: len(self.values)])
 
 
 @dataclass(frozen=True)

@@ -132,20 +132,7 @@ def scaled_mppt(aircraft: Aircraft, factor: float) -> MpptTable:
 def with_values(
     aircraft: Aircraft, parameters: tuple[FitParameter, ...], values: tuple[float, ...]
 ) -> Aircraft:
-    """Aircraft with other values of some parameters, not validated.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What is changed.
-    parameters : tuple of FitParameter
-    values : tuple of float
-        One for each, in its unit.
-
-    Returns
-    -------
-    Aircraft
-    """
+    """Aircraft with other values of some parameters, each in its unit; not validated."""
     for one, value in zip(parameters, values, strict=True):
         aircraft = one.applied(aircraft, float(value))
     return aircraft

@@ -80,15 +80,11 @@ class Prediction:
             Column("after", "fitted", form=".2f"),
             Column("standard_error", "standard error", form=".2f"),
         )
-        rows: list[tuple[Any, ...]] = [
-            (
-                "minimum charge [%]",
-                *(100.0 * one.minimum_charge for one in (self.measured, self.before, self.after)),
-                100.0 * self.minimum_charge_error,
-            )
-        ]
+        courses = (self.measured, self.before, self.after)
+        least = (*(one.minimum_charge for one in courses), self.minimum_charge_error)
+        rows: list[tuple[Any, ...]] = [("minimum charge [%]", *(100.0 * v for v in least))]
         if self.measured.empty_h is not None:
-            empty = (one.empty_h for one in (self.measured, self.before, self.after))
+            empty = (one.empty_h for one in courses)
             rows.append(("time to empty [h]", *empty, self.empty_error_h))
         return Table(f"another flight predicted: {self.source}", columns, tuple(rows))
 
@@ -143,10 +139,11 @@ def predict_flight(
     model = forecast.factor(fit, np.array([one.value for one in fit.model_errors]))
     after = forecast.course(aircraft, model)
     moved = [*_by_fit(fit, forecast), *forecast.by_errors(aircraft, model)]
-    minimum = _spread(
-        [[one.minimum_charge for one in both] for both in moved], after.minimum_charge
-    )
-    gusts_wh, full_wh, load_w = _noise_wh(fit, after), *forecast.size(aircraft)
+    charges = [[one.minimum_charge for one in both] for both in moved]
+    minimum = _spread(charges, after.minimum_charge)
+    design, gusts_wh = design_of(aircraft, flown.mission), _noise_wh(fit, after)
+    full_wh = float(design.battery_energy_wh) * float(aircraft.battery.mean_discharge_efficiency)
+    load_w = float(design.nominal_load_w(flown.mission))
     empty, hours = None, [[one.empty_h for one in both] for both in moved]
     if after.empty_h is not None and all(None not in both for both in hours):
         empty = float(np.hypot(_spread(hours, after.empty_h), gusts_wh / load_w))
@@ -274,13 +271,6 @@ class _Forecast:
                 above, below = (self.course(aircraft, end) for end in ends)
                 yield above, below
 
-    def size(self, aircraft: Aircraft) -> tuple[float, float]:
-        """Energy that the battery delivers [Wh], and load of an aircraft [W]."""
-        mission, battery = self.flown.mission, aircraft.battery
-        design = design_of(aircraft, mission)
-        delivered = float(design.battery_energy_wh) * float(battery.mean_discharge_efficiency)
-        return delivered, float(design.nominal_load_w(mission))
-
     def course(self, aircraft: Aircraft, factor: FloatArray | float = 1.0) -> Course:
         """Flight of an aircraft with so many times the solar power at each sample."""
         mission = self.flown.mission
@@ -297,9 +287,8 @@ class _Forecast:
         for step in march(balance, store, energy):
             stored.append(float(step.end_wh))
             if step.unserved_wh > 1e-9 * store.battery_energy_wh:
-                empty = float(
-                    step.interval.start_h + empty_after_h(step.interval, step.unserved_wh)
-                )
+                after_h = empty_after_h(step.interval, step.unserved_wh)
+                empty = float(step.interval.start_h + after_h)
                 break
         if empty is None and self.ends_dark:
             left_wh = stored[-1] * float(store.discharge_efficiency)

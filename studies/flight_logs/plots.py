@@ -119,30 +119,22 @@ def _hours(samples: Samples, mask: BoolArray) -> tuple[FloatArray, float]:
     return np.asarray((time_s - midnight_s) / 3600.0), midnight_s
 
 
-def _gaps(result: Verification, mask: BoolArray, midnight_s: float) -> list[tuple[float, float]]:
-    """Spans without samples between those of the mask, night apart: nothing is known of them."""
-    samples = result.samples
-    time_s, runs = samples.time_s[mask], samples.run[mask]
-    at = np.flatnonzero(np.diff(runs))
-    log_s = result.log.time_s
-    gaps = []
-    for start, end in zip(time_s[at], time_s[at + 1], strict=True):
-        between = np.count_nonzero((log_s > start) & (log_s < end))
-        if between * result.log.step_s < 0.5 * (end - start):  # else the log goes on in the dark
-            gaps.append(((start - midnight_s) / 3600.0, (end - midnight_s) / 3600.0))
-    return gaps
-
-
 def _faults(
-    result: Verification, hours: FloatArray, midnight_s: float
+    result: Verification, mask: BoolArray, hours: FloatArray, midnight_s: float
 ) -> dict[Kind, list[tuple[float, float]]]:
-    """What looks wrong in the hours that are shown, by its kind."""
+    """What looks wrong in the hours that are shown, and where samples are missing, by its kind."""
     spans: dict[Kind, list[tuple[float, float]]] = {}
     for one in result.anomalies:
         start, end = ((t - midnight_s) / 3600.0 for t in (one.start_s, one.end_s))
         start, end = max(start, float(hours.min())), min(end, float(hours.max()))
         if one.kind != "missing_data" and end > start:
             spans.setdefault(one.kind, []).append((start, end))
+    time_s, log_s = result.samples.time_s[mask], result.log.time_s
+    for at in np.flatnonzero(np.diff(result.samples.run[mask])).tolist():
+        between = np.count_nonzero((log_s > time_s[at]) & (log_s < time_s[at + 1]))
+        # Else the log goes on in the dark.
+        if between * result.log.step_s < 0.5 * (time_s[at + 1] - time_s[at]):
+            spans.setdefault("missing_data", []).append((hours[at], hours[at + 1]))
     return spans
 
 
@@ -159,9 +151,6 @@ def _view(result: Verification, mask: BoolArray, filter_s: float, *, attitude: b
 
     hours, midnight_s = _hours(samples, mask)
     solar_h = samples.time_solar_h[mask] + 24.0 * samples.solar_day[mask]
-    faults = _faults(result, hours, midnight_s)
-    if gaps := _gaps(result, mask, midnight_s):
-        faults["missing_data"] = gaps
     return _View(
         date=str(np.datetime64(int(midnight_s), "s").astype("datetime64[D]")),
         solar_ahead_h=float(np.median(solar_h - hours - midnight_s / 3600.0)),
@@ -169,7 +158,7 @@ def _view(result: Verification, mask: BoolArray, filter_s: float, *, attitude: b
         run=run[chosen],
         rows=list(_rows(result, chosen, shown, attitude=attitude)),
         excluded=result.excluded[chosen],
-        faults=faults,
+        faults=_faults(result, mask, hours, midnight_s),
     )
 
 

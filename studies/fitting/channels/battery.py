@@ -40,14 +40,12 @@ def load_channel(flown: Flown) -> Channel | str:
         dark, note = np.ones(len(log), bool), "by day and night, since the night is too short"
     use = known & dark & ~_climbing(log)
     bins = Bins.of(log.time_s, log.segment(), use)
-    pressure = standard_air(
-        np.clip(log.altitude_m[use], MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
-    ).pressure_pa
+    height_m = np.clip(log.altitude_m[use], MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
     kelvin = ambient_c(flown, np.flatnonzero(use)) + ZERO_CELSIUS_K
-    density = air_at(kelvin, pressure).density_kg_per_m3
-    mean_density = float(flown.mission.air_state().density_kg_per_m3)
-    thinner = bins.mean(np.sqrt(mean_density / density))
+    density = air_at(kelvin, standard_air(height_m).pressure_pa).density_kg_per_m3
     mission = flown.mission
+    mean_density = float(mission.air_state().density_kg_per_m3)
+    thinner = bins.mean(np.sqrt(mean_density / density))
 
     def predict(aircraft: Aircraft) -> FloatArray:
         design = design_of(aircraft, mission)

@@ -30,23 +30,16 @@ class Bins:
     @classmethod
     def of(cls, time_s: FloatArray, run: IntArray, use: BoolArray) -> Bins:
         """Bins of the used samples; the end of a stretch or a bin without samples ends a run."""
-        slot = np.floor(time_s[use] / BIN_S).astype(int)
-        stretch = run[use]
-        if not len(slot):
-            nothing = np.zeros(0, int)
-            return cls(nothing, nothing, nothing)
-        step, new = np.diff(slot), np.diff(stretch) != 0
-        number = np.concatenate(([0], np.cumsum((step != 0) | new)))
-        first = np.concatenate(([0], np.flatnonzero(np.diff(number)) + 1))
-        broken = (np.diff(slot[first]) > 1) | (np.diff(stretch[first]) != 0)
-        return cls(
-            number=number,
-            counts=np.bincount(number),
-            run=np.concatenate(([0], np.cumsum(broken))),
-        )
+        slot, stretch = np.floor(time_s[use] / BIN_S).astype(int), run[use]
+
+        def steps(values: IntArray) -> IntArray:
+            return np.diff(values, prepend=values[:1])
+
+        number = np.cumsum((steps(slot) != 0) | (steps(stretch) != 0))
+        first = np.flatnonzero(np.diff(number, prepend=-1))
+        broken = (steps(slot[first]) > 1) | (steps(stretch[first]) != 0)
+        return cls(number=number, counts=np.bincount(number), run=np.cumsum(broken))
 
     def mean(self, values: FloatArray) -> FloatArray:
         """Mean of the samples of each bin."""
-        if not len(self.counts):
-            return np.zeros(0)
         return np.asarray(np.bincount(self.number, values) / self.counts)

@@ -16,7 +16,7 @@ from missions.logs.table import FlightLog
 from missions.mission import AirConditions, Mission
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray, IntArray
-from studies.fitting.channels.flight_errors import FlightError, combined
+from studies.fitting.channels.flight_errors import FlightError
 from studies.fitting.parameters import ChannelName
 from studies.flight_logs.verification import Verification
 
@@ -56,11 +56,8 @@ class Channel:
     @cached_property
     def slopes(self) -> FloatArray:
         """Relative change of each bin per unit of each error, shape (bin, error)."""
-        return combined(self.errors, len(self.measured))
-
-    def without(self, names: tuple[str, ...]) -> Channel:
-        """The same where errors of these names are none."""
-        return replace(self, errors=tuple(one for one in self.errors if one.name not in names))
+        columns = [one.slope for one in self.errors]
+        return np.stack(columns, axis=1) if columns else np.zeros((len(self.measured), 0))
 
     def with_errors(self, modelled: FloatArray, errors: FloatArray | None) -> FloatArray:
         """Modelled values with errors of the flights."""

@@ -45,11 +45,6 @@ class FlightError:
     flight: int | None = 0
 
 
-def combined(errors: tuple[FlightError, ...], count: int) -> FloatArray:
-    """Slopes of all errors, shape (sample or bin, error)."""
-    return np.stack([one.slope for one in errors], axis=1) if errors else np.zeros((count, 0))
-
-
 def flight_errors(
     forward: Forward, light_sigma: float, mean: Callable[[FloatArray], FloatArray] = np.asarray
 ) -> tuple[FlightError, ...]:

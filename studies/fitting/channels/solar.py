@@ -76,19 +76,15 @@ def _may_be_limited(flown: Flown, aircraft: Aircraft) -> BoolArray:
     Decided without the measured power: leaving out what measures low would make the rest high.
     """
     samples, log = flown.found.samples, flown.log
-    marked = np.zeros(len(samples.time_s), bool)
     if log.state_of_charge is None:
-        return marked
+        return np.zeros(len(samples.time_s), bool)
     charge = np.nan_to_num(log.state_of_charge[samples.index], nan=0.0)
-    marked |= charge >= NEARLY_FULL
-    limit = aircraft.battery.charge_limit
-    if log.load_w is None or isinstance(limit, NoChargeLimit):
+    marked, battery = np.asarray(charge >= NEARLY_FULL), aircraft.battery
+    if log.load_w is None or isinstance(battery.charge_limit, NoChargeLimit):
         return marked
-    battery = aircraft.battery
-    taken_w = charge_rate_per_h(limit, charge) * battery.battery_energy_wh
-    taken_w = taken_w / float(battery.mean_charge_efficiency) + np.nan_to_num(
-        log.load_w[samples.index], nan=np.inf
-    )
+    load_w = np.nan_to_num(log.load_w[samples.index], nan=np.inf)
+    taken_w = charge_rate_per_h(battery.charge_limit, charge) * battery.battery_energy_wh
+    taken_w = taken_w / float(battery.mean_charge_efficiency) + load_w
     model_w = samples.modelled_w.get("FM", samples.modelled_w["CAM"])
     return np.asarray(marked | (model_w > _MAY_BE_LIMITED * taken_w))
 
