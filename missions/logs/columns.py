@@ -252,10 +252,8 @@ def _given(quantity: str, source: str | Source, header: Sequence[str]) -> Recipe
         return Recipe(quantity, value=one.factor * one.value)
     if one.name is None:
         raise ValueError(f"{key}: needs the name of a column, or a value")
-    terms = tuple(
-        _term(key, quantity, text, header)
-        for text in ([one.name] if one.name in header else one.name.split(" + "))
-    )
+    texts = [one.name] if one.name in header else one.name.split(" + ")
+    terms = tuple(_term(key, quantity, text, header) for text in texts)
     if one.unit is not None:
         if len(terms) != 1 or len(terms[0]) != 1:
             raise ValueError(f"{key}: in a sum or product the unit stands behind each column")

@@ -18,14 +18,7 @@ from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.nearest import Series
 from missions.logs.quantities import ATTITUDE
-from missions.logs.streams import (
-    Stream,
-    given_series,
-    kinds_named,
-    log_from_series,
-    no_power,
-    rising,
-)
+from missions.logs.streams import Stream, given_series, kinds_named, log_from_series, no_power
 from missions.logs.table import FlightLog
 
 _MOST_BYTES = 500_000_000
@@ -160,7 +153,7 @@ def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
         rows_of = instance == number
         name = kind.name if number == 0 else f"{kind.name}[{int(number)}]"
         own = {f: v[rows_of] for f, v in fields.items()}
-        streams[name] = rising(Stream(name, own[clock] * step, own))
+        streams[name] = Stream(name, own[clock] * step, own).rising()
     return streams
 
 

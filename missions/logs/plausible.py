@@ -205,7 +205,7 @@ def leave_out_held(
 ) -> list[LeftOut]:
     """Leave out what neighbours do not allow: spikes, frozen channels, rows written twice."""
     left = []
-    if "solar_power_w" in values and (copies := repeated(values)).any():
+    if (copies := repeated(values)).any():
         left.append(left_out("", "repeated", copies, time_s))
         values |= {name: np.where(copies, np.nan, v) for name, v in values.items()}
     for name, column in values.items():

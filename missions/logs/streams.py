@@ -47,24 +47,19 @@ class Stream(NamedTuple):
         """Quantities at the times of the messages."""
         return {name: Series(self.time_s, np.asarray(v, float)) for name, v in values.items()}
 
+    def rising(self) -> Stream:
+        """Stream without the messages whose times do not rise, as in damaged logs."""
+        keep = np.isfinite(self.time_s)
+        highest = np.maximum.accumulate(np.where(keep, self.time_s, -np.inf))
+        keep &= np.concatenate(([True], self.time_s[1:] > highest[:-1]))
+        fields = {name: values[keep] for name, values in self.fields.items()}
+        return self._replace(time_s=self.time_s[keep], fields=fields)
+
 
 def kinds_named(layout: ColumnMap) -> set[str]:
     """Kinds of messages that a map of columns names."""
     texts = [s.name or "" if isinstance(s, Source) else s for s in layout.columns.values()]
     return {match[1] for text in texts for match in _STREAM.finditer(text)}
-
-
-def rising(stream: Stream) -> Stream:
-    """Stream without the messages whose times do not rise, as in damaged logs."""
-    time_s = stream.time_s
-    keep = np.isfinite(time_s)
-    highest = np.maximum.accumulate(np.where(keep, time_s, -np.inf))
-    keep &= np.concatenate(([True], time_s[1:] > highest[:-1]))
-    if keep.all():
-        return stream
-    return stream._replace(
-        time_s=time_s[keep], fields={k: v[keep] for k, v in stream.fields.items()}
-    )
 
 
 def given_series(

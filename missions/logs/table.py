@@ -169,10 +169,9 @@ def checked_log(
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
     names += [name for name in map(str, table) if name.startswith(TRACKER)]
     values = {name: numbers(table[name], check, quantity_of(name)) for name in names}
-    if all(name in values for name in REQUIRED):
-        nowhere = no_place(values["latitude_deg"], values["longitude_deg"])
-        for name in ("latitude_deg", "longitude_deg"):
-            values[name] = check.without(values[name], nowhere, table[name], "code")
+    nowhere = no_place(values["latitude_deg"], values["longitude_deg"])
+    for name in ("latitude_deg", "longitude_deg"):
+        values[name] = check.without(values[name], nowhere, table[name], "code")
     check.done()
     left = [left_out(*doubt[:3], time_s, doubt[3]) for doubt in check.doubts]
     empty = [n for n in ATTITUDE if n not in values or np.isnan(values[n]).all()]
@@ -189,8 +188,7 @@ def checked_log(
     time_s, values = _put_together(time_s, values, remarks)
     keep = _complete(time_s, values, check.source, left)
     time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
-    dropped = int(np.count_nonzero(~keep))
-    return _assembled(check.source, time_s, values, dropped, remarks, tuple(left))
+    return _assembled(check.source, time_s, values, int((~keep).sum()), remarks, tuple(left))
 
 
 def _leave_out_sums(values: dict[str, FloatArray]) -> None:

@@ -60,7 +60,6 @@ UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
 _TWO_PI = 2.0 * np.pi
 MOST_SINCE_START = 1e8  # s: smaller times count from the start of a log
 
-
 _SPELLED = {
     "dege7": "1e-7 deg", "e7": "1e-7 deg", "1e-7deg": "1e-7 deg", "kw": "kW", "mw": "mW",
     "ma": "mA", "mv": "mV", "ca": "cA", "kv": "kV",

@@ -123,18 +123,15 @@ def estimate(
     channel: Channel, aircraft: Aircraft, parameters: tuple[FitParameter, ...]
 ) -> Estimate:
     """Fit as many parameters as a channel can tell apart; the later ones are held."""
-    problem = Problem(channel, aircraft, parameters)
     held: list[Held] = []
-    problem = _told_apart(problem, held)
-    while True:
-        solution = solved(_free_of_known(problem))
-        worst = _undetermined(problem, solution)
-        if worst is None:
-            break
+    problem = _told_apart(Problem(channel, aircraft, parameters), held)
+    solution = solved(_free_of_known(problem))
+    while (worst := _undetermined(problem, solution)) is not None:
         place, reason = worst
         held.append(_held(problem, place, reason))
         rest = problem.parameters[:place] + problem.parameters[place + 1 :]
         problem = replace(problem, parameters=rest)
+        solution = solved(_free_of_known(problem))
     deviations = np.sqrt(np.diag(solution.covariance)).tolist()
     values, halves = solution.values.tolist(), solution.half_width.tolist()
     fitted = tuple(
@@ -209,11 +206,8 @@ def _alike(
 
 def _undetermined(problem: Problem, solution: Solution) -> tuple[int, str] | None:
     """Parameter that the log leaves open most of all, and why; None where there is none."""
-    if not problem.parameters:
-        return None
-    last = len(problem.parameters) - 1
-    if solution.independent < _FEWEST_INDEPENDENT:
-        return last, (
+    if solution.independent < _FEWEST_INDEPENDENT:  # infinite where nothing is fitted
+        return len(problem.parameters) - 1, (
             f"only {solution.independent:.1f} residuals are independent in effect: "
             "the log is too short, or its errors last too long"
         )
