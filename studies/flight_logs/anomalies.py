@@ -120,11 +120,10 @@ class Anomalies:
         lost_wh = max(float(missing_w.sum()) * step_s / 3600.0, 0.0)
         whole_wh = float(self._expected_w.sum()) * step_s / 3600.0
         severity = severity_of(lost_wh / max(whole_wh, 1e-9))
-        return Anomaly(
-            *(kind, float(time_s[0]), float(time_s[-1])),
-            *("normal" if kind == "battery_full" else severity, text),
-            *(float(inside.sum() * step_s), lost_wh),
-        )
+        severity = "normal" if kind == "battery_full" else severity
+        start_s, end_s = float(time_s[0]), float(time_s[-1])
+        affected_s = float(inside.sum() * step_s)
+        return Anomaly(kind, start_s, end_s, severity, text, affected_s, lost_wh)
 
     def _inside(self, finding: Finding) -> BoolArray:
         """Samples that a loss acts on."""

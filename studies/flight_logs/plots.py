@@ -132,7 +132,7 @@ def _faults(
     time_s, log_s = result.samples.time_s[mask], result.log.time_s
     for at in np.flatnonzero(np.diff(result.samples.run[mask])).tolist():
         between = np.count_nonzero((log_s > time_s[at]) & (log_s < time_s[at + 1]))
-        # Else the log goes on in the dark.
+        # Where it holds more samples, the log goes on in the dark.
         if between * result.log.step_s < 0.5 * (time_s[at + 1] - time_s[at]):
             spans.setdefault("missing_data", []).append((hours[at], hours[at + 1]))
     return spans
