@@ -63,7 +63,8 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     matched = recipes.found
     used = {name for recipe in matched.values() for name in recipe.columns}
     # Dates beside times of day.
-    dates = [n for n in text.header if n.lower() in ("date", "date_utc") and n not in used]
+    left_out = used.union(layout.ignore)
+    dates = [n for n in text.header if n.lower() in ("date", "date_utc") and n not in left_out]
     date = dates[0] if dates else None
     notes = [*text.notes, *_check_header(text, recipes, date)]
     for name in layout.ignore:

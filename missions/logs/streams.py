@@ -104,6 +104,8 @@ def log_from_series(
         if quantity not in layout.ignore:
             columns[quantity] = sampled(one, time_s, age_s_of(quantity))
     for quantity, said in layout.columns.items():
+        if quantity in layout.ignore:
+            continue
         if isinstance(said, Source) and said.value is not None:
             columns[quantity] = said.factor * said.value
     return log_from_table(pd.DataFrame(columns), source, notes, layout.spans)

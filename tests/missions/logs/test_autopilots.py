@@ -64,6 +64,14 @@ def test_dataflash_becomes_a_log(tmp_path: Path) -> None:
     assert log.state_of_charge == pytest.approx(0.8)
 
 
+def test_a_value_that_is_ignored_is_not_taken(tmp_path: Path) -> None:
+    columns = {"solar_power_w": SOLAR, "state_of_charge": {"value": 0.3}}
+    said = ColumnMap.model_validate({"columns": columns})
+    assert read(tmp_path, dataflash(), said).state_of_charge == pytest.approx(0.3)
+    ignored = said.model_copy(update={"ignore": ("state_of_charge",)})
+    assert read(tmp_path, dataflash(), ignored).state_of_charge is None
+
+
 @pytest.mark.extra
 def test_dataflash_agrees_with_pymavlink(tmp_path: Path) -> None:
     reader = pytest.importorskip("pymavlink.DFReader")

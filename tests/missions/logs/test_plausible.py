@@ -213,6 +213,9 @@ def test_times_and_columns_are_left_out_by_hand(tmp_path: Path) -> None:
         read(tmp_path, flown(), ignore=["solar_power_w"])
     log = read(tmp_path, flown(), ignore=["lod_w"])
     assert "nothing is called lod_w, to ignore it; did you mean 'load_w'?" in log.notes
+    # A date that is nobody's: with it the times of day would be no times.
+    log = read(tmp_path, flown().assign(date="?"), ignore=["date"])
+    assert len(log) == len(flown())
 
 
 def test_a_day_that_is_left_out_ends_at_midnight() -> None:
