@@ -102,8 +102,9 @@ class Search:
         # Programs of these scenarios whose designs the simulator rejected and accepted last.
         self._short: _Bound | None = None
         self._enough: _Bound | None = None
-        # Height errors by scenario with which climbs still ended too low, and at the ceiling.
-        self._errors: dict[int, tuple[float, float]] = {}
+        # Height errors by scenario with which climbs still ended too low, and at the ceiling; the
+        # last one, and by how much climbs were off with it.
+        self._errors: dict[int, tuple[float, float, float, float]] = {}
         self._knows_heights = True  # whether programs with them are solved
         self._longer_night = False  # than any margin on the recharge makes up for
         # Design of the last program whose goal turned out too low: as good as any can be.
@@ -180,15 +181,17 @@ class Search:
             last, off = known.get(scenario, 0.0), height - float(climbed[scenario])
             if abs(off) >= _OTHER_DAY:
                 continue
-            low, high = self._errors.get(scenario, (0.0, math.inf))
+            low, high, then, then_off = self._errors.get(scenario, (0.0, math.inf, last, 0.0))
             if off > _SAME_HEIGHT:
                 low = last
             elif height - off > 1.0 - _SAME_HEIGHT and last > low:
                 high = last
-            self._errors[scenario] = low, high
+            self._errors[scenario] = low, high, last, off
             # A day that ends too low begins the next one with less: what is lacking once it repeats
             # itself is more than the error of a day. At the ceiling nothing tells by how much.
             known[scenario] = last + off
+            if off * then_off < 0.0:
+                known[scenario] = last + off * (last - then) / (then_off - off)
             if math.isfinite(high) and off > -_SAME_HEIGHT:
                 middle = (low + high) / 2.0
                 known[scenario] = middle if (high - middle) * by_height > _WASTE else high

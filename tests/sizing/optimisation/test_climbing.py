@@ -124,7 +124,7 @@ def test_the_program_has_the_excess_time_of_the_simulator(number: int) -> None:
 
 def test_climbs_that_end_short_of_the_ceiling_cost_what_they_must() -> None:
     # Best payload of a search over simulated designs [kg], of an aircraft of 45 kg. The program's
-    # climbs end 0.6 % too high there; with a goal of another tenth of an hour instead 7 % were lost.
+    # climbs end 0.6 % too high there; with another tenth of an hour as goal instead 7 % were lost.
     problem = wild_problem(8300, 8, climb=True)
     given = (problem.aircraft, problem.mission, problem.objective, problem.solar)
     result = size_aircraft(*given, required_excess_time_h=problem.required_h)

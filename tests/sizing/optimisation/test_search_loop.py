@@ -188,6 +188,12 @@ def test_at_the_ceiling_the_height_of_climbs_is_bisected() -> None:
     assert search.instance.height_errors == {0: tried[-1]}
 
 
+def test_below_the_ceiling_errors_do_not_go_to_and_fro() -> None:
+    _, tried = climbing(0.6, 0.006)
+    # Four times what is lacking; then the straight line between both.
+    assert tried == pytest.approx([0.0, 0.024, 0.006])
+
+
 def test_a_height_that_costs_nothing_is_not_looked_for() -> None:
     _, tried = climbing(0.6, 0.0002)
     assert tried == [0.0]
