@@ -25,7 +25,7 @@ WARMTH = "warmth"  # of the modules: no error where their temperature is fitted
 # are the prior knowledge of `temperature_rise`, at 0.3 %/K. Diffuse light has an
 # error of its own here, whatever the haze, and all light from around the sun is one.
 SIGMAS = {**MODEL_SIGMAS, "haze": 0.07, "diffuse": 0.2, "warmth": 0.015, "circumsolar": 0.7}
-OF_THE_AIRCRAFT = ("incidence", WARMTH, "low_light")
+OF_THE_AIRCRAFT = ("incidence", "oblique", "grazing", WARMTH, "low_light")
 CAM_SIGMA = UNCORRECTED_CAM.rms_relative
 _STEP = 0.5  # standard deviations of an error by which its effect is found
 _LEAST_W = 1e-3  # of a relative change

@@ -26,9 +26,14 @@ MODEL_SIGMAS = {
     "scatter": 0.3,
     "circumsolar": 0.3,
     "incidence": 0.05,
+    "oblique": 0.05,
+    "grazing": 0.05,
     "warmth": 0.03,
     "low_light": 0.03,
 }
+# 1/cos of the incidence, less one, to 60, 75 and 80 deg: published curves of glass bend there, and
+# each part is off by a slope of its own.
+_SLANTS = {"incidence": (0.0, 1.0), "oblique": (1.0, 2.86), "grazing": (2.86, 5.0)}
 _STEPS = {"clock_s": 30.0, "heading": 0.01, "roll": 0.005, "pitch": 0.005}
 _LARGEST_STEPS = {"clock_s": 1800.0, "heading": 0.5, "roll": 0.1, "pitch": 0.1}
 # Share of the light lost to haze that comes down as diffuse light: 0.9 are scattered, 0.84 of that
@@ -149,7 +154,8 @@ def modelled(
     slant = np.minimum(1.0 / np.maximum(parts.cosine, 0.1) - 1.0, 5.0)
     passed = np.exp(-values["haze"] * parts.air_mass)
     direct = parts.direct * passed[:, None]
-    direct = direct * (1.0 - values["incidence"] * slant)
+    less = sum(values[n] * (slant.clip(*ends) - ends[0]) for n, ends in _SLANTS.items())
+    direct = direct * (1.0 - less)
     # Light from around the sun comes as direct light does: Hay & Davies (1980), whose share is that
     # of the direct light that is left.
     circumsolar = (parts.passed * passed + values["circumsolar"])[:, None]

@@ -23,11 +23,13 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from solar.geometry import ModuleGeometry
+from solar.modules import IncidenceTable
+from studies.flight_logs.causes.data import Data
 from studies.flight_logs.causes.diagnosis import Diagnosis, diagnose, may_be_limited, snapped
-from studies.flight_logs.causes.fit import Fit, Hypothesis, Noise
+from studies.flight_logs.causes.fit import Fit, Hypothesis, Noise, fitted
 from studies.flight_logs.causes.forward import Forward, LogError
 from studies.flight_logs.causes.losses import subsets
-from studies.flight_logs.causes.noise import design_effect
+from studies.flight_logs.causes.noise import design_effect, noise_of
 from studies.flight_logs.samples import lit_samples
 from studies.flight_logs.synthetic import Faults, Settings, synthetic_log
 from studies.flight_logs.trackers import Trackers
@@ -348,6 +350,27 @@ def test_mppts_are_matched_by_name_by_number_or_in_order() -> None:
     assert wired is not None
     assert wired.members.tolist() == [[1, 0, 1, 0, 1, 0], [0, 1, 0, 1, 0, 1]]
     assert matched([], geometry()) == (None, "")
+
+
+@pytest.mark.parametrize("hours", [4.0, 6.0])
+def test_modules_behind_another_glass_do_not_shift_the_clock(hours: float) -> None:
+    """A morning from an hour after sunrise; curve of Martin & Ruiz (2001), a_r = 0.16."""
+    angles = tuple(range(0, 91, 5))
+    passed = -np.expm1(-np.cos(np.radians(angles)).clip(0.0) / 0.16) / -np.expm1(-1.0 / 0.16)
+    curve = IncidenceTable(aoi_deg=angles, relative_efficiency=tuple(passed.tolist()))
+    modules = aircraft().modules.model_copy(update={"incidence": curve})
+    everywhere = forward(flown())
+    time_h = (everywhere.log.time_s - everywhere.log.time_s[0]) / 3600.0
+    risen_h = time_h - time_h[everywhere.parts(LogError()).light <= 0.0].max()
+    morning = everywhere.of(np.flatnonzero((risen_h > 1.0) & (risen_h < hours)))
+    craft = aircraft().model_copy(update={"modules": modules})
+    power = replace(morning, aircraft=craft).parts(LogError()).power
+    power = power + np.random.default_rng(0).normal(0.0, 0.5, len(power))
+    data = Data.of(morning, power)
+    fit = fitted(data, Hypothesis(free=("clock_s",)))
+    fit = fitted(data, fit.hypothesis, noise_of(data, fit), fit)
+    assert fit.sigmas["clock_s"] < 300.0
+    assert abs(fit.error.clock_s) < 2.0 * fit.sigmas["clock_s"]
 
 
 def test_evidence_of_a_straight_line_is_that_of_its_integral() -> None:
