@@ -213,6 +213,8 @@ def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
         if load is None:
             return np.zeros(len(log), bool)
         return np.asarray((np.abs(power - load) < _AS_LOAD * rated) & (power > 0.0))
+    # Where the sun is low, power may be held in a part of each circle while its mean is below.
+    power = np.maximum(power, log.solar_power_w)
     charge = np.clip(np.nan_to_num(log.state_of_charge, nan=0.0), 0.0, 1.0)
     if load is None:
         return charge >= NEAR_FULL

@@ -124,6 +124,15 @@ def test_a_battery_limits_where_charge_and_power_say_so() -> None:
     assert log.state_of_charge is not None
     empty = replace(log, state_of_charge=np.full(len(log), 0.5))
     assert not may_be_limited(empty, aircraft()).any()
+    # The load holds the power for a third of each circle of a minute, the sun is below it else.
+    assert log.load_w is not None
+    held = np.arange(len(log)) % 3 == 0
+    low = replace(
+        log,
+        solar_power_w=np.where(held, 1.0, 0.2) * log.load_w,
+        state_of_charge=np.ones(len(log)),
+    )
+    assert may_be_limited(low, aircraft())[held & (log.load_w > 0.0)].all()
 
 
 # ---- Errors of a log
