@@ -63,9 +63,8 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     matched = recipes.found
     used = {name for recipe in matched.values() for name in recipe.columns}
     # Dates beside times of day.
-    left_out = used.union(layout.ignore)
-    dates = [n for n in text.header if n.lower() in ("date", "date_utc") and n not in left_out]
-    date = dates[0] if dates else None
+    free = [name for name in text.header if name not in used.union(layout.ignore)]
+    date = next((name for name in free if name.lower() in ("date", "date_utc")), None)
     notes = [*text.notes, *_check_header(text, recipes, date)]
     for name in layout.ignore:
         if name not in text.header and name not in QUANTITIES:

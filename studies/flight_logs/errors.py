@@ -109,11 +109,6 @@ def day_masks(samples: Samples) -> Iterator[tuple[str, BoolArray]]:
         yield _iso_date(int(day)), days == day
 
 
-def used_runs(samples: Samples, used: BoolArray) -> IntArray:
-    """Runs of the samples that are used, numbered anew where others were left out."""
-    return numbered_runs(np.flatnonzero(used), samples.run[used])
-
-
 def in_window(samples: Samples, window: Window) -> BoolArray:
     """Samples that lie in a window."""
     hours = samples.time_solar_h
@@ -145,7 +140,7 @@ def sections(
 ) -> tuple[Section, ...]:
     """Errors of all models in several parts of a log, by name and samples of each."""
     used = ~excluded
-    run = used_runs(samples, used)
+    run = numbered_runs(np.flatnonzero(used), samples.run[used])
     measured = samples.measured_w[used]
     raw = {m: power[used] - measured for m, power in samples.modelled_w.items()}
     time_s = samples.time_s[used]
