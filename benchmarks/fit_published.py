@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import FloatArray
-from studies.fitting.parameters import PARAMETERS, with_values
+from studies.fitting.parameters import PARAMETERS, replaced_values
 from studies.validation.flights.published_flights import FLIGHTS, Flight, Quantity, Trial
 
 FLIGHT_28H = FLIGHTS["as2-28h"]
@@ -93,7 +93,7 @@ def _changed(flight: Flight, values: FloatArray) -> Trial:
     level = FLIGHT_28H.trial().with_load(NIGHT_LOAD_W).aircraft
     chosen = (PARAMETERS["level_power"], *(PARAMETERS[name] for name in _FITTED))
     power_w = chosen[0].value(level)
-    craft = with_values(trial.aircraft, chosen, (power_w, *values.tolist()))
+    craft = replaced_values(trial.aircraft, chosen, (power_w, *values.tolist()))
     return Trial(craft, trial.mission, trial.solar)
 
 

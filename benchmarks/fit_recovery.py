@@ -26,7 +26,7 @@ from sizing.library import load_aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.types import FloatArray
 from studies.fitting.flight import fit_flight
-from studies.fitting.parameters import PARAMETERS, default_names, with_values
+from studies.fitting.parameters import PARAMETERS, default_names, replaced_values
 from studies.fitting.prediction import predict_flight
 from studies.fitting.synthetic import Errors, Flight, fly
 
@@ -201,7 +201,7 @@ def _independent_case(seed: int, predict: bool, flights: int) -> Case:
         (1.0 + _SPREAD[one.name] * rng.standard_normal()) * one.value(aircraft)
         for one in parameters
     ]
-    truth, cells = with_values(aircraft, parameters, tuple(drawn)), drawn_cells(rng)
+    truth, cells = replaced_values(aircraft, parameters, tuple(drawn)), drawn_cells(rng)
     logs = [
         log_from_table(flown_independently(truth, cells, 100 * seed + number).rows, f"{number}.csv")
         for number in range(flights)
@@ -226,7 +226,7 @@ def _case(seed: int, predict: bool) -> Case:
     rng = np.random.default_rng([seed, 1])
     factors = np.maximum([1.0 + _SPREAD[n] * rng.standard_normal() for n in names], _LEAST)
     values = tuple(float(f) * one.value(aircraft) for f, one in zip(factors, chosen, strict=True))
-    truth = with_values(aircraft, chosen, values)
+    truth = replaced_values(aircraft, chosen, values)
 
     def flown(flight: Flight, number: int) -> Flight:
         return Flight(**{**vars(flight), "seed": 10 * seed + number})

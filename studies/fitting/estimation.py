@@ -22,7 +22,7 @@ from studies.fitting.channels.bins import BIN_S
 from studies.fitting.channels.channel import Channel
 from studies.fitting.channels.flight_errors import WARMTH, FlightError
 from studies.fitting.least_squares import Problem, Solution, singular_values, solved
-from studies.fitting.parameters import FitParameter, with_values
+from studies.fitting.parameters import FitParameter, replaced_values
 
 COLLINEAR = 20.0
 # A parameter whose whole range of the search moves the model by less than so much of the residuals'
@@ -64,7 +64,7 @@ class Fitted:
 def with_fitted(aircraft: Aircraft, fitted: Sequence[Fitted]) -> Aircraft:
     """Aircraft with the fitted values."""
     parameters, values = (one.parameter for one in fitted), (one.value for one in fitted)
-    return with_values(aircraft, tuple(parameters), tuple(values))
+    return replaced_values(aircraft, tuple(parameters), tuple(values))
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from scipy.stats import chi2, norm, t
 from sizing.aircraft import Aircraft
 from solar.types import FloatArray
 from studies.fitting.channels.channel import Channel
-from studies.fitting.parameters import FitParameter, with_values
+from studies.fitting.parameters import FitParameter, replaced_values
 from studies.flight_logs.autocorrelation import correlation_time
 
 CONFIDENCE = 0.95
@@ -52,7 +52,7 @@ class Problem:
         if key not in self._known:
             if len(self._known) >= _KEPT:
                 self._known.clear()
-            changed = with_values(self.aircraft, self.parameters, tuple(values.tolist()))
+            changed = replaced_values(self.aircraft, self.parameters, tuple(values.tolist()))
             self._known[key] = self.channel.predict(changed)
         return self._known[key]
 

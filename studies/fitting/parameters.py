@@ -129,7 +129,7 @@ def scaled_mppt(aircraft: Aircraft, factor: float) -> MpptTable:
     )
 
 
-def with_values(
+def replaced_values(
     aircraft: Aircraft, parameters: tuple[FitParameter, ...], values: tuple[float, ...]
 ) -> Aircraft:
     """Aircraft with other values of some parameters, each in its unit; not validated."""

@@ -32,7 +32,7 @@ from studies.fitting.channels.channel import Flown, Predict
 from studies.fitting.channels.flight_errors import FlightError, flight_errors
 from studies.fitting.channels.solar import forward_model, solar_model
 from studies.fitting.flight import FlightFit
-from studies.fitting.parameters import with_values
+from studies.fitting.parameters import replaced_values
 from studies.flight_logs.verification import DEFAULT_MISSION, verify
 
 _STEP_S = 60.0
@@ -174,7 +174,7 @@ def _by_fit(fit: FlightFit, forecast: _Forecast) -> Iterator[tuple[Course, Cours
     def course(moved: FloatArray) -> Course:
         within = np.clip(moved, *np.array(ends).T)
         values, errors = np.split(within, [len(parameters)])
-        aircraft = with_values(fit.aircraft, parameters, tuple(values.tolist()))
+        aircraft = replaced_values(fit.aircraft, parameters, tuple(values.tolist()))
         return forecast.course(aircraft, forecast.factor(fit, errors))
 
     variances, directions = np.linalg.eigh(fit.covariance_with_model())

@@ -17,7 +17,7 @@ from sizing.aircraft import Aircraft
 from sizing.energy.battery import Store
 from studies.fitting.channels.bins import Bins, long_stretches
 from studies.fitting.flight import FlightFit, fit_flight
-from studies.fitting.parameters import PARAMETERS, chosen, default_names, with_values
+from studies.fitting.parameters import PARAMETERS, chosen, default_names, replaced_values
 from studies.fitting.prediction import predict_flight
 from studies.fitting.synthetic import Errors, Flight, fly
 
@@ -34,7 +34,7 @@ def mission() -> Mission:
 
 
 def truth() -> Aircraft:
-    return with_values(AS2, tuple(PARAMETERS[name] for name in NAMES), TRUTH)
+    return replaced_values(AS2, tuple(PARAMETERS[name] for name in NAMES), TRUTH)
 
 
 @cache
@@ -54,7 +54,7 @@ def fitted(*names: str) -> FlightFit:
 
 
 def test_a_flight_without_errors_gives_the_truth() -> None:
-    warm = with_values(AS2, (PARAMETERS["temperature_rise"],), (TRUTH[1],))
+    warm = replaced_values(AS2, (PARAMETERS["temperature_rise"],), (TRUTH[1],))
     fit = fit_flight(warm, quiet_log(), mission(), correct=None, light_sigma=0.0)
     found = {one.parameter.name: one.value for one in fit.fitted}
     # The log's attitude errs by 0.2 degrees, half a per cent of the power from a low sun, which the
