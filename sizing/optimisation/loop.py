@@ -106,6 +106,8 @@ class Search:
         # last one, and by how much climbs were off with it.
         self._errors: dict[int, tuple[float, float, float, float]] = {}
         self._knows_heights = True  # whether programs with them are solved
+        # Instance, solution and ceiling of the goal before the first of them.
+        self._uncorrected: tuple[ProblemInstance, Solution, float] | None = None
         self._longer_night = False  # than any margin on the recharge makes up for
         # Design of the last program whose goal turned out too low: as good as any can be.
         self.rejected: DesignVariables | None = None
@@ -124,14 +126,12 @@ class Search:
         """Whether there is a solution to be judged, after solving the program if need be."""
         if self.solution is None:
             self.solution = self._solve(self)
-        then = self.previous
-        if self.solution is None and then is not None and self._heights_moved(then):
+        if self.solution is None and self._uncorrected is not None:
             # The goal takes what the heights are off, as it does where that costs little.
-            self._knows_heights, self.instance, self.solution = False, then.instance, then
+            self._knows_heights, self._short, self._enough = False, None, None
+            self.instance, self.solution, self.ceiling_h = self._uncorrected
+            self.previous = self._uncorrected = None
         return self.solution is not None
-
-    def _heights_moved(self, then: Solution) -> bool:
-        return self.instance.height_errors != then.instance.height_errors
 
     def judge(self, simulated: Simulated) -> bool:
         """Keep the solution if it is the best one; whether the program is to be solved again."""
@@ -153,6 +153,8 @@ class Search:
             bound = _Bound(self.instance.goal_h, self.instance.margin, simulated.excess_time_h)
             self._short, self._enough = (self._short, bound) if accepted else (bound, self._enough)
         if errors is not None:
+            if not self.instance.height_errors:
+                self._uncorrected = self.instance, self.current, self.ceiling_h
             self.instance = replace(self.instance, height_errors=errors)
             # Those were of another program.
             self._short, self._enough, self.ceiling_h = None, None, math.inf

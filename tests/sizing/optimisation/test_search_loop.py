@@ -161,8 +161,11 @@ class Climbs:
         return [min(self.height - 4.0 * self.error, 1.0)]
 
 
-def climbing(height: float, error: float) -> tuple[Search, list[float]]:
-    """Search with a program whose climbs end too high by an error, and the errors it tries."""
+def climbing(height: float, error: float, most: float = 1.0) -> tuple[Search, list[float]]:
+    """Search with a program whose climbs end too high by an error, and the errors it tries.
+
+    ``most``: error up to which the program has a solution.
+    """
     tried: list[float] = []
 
     def simulator(searches: Sequence[Search]) -> list[Simulated]:
@@ -172,10 +175,12 @@ def climbing(height: float, error: float) -> tuple[Search, list[float]]:
         perf = cast(Any, Climbs(error - tried[-1], height))
         return [Simulated(goal_h, 0, -tried[-1], True, perf)]
 
+    def solution(one: Search) -> Solution | None:
+        solved = one.instance.height_errors.get(0, 0.0) <= most
+        return cast(Any, Found(one.instance, True, height)) if solved else None
+
     instance = ProblemInstance.of(Objective.min_wingspan, 2.0)
-    search = Search(
-        instance, 2.0, [0], lambda one: cast(Any, Found(one.instance, True, height)), count=1
-    )
+    search = Search(instance, 2.0, [0], solution, count=1)
     run([search], simulator)
     return search, tried
 
@@ -192,6 +197,12 @@ def test_below_the_ceiling_errors_do_not_go_to_and_fro() -> None:
     _, tried = climbing(0.6, 0.006)
     # Four times what is lacking; then the straight line between both.
     assert tried == pytest.approx([0.0, 0.024, 0.006])
+
+
+def test_without_a_solution_at_the_corrected_height_the_goal_takes_the_rest() -> None:
+    search, tried = climbing(1.0, 0.006, most=0.01)
+    assert tried == [0.0, 0.0]
+    assert search.best is not None
 
 
 def test_a_height_that_costs_nothing_is_not_looked_for() -> None:
