@@ -37,6 +37,7 @@ _MARGIN_WASTE = 2e-3  # the same of a margin on the recharge that climbs may do 
 _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _OTHER_DAY, _SAME_HEIGHT = 0.1, 1e-4  # of the ceiling's height
+_CORRECTIONS = 6  # of heights: as many rounds are left for the goal
 _LARGE_MARGIN = 0.1  # of the recharge: climbs that need more begin a longer night
 _LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
 
@@ -105,7 +106,7 @@ class Search:
         # Height errors by scenario with which climbs still ended too low, and at the ceiling; the
         # last one, and by how much climbs were off with it.
         self._errors: dict[int, tuple[float, float, float, float]] = {}
-        self._knows_heights = True  # whether programs with them are solved
+        self._corrections_left = _CORRECTIONS
         # Instance, solution and ceiling of the goal before the first of them.
         self._uncorrected: tuple[ProblemInstance, Solution, float] | None = None
         self._longer_night = False  # than any margin on the recharge makes up for
@@ -128,7 +129,7 @@ class Search:
             self.solution = self._solve(self)
         if self.solution is None and self._uncorrected is not None:
             # The goal takes what the heights are off, as it does where that costs little.
-            self._knows_heights, self._short, self._enough = False, None, None
+            self._corrections_left, self._short, self._enough = 0, None, None
             self.instance, self.solution, self.ceiling_h = self._uncorrected
             self.previous = self._uncorrected = None
         return self.solution is not None
@@ -156,6 +157,7 @@ class Search:
             if not self.instance.height_errors:
                 self._uncorrected = self.instance, self.current, self.ceiling_h
             self.instance = replace(self.instance, height_errors=errors)
+            self._corrections_left -= 1
             # Those were of another program.
             self._short, self._enough, self.ceiling_h = None, None, math.inf
             self.previous, self.solution = self.solution, None
@@ -176,7 +178,7 @@ class Search:
         held_back, perf = self.current.held_back(), simulated.performance
         if not held_back or perf is None or perf.levels is None:
             return None
-        if self._unchanged() or not self._knows_heights:
+        if self._unchanged() or not self._corrections_left:
             return None
         climbed, known, worth_it = perf.climbed(), dict(self.instance.height_errors), False
         for scenario, (height, by_height) in held_back.items():

@@ -213,3 +213,22 @@ def test_a_height_that_costs_nothing_is_not_looked_for() -> None:
 def test_another_day_that_repeats_itself_is_no_error() -> None:
     _, tried = climbing(0.6, 0.1)
     assert tried == [0.0]
+
+
+def test_heights_that_do_not_settle_leave_rounds_for_the_goal() -> None:
+    tried: list[dict[int, float]] = []
+
+    def simulator(searches: Sequence[Search]) -> list[Simulated]:
+        (search,) = searches
+        tried.append(dict(search.current.instance.height_errors))
+        goal_h = search.current.instance.goal_h
+        # Climbs end 0.02 too low whatever error the program takes.
+        return [Simulated(goal_h - 0.5, 0, 0.0, True, cast(Any, Climbs(0.005, 0.6)))]
+
+    instance = ProblemInstance.of(Objective.min_wingspan, 2.0)
+    search = Search(
+        instance, 2.0, [0], lambda one: cast(Any, Found(one.instance, True, 0.6)), count=1
+    )
+    run([search], simulator)
+    assert len(tried) == 8  # six corrections, then the goal
+    assert search.best is not None
