@@ -18,7 +18,7 @@ from sizing.limits import ROW_TOLERANCE
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.propulsion import with_flow_of_optimum
+from sizing.optimisation.propulsion import sized_in_own_flow
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
@@ -86,8 +86,7 @@ def claim_of(problem: WildProblem) -> Claim:
             wide = widest_range(problem.aircraft, *given, **hours)
             result, value = wide.sizing, float(wide.extent)
         else:
-            aircraft, start = with_flow_of_optimum(aircraft, *given, **hours)
-            result = size_aircraft(aircraft, *given, start=start, **hours)
+            aircraft, result = sized_in_own_flow(aircraft, *given, **hours)
             value = result.objective_value
     except Exception as error:  # any of them is a finding
         cpu_s = time.process_time() - begun

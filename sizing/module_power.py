@@ -83,6 +83,14 @@ class Cooling(NamedTuple):
         lost, heat, radiation, growth = arrays
         return self._replace(lost=lost, heat=heat, radiation=radiation, growth=growth)
 
+    def scaled_to(self, faster: FloatArray) -> Cooling:
+        """Cooling of another light, whose power has a known factor in the last of ``FLOWS``."""
+        known = self.factor(FLOWS[-1] * self.convection) - 1.0
+        ratio = np.where(known > _LEAST_LOST, (faster - 1.0) / np.maximum(known, _LEAST_LOST), 1.0)
+        ratio = np.maximum(ratio, _LEAST_LOST)
+        lost, heat, radiation, growth = self.arrays()
+        return self.with_arrays((ratio * lost, ratio * heat, radiation, growth / ratio))
+
     def factor(self, convection: ArrayLike) -> FloatArray:
         """Factor on the known power in another flow [W/(m2 K)]."""
         linear = np.asarray(convection, float) + self.radiation

@@ -101,6 +101,22 @@ class Performance:
         reached = [np.interp(at, self.levels.altitude_m, own) for at, own in rows]
         return np.array(reached) / np.where(energies[-1] > 0.0, energies[-1], np.inf)
 
+    def sun_in_own_flow(self, day: SolarDay) -> SolarDay:
+        """Sun of the same scenarios on modules that the design's own flow cools (of one design)."""
+        alone = np.ndim(self.design.total_mass_kg) == 0
+        own = replace(
+            day,
+            specific_power_w_per_m2=day.power_of(self.design, self.mission, paired=not alone),
+            cooling=None,
+            aloft_cooling=(),
+        )
+        if self.levels is None or day.aloft_w_per_m2 is None:
+            return own
+        factors = [self.levels.cooling_factor(n) for n in range(len(day.aloft_w_per_m2))]
+        pairs = zip(day.aloft_w_per_m2, factors, strict=True)
+        aloft = [power if factor is None else power * factor for power, factor in pairs]
+        return replace(own, aloft_w_per_m2=np.stack(aloft))
+
     def endurances(self) -> list[Endurance | None]:
         """Longest flight in every scenario (of a single design); None where it is unlimited."""
         flights, perpetual = self._longest_flights(), self.cycle.perpetual

@@ -120,6 +120,11 @@ class SolarDay:
             ),
         )
 
+    @property
+    def is_cooled(self) -> bool:
+        """Whether the flow of a design changes the power."""
+        return self.cooling is not None or any(self.aloft_cooling)
+
     def scaled(self, factor: float | FloatArray) -> SolarDay:
         """Same day with all power multiplied by a factor, or one of shape ``(scenario, 1)``."""
         return self._with(lambda power: power * factor)
@@ -242,12 +247,17 @@ class Sunlight:
         return power_in_surroundings(*given, around)
 
     def _cooling_of(self, model: ModelName) -> Cooling | None:
-        """How the power changes with the flow; of VM and FM as that of CAM, relative to it."""
+        """How the power changes with the flow; of VM and FM in the proportions of CAM."""
         if self._convection is None or isinstance(self.aircraft.airframe, MeasuredAirframe):
             return None
-        model = "CAM" if model in ATTITUDE_MODELS else model
+        own, transition = self._convection, self.aircraft.modules.thermal.transition_reynolds
+        if model not in self._cooling and model in ATTITUDE_MODELS:
+            known = self.modelled_power(model)
+            faster = self._in_flow(model, FLOWS[-1] * own) / np.where(known > 0.0, known, np.inf)
+            like = self._cooling_of("CAM")
+            assert like is not None
+            self._cooling[model] = like.scaled_to(faster)
         if model not in self._cooling:
-            own, transition = self._convection, self.aircraft.modules.thermal.transition_reynolds
             powers = [
                 self.modelled_power(model) if flow == 1.0 else self._in_flow(model, flow * own)
                 for flow in FLOWS

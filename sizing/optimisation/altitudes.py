@@ -21,9 +21,8 @@ from sizing.design import DesignVariables
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.propulsion import with_flow_of_optimum, with_smooth_chain
+from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
 from sizing.optimisation.result import SizingResult
-from sizing.optimisation.search import size_aircraft
 from sizing.sunlight import SolarModel
 
 _FLOORS, _CEILINGS = 5, 3  # of the grid
@@ -148,15 +147,14 @@ class _AltitudeSearch:
         given = (mission, self.objective, self.solar)
         options: dict[str, Any] = {"required_excess_time_h": self.required_h}
         try:
-            aircraft, start = with_smooth_chain(self.aircraft, *given, **options)
-            start = self.start or start
-            if self.start is None or aircraft is not self.aircraft:
-                aircraft, start = with_flow_of_optimum(aircraft, *given, start=start, **options)
-                if (parts := self.aircraft.propulsion_by_parts) is None or not parts.is_exact:
-                    self.aircraft = aircraft  # its modules are cooled as those of an optimum are
+            aircraft, start, settled = sized_smoothly(self.aircraft, *given, **options)
             if self.objective.of_range:
                 return widest_range(aircraft, *given, **options).sizing
-            return size_aircraft(aircraft, *given, start=start, explain=False, **options)
+            options |= {"start": self.start or start, "explain": False}
+            guessed, result = sized_in_own_flow(aircraft, *given, settled=settled, **options)
+            if settled is None:
+                self.aircraft = guessed  # the flow of an optimum is near those of the others
+            return result
         except ImpossibleDesignError:
             return None
 

@@ -275,15 +275,18 @@ class _Cells:
 
     def _performance(self, variables: DesignVariables, cells: NDArray[np.int_]) -> Performance:
         """Performance of designs in their cells; the scenarios of a cell are the last axis."""
+        return _by_cell(self._flown(variables, cells), self.each)
+
+    def _flown(self, variables: DesignVariables, cells: NDArray[np.int_]) -> Performance:
+        """Performance of designs in each scenario of their cells."""
         scenarios = (cells[:, np.newaxis] * self.each + np.arange(self.each)).ravel()
-        perf = performance_of_pairs(
+        return performance_of_pairs(
             self.solver.aircraft,
             self.solver.mission,
             variables.mapped(lambda v: np.repeat(v, self.each)),
             self.solver.solar,
             day=self.day.at(scenarios),
         )
-        return _by_cell(perf, self.each)
 
     def _keeps_requirements(self, perf: Performance, cells: NDArray[np.int_]) -> NDArray[np.bool_]:
         return meets_requirements(
@@ -295,22 +298,32 @@ class _Cells:
 
     def _simulated(self, searches: Sequence[Search]) -> list[Simulated]:
         cells = np.array([one.scenarios[0] // self.each for one in searches])
-        perf = self._performance(_stacked([one.current.design for one in searches]), cells)
+        flown = self._flown(_stacked([one.current.design for one in searches]), cells)
+        perf = _by_cell(flown, self.each)
         worst = perf.cycle.excess_time_h.argmin(axis=-1)
         excess = perf.cycle.excess_time_h.min(axis=-1)
         columns = (
-            excess,
-            cells * self.each + worst,
-            merit_of(self.objective, perf),
-            self._keeps_requirements(perf, cells),
+            excess.tolist(),
+            (cells * self.each + worst).tolist(),
+            merit_of(self.objective, perf).tolist(),
+            self._keeps_requirements(perf, cells).tolist(),
         )
         lowest = perf.solar_power_w.min(axis=-1) / np.repeat(perf.nominal_load_w, self.each) - 1.0
         spare = [
             min(own[[i % self.each for i in search.instance.sunlit]], default=0.0)
             for search, own in zip(searches, lowest.reshape(-1, self.each), strict=True)
         ]
-        rows = zip(*(c.tolist() for c in columns), [None] * len(spare), spare, strict=True)
-        return [Simulated(*row) for row in rows]
+        own = flown.sun_in_own_flow(flown.day) if flown.day.is_cooled else None
+        heights = None if flown.levels is None else flown.climbed()
+        found = []
+        for number, (one, row) in enumerate(zip(searches, zip(*columns, strict=True), strict=True)):
+            here, sun, climbed = np.arange(self.each) + number * self.each, None, None
+            if own is not None:
+                sun = self.solver.sun_of(own.at(here), one.current.instance, one.scenarios)
+            if heights is not None:
+                climbed = dict(zip(one.scenarios, heights[here].tolist(), strict=True))
+            found.append(Simulated(*row, None, spare[number], sun, climbed))
+        return found
 
     def _cross_checked(
         self, cells: NDArray[np.int_], variables: DesignVariables, perf: Performance

@@ -10,7 +10,7 @@ is the optimum.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -22,6 +22,7 @@ from sizing.optimisation.problem import ALWAYS_LIT_MARGIN
 from sizing.optimisation.result import (
     FIRST_MARGIN,
     GOAL_CUSHION_H,
+    FlownSun,
     ProblemInstance,
     Solution,
 )
@@ -37,6 +38,9 @@ _MARGIN_WASTE = 2e-3  # the same of a margin on the recharge that climbs may do 
 _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _OTHER_DAY, _SAME_HEIGHT = 0.1, 1e-4  # of the ceiling's height
+_SAME_LIGHT, _OTHER_LIGHT = 1e-3, 5e-3  # relative; another one may have another best branch
+_RELIGHTS = 4
+_LOOKS = 4.0  # worth of the step from a climb that ends at the ceiling, over what is waste
 _CORRECTIONS = 6  # of heights: as many rounds are left for the goal
 _LARGE_MARGIN = 0.1  # of the recharge: climbs that need more begin a longer night
 _LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
@@ -48,7 +52,8 @@ class Simulated(NamedTuple):
     The excess time is that of ``worst``, the scenario with the least, confirmed with a fine step;
     ``merit`` is the larger the better, and ``sound`` tells whether the design keeps every
     requirement besides the excess time. ``spare_sun``: :func:`spare_sun` of the scenarios that must
-    be always lit.
+    be always lit. ``sun``: in the design's own flow, where that cools the modules. ``climbed``: by
+    scenario, :meth:`~sizing.performance.Performance.climbed`.
     """
 
     excess_time_h: float
@@ -57,6 +62,8 @@ class Simulated(NamedTuple):
     sound: bool
     performance: Performance | None = None
     spare_sun: float = 0.0
+    sun: FlownSun | None = None
+    climbed: Mapping[int, float] | None = None
 
 
 class Accepted(NamedTuple):
@@ -109,6 +116,8 @@ class Search:
         self._corrections_left = _CORRECTIONS
         # Instance, solution and ceiling of the goal before the first of them.
         self._uncorrected: tuple[ProblemInstance, Solution, float] | None = None
+        self._relights_left = _RELIGHTS
+        self.afresh = False  # whether the program is another one than the last solution's
         self._longer_night = False  # than any margin on the recharge makes up for
         # Design of the last program whose goal turned out too low: as good as any can be.
         self.rejected: DesignVariables | None = None
@@ -127,6 +136,7 @@ class Search:
         """Whether there is a solution to be judged, after solving the program if need be."""
         if self.solution is None:
             self.solution = self._solve(self)
+            self.afresh = False
         if self.solution is None and self._uncorrected is not None:
             # The goal takes what the heights are off, as it does where that costs little.
             self._corrections_left, self._short, self._enough = 0, None, None
@@ -139,6 +149,10 @@ class Search:
         accepted = self.accepts(simulated)
         if accepted and (self.best is None or simulated.merit > self.best.found.merit):
             self.best = Accepted(self.current, simulated)
+        sun = simulated.sun
+        if sun is not None and sun.off > _SAME_LIGHT and self._relights_left:
+            self._relight(sun)
+            return True
         errors = self._height_errors(simulated)
         known = errors is None and simulated.worst in self.scenarios
         if accepted and known and not self._wasteful(simulated):
@@ -170,22 +184,33 @@ class Search:
         self.previous, self.solution = self.solution, None
         return True
 
+    def _relight(self, sun: FlownSun) -> None:
+        """Solve again with the light of modules that the design's own flow cools."""
+        self.instance = replace(self.instance, sun=sun, spare_sun=0.0, height_errors={})
+        self._relights_left -= 1
+        self.afresh = sun.off > _OTHER_LIGHT
+        # Those were of another light.
+        self._short, self._enough, self.ceiling_h = None, None, math.inf
+        self._errors, self._uncorrected = {}, None
+        self.previous, self.solution = self.solution, None
+
     def _height_errors(self, simulated: Simulated) -> dict[int, float] | None:
         """Height errors of the program as the simulator finds them; None where they cost nothing.
 
         Where both differ by much they have ended on different days that repeat themselves.
         """
-        held_back, perf = self.current.held_back(), simulated.performance
-        if not held_back or perf is None or perf.levels is None:
+        held_back, climbed = self.current.held_back(), simulated.climbed
+        if not held_back or climbed is None:
             return None
         if self._unchanged() or not self._corrections_left:
             return None
-        climbed, known, worth_it = perf.climbed(), dict(self.instance.height_errors), False
+        known, worth_it = dict(self.instance.height_errors), False
         for scenario, (height, by_height) in held_back.items():
-            last, off = known.get(scenario, 0.0), height - float(climbed[scenario])
-            if abs(off) >= _OTHER_DAY:
+            last, off = known.get(scenario, 0.0), height - climbed[scenario]
+            if abs(off) >= _OTHER_DAY or _OTHER_DAY * by_height < _WASTE:
                 continue
-            low, high, then, then_off = self._errors.get(scenario, (0.0, math.inf, last, 0.0))
+            bounds = self._errors.get(scenario, (-math.inf, math.inf, last, 0.0))
+            low, high, then, then_off = bounds
             if off > _SAME_HEIGHT:
                 low = last
             elif height - off > 1.0 - _SAME_HEIGHT and last > low:
@@ -197,7 +222,9 @@ class Search:
             if off * then_off < 0.0:
                 known[scenario] = last + off * (last - then) / (then_off - off)
             if math.isfinite(high) and off > -_SAME_HEIGHT:
-                middle = (low + high) / 2.0
+                further = max(_LOOKS * _WASTE / by_height, 2.0 * (then - last))
+                further = high - min(further, _OTHER_DAY)
+                middle = (low + high) / 2.0 if math.isfinite(low) else further
                 known[scenario] = middle if (high - middle) * by_height > _WASTE else high
             moved = abs(known[scenario] - last)
             worth_it |= moved * by_height > _WASTE or (last == low and known[scenario] == high)
@@ -211,7 +238,8 @@ class Search:
     def _relit(self, spare_sun: float) -> ProblemInstance:
         """Instance with the sun that must carry the load as the simulator finds it.
 
-        It has the modules cooled by the design's own flow, the program by that of the first guess.
+        It has the modules cooled by the design's own flow, the program by that of the last one, and
+        the propulsion's exact chain.
         """
         wanted = (1.0 + self.instance.spare_sun) * (1.0 + ALWAYS_LIT_MARGIN)
         return replace(self.instance, spare_sun=wanted / (1.0 + spare_sun) - 1.0)
@@ -257,8 +285,8 @@ class Search:
         self.blocks = len(optimum.scenarios)
         self.ceiling_h, margin = optimum.value(WORST_EXCESS), optimum.instance.margin
         self._short, self._enough = None, _Bound(self.ceiling_h, margin, excess_h)
-        goal_h = self.ceiling_h - to_spare_h + self.cushion_h
-        self.instance = replace(self.instance, goal_h=goal_h, margin=margin)
+        goal_h, sun = self.ceiling_h - to_spare_h + self.cushion_h, optimum.instance.sun
+        self.instance = replace(self.instance, goal_h=goal_h, margin=margin, sun=sun)
 
     @property
     def knows_margin(self) -> bool:

@@ -5,9 +5,9 @@ of the propulsion's own search for a speed of rotation. The exact chain judges t
 makes the two equal there, and the program is solved again until that factor stays. A propeller by
 tables, which have corners, has constant efficiencies in the program, found in the same way.
 
-The program takes the sun from the flow of the aircraft's first guess; the simulator gives each
-design its own (:mod:`sizing.module_power`). Where the two are far apart, the program weighs modules
-wrongly: its first optimum is the guess of the sizing that counts.
+The program takes the sun from the flow of the aircraft's first guess, and then from that of the
+designs that it finds; the simulator knows it between half and twice that of the first guess
+(:mod:`sizing.module_power`). An optimum further off is the first guess of another sizing.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
+
+import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -28,16 +30,17 @@ from sizing.mass_budget import (
     mixed_chain,
     operating_trouble,
 )
-from sizing.module_power import balances_heat
+from sizing.module_power import FLOWS, convection_of
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft, unjudged_optimum
 from sizing.optimisation.variables import TOTAL_MASS
 from sizing.parameters import with_parameter
+from sizing.performance import Performance
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.smooth_propulsion import corrected, smooth_propulsion
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
 _LIFT = "airframe.aerodynamics.lift_coefficient"
 _ROUNDS, _NARROWED = 12, 2
@@ -198,32 +201,52 @@ def _in_two_links(chain: Propulsion) -> Propulsion:
     return chain.model_copy(update=links)
 
 
-def with_flow_of_optimum(
+def sized_in_own_flow(
     aircraft: Aircraft,
     mission: Mission,
     objective: Objective,
     solar: SolarModel,
     *,
-    start: DesignVariables | None = None,
+    settled: SizingResult | None = None,
     **options: Any,
-) -> tuple[Aircraft, DesignVariables | None]:
-    """Aircraft whose first guess is about its optimum, and where to start; as it is elsewhere.
+) -> tuple[Aircraft, SizingResult]:
+    """Sizing, and the aircraft whose first guess is about its design; as it is where that is idle.
 
-    ``options``: as for :func:`~sizing.optimisation.search.size_aircraft`.
+    Where the flow of the optimum is far from that of the first guess, the sizing is repeated from
+    there. ``settled``: sizing that is known. ``options``: as for
+    :func:`~sizing.optimisation.search.size_aircraft`.
     """
-    if objective.of_range or not balances_heat(mission):
-        return aircraft, start
-    # A given day is not confirmed by finer steps: nothing but the flow is wanted here.
-    first = size_aircraft(
-        *(aircraft, mission, objective, solar),
-        day=solar_day(aircraft, mission, solar),
-        start=start,
-        explain=False,
-        **options,
-    )
-    if first.design is None or not first.feasible:
-        return aircraft, start
-    found = first.design.variables.mapped(float)
+    given = (mission, objective, solar)
+    result = settled or size_aircraft(aircraft, *given, **options)
+    flown = result.simulated or result.nearest
+    if flown is None or not flown.day.is_cooled or not np.isfinite(flown.design.total_mass_kg):
+        return aircraft, result
+    guessed = _first_guessed(aircraft, mission, flown.design.variables)
+    if result.feasible and _far(flown):
+        again = size_aircraft(guessed, *given, **options | {"start": flown.design.variables})
+        result = again if again.feasible else result
+    return guessed, result
+
+
+def _far(perf: Performance) -> bool:
+    """Whether the flow of a design is beyond those between which the modules' heat is known."""
+    day, levels = perf.day, perf.levels
+    if levels is None:
+        cooling = day.cooling
+        assert cooling is not None
+        transition, known = cooling.transition_reynolds, cooling.convection
+        ratio = float(convection_of(perf.design, perf.mission, transition, known)) / known
+    else:
+        cooling = day.aloft_cooling[-1]
+        assert cooling is not None
+        assert levels.convection_w_per_m2k is not None
+        ratio = levels.convection_w_per_m2k[-1, 0] / cooling.convection
+    return not FLOWS[0] <= ratio <= FLOWS[-1]
+
+
+def _first_guessed(aircraft: Aircraft, mission: Mission, design: DesignVariables) -> Aircraft:
+    """Aircraft whose design point is that of a design, as far as its file has numbers for it."""
+    found = design.mapped(float)
     guess = aircraft.with_airframe(wingspan_m=found.wingspan_m, aspect_ratio=found.aspect_ratio)
     if found.lift_coefficient is not None:
         guess, _ = with_parameter(guess, mission, _LIFT, found.lift_coefficient)
@@ -234,4 +257,4 @@ def with_flow_of_optimum(
     if aircraft.modules.layout is None:
         area = {"area_m2": found.module_area_m2}
         parts["modules"] = aircraft.modules.model_copy(update=area)
-    return guess.model_copy(update=parts), found
+    return guess.model_copy(update=parts)

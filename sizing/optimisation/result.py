@@ -47,6 +47,18 @@ _LEAST_PAYLOAD = 1e-3  # that a relative cost refers to, in the unit of the payl
 _SIZES = {name for objective in Objective for name in objective.cost} - {WORST_EXCESS} | {OWN}
 
 
+@dataclass(frozen=True, eq=False)
+class FlownSun:
+    """Sun of some scenarios on modules that the flow of a design cools.
+
+    ``rows``: :func:`~sizing.optimisation.energy_constraints.sun_parameters` by scenario. ``off``:
+    by how much the light of the program that found the design differs, relative.
+    """
+
+    rows: Mapping[int, FloatArray]
+    off: float
+
+
 @dataclass(frozen=True)
 class ProblemInstance:
     """What a program is to be solved for.
@@ -62,7 +74,8 @@ class ProblemInstance:
     nominal load at all times. Their excess time is unlimited and meets any requirement.
     ``spare_sun``: by how much more than the program's modules need, relative. ``wind_m_per_s``:
     wind instead of the mission's strongest [m/s]. ``height_errors``: by how much the program's
-    climbs end above the simulator's, by scenario, over the energy of the ceiling's height.
+    climbs end above the simulator's, by scenario, over the energy of the ceiling's height. ``sun``:
+    in the flow of a design; in that of the aircraft's own design point by default.
     """
 
     cost: Mapping[str, float]
@@ -77,6 +90,7 @@ class ProblemInstance:
     spare_sun: float = 0.0
     wind_m_per_s: float | None = None
     height_errors: Mapping[int, float] = field(default_factory=dict)
+    sun: FlownSun | None = None
 
     @classmethod
     def of(cls, objective: Objective, required_h: float) -> ProblemInstance:

@@ -337,7 +337,9 @@ class _Sizing:
         starts = [search.previous.design]
         starts += [] if self.largest is None else [self.largest.solution.design]
         # With climbs there are several optima: the program is held to the one that it has chosen.
-        previous = search.previous if search.previous.climbs else None
+        # Not where that was of another light.
+        again = search.previous.climbs and not search.afresh
+        previous = search.previous if again else None
         solution = self._solve(starts, previous=previous)
         if solution is not None or not self.rough:
             return solution or self._solve(starts, effort="steady")
@@ -371,7 +373,9 @@ class _Sizing:
         excess_h = self.solver.least_excess_h(perf, self.required_h)
         merit = float(merit_of(self.objective, perf))
         spare = spare_sun(perf, solution.instance.sunlit)
-        return Simulated(excess_h, perf.worst_scenario(), merit, sound, perf, spare)
+        sun = self.solver.flown_sun(perf, solution.instance, solution.scenarios)
+        climbed = None if perf.levels is None else dict(enumerate(perf.climbed().tolist()))
+        return Simulated(excess_h, perf.worst_scenario(), merit, sound, perf, spare, sun, climbed)
 
     def _settled(self, solution: Solution) -> SizingResult:
         """Best design that the simulator accepts, from a first solution on."""

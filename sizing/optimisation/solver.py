@@ -14,9 +14,9 @@ from missions.mission import Mission
 from sizing.design import DesignVariables, FlightConditions, variable_keys
 from sizing.mass_budget import closed_design
 from sizing.optimisation.climb_constraints import Strategy, aloft_parameters
-from sizing.optimisation.energy_constraints import NODES, lowest_power, sun_parameters
+from sizing.optimisation.energy_constraints import NODES, light_of_days, sun_parameters
 from sizing.optimisation.problem import SizingProblem, SizingProblems
-from sizing.optimisation.result import ProblemInstance, Solution, SolverReport
+from sizing.optimisation.result import FlownSun, ProblemInstance, Solution, SolverReport
 from sizing.optimisation.solver_options import Effort
 from sizing.optimisation.variables import (
     HEIGHT,
@@ -109,7 +109,7 @@ class ProgramSolver:
         self._aloft = None if climb is None else aloft_parameters(mission, self.aircraft)
         far = climb is not None and climb.ceiling_m - mission.altitude_m > _FAR_M
         self._held_between = _HELD_BETWEEN if far else ()
-        self._suns, self._lowest_power = sun_parameters(day, mission), lowest_power(day)
+        self._suns = sun_parameters(day, mission, range(len(day.scenarios)))
         self._winds = mission.scenario_winds_m_per_s(day.scenarios)
         self.work = SolverReport()
         self.unreached: set[float] = set()  # heights that no design has
@@ -314,12 +314,11 @@ class ProgramSolver:
             problem = self.problems.of(len(scenarios), eased=True, **kind)
         self.work += SolverReport(build_time_s=time.perf_counter() - begun)
         weights = problem.weights(_cost(problem, instance))
-        suns = self._suns[list(scenarios)]
+        suns = self._suns_of(instance, scenarios)
         if climb is None:
             suns = np.hstack([suns[:, : 2 * NODES], suns[:, -3:]])
-        sunlit = [i for i, scenario in enumerate(scenarios) if scenario in instance.sunlit]
-        lowest = self._lowest_power[[scenarios[i] for i in sunlit]]
-        suns[sunlit, -1] = lowest / (1.0 + instance.spare_sun)
+        sunlit = [scenario in instance.sunlit for scenario in scenarios]
+        suns[:, -1] *= np.where(sunlit, 1.0 / (1.0 + instance.spare_sun), 0.0)
         ends = self._variable_bounds(problem, instance)
         lower, upper = np.array(
             [[v.to_program(end) for end in ends[v.name]] for v in problem.variables]
@@ -340,6 +339,34 @@ class ProgramSolver:
             "ubg": np.array([0.0 if c.equation else np.inf for c in problem.constraints]),
         }
         return _Posed(problem, instance, tuple(scenarios), weights, ends, limits)
+
+    def _suns_of(self, instance: ProblemInstance, scenarios: Sequence[int]) -> FloatArray:
+        """Sun of scenarios, with the lowest power of the day in each."""
+        flown = {} if instance.sun is None else instance.sun.rows
+        return np.stack([flown.get(one, self._suns[one]) for one in scenarios])
+
+    def flown_sun(
+        self, perf: Performance, instance: ProblemInstance, scenarios: Sequence[int]
+    ) -> FlownSun | None:
+        """Sun of scenarios in the flow of a design; None where no flow cools the modules.
+
+        ``perf``: of the design, in the scenarios of the solver's day. ``instance``: of the program
+        that found it.
+        """
+        if not self.day.is_cooled:
+            return None
+        some = list(dict.fromkeys(scenarios))
+        return self.sun_of(perf.sun_in_own_flow(self.day).at(some), instance, some)
+
+    def sun_of(
+        self, own: SolarDay, instance: ProblemInstance, scenarios: Sequence[int]
+    ) -> FlownSun:
+        """Sun of scenarios in the flow of a design, of which ``own`` is the day."""
+        rows = sun_parameters(own, self.mission, range(len(scenarios)))
+        had = self._suns_of(instance, scenarios)
+        now, then = (light_of_days(one) for one in (rows, had))
+        off = np.max(np.abs(now - then) / np.where(now > 0.0, now, 1.0))
+        return FlownSun(dict(zip(scenarios, rows, strict=True)), float(off))
 
     def _solved(
         self, posed: _Posed, effort: Effort, start: Mapping[str, FloatArray]
@@ -460,11 +487,11 @@ def _same_cost(one: Solution, other: Solution) -> bool:
 
 
 def _same_but_for_goal(posed: _Posed, previous: Solution) -> bool:
-    """Whether a solution is that of the same instance with another goal in the same scenarios."""
+    """Whether a solution differs by what the simulator corrects, in the same scenarios."""
     now, then = posed.instance, previous.instance
-    then = replace(then, goal_h=now.goal_h, margin=now.margin, spare_sun=now.spare_sun)
-    then = replace(then, height_errors=now.height_errors)
-    same = replace(then, penalty=now.penalty) == now and previous.scenarios == posed.scenarios
+    by_simulator = ("goal_h", "margin", "spare_sun", "height_errors", "sun", "penalty")
+    then = replace(then, **{name: getattr(now, name) for name in by_simulator})
+    same = then == now and previous.scenarios == posed.scenarios
     return same and now.penalty != math.inf and previous.climbs
 
 

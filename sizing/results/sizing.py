@@ -9,14 +9,16 @@ from typing import Any, cast
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.design import DesignVariables
 from sizing.margins.probability import check_reliability, size_reliably
+from sizing.module_power import balances_heat
 from sizing.optimisation.altitudes import with_best_altitudes
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.propulsion import sized_smoothly, with_flow_of_optimum
+from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
@@ -107,11 +109,11 @@ def size(
     check_subjects(aircraft, mission)
     solar, original = SolarModel(model, correction), aircraft
     aircraft, wanted = _with_own(aircraft, mission, objective, constraints)
-    other = mission
+    required: dict[str, Any] = {}
     if required_excess_time_h is not None:
         # The mission's rules for its own requirement hold for another one, too.
-        other = with_values(mission, {"required_excess_time_h": required_excess_time_h})
-        required_excess_time_h = other.required_excess_time_h
+        required = {"required_excess_time_h": required_excess_time_h}
+        required_excess_time_h = with_values(mission, required).required_excess_time_h
     options: dict[str, Any] = {"required_excess_time_h": required_excess_time_h}
     mission = with_best_altitudes(aircraft, mission, wanted, solar, **options)
     if whole_cells:
@@ -122,24 +124,21 @@ def size(
         laid = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
         if laid is not None:
             return laid
-    smooth, start, settled = sized_smoothly(aircraft, mission, wanted, solar, **options)
-    aircraft, start = with_flow_of_optimum(
-        *(smooth, mission, wanted, solar), start=start, **options
-    )
-    problems = options["problems"] = SizingProblems(aircraft)
+    aircraft, start, settled = sized_smoothly(aircraft, mission, wanted, solar, **options)
     if reliability is not None:
         if with_sensitivities or with_cross_check:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
-        case = (aircraft, other, wanted, solar)
-        return replace(_reliable(*case, least=reliability, problems=problems), aircraft=original)
+        case = (aircraft, with_values(mission, required), wanted, solar)
+        return replace(_reliable(*case, least=reliability, start=start), aircraft=original)
     coverage = None
     if wanted.of_range:
         coverage = widest_range(aircraft, mission, wanted, solar, **options)
         result = coverage.sizing
-    elif settled is not None and aircraft is smooth:
-        result = settled  # the last round was this very sizing
     else:
-        result = size_aircraft(aircraft, mission, wanted, solar, start=start, **options)
+        aircraft, result = sized_in_own_flow(
+            *(aircraft, mission, wanted, solar), settled=settled, start=start, **options
+        )
+    problems = options["problems"] = SizingProblems(aircraft)
     asked = (aircraft, mission, result, solar)
     relaxed: tuple[Relaxation, ...] = ()
     if result.status is SizingStatus.infeasible and not wanted.of_range:
@@ -243,11 +242,18 @@ def _reliable(
     solar: SolarModel,
     *,
     least: float,
-    problems: SizingProblems,
+    start: DesignVariables | None,
 ) -> SizingStudy:
     """Sizing for a probability of the mission's required excess time."""
     case = (aircraft, mission, objective, solar)
     check_reliability(*case, least)
+    climb = mission.climb
+    highest = mission if climb is None else mission.at_altitude(climb.ceiling_m)
+    if balances_heat(highest):
+        # All draws have the modules of one flow: about that of their designs.
+        aircraft, _ = sized_in_own_flow(*case, start=start, explain=False)
+        case = (aircraft, mission, objective, solar)
+    problems = SizingProblems(aircraft)
     result, reliability = size_reliably(*case, reliability=least, problems=problems)
     asked = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.

@@ -35,7 +35,7 @@ from sizing.optimisation.energy_constraints import (
     sun_parameters,
 )
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.propulsion import with_flow_of_optimum
+from sizing.optimisation.propulsion import sized_in_own_flow
 from sizing.optimisation.result import SizingResult, merit_of
 from sizing.optimisation.search import size_aircraft, unjudged_optimum
 from sizing.optimisation.variables import WORST_EXCESS
@@ -112,7 +112,7 @@ def test_the_program_has_the_excess_time_of_the_simulator(number: int) -> None:
     problem = wild_problem(5521, number, climb=True)
     given = (problem.aircraft, problem.mission, problem.objective, problem.solar)
     hours = {"required_excess_time_h": problem.required_h}
-    aircraft, _ = with_flow_of_optimum(*given, **hours)
+    aircraft, _ = sized_in_own_flow(*given, **hours)
     optimum = unjudged_optimum(aircraft, *given[1:], **hours)
     assert optimum is not None
     flown = performance_of_designs(aircraft, problem.mission, optimum.design, problem.solar)

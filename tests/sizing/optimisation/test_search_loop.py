@@ -147,18 +147,11 @@ def test_status_has_the_numbers_of_gridded_files() -> None:
     assert [status.name for status in SizingStatus if status.sized] == ["optimal", "cross_checked"]
 
 
-@dataclass(frozen=True)
-class Climbs:
-    """As much of a performance as the loop looks at: climbs that end too low, day after day."""
-
-    error: float
-    height: float
-    levels: tuple[()] = ()
-
-    def climbed(self) -> list[float]:
-        # What a day lacks comes four times, since the next one begins with less; so does the gain
-        # below the ceiling.
-        return [min(self.height - 4.0 * self.error, 1.0)]
+def ended_low(error: float, height: float) -> dict[int, float]:
+    """Height of climbs that end too low, day after day."""
+    # What a day lacks comes four times, since the next one begins with less; so does the gain
+    # below the ceiling.
+    return {0: min(height - 4.0 * error, 1.0)}
 
 
 def climbing(height: float, error: float, most: float = 1.0) -> tuple[Search, list[float]]:
@@ -172,8 +165,8 @@ def climbing(height: float, error: float, most: float = 1.0) -> tuple[Search, li
         (search,) = searches
         tried.append(search.current.instance.height_errors.get(0, 0.0))
         goal_h = search.current.instance.goal_h
-        perf = cast(Any, Climbs(error - tried[-1], height))
-        return [Simulated(goal_h, 0, -tried[-1], True, perf)]
+        climbed = ended_low(error - tried[-1], height)
+        return [Simulated(goal_h, 0, -tried[-1], True, climbed=climbed)]
 
     def solution(one: Search) -> Solution | None:
         solved = one.instance.height_errors.get(0, 0.0) <= most
@@ -223,7 +216,7 @@ def test_heights_that_do_not_settle_leave_rounds_for_the_goal() -> None:
         tried.append(dict(search.current.instance.height_errors))
         goal_h = search.current.instance.goal_h
         # Climbs end 0.02 too low whatever error the program takes.
-        return [Simulated(goal_h - 0.5, 0, 0.0, True, cast(Any, Climbs(0.005, 0.6)))]
+        return [Simulated(goal_h - 0.5, 0, 0.0, True, climbed=ended_low(0.005, 0.6))]
 
     instance = ProblemInstance.of(Objective.min_wingspan, 2.0)
     search = Search(

@@ -11,7 +11,7 @@ from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.optimisation.cross_check import CrossCheck, _elsewhere, _Judge, cross_check
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.propulsion import with_flow_of_optimum
+from sizing.optimisation.propulsion import sized_in_own_flow
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
@@ -107,8 +107,7 @@ def test_sensitivities_hold_where_the_charger_takes_over(
         # At 3.9 km the flow cools the modules. The file's aircraft has half the optimum's span: as
         # in a whole sizing, the program has the flow of its optimum.
         given, hours = (mission, objective, UNCORRECTED_CAM), {"required_excess_time_h": required_h}
-        craft, start = with_flow_of_optimum(craft, *given, **hours)
-        return craft, size_aircraft(craft, *given, start=start, **hours)
+        return sized_in_own_flow(craft, *given, **hours)
 
     settled, result = best(aircraft)
     here = {s.parameter: s for s in sensitivities(settled, mission, result)}
