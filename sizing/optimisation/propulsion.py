@@ -6,8 +6,8 @@ makes the two equal there, and the program is solved again until that factor sta
 tables, which have corners, has constant efficiencies in the program, found in the same way.
 
 The program takes the sun from the flow of the aircraft's first guess, and then from that of the
-designs that it finds; the simulator knows it between half and twice that of the first guess
-(:mod:`sizing.module_power`). An optimum further off is the first guess of another sizing.
+designs that it finds; how the simulator knows it from that of the first guess
+(:mod:`sizing.module_power`) is exact at three flows. The optimum is flown in its own.
 """
 
 from __future__ import annotations
@@ -30,14 +30,13 @@ from sizing.mass_budget import (
     mixed_chain,
     operating_trouble,
 )
-from sizing.module_power import FLOWS, convection_of
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft, unjudged_optimum
 from sizing.optimisation.variables import TOTAL_MASS
 from sizing.parameters import with_parameter
-from sizing.performance import Performance
+from sizing.performance import performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.smooth_propulsion import corrected, smooth_propulsion
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
@@ -45,6 +44,7 @@ from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 _LIFT = "airframe.aerodynamics.lift_coefficient"
 _ROUNDS, _NARROWED = 12, 2
 # What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
+_SAME_H = 0.005  # of excess time: light that is off by next to nothing
 _SETTLED, _SETTLED_CONSTANT, _SHRINKS = 1e-6, 1e-4, 0.5
 
 
@@ -212,8 +212,9 @@ def sized_in_own_flow(
 ) -> tuple[Aircraft, SizingResult]:
     """Sizing, and the aircraft whose first guess is about its design; as it is where that is idle.
 
-    Where the flow of the optimum is far from that of the first guess, the sizing is repeated from
-    there. ``settled``: sizing that is known. ``options``: as for
+    The result is simulated with that aircraft's own sun. Where the known one was off by more than
+    next to nothing, or the design is not enough after all, the sizing is repeated from there.
+    ``settled``: sizing that is known. ``options``: as for
     :func:`~sizing.optimisation.search.size_aircraft`.
     """
     given = (mission, objective, solar)
@@ -221,32 +222,21 @@ def sized_in_own_flow(
     flown = result.simulated or result.nearest
     if flown is None or not flown.day.is_cooled or not np.isfinite(flown.design.total_mass_kg):
         return aircraft, result
-    guessed = _first_guessed(aircraft, mission, flown.design.variables)
-    if result.feasible and _far(flown):
-        again = size_aircraft(guessed, *given, **options | {"start": flown.design.variables})
-        result = again if again.feasible else result
-    return guessed, result
+    variables = flown.design.variables.mapped(float)
+    guessed = _first_guessed(aircraft, mission, variables)
+    if not result.feasible:
+        return guessed, result
+    own = performance_of_designs(guessed, mission, variables, solar)
+    least_h, known_h = (float(np.min(one.cycle.excess_time_h)) for one in (own, flown))
+    enough = least_h > 0.0 and least_h >= result.required_excess_time_h
+    if enough and (least_h == known_h or abs(least_h - known_h) < _SAME_H):
+        return guessed, result.with_design(own)
+    again = size_aircraft(guessed, *given, **options | {"start": variables})
+    return guessed, again if again.feasible else result
 
 
-def _far(perf: Performance) -> bool:
-    """Whether the flow of a design is beyond those between which the modules' heat is known."""
-    day, levels = perf.day, perf.levels
-    if levels is None:
-        cooling = day.cooling
-        assert cooling is not None
-        transition, known = cooling.transition_reynolds, cooling.convection
-        ratio = float(convection_of(perf.design, perf.mission, transition, known)) / known
-    else:
-        cooling = day.aloft_cooling[-1]
-        assert cooling is not None
-        assert levels.convection_w_per_m2k is not None
-        ratio = levels.convection_w_per_m2k[-1, 0] / cooling.convection
-    return not FLOWS[0] <= ratio <= FLOWS[-1]
-
-
-def _first_guessed(aircraft: Aircraft, mission: Mission, design: DesignVariables) -> Aircraft:
+def _first_guessed(aircraft: Aircraft, mission: Mission, found: DesignVariables) -> Aircraft:
     """Aircraft whose design point is that of a design, as far as its file has numbers for it."""
-    found = design.mapped(float)
     guess = aircraft.with_airframe(wingspan_m=found.wingspan_m, aspect_ratio=found.aspect_ratio)
     if found.lift_coefficient is not None:
         guess, _ = with_parameter(guess, mission, _LIFT, found.lift_coefficient)
