@@ -319,7 +319,7 @@ class _Cells:
         for number, (one, row) in enumerate(zip(searches, zip(*columns, strict=True), strict=True)):
             here, sun, climbed = np.arange(self.each) + number * self.each, None, None
             if own is not None:
-                sun = self.solver.sun_of(own.at(here), one.current.instance, one.scenarios)
+                sun = self.solver.sun_of(own.at(here), one.current)
             if heights is not None:
                 climbed = dict(zip(one.scenarios, heights[here].tolist(), strict=True))
             found.append(Simulated(*row, None, spare[number], sun, climbed))

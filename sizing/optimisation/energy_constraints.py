@@ -137,11 +137,15 @@ def _spline_of_light(light: FloatArray) -> FloatArray:
     return np.asarray(spline_coefficients() @ found)[1:]
 
 
-def light_of_days(suns: FloatArray) -> FloatArray:
-    """Sum of a day's light at the floor and at the ceiling, of parameters of scenarios."""
+def light_of_days(suns: FloatArray, heights: FloatArray) -> FloatArray:
+    """Sum of a day's light at the floor and at a share of the height, of every scenario.
+
+    ``suns``: their parameters.
+    """
     rows = np.delete(suns[:, :-3].reshape(len(suns), -1, NODES).sum(axis=-1), 1, axis=1)
-    ceiling = np.asarray(ca.DM(spline_basis(1.0))).ravel()[: rows.shape[1]]
-    return np.stack([rows[:, 0], rows @ ceiling])
+    basis = np.hstack([np.asarray(ca.DM(spline_basis(h))) for h in heights.tolist()])
+    aloft = np.sum(rows * basis[: rows.shape[1]].T, axis=1)
+    return np.stack([rows[:, 0], aloft])
 
 
 @lru_cache(maxsize=1)

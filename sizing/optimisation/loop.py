@@ -38,9 +38,10 @@ _MARGIN_WASTE = 2e-3  # the same of a margin on the recharge that climbs may do 
 _SAME_GOAL_H = 1e-6  # goals that the solver cannot tell apart
 _UNCHANGED = 1e-6  # relative difference of designs, between solver tolerance and any use
 _OTHER_DAY, _SAME_HEIGHT = 0.1, 1e-4  # of the ceiling's height
-_SAME_LIGHT, _OTHER_LIGHT = 1e-3, 5e-3  # relative; another one may have another best branch
+_SAME_LIGHT, _OTHER_LIGHT = 3e-3, 1e-2  # relative; another one may have another best branch
 _RELIGHTS = 4
-_LOOKS = 4.0  # worth of the step from a climb that ends at the ceiling, over what is waste
+# Of the step from a climb that ends at the ceiling: worth over what is waste, and largest size.
+_LOOKS, _LOOKS_AT = 4.0, 0.02
 _CORRECTIONS = 6  # of heights: as many rounds are left for the goal
 _LARGE_MARGIN = 0.1  # of the recharge: climbs that need more begin a longer night
 _LEAST_SHARE = 0.1  # of the way between two programs: regula falsi must not stand still
@@ -207,7 +208,7 @@ class Search:
         known, worth_it = dict(self.instance.height_errors), False
         for scenario, (height, by_height) in held_back.items():
             last, off = known.get(scenario, 0.0), height - climbed[scenario]
-            if abs(off) >= _OTHER_DAY or _OTHER_DAY * by_height < _WASTE:
+            if abs(off) >= _OTHER_DAY or _LOOKS_AT * by_height < _WASTE:
                 continue
             bounds = self._errors.get(scenario, (-math.inf, math.inf, last, 0.0))
             low, high, then, then_off = bounds
@@ -222,8 +223,8 @@ class Search:
             if off * then_off < 0.0:
                 known[scenario] = last + off * (last - then) / (then_off - off)
             if math.isfinite(high) and off > -_SAME_HEIGHT:
-                further = max(_LOOKS * _WASTE / by_height, 2.0 * (then - last))
-                further = high - min(further, _OTHER_DAY)
+                first = min(_LOOKS * _WASTE / by_height, _LOOKS_AT)
+                further = high - max(first, 2.0 * (then - last))
                 middle = (low + high) / 2.0 if math.isfinite(low) else further
                 known[scenario] = middle if (high - middle) * by_height > _WASTE else high
             moved = abs(known[scenario] - last)

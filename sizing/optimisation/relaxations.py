@@ -217,13 +217,10 @@ class _Relaxations:
         )
         count = len(self.day.scenarios)
         scenarios = telling_scenarios(self.nearest, min(_BLOCKS, count))
-        sun = self.solver.flown_sun(self.nearest, instance, scenarios)
-        instance = replace(instance, sun=sun)
         reached = self._solve(
             replace(
                 ProblemInstance.of(Objective.max_excess_time, 0.0),
                 freed=(name,),
-                sun=sun,
                 bounds={name: ends if furthest is None else (furthest, furthest)},
             ),
             scenarios,
@@ -294,7 +291,7 @@ class _Relaxations:
         excess_h = float(perf.cycle.excess_time_h[worst])
         sound = bool(meets_requirements(aircraft, mission, perf.design))
         spare = spare_sun(perf, solution.instance.sunlit)
-        sun = self.solver.flown_sun(perf, solution.instance, solution.scenarios)
+        sun = self.solver.flown_sun(perf, solution)
         return Simulated(excess_h, worst, merit, sound, perf, spare, sun)
 
     def _confirmed_value(

@@ -180,7 +180,7 @@ class Solution:
     def held_back(self) -> dict[int, tuple[float, float]]:
         """Heights of climbs that the surplus holds back, and what a height costs, by scenario."""
         rows = zip(self.constraints, self.constraint_multipliers, strict=True)
-        heights = [x for x, v in zip(self.x, self.variables, strict=True) if v.role is Role.height]
+        heights = self.heights
         found: dict[int, tuple[float, float]] = {}
         for row, multiplier in rows:
             if row.name == HEIGHT and multiplier != 0.0 and row.block is not None:
@@ -208,6 +208,12 @@ class Solution:
             for v in payload
         )
         return float(cost / (whole or 1.0))
+
+    @property
+    def heights(self) -> FloatArray:
+        """Heights of climbs over that of the ceiling, in the order of the scenarios."""
+        pairs = zip(self.x, self.variables, strict=True)
+        return np.array([float(x) for x, v in pairs if v.role is Role.height])
 
     @property
     def climbs(self) -> bool:

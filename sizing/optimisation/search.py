@@ -373,7 +373,7 @@ class _Sizing:
         excess_h = self.solver.least_excess_h(perf, self.required_h)
         merit = float(merit_of(self.objective, perf))
         spare = spare_sun(perf, solution.instance.sunlit)
-        sun = self.solver.flown_sun(perf, solution.instance, solution.scenarios)
+        sun = self.solver.flown_sun(perf, solution)
         climbed = None if perf.levels is None else dict(enumerate(perf.climbed().tolist()))
         return Simulated(excess_h, perf.worst_scenario(), merit, sound, perf, spare, sun, climbed)
 

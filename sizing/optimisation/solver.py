@@ -345,28 +345,24 @@ class ProgramSolver:
         flown = {} if instance.sun is None else instance.sun.rows
         return np.stack([flown.get(one, self._suns[one]) for one in scenarios])
 
-    def flown_sun(
-        self, perf: Performance, instance: ProblemInstance, scenarios: Sequence[int]
-    ) -> FlownSun | None:
-        """Sun of scenarios in the flow of a design; None where no flow cools the modules.
+    def flown_sun(self, perf: Performance, solution: Solution) -> FlownSun | None:
+        """Sun in the flow of a solution's design; None where no flow cools the modules.
 
-        ``perf``: of the design, in the scenarios of the solver's day. ``instance``: of the program
-        that found it.
+        ``perf``: of the design, in the scenarios of the solver's day.
         """
         if not self.day.is_cooled:
             return None
-        some = list(dict.fromkeys(scenarios))
-        return self.sun_of(perf.sun_in_own_flow(self.day).at(some), instance, some)
+        own = perf.sun_in_own_flow(self.day).at(solution.scenarios)
+        return self.sun_of(own, solution)
 
-    def sun_of(
-        self, own: SolarDay, instance: ProblemInstance, scenarios: Sequence[int]
-    ) -> FlownSun:
-        """Sun of scenarios in the flow of a design, of which ``own`` is the day."""
-        rows = sun_parameters(own, self.mission, range(len(scenarios)))
-        had = self._suns_of(instance, scenarios)
-        now, then = (light_of_days(one) for one in (rows, had))
+    def sun_of(self, own: SolarDay, solution: Solution) -> FlownSun:
+        """Sun in the flow of a solution's design, of which ``own`` is the day in its blocks."""
+        rows = sun_parameters(own, self.mission, range(len(own.scenarios)))
+        had = self._suns_of(solution.instance, solution.scenarios)
+        heights = solution.heights if solution.climbs else np.zeros(len(rows))
+        now, then = (light_of_days(one, heights) for one in (rows, had))
         off = np.max(np.abs(now - then) / np.where(now > 0.0, now, 1.0))
-        return FlownSun(dict(zip(scenarios, rows, strict=True)), float(off))
+        return FlownSun(dict(zip(solution.scenarios, rows, strict=True)), float(off))
 
     def _solved(
         self, posed: _Posed, effort: Effort, start: Mapping[str, FloatArray]

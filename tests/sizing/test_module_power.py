@@ -22,6 +22,7 @@ from sizing.sunlight import SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
 HIGH = mission(altitude_m=18000.0, dates={"on": "06-21"}, latitude_deg=30.0)
+LOW_SUN = {"latitude_deg": 50.0, "dates": mission(dates={"on": "12-21"}).dates}
 STRATOSPHERE = load_aircraft("stratosphere-design")
 
 
@@ -64,10 +65,16 @@ def test_modules_high_up_are_warmer_than_the_air_and_colder_than_near_the_ground
 
 
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])
-@pytest.mark.parametrize("span_m", [18.0, 35.0])
-def test_a_design_of_another_flow_has_its_own_temperature(model: str, span_m: float) -> None:
+@pytest.mark.parametrize(
+    ("span_m", "where"),
+    [(18.0, HIGH), (35.0, HIGH), (35.0, HIGH.model_copy(update=LOW_SUN))],
+    ids=["small", "large", "low sun"],
+)
+def test_a_design_of_another_flow_has_its_own_temperature(
+    model: str, span_m: float, where: Mission
+) -> None:
     path = {"kind": "circle", "radius_m": 1000.0, "airspeed_m_per_s": 28.0}
-    where = HIGH.model_copy(update={"flight_path": mission(flight_path=path).flight_path})
+    where = where.model_copy(update={"flight_path": mission(flight_path=path).flight_path})
     solar = SolarModel(model)  # type: ignore[arg-type]
     other = variables_of(STRATOSPHERE)._replace(wingspan_m=span_m)
     batch = performance_of_designs(
@@ -76,8 +83,9 @@ def test_a_design_of_another_flow_has_its_own_temperature(model: str, span_m: fl
     airframe = STRATOSPHERE.airframe.model_copy(update={"wingspan_m": span_m})
     own = performance(STRATOSPHERE.model_copy(update={"airframe": airframe}), where, solar)
     found, exact = (float(one.cycle.energy_budget.solar_wh[0]) for one in (batch, own))
-    # VM and FM take the effect of the flow from CAM: 6 % of the energy, to 0.5 % of that.
-    assert found == pytest.approx(exact, rel=3e-4 if model in ("VM", "FM") else 5e-5)
+    # Of VM and FM one other flow is known besides the own. With the warmth of CAM, whose horizontal
+    # modules see less of a low sun, their energy was off by 0.18 % there.
+    assert found == pytest.approx(exact, rel=2e-4 if model in ("VM", "FM") else 5e-5)
 
 
 def test_a_sized_design_is_analysed_as_it_was_sized() -> None:

@@ -11,6 +11,7 @@ from builders import shipped_mission as mission
 
 from missions.mission import Mission
 from sizing import size
+from sizing.aircraft import Aircraft
 from sizing.optimisation.altitudes import with_best_altitudes
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
@@ -109,3 +110,21 @@ def test_reasons_are_those_of_the_easiest_altitudes() -> None:
     there = choosing(space, required_excess_time_h=40.0)
     assert math.isinf(merit(there))
     assert chosen(there)[0] == 500.0
+
+
+def test_a_reliability_is_asked_of_the_chosen_altitudes(monkeypatch: pytest.MonkeyPatch) -> None:
+    there = choosing({"ceiling_m": {"minimum": 2000.0, "maximum": 3000.0}})
+    best = there.flown_between(1000.0, 3000.0)
+    asked: list[Mission] = []
+
+    def size_reliably(aircraft: Aircraft, mission: Mission, *_: object, **__: object) -> Any:
+        asked.append(mission)
+        raise InterruptedError
+
+    monkeypatch.setattr("sizing.results.sizing.with_best_altitudes", lambda *_, **__: best)
+    monkeypatch.setattr("sizing.results.sizing.size_reliably", size_reliably)
+    with pytest.raises(InterruptedError):
+        size(DESIGN, there, "min_mass", reliability=0.9, required_excess_time_h=2.0)
+    (mission,) = asked
+    assert mission.climb == best.climb
+    assert mission.required_excess_time_h == 2.0

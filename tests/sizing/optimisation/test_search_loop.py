@@ -186,6 +186,13 @@ def test_at_the_ceiling_the_height_of_climbs_is_bisected() -> None:
     assert search.instance.height_errors == {0: tried[-1]}
 
 
+def test_from_the_ceiling_the_height_is_looked_for_downwards_too() -> None:
+    # The program's climbs end 0.006 too low, which nobody sees who ends at the ceiling.
+    _, tried = climbing(1.0, -0.006)
+    assert tried[:3] == pytest.approx([0.0, -0.004, -0.012])
+    assert -0.006 <= tried[-1] < -0.004
+
+
 def test_below_the_ceiling_errors_do_not_go_to_and_fro() -> None:
     _, tried = climbing(0.6, 0.006)
     # Four times what is lacking; then the straight line between both.
