@@ -124,23 +124,30 @@ def convection_of(
     return np.where(np.isfinite(found), found, unknown)
 
 
-def convection_in_flight(aircraft: Aircraft, mission: Mission) -> float:
+def convection_in_flight(
+    aircraft: Aircraft, mission: Mission, airspeed_m_per_s: float | None = None
+) -> float:
     """Convection of an aircraft as its file describes it, in level flight [W/(m2 K)]."""
-    airframe, air = aircraft.airframe, mission.air_state()
-    chord = airframe.wingspan_m / airframe.aspect_ratio
+    speed = airspeed_m_per_s or airspeed_in_flight(aircraft, mission)
+    chord = aircraft.airframe.wingspan_m / aircraft.airframe.aspect_ratio
     transition = aircraft.modules.thermal.transition_reynolds
-    loading = _WING_LOADING
+    return float(plate_convection_w_per_m2k(mission.air_state(), speed, chord, transition))
+
+
+def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
+    """Airspeed of level flight of an aircraft as its file describes it, or about that [m/s]."""
+    airframe, loading = aircraft.airframe, _WING_LOADING
     if isinstance(airframe, MeasuredAirframe):
-        design = measured_design(aircraft, mission)
-        loading = float(design.total_mass_kg) / (airframe.wingspan_m * chord)
+        area_m2 = airframe.wingspan_m**2 / airframe.aspect_ratio
+        loading = float(measured_design(aircraft, mission).total_mass_kg) / area_m2
     else:
         if (parts := aircraft.propulsion_by_parts) is not None:
             aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
-        design = closed_design(aircraft, mission, variables_of(aircraft))
+        known = closed_design(aircraft, mission, variables_of(aircraft)).airspeed_m_per_s
+        if known is not None and np.isfinite(known):
+            return float(known)
     weight = 2.0 * loading * GRAVITY_M_PER_S2
-    speed = np.sqrt(weight / (air.density_kg_per_m3 * _LIFT_COEFFICIENT))
-    unknown = float(plate_convection_w_per_m2k(air, speed, chord, transition))
-    return float(convection_of(design, mission, transition, unknown))
+    return float(np.sqrt(weight / (mission.air_state().density_kg_per_m3 * _LIFT_COEFFICIENT)))
 
 
 def surroundings(mission: Mission, convection: float) -> Surroundings:

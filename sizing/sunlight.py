@@ -20,6 +20,7 @@ from sizing.design import Design
 from sizing.module_power import (
     FLOWS,
     Cooling,
+    airspeed_in_flight,
     balances_heat,
     convection_in_flight,
     convection_of,
@@ -212,7 +213,8 @@ class Sunlight:
 
     Each model is evaluated once, however many days are asked of it; corrections only scale.
 
-    ``scenarios``: latitudes and days of the year; those of the mission by default.
+    ``scenarios``: latitudes and days of the year; those of the mission by default. ``lowest``:
+    sunlight at the lowest level of a mission with climbs.
     """
 
     def __init__(
@@ -222,8 +224,10 @@ class Sunlight:
         scenarios: Scenarios | None = None,
         *,
         step_h: float = DEFAULT_STEP_H,
+        lowest: Sunlight | None = None,
     ) -> None:
         self.aircraft, self.mission = aircraft, mission
+        self._lowest = self if lowest is None else lowest
         self.scenarios = mission.scenarios() if scenarios is None else scenarios
         self.time_h = day_axis_h(step_h)
         self._power: dict[ModelName, FloatArray] = {}
@@ -232,8 +236,16 @@ class Sunlight:
     @cached_property
     def _convection(self) -> float | None:
         """Of the aircraft's own flow; none where modules do not balance their heat."""
-        balanced = balances_heat(self.mission)
-        return convection_in_flight(self.aircraft, self.mission) if balanced else None
+        if not balances_heat(self.mission):
+            return None
+        low, here = (m.air_state().density_kg_per_m3 for m in (self._lowest.mission, self.mission))
+        speed = self._lowest._airspeed_m_per_s * np.sqrt(low / here)
+        return convection_in_flight(self.aircraft, self.mission, float(speed))
+
+    @cached_property
+    def _airspeed_m_per_s(self) -> float:
+        """Of level flight; at other levels that of the same lift coefficient is flown."""
+        return airspeed_in_flight(self.aircraft, self.mission)
 
     def modelled_power(self, model: ModelName) -> FloatArray:
         """Uncorrected specific power [W/m2], shape ``(scenario, time)``."""
@@ -307,8 +319,8 @@ class Sunlight:
     def _levels(self) -> list[Sunlight]:
         """Sunlight of the same scenarios at the higher levels of the climbs."""
         higher = (self.mission.at_altitude(level_m) for level_m in self.mission.climb_levels_m[1:])
-        step_h = float(self.time_h[1])
-        return [Sunlight(self.aircraft, m, self.scenarios, step_h=step_h) for m in higher]
+        craft, scenarios, step_h = self.aircraft, self.scenarios, float(self.time_h[1])
+        return [Sunlight(craft, m, scenarios, step_h=step_h, lowest=self) for m in higher]
 
 
 def solar_day(

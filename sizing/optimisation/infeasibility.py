@@ -24,7 +24,6 @@ from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.solver import ProgramSolver
 from sizing.parameters import with_parameter
 from sizing.performance import Performance, performance_of_designs
-from sizing.sunlight import solar_day
 from solar.types import FloatArray
 
 # Points of span, battery and modules each, by the number of other free variables.
@@ -135,9 +134,9 @@ def promising_designs(solver: ProgramSolver) -> list[Promising]:
     if not np.any(fits):
         return []
     variables = variables.mapped(lambda v: np.asarray(v)[fits])
-    coarse = solar_day(
-        aircraft, mission, solar, scenarios=solver.day.scenarios, step_h=_GRID_STEP_H
-    )
+    day = solver.day
+    steps = round(_GRID_STEP_H / float(day.time_h[1]))
+    coarse = day.coarsened(steps) if steps and not (len(day.time_h) - 1) % steps else day
     flight = performance_of_designs(aircraft, mission, variables, solar, day=coarse)
     excess_h = np.min(flight.cycle.excess_time_h, axis=-1)
     missed = _missed_of(aircraft, flight)
