@@ -41,7 +41,7 @@ class Volts(NamedTuple):
     below: IntArray
     share: FloatArray
 
-    def at(self, some: int | slice) -> Volts:
+    def at(self, some: int | slice | IntArray) -> Volts:
         """Those at some nodes."""
         return Volts(np.asarray(self.below[some]), np.asarray(self.share[some]))
 

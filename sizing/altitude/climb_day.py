@@ -158,7 +158,7 @@ class Day:
             altitude_m=levels.altitude_at(self.potential.T),
             energy_wh=self.energy.T.copy(),
             potential_energy_wh=self.potential.T.copy(),
-            solar_power_w=_closed(self.run.power.solar_left_w),
+            solar_power_w=_closed(self.run.power.solar_w[:, 0]),
             load_w=_closed(self.run.motor_wh / self.march.hours + levels.constant_power_w),
             gliding_h=_gliding_h(self.time_h, self.potential),
         )
@@ -195,7 +195,7 @@ class Day:
     def _equal(self) -> EqualPower:
         """Instants at which the sun at the lowest altitude equals the nominal load."""
         march = self.march
-        floor_w = march.solar_at[:, : march.count]
+        floor_w = march.solar_at[:, march.floor]
         return equal_power(march.node_h, floor_w - march.nominal_w)
 
     def cycle(self) -> Cycle:
@@ -250,7 +250,7 @@ class Day:
         at = np.where(np.isnan(dawn_h), 0.0, dawn_h)
         charge = _at_times(self.time_h, self.energy, at) / march.store.battery_energy_wh
         volts = chain.places(chain.voltage_of(charge * CHARGE_SHARES[:, np.newaxis]))
-        power_w = chain.power_w(march.row_at[: march.count], volts, levels.nominal_factor)
+        power_w = chain.power_w(march.row_at[march.floor], volts, levels.nominal_factor)
         return np.asarray(1.0 / np.mean(1.0 / (power_w + levels.constant_power_w), axis=0))
 
     def _full_h(self) -> tuple[FloatArray, FloatArray]:

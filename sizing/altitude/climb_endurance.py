@@ -53,9 +53,8 @@ class ClimbFlights(Flights):
         floor = march.at_floor
         balance = PowerBalance.of(
             march.node_h,
-            _at_nodes(floor.solar_left_w, floor.solar_right_w),
-            _at_nodes(floor.motor_left_w, floor.motor_right_w)
-            + levels.constant_power_w[:, np.newaxis],
+            _at_nodes(floor.solar_w),
+            _at_nodes(floor.motor_w) + levels.constant_power_w[:, np.newaxis],
         )
         zero = np.zeros((1, march.count))
         return cls(
@@ -106,7 +105,7 @@ class ClimbFlights(Flights):
             stored = march.end_of_day(stored, run, first)
             load = run.motor_wh / march.hours + march.levels.constant_power_w
             columns = (
-                np.append(run.power.solar_left_w[:, 0], run.power.solar_right_w[-1, 0]),
+                _at_nodes(run.power.solar_w)[0],
                 np.append(load[:, 0], load[-1, 0]),
                 run.energy_wh[:, 0] / march.store.battery_energy_wh[0],
                 march.levels.altitude_at(run.potential_wh.T)[0],
@@ -169,8 +168,7 @@ class _Watch:
         if power is None:
             power = Power(*(one[number] for one in march.at_floor))
         constant, hours = march.levels.constant_power_w, float(march.hours[number, 0])
-        left = power.motor_left_w + constant - power.solar_left_w
-        right = power.motor_right_w + constant - power.solar_right_w
+        left, right = power.motor_w + constant - power.solar_w
         share = 1.0 - lacking / np.maximum(power.deficit_wh, 1e-300)
         served = ramp_fraction(np.maximum(left, 0.0), np.maximum(right, 0.0), share)
         begin = np.where(power.early > 0.0, 0.0, power.sunlit_h)
@@ -178,6 +176,6 @@ class _Watch:
         self.end_h = np.where(which, end, self.end_h)
 
 
-def _at_nodes(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Power at the nodes of the day, elements first."""
-    return np.concatenate([left, right[-1:]]).T
+def _at_nodes(power_w: FloatArray) -> FloatArray:
+    """Power at the nodes of the day, elements first, from that at both ends of every step."""
+    return np.concatenate([power_w[:, 0], power_w[-1:, 1]]).T

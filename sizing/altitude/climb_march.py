@@ -12,7 +12,7 @@ import numpy as np
 
 from sizing.altitude.climb_chain import Place
 from sizing.altitude.climb_levels import FlightLevels
-from sizing.altitude.climb_run import DayRun, Drawn, Moves, Power, Record, Stored
+from sizing.altitude.climb_run import DayRun, Drawn, Moves, Power, Record, Stored, mean_of_ends
 from sizing.energy.battery import Store
 from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.energy.cycle import FULL
@@ -22,6 +22,7 @@ from solar.types import BoolArray, FloatArray, IntArray
 Strategy = Literal["battery_full", "surplus"]
 
 STEPS_PER_NODE = 5  # of the day's axis: 1 min
+_ZERO, _ONE = np.array(0.0), np.array(1)  # NumPy takes half as long with them as with numbers
 
 
 class March:
@@ -47,29 +48,37 @@ class March:
     ) -> None:
         self.node_h, self.levels, self.store = np.asarray(time_h, float), levels, store
         self.steps_per_node, self.strategy = steps_per_node, strategy
-        self.potential_max_wh = levels.potential_energy_wh[-1]
-        self.per_wh = _inverse(np.diff(levels.potential_energy_wh, axis=0)).ravel()
-        self.thresholds_wh = levels.potential_energy_wh[1:-1]
-        self.potential_at = levels.potential_energy_wh.ravel()
-        self.motor_at = levels.propulsion_power_w.ravel()
-        self.count = len(levels.scenario)
-        self.places, self._nothing = np.arange(self.count), np.zeros(self.count)
-        # Of every node: solar power at all levels, one after the other, and turbulence.
+        count, at_wh = len(levels.scenario), levels.potential_energy_wh
+        self.count, self._nothing, self.potential_max_wh = count, np.zeros(count), at_wh[-1]
+        # Tables have all levels of an element, one after the other, and then those of the next.
+        self.floor = slice(None, None, len(at_wh))
+        self.potential_at, self.motor_at = at_wh.T.ravel(), levels.propulsion_power_w.T.ravel()
+        self.per_wh = _inverse(np.diff(at_wh, axis=0, append=at_wh[-1:])).T.ravel()
+        # Heights over the ceiling's and twice the element's number: one search finds all levels.
+        self._per_ceiling, self._apart = _inverse(self.potential_max_wh), 2.0 * np.arange(count)
+        self._thresholds = (at_wh[1:-1] * self._per_ceiling + self._apart).T.ravel()
+        self._first = 2 * np.arange(count)
+        # Of every node: solar power at all levels, and turbulence.
         light = np.moveaxis(levels.specific_power_w_per_m2, -1, 0)[:, :, levels.scenario]
         for number in range(light.shape[1]):
             factor = levels.cooling_factor(number)
             if factor is not None:
                 light[:, number] *= factor.T
-        self.solar_at = (light * levels.module_area_m2).reshape(len(light), -1)
-        self.factor = levels.turbulence_factor.T[:, levels.scenario]
+        light = (light * levels.module_area_m2).transpose(0, 2, 1)
+        self.solar_at = light.reshape(len(light), -1)
+        steps = np.arange((len(light) - 1) * steps_per_node)
+        self._node, part = np.divmod(steps, steps_per_node)
+        self._share = (part[:, np.newaxis] + np.arange(2))[..., np.newaxis] / steps_per_node
+        self.factor = self._ends(levels.turbulence_factor.T[:, levels.scenario])
         self.counts_as_full_wh = FULL * store.battery_energy_wh
         self.hours = np.repeat(np.diff(self.node_h) / steps_per_node, steps_per_node)[:, np.newaxis]
-        self._hours = [float(hours) for hours in self.hours[:, 0]]
+        self._hours = [np.array(hours) for hours in self.hours[:, 0]]
+        self._constant_w = np.array([levels.constant_power_w] * 2)
         chain, shape = levels.chain, (len(self._hours) + 1, self.count)
         if chain is not None:
             # Rows of the propulsion's tables at the levels, which designs share.
             rows = np.arange(len(levels.altitude_m))[:, np.newaxis] * chain.count + levels.design
-            self.row_at, self.thrust_at = rows.ravel(), levels.thrust_power_w.ravel()
+            self.row_at, self.thrust_at = rows.T.ravel(), levels.thrust_power_w.T.ravel()
             if bus_v is None:
                 bus_v = np.full(shape, float(chain.voltage_of(np.array(FIRST_CHARGE))))
             self.volts = chain.places(bus_v)
@@ -115,8 +124,9 @@ class March:
             run.energy_wh[0], run.potential_wh[0] = stored
         launched, all_fly = stored, 0 if first is None else int(np.max(first))
         before, number = stored.potential_wh, 0
+        aloft = was_aloft = np.count_nonzero(before)
         while number < len(self._hours):
-            at_floor = not (stored.potential_wh.any() or before.any())
+            at_floor = not (aloft or was_aloft)
             until = self._dark_until[number]
             if at_floor and until > number >= all_fly:
                 stored = self._discharged(stored, slice(number, until), run)
@@ -140,47 +150,39 @@ class March:
                 stored = Stored(
                     *(np.where(waits, a, b) for a, b in zip(launched, stored, strict=True))
                 )
+            aloft, was_aloft = np.count_nonzero(stored.potential_wh), aloft
         return stored
+
+    def _ends(self, values: FloatArray) -> FloatArray:
+        """Values at both ends of every step, ``(step, end, ...)``, from those at the nodes."""
+        first, last = values[self._node, np.newaxis], values[self._node + 1, np.newaxis]
+        return _between(first, last, self._share)
 
     @cached_property
     def at_floor(self) -> Power:
         """All steps of the day at the lowest altitude."""
-        node, part = np.divmod(np.arange(len(self._hours)), self.steps_per_node)
-        floor = slice(None, self.count)
-        ends = [
-            first + (last - first) * share[:, np.newaxis]
-            for first, last in (
-                (self.solar_at[node, floor], self.solar_at[node + 1, floor]),
-                (self.factor[node], self.factor[node + 1]),
-            )
-            for share in (part / self.steps_per_node, (part + 1) / self.steps_per_node)
-        ]
-        chain = self.levels.chain
+        floor, hours, chain = self.floor, self.hours, self.levels.chain
+        solar_w = self._ends(self.solar_at[:, floor])
         if chain is None:
-            motor_w = self.motor_at[floor]
-            return self._balance(ends[0], ends[1], motor_w * ends[2], motor_w * ends[3], self.hours)
-        row = self.row_at[floor]
-        here, there = self.volts.at(slice(None, -1)), self.volts.at(slice(1, None))
-        motors = chain.power_w(row, here, ends[2]), chain.power_w(row, there, ends[3])
-        return self._balance(ends[0], ends[1], *motors, self.hours, chain.most_w(row, here))
+            return self._balance(solar_w, self.motor_at[floor] * self.factor, hours)
+        row, volts = self.row_at[floor], self.volts
+        ends = np.arange(len(hours))[:, np.newaxis] + np.arange(2)
+        motor_w = chain.power_w(row, volts.at(ends), self.factor)
+        return self._balance(solar_w, motor_w, hours, chain.most_w(row, volts.at(slice(None, -1))))
 
     @cached_property
     def floor_thrust_w(self) -> FloatArray:
         """Thrust power of level flight at the lowest altitude in every step [W]; 0 by constants."""
         if self.levels.chain is None:
             return np.zeros((len(self._hours), self.count))
-        node, part = np.divmod(np.arange(len(self._hours)), self.steps_per_node)
-        middle = ((part + 0.5) / self.steps_per_node)[:, np.newaxis]
-        factor = self.factor[node] + (self.factor[node + 1] - self.factor[node]) * middle
-        return np.asarray(self.thrust_at[: self.count] * factor)
+        return np.asarray(self.thrust_at[self.floor] * self.factor.mean(axis=1))
 
     def _floor_place(self, number: int, power: Power) -> Place:
         """Where a step at the lowest altitude is flown."""
-        chain, row, volts = self.levels.chain, self.row_at[: self.count], self.volts.at(number)
+        chain, row, volts = self.levels.chain, self.row_at[self.floor], self.volts.at(number)
         assert chain is not None
         thrust_w = self.floor_thrust_w[number]
-        motor_w = (power.motor_left_w + power.motor_right_w) / 2.0
-        return Place(chain, row, row, self._nothing, volts, motor_w, thrust_w)
+        return Place(chain, row, row, self._nothing, volts, mean_of_ends(power.motor_w), thrust_w)
 
     @cached_property
     def _floor_steps(self) -> list[tuple[Power, _Phases]]:
@@ -212,80 +214,86 @@ class March:
 
     def _power_at(self, number: int, potential_wh: FloatArray) -> tuple[Power, Place | None]:
         """Power of one step at a potential energy, and its place."""
-        node, part = divmod(number, self.steps_per_node)
-        potential_wh = np.minimum(np.maximum(potential_wh, 0.0), self.potential_max_wh)
-        below = (potential_wh >= self.thresholds_wh).sum(axis=0) * self.count + self.places
-        above = below + self.count
+        node = number // self.steps_per_node
+        potential_wh = np.minimum(np.maximum(potential_wh, self._nothing), self.potential_max_wh)
+        place = potential_wh * self._per_ceiling + self._apart
+        below = self._thresholds.searchsorted(place, side="right") + self._first
+        above = below + _ONE
         upper = (potential_wh - self.potential_at[below]) * self.per_wh[below]
-        lower = 1.0 - upper
-        here, there = self.solar_at[node], self.solar_at[node + 1]
-        left = lower * here[below] + upper * here[above]
-        right = lower * there[below] + upper * there[above]
-        first, last = self.factor[node], self.factor[node + 1]
+        solar = self.solar_at[node : node + 2]
+        solar_w = _between(solar.take(below, axis=1), solar.take(above, axis=1), upper)
         if self.steps_per_node > 1:
-            a, b = part / self.steps_per_node, (part + 1) / self.steps_per_node
-            left, right = left + (right - left) * a, left + (right - left) * b
-            first, last = first + (last - first) * a, first + (last - first) * b
-        hours, chain = self._hours[number], self.levels.chain
+            solar_w = _between(solar_w[0], solar_w[1], self._share[number])
+        factor, hours, chain = self.factor[number], self._hours[number], self.levels.chain
         if chain is None:
-            motor_w = lower * self.motor_at[below] + upper * self.motor_at[above]
-            return self._balance(left, right, motor_w * first, motor_w * last, hours), None
+            motor_w = _between(self.motor_at[below], self.motor_at[above], upper)
+            return self._balance(solar_w, motor_w * factor, hours), None
         rows = np.array([self.row_at[below], self.row_at[above]])[:, np.newaxis]
         volts = self.volts.at(slice(number, number + 2))
-        motors = chain.power_w(rows, volts, np.array([first, last]))
-        motor_left, motor_right = lower * motors[0] + upper * motors[1]
-        thrust_w = lower * self.thrust_at[below] + upper * self.thrust_at[above]
-        place = Place(
+        motors_w = chain.power_w(rows, volts, factor)
+        motor_w = _between(motors_w[0], motors_w[1], upper)
+        thrust_w = _between(self.thrust_at[below], self.thrust_at[above], upper)
+        at = Place(
             *(chain, self.row_at[below], self.row_at[above], upper, volts.at(0)),
-            motor_w=(motor_left + motor_right) / 2.0,
-            thrust_w=thrust_w * (first + last) / 2.0,
+            motor_w=mean_of_ends(motor_w),
+            thrust_w=thrust_w * mean_of_ends(factor),
         )
-        most_w = lower * chain.most_w(place.below, place.volts)
-        most_w = most_w + upper * chain.most_w(place.above, place.volts)
-        return self._balance(left, right, motor_left, motor_right, hours, most_w), place
+        most_w = _between(chain.most_w(at.below, at.volts), chain.most_w(at.above, at.volts), upper)
+        return self._balance(solar_w, motor_w, hours, most_w), at
 
-    def _gain(self, place: Place | None, more_w: FloatArray) -> FloatArray:
+    def _gain(self, place: Place | None, more_wh: FloatArray, hours: FloatArray) -> FloatArray:
         """Thrust power that the motor's power beyond level flight's gives, over that power [-].
 
-        ``more_w``: below zero for less than level flight's.
+        ``more_wh``: over the hours; below zero for less than level flight's.
         """
-        return self.levels.efficiency if place is None else place.gain(more_w)
+        if place is None:
+            return self.levels.efficiency
+        return place.gain(more_wh / np.where(hours > 0.0, hours, np.inf))
 
     def _balance(
         self,
-        solar_left: FloatArray,
-        solar_right: FloatArray,
-        motor_left: FloatArray,
-        motor_right: FloatArray,
-        hours: float | FloatArray,
+        solar_w: FloatArray,
+        motor_w: FloatArray,
+        hours: FloatArray,
         most_w: FloatArray | None = None,
     ) -> Power:
         """Surplus and deficit of one step, or of a column of steps."""
-        constant = self.levels.constant_power_w
-        left = solar_left - motor_left - constant
-        right = solar_right - motor_right - constant
-        sunlit_h = hours * _surplus_share(left, right)
+        spare_w = solar_w - self._constant_w
+        net_w = spare_w - motor_w
+        mean_wh = mean_of_ends(net_w) * hours
+        none = np.zeros(mean_wh.shape)
+        lit = np.count_nonzero(net_w > _ZERO)
+        # Most steps are all surplus or all deficit, in every element.
+        if not lit:
+            of_avionics_wh = _deficit_wh(spare_w, hours)
+            return Power(solar_w, motor_w, none, -mean_wh, of_avionics_wh, none, none, none)
         rated_w = self.levels.maximum_power_w
         most_w = rated_w if most_w is None else np.minimum(rated_w, most_w)
-        room_w = most_w - (motor_left + motor_right) / 2.0
+        room_w = np.maximum(most_w - mean_of_ends(motor_w), none)
+        if lit == net_w.size:
+            room_wh = room_w * hours
+            return Power(solar_w, motor_w, mean_wh, none, none, room_wh, none + hours, none)
+        left, right = net_w[..., 0, :], net_w[..., 1, :]
+        sunlit_h = hours * _surplus_share(left, right)
         return Power(
-            *(solar_left, solar_right, motor_left, motor_right),
+            *(solar_w, motor_w),
             surplus_wh=positive_part_wh(left, right, hours),
             deficit_wh=positive_part_wh(-left, -right, hours),
-            of_avionics_wh=positive_part_wh(constant - solar_left, constant - solar_right, hours),
-            room_wh=np.maximum(room_w, 0.0) * sunlit_h,
+            of_avionics_wh=_deficit_wh(spare_w, hours),
+            room_wh=room_w * sunlit_h,
             sunlit_h=sunlit_h,
             early=np.where(left < 0.0, 1.0, 0.0),
         )
 
     def _moves(
-        self, stored: Stored, power: Power, place: Place | None, phases: _Phases, hours: float
+        self, stored: Stored, power: Power, place: Place | None, phases: _Phases, hours: FloatArray
     ) -> Moves:
         """Early deficit, surplus (charge, then climb), late deficit; none where there is none."""
         first = second = None
         climb = charged_wh = left_over = lifted_wh = self._nothing
         if phases.begins_short:
-            first = self._drawn(stored, power, place, power.early, hours)
+            early = power.early if phases.has_surplus else None
+            first = self._drawn(stored, power, place, early, hours)
             stored = first.end
         if phases.has_surplus:
             energy, potential = stored
@@ -293,12 +301,15 @@ class March:
             charged_wh = charged - energy
             left_over = power.surplus_wh - charged_wh / self.store.charge_efficiency
             usable = self._usable_wh(energy, charged, power.surplus_wh, left_over, hours)
-            # What climbs does so all the time of the surplus, up to the ceiling.
-            wanted = np.minimum(usable, power.room_wh)
-            eta = self._gain(place, _mean_w(np.maximum(wanted, 0.0), power.sunlit_h))
-            climb = self._climb_wh(potential, wanted, eta)
-            lifted_wh = eta * climb
-            stored = Stored(charged, potential + lifted_wh)
+            if np.count_nonzero(usable):
+                # What climbs does so all the time of the surplus, up to the ceiling.
+                wanted = np.minimum(usable, power.room_wh)
+                eta = self._gain(place, wanted, power.sunlit_h)
+                to_ceiling = (self.potential_max_wh - potential) / eta
+                climb = np.maximum(np.minimum(wanted, to_ceiling), self._nothing)
+                lifted_wh = eta * climb
+                potential = potential + lifted_wh
+            stored = Stored(charged, potential)
         if phases.ends_short:
             second = self._drawn(stored, power, place, 1.0 - power.early, hours)
             stored = second.end
@@ -310,14 +321,14 @@ class March:
         charged: FloatArray,
         surplus: FloatArray,
         left_over: FloatArray,
-        hours: float,
+        hours: FloatArray,
     ) -> FloatArray:
         """Part of the left-over surplus that the strategy lets climb [Wh]."""
         if self.strategy == "surplus":
             return left_over
         full = charged >= self.counts_as_full_wh
         clock = self.store.clock
-        if clock is None or not np.any(full & (energy < self.counts_as_full_wh)):
+        if clock is None or not np.count_nonzero(full & (energy < self.counts_as_full_wh)):
             return np.where(full, left_over, 0.0)
         # In the step that fills the battery, only what comes after that instant; a step that
         # counted as a whole would make the day's gain jump with the state of charge.
@@ -326,30 +337,33 @@ class March:
         usable = np.where(energy < self.counts_as_full_wh, after * surplus, left_over)
         return np.where(full, np.minimum(left_over, usable), 0.0)
 
-    def _climb_wh(
-        self, potential: FloatArray, wanted_wh: FloatArray, eta: FloatArray
-    ) -> FloatArray:
-        """Electric energy spent on climbing [Wh]."""
-        to_ceiling = (self.potential_max_wh - potential) / eta
-        return np.asarray(np.maximum(np.minimum(wanted_wh, to_ceiling), 0.0))
-
     def _drawn(
-        self, stored: Stored, power: Power, place: Place | None, share: FloatArray, hours: float
+        self,
+        stored: Stored,
+        power: Power,
+        place: Place | None,
+        share: FloatArray | None,
+        hours: FloatArray,
     ) -> Drawn:
-        """Meet a deficit: what the motor lacks by sinking first, all else from the battery."""
+        """Meet a share of a deficit, or all: what the motor lacks by sinking first.
+
+        All else comes from the battery.
+        """
         energy, potential = stored
-        deficit = share * power.deficit_wh
-        of_motor = deficit - share * power.of_avionics_wh
-        saved = np.maximum(of_motor, 0.0)
-        sinks = self._gain(place, -_mean_w(saved, share * (hours - power.sunlit_h)))
+        deficit, of_avionics = power.deficit_wh, power.of_avionics_wh
+        if share is not None:
+            deficit, of_avionics = share * deficit, share * of_avionics
+            hours = share * (hours - power.sunlit_h)
+        saved = np.maximum(deficit - of_avionics, self._nothing)
+        sinks = self._gain(place, -saved, hours)
         glide = np.minimum(saved, potential / sinks)
         sunk = sinks * glide
         wanted = deficit - glide
         eta = self.store.discharge_efficiency
         drawn = np.minimum(wanted / eta, energy)
         # Rounding must leave no potential energy that is none.
-        lower = np.maximum(potential - sunk, 0.0)
-        unserved = np.maximum(wanted - eta * drawn, 0.0)
+        lower = np.maximum(potential - sunk, self._nothing)
+        unserved = np.maximum(wanted - eta * drawn, self._nothing)
         return Drawn(Stored(energy - drawn, lower), drawn, glide, sunk, unserved)
 
 
@@ -362,29 +376,32 @@ class _Phases(NamedTuple):
 
 
 def _phases(power: Power) -> _Phases:
-    short = power.deficit_wh > 0.0
-    if not short.any():
+    short = power.deficit_wh > _ZERO
+    if not np.count_nonzero(short):
         return _Phases(begins_short=False, has_surplus=True, ends_short=False)
+    if not np.count_nonzero(power.surplus_wh):
+        return _Phases(begins_short=True, has_surplus=False, ends_short=False)
     early = power.early > 0.0
-    return _Phases(
-        bool((short & early).any()), bool(power.surplus_wh.any()), bool((short & ~early).any())
-    )
+    return _Phases(bool((short & early).any()), True, bool((short & ~early).any()))
 
 
 def _inverse(rises_wh: FloatArray) -> FloatArray:
     return 1.0 / np.where(rises_wh > 0.0, rises_wh, np.inf)
 
 
-def _mean_w(energy_wh: FloatArray, hours: FloatArray) -> FloatArray:
-    """Power of an energy over some hours [W]; none without any."""
-    return np.asarray(energy_wh / np.where(hours > 0.0, hours, np.inf))
+def _between(below: FloatArray, above: FloatArray, share: FloatArray) -> FloatArray:
+    return np.asarray(below + share * (above - below))
+
+
+def _deficit_wh(power_w: FloatArray, hours: FloatArray) -> FloatArray:
+    """What powers at both ends of steps are below zero, over some hours [Wh]."""
+    if np.count_nonzero(power_w < _ZERO) == power_w.size:
+        return -mean_of_ends(power_w) * hours
+    return positive_part_wh(-power_w[..., 0, :], -power_w[..., 1, :], hours)
 
 
 def _surplus_share(left: FloatArray, right: FloatArray) -> FloatArray:
     """Share of a step in which a power that is linear over it is not negative."""
-    low, high = np.minimum(left, right), np.maximum(left, right)
-    if low.min() >= 0.0 or high.max() < 0.0:  # most steps: nothing changes its sign
-        return np.where(high < 0.0, 0.0, 1.0)
     crossing = crossing_fraction(left, right)
     begin = np.where(left < 0.0, np.where(right < 0.0, 1.0, crossing), 0.0)
     end = np.where((right < 0.0) & (left >= 0.0), crossing, 1.0)

@@ -9,6 +9,9 @@ import numpy as np
 from sizing.altitude.climb_chain import Place
 from solar.types import FloatArray
 
+# A half: NumPy takes half as long with it as with a number.
+_HALF = np.array(0.5)
+
 
 class Stored(NamedTuple):
     """Energy in the battery, and potential energy above the lowest level [Wh]; per element."""
@@ -20,22 +23,25 @@ class Stored(NamedTuple):
 class Power(NamedTuple):
     """Power of steps, and what is left over or lacking in them whatever is stored.
 
-    Of sun and motor in level flight at both ends, at the altitude of the middle [W]; surplus and
-    deficit, that of the avionics alone, and what the propulsion could take besides level flight
-    while there is a surplus [Wh]; ``sunlit_h`` is how long there is one. A deficit comes before the
-    surplus of its step where ``early`` is 1, after it where that is 0.
+    Of sun and motor in level flight at both ends, ``(..., end, element)``, at the altitude of the
+    middle [W]; surplus and deficit, that of the avionics alone, and what the propulsion could take
+    besides level flight while there is a surplus [Wh]; ``sunlit_h`` is how long there is one. A
+    deficit comes before the surplus of its step where ``early`` is 1, after it where that is 0.
     """
 
-    solar_left_w: FloatArray
-    solar_right_w: FloatArray
-    motor_left_w: FloatArray
-    motor_right_w: FloatArray
+    solar_w: FloatArray
+    motor_w: FloatArray
     surplus_wh: FloatArray
     deficit_wh: FloatArray
     of_avionics_wh: FloatArray
     room_wh: FloatArray
     sunlit_h: FloatArray
     early: FloatArray
+
+
+def mean_of_ends(power_w: FloatArray) -> FloatArray:
+    """Mean over steps of a power that is linear over each, from both ends."""
+    return np.asarray((power_w[..., 0, :] + power_w[..., 1, :]) * _HALF)
 
 
 class Drawn(NamedTuple):
@@ -92,7 +98,7 @@ class DayRun:
         # Most steps are at the lowest altitude.
         self.power, self.thrust_w = Power(*(v.copy() for v in at_floor)), thrust_w.copy()
         self.hours, self.efficiency = hours, efficiency
-        steps, elements = self.power.solar_left_w.shape
+        steps, elements = self.power.surplus_wh.shape
         self.energy_wh, self.potential_wh = np.zeros((2, steps + 1, elements))
         self.charged, self.drawn, self.left_over = np.zeros((3, steps, elements))
         self.climb, self.glide, self.unserved = np.zeros((3, steps, elements))
@@ -130,12 +136,12 @@ class DayRun:
     @property
     def solar_wh(self) -> FloatArray:
         """Energy of the modules in every step [Wh]."""
-        return (self.power.solar_left_w + self.power.solar_right_w) / 2.0 * self.hours
+        return mean_of_ends(self.power.solar_w) * self.hours
 
     @property
     def level_electric_wh(self) -> FloatArray:
         """Electric energy that level flight takes in every step [Wh]."""
-        return (self.power.motor_left_w + self.power.motor_right_w) / 2.0 * self.hours
+        return mean_of_ends(self.power.motor_w) * self.hours
 
     @property
     def motor_wh(self) -> FloatArray:

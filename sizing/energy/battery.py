@@ -380,7 +380,7 @@ class Store:
         ``energy_wh``: stored at the start. ``surplus_wh``: over all these hours.
         """
         target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.battery_energy_wh)
-        if self.clock is None:
+        if self.clock is None or not np.count_nonzero(target > energy_wh):
             return np.asarray(target)
         # While the limit is constant it adds a constant power; beyond, the clock gives the time.
         allowed = energy_wh + self._constant_limit_w * np.asarray(hours, float)
