@@ -10,7 +10,7 @@ from sizing.altitude.climb_march import March
 from sizing.altitude.climb_run import DayRun, Stored
 from solar.types import BoolArray, FloatArray, IntArray
 
-_TOLERANCE = 1e-10  # of the battery's energy: gain of a cycle that repeats itself
+_TOLERANCE = 1e-11  # of the battery's energy: gain of a cycle that repeats itself
 _MAXIMUM_ROUNDS = 160
 _PLAIN_ROUNDS = 4  # before an extrapolation
 _STEADY = 0.1  # change of the ratio of gains over what it is short of 1, in a geometric series
