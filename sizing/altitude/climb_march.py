@@ -74,6 +74,7 @@ class March:
         self.hours = np.repeat(np.diff(self.node_h) / steps_per_node, steps_per_node)[:, np.newaxis]
         self._hours = [np.array(hours) for hours in self.hours[:, 0]]
         self._constant_w = np.array([levels.constant_power_w] * 2)
+        self._floor_steps = dict[int, tuple[Power, _Phases]]()
         chain, shape = levels.chain, (len(self._hours) + 1, self.count)
         if chain is not None:
             # Rows of the propulsion's tables at the levels, which designs share.
@@ -134,7 +135,7 @@ class March:
                 continue
             place = None
             if at_floor:
-                power, phases = self._floor_steps[number]
+                power, phases = self._floor_step(number)
                 if self.levels.chain is not None:
                     place = self._floor_place(number, power)
             else:
@@ -184,11 +185,12 @@ class March:
         thrust_w = self.floor_thrust_w[number]
         return Place(chain, row, row, self._nothing, volts, mean_of_ends(power.motor_w), thrust_w)
 
-    @cached_property
-    def _floor_steps(self) -> list[tuple[Power, _Phases]]:
-        """The same step by step: most of them, known beforehand."""
-        rows = (Power(*row) for row in zip(*self.at_floor, strict=True))
-        return [(row, _phases(row)) for row in rows]
+    def _floor_step(self, number: int) -> tuple[Power, _Phases]:
+        """One step at the lowest altitude, kept for the next day."""
+        if number not in self._floor_steps:
+            power = Power(*(one[number] for one in self.at_floor))
+            self._floor_steps[number] = power, _phases(power)
+        return self._floor_steps[number]
 
     @cached_property
     def _dark_until(self) -> list[int]:
