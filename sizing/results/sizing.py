@@ -225,9 +225,11 @@ def _with_own(
     constraints: Sequence[Callable[[Any], Any]],
 ) -> tuple[Aircraft, Objective]:
     """Aircraft with the user's own terms in its design space, and the objective."""
-    own = objective if callable(objective) else None
-    # What is no function of the user's is a name.
-    named = Objective.min_mass if own is not None else checked_objective(objective)  # type: ignore[arg-type]
+    own: Callable[[Any], Any] | None = None
+    if callable(objective):
+        own, named = objective, Objective.min_mass
+    else:
+        named = checked_objective(objective)
     if (own is None and not constraints) or isinstance(aircraft.airframe, MeasuredAirframe):
         return aircraft, named
     aircraft, minimised = with_own_terms(aircraft, mission, own, constraints)

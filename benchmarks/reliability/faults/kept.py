@@ -180,14 +180,17 @@ def struck_and_finished(
     def case(rng: random.Random, folder: Path) -> str | None:
         keep = rng.random() < 0.7
         _, chunks, took_s = work.whole
+
+        def kept(count: int) -> bool:
+            return len(work.parts(folder, keep=keep)) >= count
+
         for _ in range(rng.choice((1, 1, 2))):
             process = work.start(folder, *more, keep=keep)
             if rng.random() < 0.3:
                 process.until(lambda: False, rng.uniform(0.0, took_s))
             else:
                 wanted = rng.randrange(1, chunks + 1)
-                # mypy cannot infer the type of a lambda's default.
-                process.until(lambda n=wanted: len(work.parts(folder, keep=keep)) >= n)  # type: ignore[misc]
+                process.until(functools.partial(kept, wanted))
                 process.until(lambda: False, rng.uniform(0.0, 0.1))
             strike(process, rng)
             end = process.end()
