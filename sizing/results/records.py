@@ -93,8 +93,10 @@ def relative_change(before: float, after: float) -> float | None:
 def change_text(before: float, after: float) -> str:
     """Change over the value before it, in percent."""
     relative = relative_change(before, after)
-    # Plus zero: a change too small to show has no sign of its own.
-    return MISSING if relative is None else f"{round(100.0 * relative, 1) + 0.0:+.1f} %"
+    if relative is None:
+        return MISSING
+    percent = round(100.0 * relative, 1)
+    return f"{percent:+.1f} %" if percent else "0.0 %"  # too small to show, it has no sign
 
 
 def with_unit(value: float | None, digits: str, objective: Objective) -> str:

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from sizing.results.layout import Grid
-from sizing.results.records import clock_label
+from sizing.results.records import change_text, clock_label
 from sizing.results.tables import Column, Line, Summary, Table, facts
 
 COLUMNS = (Column("item"), Column("mass_kg", "mass", "kg", ".3f"))
@@ -143,3 +143,17 @@ def test_texts_of_cells_are_broken_no_more_than_the_width_asks_for() -> None:
         ["five", "six"],
     ]
     assert Grid(None, (("a",),), (False,))._least_width(0, whole_cell=False) == 1
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "text"),
+    [
+        (2.0, 2.1, "+5.0 %"),
+        (2.0, 1.9, "-5.0 %"),
+        (2.0, 2.0001, "0.0 %"),
+        (2.0, 1.9999, "0.0 %"),
+        (0.0, 1.0, "-"),
+    ],
+)
+def test_a_change_has_a_sign_where_it_can_be_seen(before: float, after: float, text: str) -> None:
+    assert change_text(before, after) == text
