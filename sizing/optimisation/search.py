@@ -337,14 +337,19 @@ class _Sizing:
         starts = [search.previous.design]
         starts += [] if self.largest is None else [self.largest.solution.design]
         # With climbs there are several optima: the program is held to the one that it has chosen.
-        # Not where that was of another light.
-        again = search.previous.climbs and not search.afresh
-        previous = search.previous if again else None
-        solution = self._solve(starts, previous=previous)
-        if solution is not None or not self.rough:
-            return solution or self._solve(starts, effort="steady")
-        soft = self._solve(starts, search.instance.penalised(PENALTY)) or self.solver.nearly
-        return None if soft is None or soft.missed() else soft
+        previous = search.previous if search.previous.climbs else None
+        if previous is not None and search.afresh:
+            previous = replace(previous, rival=-math.inf)  # in another light another may be better
+        solution = None if search.afresh else self._solve(starts, previous=previous)
+        if solution is not None:
+            return solution
+        if self.rough or previous is not None:
+            # With a penalty interior points may end at a kink.
+            soft = self._solve(starts, search.instance.penalised(PENALTY), previous=previous)
+            soft = soft or self.solver.nearly
+            if soft is not None and not soft.missed():
+                return soft
+        return None if self.rough else self._solve(starts, effort="steady")
 
     def _met_after_all(self, solution: Solution) -> Solution | None:
         """Solution where the penalty was too low to keep a requirement from being missed."""
