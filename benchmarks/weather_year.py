@@ -77,7 +77,7 @@ class Year(NamedTuple):
         return cls(
             days.axis.time_h,
             power,
-            days.flown(design, days.light.recorded, None).load_w,
+            days.flown(design, None).load_w,
             noon_h,
             store,
         )

@@ -1,189 +1,43 @@
 """A flight through a weather record: the days as they came, the charge carried over.
 
 Not the repeated day: every day has its own light and temperature, and a day begins with what the
-day before has left in the battery. An empty battery ends a flight; the run goes on from empty, so
-that every day of the record is judged by what came before it. A battery whose capacity depends on
-its temperature has each day that of the day's mean air, and keeps its state of charge over night.
+day before has left in the battery and, of a mission with climbs, in height. An empty battery ends a
+flight; the run goes on from empty, so that every day of the record is judged by what came before
+it. A battery whose capacity depends on its temperature has each day that of the day's mean air, and
+keeps its state of charge over night.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from missions.air import ZERO_CELSIUS_K, air_at
+from missions.air import ZERO_CELSIUS_K
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
-from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year, run_lengths
+from missions.weather.record import SECONDS_PER_HOUR, Weather, run_lengths
 from sizing.aircraft import Aircraft
-from sizing.design import Design, bus_voltage_v
+from sizing.altitude.climb_days import ClimbingDays
+from sizing.altitude.climb_levels import FlightLevels, flight_levels
+from sizing.altitude.climb_march import March
+from sizing.design import Design
 from sizing.energy.battery import Store
-from sizing.energy.carried_days import CarriedDays, carried_over, dawns_of, flight_hours
+from sizing.energy.battery_voltage import FIRST_CHARGE
+from sizing.energy.carried_days import carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
-from sizing.held_station import flight_against_wind, power_against_wind_w
-from sizing.mass_budget import ImpossibleDesignError, design_of
-from sizing.propulsion.part_load import PartLoad, load_range
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from sizing.held_station import power_against_wind_w
+from sizing.mass_budget import design_of
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel
 from sizing.sunlight_at_instants import Lit, power_in_light
-from sizing.varying_load import (
-    Flight,
-    by_own_charge,
-    flight_of,
-    load_shape,
-    part_load_of,
-    part_load_over,
-)
+from sizing.varying_load import by_own_charge, load_shape
+from sizing.weather_days import DayAxis, LoadInAir
 from solar.clearsky import Irradiance
 from solar.sun import HOURS_PER_DAY, declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
 
 _NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself, or be as fast as the wind
-# A record that begins this near to midnight begins a day.
-_NEAR_MIDNIGHT_H = 3.0
-
-
-@dataclass(frozen=True)
-class DayAxis:
-    """Days of a record, from one local solar midnight to the next, and their nodes.
-
-    ``nodes``: places in the record; a day's last node is the next day's first. ``time_h``: hours
-    since the day's first node [h]. ``midnight_h``: solar time of each day's first node, about 0
-    [h]. ``date``: date of each day in the calendar of the place. ``day_of_year``: that of the date,
-    1 to 365; 29 February counts as 28 February. ``time_s``: universal time of each day's first node
-    [s since 1970-01-01].
-    """
-
-    nodes: IntArray
-    time_h: FloatArray
-    midnight_h: FloatArray
-    date: NDArray[np.datetime64]
-    day_of_year: IntArray
-    time_s: FloatArray
-
-    def __len__(self) -> int:
-        return len(self.nodes)
-
-    @property
-    def year(self) -> IntArray:
-        """Calendar year of each day."""
-        return self.date.astype("datetime64[Y]").astype(int) + 1970
-
-    @property
-    def month(self) -> IntArray:
-        """Month of each day, 1 to 12."""
-        return self.date.astype("datetime64[M]").astype(int) % 12 + 1
-
-    @classmethod
-    def of(cls, light: RecordedLight) -> DayAxis:
-        """Cut a record into days; hours before the first and after the last are left out."""
-        per_day = round(HOURS_PER_DAY / light.step_h)
-        begin_h = float(light.time_solar_h[0])
-        to_midnight_h = (HOURS_PER_DAY - begin_h) % HOURS_PER_DAY
-        near = min(begin_h, to_midnight_h) <= _NEAR_MIDNIGHT_H
-        skip = 0 if near else round(to_midnight_h / light.step_h)
-        count = (len(light.time_s) - skip) // per_day
-        if count < 1:
-            raise ValueError("is shorter than a day from one solar midnight to the next")
-        first = skip + per_day * np.arange(count)
-        nodes = np.minimum(first[:, np.newaxis] + np.arange(per_day + 1), len(light.time_s) - 1)
-        clock_h = light.time_solar_h[first]
-        midnight_h = np.where(clock_h > 12.0, clock_h - HOURS_PER_DAY, clock_h)
-        # Dates are those of the place at its noon, not of Greenwich.
-        noon_h = HOURS_PER_DAY / 2.0 - midnight_h + light.site.calendar_offset_h
-        date = (light.time_s[first] + SECONDS_PER_HOUR * noon_h).astype("datetime64[s]")
-        date = date.astype("datetime64[D]")
-        return cls(
-            nodes=nodes,
-            time_h=np.asarray(np.arange(per_day + 1) * light.step_h, float),
-            midnight_h=midnight_h,
-            date=date,
-            day_of_year=day_of_year(date.astype("datetime64[s]").astype(float)).astype(int),
-            time_s=light.time_s[first],
-        )
-
-
-@dataclass(frozen=True)
-class LoadInAir:
-    """Electric power of a design in air that changes its temperature, relative to its own.
-
-    ``level_w``: propulsion power of level flight in the mission's air [W], of every day where each
-    has an airspeed of its own. ``part_load``: power over it at some temperatures,
-    ``temperatures_k``, between which a parabola passes.
-    """
-
-    level_w: FloatArray
-    part_load: PartLoad
-    temperatures_k: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        aircraft: Aircraft,
-        mission: Mission,
-        design: Design,
-        air_c: ArrayLike,
-        wind_m_per_s: FloatArray | None = None,
-    ) -> LoadInAir | None:
-        """Power between the ends of temperatures [C]; None for constant efficiencies.
-
-        At the pressure of an altitude airspeed and drag times airspeed go with the square root of
-        the absolute temperature. ``wind_m_per_s``: of each day, where the mission holds its place;
-        power is then over that of the day's airspeed. Raises :class:`ImpossibleDesignError` where
-        the propeller's data end before the greatest load of level flight; a day whose wind is too
-        strong has no power instead.
-        """
-        if aircraft.propulsion_by_parts is None:
-            return None
-        if wind_m_per_s is None:
-            part_load_of(aircraft, mission, design)  # which says what its own air is too much for
-        own, flight = flight_of(aircraft, mission, design)
-        level_w: FloatArray = np.asarray(design.propulsion_power_w)
-        day: IntArray | None = None
-        if wind_m_per_s is not None:
-            # Days of equal wind, and of less than the airspeed, are one flight.
-            each = np.maximum(wind_m_per_s, np.asarray(design.airspeed_m_per_s, float))
-            some, day = np.unique(each, return_inverse=True)
-            level_w, thrust_w, speed = flight_against_wind(aircraft, mission, design, some)
-            flight = Flight.where(np.isfinite(level_w), thrust_w, speed, flight.air)
-        least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
-        warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
-        # Temperatures first, then the days.
-        of_each = warm_k.reshape(-1, *(1,) * level_w.ndim)
-        faster = np.sqrt(of_each / flight.air.temperature_k)
-        there = Flight(
-            np.asarray(flight.thrust_w * faster),
-            flight.airspeed_m_per_s * faster,
-            air_at(of_each, flight.air.pressure_pa),
-        )
-        turbulence = mission.turbulence
-        loads = load_range(turbulence.all_day, turbulence.thermal)
-        wide = np.broadcast_to(level_w, there.thrust_w.shape)
-        part = part_load_over(own, there, wide, loads, bus_voltage_v(aircraft))
-        if wind_m_per_s is None and np.any(part.beyond):
-            raise ImpossibleDesignError(
-                f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
-                f"power of level flight in air of {least_c:.0f} to {most_c:.0f} C"
-            )
-        if day is None:
-            return cls(level_w, part, warm_k)
-        part = replace(part, coefficients=part.coefficients[..., day])
-        return cls(level_w[day], part, warm_k)
-
-    def at(self, load: FloatArray, air_c: FloatArray, bus_v: FloatArray) -> FloatArray:
-        """Power over that of level flight in the mission's air [-]; arguments broadcast."""
-        wide = np.broadcast_arrays(load, air_c, bus_v)
-        axes = wide[0].ndim - (self.part_load.coefficients.ndim - 3)  # less that of the days
-        powers = self.part_load.spread(axes).at(wide[0], wide[2])
-        known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
-        total = np.zeros(wide[0].shape)
-        for k, one in enumerate(powers):
-            apart = [(warm_k - other) / (known_k[k] - other) for other in np.delete(known_k, k)]
-            total += math.prod(apart, start=one)
-        return total
 
 
 @dataclass(frozen=True)
@@ -191,16 +45,18 @@ class WeatherDays:
     """What the days of a record are to every design of an aircraft.
 
     ``aircraft``, ``mission``, ``solar``: technology; altitude, air and turbulence at the record's
-    site; solar power model. ``light``: along the record. ``ambient_c``, ``module_c``: temperature
-    of the air and of the modules along the record [C]. ``propulsion_ratio``: propulsion power over
-    that of level flight in the mission's air [-]. ``wind_m_per_s``: of each day as the airspeed of
-    the same lift coefficient in the mission's air [m/s]; None unless the mission holds its place.
+    site; solar power model. ``weather``, ``light``: record, and the light along it at the mission's
+    altitude. ``ambient_c``, ``module_c``: temperature of the air and of the modules along the
+    record [C]. ``propulsion_ratio``: propulsion power over that of level flight in the mission's
+    air [-]. ``wind_m_per_s``: of each day as the airspeed of the same lift coefficient in the
+    mission's air [m/s]; None unless the mission holds its place.
     ``more_heater_w``: heater of the battery beyond that of the mission's air [W].
     ``capacity_ratio``: capacity of the battery over that in the mission's air [-].
     """
 
     aircraft: Aircraft
     mission: Mission
+    weather: Weather
     solar: SolarModel
     light: RecordedLight
     axis: DayAxis
@@ -230,7 +86,7 @@ class WeatherDays:
         ambient_c, module_c = _temperatures_c(mission, light)
         air_c = ambient_c[axis.nodes]
         return cls(
-            *(aircraft, mission, solar, light, axis, ambient_c, module_c),
+            *(aircraft, mission, weather, solar, light, axis, ambient_c, module_c),
             propulsion_ratio=_propulsion_ratio(mission, axis, air_c),
             wind_m_per_s=_wind_m_per_s(mission, axis, air_c),
             more_heater_w=_more_heater_w(aircraft, mission, air_c),
@@ -247,9 +103,69 @@ class WeatherDays:
         power = power_in_light(self.aircraft, self.mission, self.solar, sunlit)
         return np.asarray(power[self.axis.nodes])
 
-    def flown(self, design: Design, sky: Irradiance, parts: LoadInAir | None) -> WeatherRun:
-        """Run of a design under a sky along the record, with the efficiency of the moment."""
-        store = self.store(design.battery_energy_wh)
+    def aloft_w_per_m2(self, *, clear: bool = False) -> FloatArray:
+        """The same in the record's light, or a clear sky's, at the levels of the mission's climbs.
+
+        The record is carried to each level as to the lowest, so that all of its clouds are above
+        the aircraft at any height. Returns an array of shape ``(level, day, node)`` [W/m2].
+        """
+        levels = []
+        for level_m in self.mission.climb_levels_m:
+            there, step_s = self.mission.at_altitude(level_m), SECONDS_PER_HOUR * self.light.step_h
+            high = WeatherDays.of(self.aircraft, there, self.weather, self.solar, step_s=step_s)
+            sky = high.light.clear if clear else high.light.recorded
+            levels.append(high.specific_power_w_per_m2(sky))
+        return np.stack(levels)
+
+    def climbers(self, design: Design) -> FlightLevels | None:
+        """Designs between floor and ceiling, an element each, without any light; None without."""
+        if self.mission.climb is None:
+            return None
+        where = Scenarios(np.array(self.mission.latitudes()[:1]), np.ones(1, int))
+        none, time_h = np.zeros(1), self.axis.time_h
+        aloft = np.zeros((len(self.mission.climb_levels_m), 1, len(time_h)))
+        day = SolarDay(where, time_h, aloft[0], none, none, aloft_w_per_m2=aloft)
+        return flight_levels(self.aircraft, self.mission, design, day)
+
+    def climbing(
+        self,
+        climbers: FlightLevels,
+        store: Store,
+        aloft_w_per_m2: FloatArray,
+        some: IntArray | None = None,
+        load: FloatArray | None = None,
+    ) -> ClimbingDays:
+        """Flights of designs with climbs through some days of the record, by default all of them.
+
+        ``climbers``: of :meth:`climbers`; ``store``: batteries, ``day + days * design``. ``load``:
+        of the propulsion at the nodes of the days over that of calm level flight [-]. What the
+        day's air takes of it at the lowest altitude it takes at all, which is 0.5 % off at 8 km in
+        air 15 K warmer than the mission's.
+        """
+        assert self.mission.climb is not None
+        some = np.arange(len(self.axis)) if some is None else some
+        count = len(climbers.scenario)
+        each = climbers.select(np.repeat(np.arange(count), len(some)))
+        heater_w = np.tile(self.more_heater_w[some, 0], count)
+        levels = replace(
+            each,
+            specific_power_w_per_m2=aloft_w_per_m2,
+            scenario=np.tile(np.arange(len(some)), count),
+            turbulence_factor=self.propulsion_ratio[some] if load is None else load,
+            constant_power_w=each.constant_power_w + heater_w,
+        )
+        noon_h = HOURS_PER_DAY / 2.0 - np.tile(self.axis.midnight_h[some], count)
+        march = March(self.axis.time_h, levels, store, self.mission.climb.strategy, 1)
+        return ClimbingDays(march, len(some), noon_h)
+
+    def flown(self, design: Design, parts: LoadInAir | None, *, clear: bool = False) -> WeatherRun:
+        """Run of a design along the record, with the efficiency of the moment."""
+        store, climbers = self.store(design.battery_energy_wh), self.climbers(design)
+        if climbers is not None:
+            load = None if parts is None else self._equal_load(climbers, parts)
+            aloft = self.aloft_w_per_m2(clear=clear)
+            return _climbed_record(self.axis, self.climbing(climbers, store, aloft, load=load))
+        sky = self.light.clear if clear else self.light.recorded
         solar_w = self.aircraft.modules.area_m2 * self.specific_power_w_per_m2(sky)
         other_w = float(design.constant_power_w) + self.more_heater_w
         if parts is None:
@@ -267,6 +183,15 @@ class WeatherDays:
             return run, run.state_of_charge()
 
         return by_own_charge(load_w, fly, self.aircraft.battery)
+
+    def _equal_load(self, climbers: FlightLevels, parts: LoadInAir) -> FloatArray:
+        """Load of level flight that takes as much in the mission's air as one in the record's."""
+        chain, axis = climbers.chain, self.axis
+        assert chain is not None
+        bus_v = np.full(axis.nodes.shape, float(chain.voltage_of(np.array(FIRST_CHARGE))))
+        load = parts.at(_profile(self.mission, axis), self.ambient_c[axis.nodes], bus_v)
+        row = np.zeros(axis.nodes.shape, int)
+        return chain.load(row, chain.places(bus_v), parts.level_w * load)
 
     def level_w(self, design: Design) -> FloatArray:
         """Propulsion power of designs in level flight in the mission's air [W], ``(design, day)``.
@@ -289,24 +214,27 @@ class WeatherRun:
     """Run of an aircraft through one kind of light of a record.
 
     ``axis``: days of the record. ``solar_power_w``, ``load_w``: power at the nodes [W].
-    ``carried``: batteries of all days. ``dawn_h``: when, from midnight to noon, the charge is
-    least, hours after the day's first node [h] (:func:`~sizing.energy.carried_days.dawns_of`).
-    ``closes``: whether a day, begun at dawn with the charge carried over, reaches the next dawn (of
-    the last day: the end of the record) without an empty battery. ``dawn_state_of_charge``: state
-    of charge at dawn [-]. ``endurance_h``: flight time of a launch with a full battery at each dawn
-    [h]; where ``outlasts``, up to the end of the record. ``outlasts``: whether that flight outlasts
-    the record.
+    ``store``: batteries of all days; ``energy_wh``: in them at the nodes [Wh]. ``dawn_h``: when,
+    from midnight to noon, the charge is least, hours after the day's first node [h]
+    (:func:`~sizing.energy.carried_days.dawns_of`). ``closes``: whether a day, begun at dawn with
+    what is carried over, reaches the next dawn (of the last day: the end of the record) without an
+    empty battery. ``dawn_state_of_charge``: state of charge at dawn [-]. ``endurance_h``: flight
+    time of a launch with a full battery at each dawn [h]; where ``outlasts``, up to the end of the
+    record. ``outlasts``: whether that flight outlasts the record. ``altitude_m``: at the nodes [m];
+    None of a flight at one altitude.
     """
 
     axis: DayAxis
     solar_power_w: FloatArray
     load_w: FloatArray
-    carried: CarriedDays
+    store: Store
+    energy_wh: FloatArray
     dawn_h: FloatArray
     closes: BoolArray
     dawn_state_of_charge: FloatArray
     endurance_h: FloatArray
     outlasts: BoolArray
+    altitude_m: FloatArray | None = None
 
     @property
     def longest_run_days(self) -> int:
@@ -315,8 +243,7 @@ class WeatherRun:
 
     def state_of_charge(self) -> FloatArray:
         """State of charge at the nodes [-], shape ``(day, node)``."""
-        energy = self.carried.energy_wh()[:, 0, :]
-        return np.asarray(energy.T / self.carried.store.battery_energy_wh[:, np.newaxis])
+        return np.asarray(self.energy_wh / self.store.battery_energy_wh[:, np.newaxis])
 
 
 @dataclass(frozen=True)
@@ -324,7 +251,8 @@ class WeatherPerformance:
     """An aircraft in a weather record and, beside it, under a clear sky in the same air.
 
     ``mission``: at the record's site and flight altitude. ``recorded``, ``clear``: in the record's
-    light, and under the clear sky.
+    light, and under the clear sky. ``constant``: in the record's light at the mission's altitude,
+    where that has climbs.
     """
 
     weather: Weather
@@ -334,6 +262,7 @@ class WeatherPerformance:
     light: RecordedLight
     recorded: WeatherRun
     clear: WeatherRun
+    constant: WeatherRun | None = None
 
     @property
     def air_of_days_c(self) -> FloatArray:
@@ -364,9 +293,13 @@ def weather_performance(
     days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
     design = design_of(aircraft, mission)
     parts = LoadInAir.of(aircraft, mission, design, days.ambient_c, days.wind_m_per_s)
-    skies = (days.light.recorded, days.light.clear)
-    recorded, clear = (days.flown(design, sky, parts) for sky in skies)
-    return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
+    recorded, clear = (days.flown(design, parts, clear=one) for one in (False, True))
+    constant: WeatherRun | None = None
+    if mission.climb is not None:
+        level = replace(days, mission=mission.model_copy(update={"climb": None}))
+        constant = level.flown(design, parts)
+    found = (weather, mission, design, solar, days.light, recorded, clear, constant)
+    return WeatherPerformance(*found)
 
 
 def _march_record(
@@ -381,12 +314,32 @@ def _march_record(
         axis=axis,
         solar_power_w=solar_w,
         load_w=load_w,
-        carried=carried,
+        store=store,
+        energy_wh=carried.energy_wh()[:, 0, :].T,
         dawn_h=dawns.hour,
         closes=carried.closes(dawns),
         dawn_state_of_charge=carried.energy_at_wh(dawns.hour) / energy_wh,
         endurance_h=hours,
         outlasts=outlasts,
+    )
+
+
+def _climbed_record(axis: DayAxis, days: ClimbingDays) -> WeatherRun:
+    days, flown = days.flown()
+    full_wh, levels = days.march.store.battery_energy_wh, days.march.levels
+    hours, outlasts = days.flight_hours(flown.dawn_h)
+    return WeatherRun(
+        axis=axis,
+        solar_power_w=flown.solar_power_w,
+        load_w=flown.load_w,
+        store=days.march.store,
+        energy_wh=flown.energy_wh,
+        dawn_h=flown.dawn_h,
+        closes=flown.closes,
+        dawn_state_of_charge=flown.dawn_wh / full_wh,
+        endurance_h=hours,
+        outlasts=outlasts,
+        altitude_m=levels.altitude_at(flown.potential_wh),
     )
 
 

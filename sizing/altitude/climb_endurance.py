@@ -18,11 +18,11 @@ import numpy as np
 from sizing.altitude.climb_chain import Place
 from sizing.altitude.climb_day import settled_day
 from sizing.altitude.climb_levels import FlightLevels
-from sizing.altitude.climb_march import March, Strategy
+from sizing.altitude.climb_march import March, Strategy, at_nodes
 from sizing.altitude.climb_run import Moves, Power, Stored
 from sizing.energy.battery import Store
 from sizing.energy.endurance import HOURS_PER_DAY, Course, Flights, FlownDay, Flying
-from sizing.energy.power_balance import PowerBalance, ramp_fraction
+from sizing.energy.power_balance import ramp_fraction
 from solar.types import BoolArray, FloatArray, IntArray
 
 _SHORT = 1e-12  # of the battery's energy: what lacks of a load that is met but for rounding
@@ -49,17 +49,14 @@ class ClimbFlights(Flights):
         cls, time_h: FloatArray, levels: FlightLevels, store: Store, strategy: Strategy
     ) -> ClimbFlights:
         """Flights of elements in the light and with the voltages of their repeated day."""
-        march = settled_day(March(time_h, levels, store, strategy, 1)).march
-        floor = march.at_floor
-        balance = PowerBalance.of(
-            march.node_h,
-            _at_nodes(floor.solar_w),
-            _at_nodes(floor.motor_w) + levels.constant_power_w[:, np.newaxis],
-        )
-        zero = np.zeros((1, march.count))
-        return cls(
-            balance, store, march, np.concatenate([zero, np.cumsum(balance.deficit_wh, axis=0)])
-        )
+        return cls.over(settled_day(March(time_h, levels, store, strategy, 1)).march)
+
+    @classmethod
+    def over(cls, march: March) -> ClimbFlights:
+        """Flights on the days of a march from node to node."""
+        balance, zero = march.floor_balance(), np.zeros((1, march.count))
+        deficit_wh = np.concatenate([zero, np.cumsum(balance.deficit_wh, axis=0)])
+        return cls(balance, march.store, march, deficit_wh)
 
     def launched(self, cells: IntArray, launch_h: FloatArray) -> Flying:
         """Aircraft on the first day, in the state of the node at which their march begins.
@@ -86,12 +83,7 @@ class ClimbFlights(Flights):
 
     def flown_day(self, flying: Flying) -> FlownDay:
         """One more day of flights."""
-        march = self.march.select(flying.cell)
-        first = flying.before_launch.astype(int)
-        watch = _Watch(march, first)
-        stored = Stored(flying.energy_wh, flying.potential_wh)
-        end = march.end_of_day(stored, watch, first if first.any() else None)
-        return FlownDay(watch.end_h, *end, np.minimum(watch.lowest_wh, end.battery_wh))
+        return flown_day(self.march.select(flying.cell), flying)
 
     def course(self, cell: int, launch_h: float, hours: float) -> Course:
         """Flight of one element, as :meth:`sizing.performance.Performance.flight` returns it."""
@@ -105,7 +97,7 @@ class ClimbFlights(Flights):
             stored = march.end_of_day(stored, run, first)
             load = run.motor_wh / march.hours + march.levels.constant_power_w
             columns = (
-                _at_nodes(run.power.solar_w)[0],
+                at_nodes(run.power.solar_w)[0],
                 np.append(load[:, 0], load[-1, 0]),
                 run.energy_wh[:, 0] / march.store.battery_energy_wh[0],
                 march.levels.altitude_at(run.potential_wh.T)[0],
@@ -120,6 +112,15 @@ class ClimbFlights(Flights):
         charge[0] = 1.0  # at the node before it is more
         charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # it has come down
         return Course(clock_h, solar, load_w, charge, altitude_m)
+
+
+def flown_day(march: March, flying: Flying) -> FlownDay:
+    """One more day of flights, each an element of a march from node to node."""
+    first = flying.before_launch.astype(int)
+    watch = _Watch(march, first)
+    stored = Stored(flying.energy_wh, flying.potential_wh)
+    end = march.end_of_day(stored, watch, first if first.any() else None)
+    return FlownDay(watch.end_h, *end, np.minimum(watch.lowest_wh, end.battery_wh))
 
 
 class _Watch:
@@ -174,8 +175,3 @@ class _Watch:
         begin = np.where(power.early > 0.0, 0.0, power.sunlit_h)
         end = march.node_h[number] + begin + (hours - power.sunlit_h) * served
         self.end_h = np.where(which, end, self.end_h)
-
-
-def _at_nodes(power_w: FloatArray) -> FloatArray:
-    """Power at the nodes of the day, elements first, from that at both ends of every step."""
-    return np.concatenate([power_w[:, 0], power_w[-1:, 1]]).T

@@ -16,7 +16,7 @@ from sizing.altitude.climb_run import DayRun, Drawn, Moves, Power, Record, Store
 from sizing.energy.battery import Store
 from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.energy.cycle import FULL
-from sizing.energy.power_balance import crossing_fraction, positive_part_wh
+from sizing.energy.power_balance import PowerBalance, crossing_fraction, positive_part_wh
 from solar.types import BoolArray, FloatArray, IntArray
 
 Strategy = Literal["battery_full", "surplus"]
@@ -58,18 +58,9 @@ class March:
         self._per_ceiling, self._apart = _inverse(self.potential_max_wh), 2.0 * np.arange(count)
         self._thresholds = (at_wh[1:-1] * self._per_ceiling + self._apart).T.ravel()
         self._first = 2 * np.arange(count)
-        # Of every node: solar power at all levels, and turbulence.
-        light = np.moveaxis(levels.specific_power_w_per_m2, -1, 0)[:, :, levels.scenario]
-        for number in range(light.shape[1]):
-            factor = levels.cooling_factor(number)
-            if factor is not None:
-                light[:, number] *= factor.T
-        light = (light * levels.module_area_m2).transpose(0, 2, 1)
-        self.solar_at = light.reshape(len(light), -1)
-        steps = np.arange((len(light) - 1) * steps_per_node)
+        steps = np.arange((len(self.node_h) - 1) * steps_per_node)
         self._node, part = np.divmod(steps, steps_per_node)
         self._share = (part[:, np.newaxis] + np.arange(2))[..., np.newaxis] / steps_per_node
-        self.factor = self._ends(levels.turbulence_factor.T[:, levels.scenario])
         self.counts_as_full_wh = FULL * store.battery_energy_wh
         self.hours = np.repeat(np.diff(self.node_h) / steps_per_node, steps_per_node)[:, np.newaxis]
         self._hours = [np.array(hours) for hours in self.hours[:, 0]]
@@ -101,6 +92,23 @@ class March:
         """Steps of the same flights with other voltages, and with the nominal load by them."""
         given = (self.node_h, self.levels, self.store, self.strategy, self.steps_per_node)
         return March(*given, bus_v=bus_v, nominal_w=nominal_w)
+
+    @cached_property
+    def solar_at(self) -> FloatArray:
+        """Solar power of every node at all levels of each element [W]."""
+        levels = self.levels
+        light = np.moveaxis(levels.specific_power_w_per_m2, -1, 0)[:, :, levels.scenario]
+        for number in range(light.shape[1]):
+            factor = levels.cooling_factor(number)
+            if factor is not None:
+                light[:, number] *= factor.T
+        light = (light * levels.module_area_m2).transpose(0, 2, 1)
+        return np.asarray(light.reshape(len(light), -1))
+
+    @cached_property
+    def factor(self) -> FloatArray:
+        """Turbulence at both ends of every step: power over that in calm air [-]."""
+        return self._ends(self.levels.turbulence_factor.T[:, self.levels.scenario])
 
     @property
     def time_h(self) -> FloatArray:
@@ -170,6 +178,12 @@ class March:
         ends = np.arange(len(hours))[:, np.newaxis] + np.arange(2)
         motor_w = chain.power_w(row, volts.at(ends), self.factor)
         return self._balance(solar_w, motor_w, hours, chain.most_w(row, volts.at(slice(None, -1))))
+
+    def floor_balance(self) -> PowerBalance:
+        """Power of the whole day at the lowest altitude, at the nodes of its steps."""
+        solar_w, motor_w = (at_nodes(one) for one in (self.at_floor.solar_w, self.at_floor.motor_w))
+        constant_w = self.levels.constant_power_w[:, np.newaxis]
+        return PowerBalance.of(self.time_h, solar_w, motor_w + constant_w)
 
     @cached_property
     def floor_thrust_w(self) -> FloatArray:
@@ -385,6 +399,11 @@ def _phases(power: Power) -> _Phases:
         return _Phases(begins_short=True, has_surplus=False, ends_short=False)
     early = power.early > 0.0
     return _Phases(bool((short & early).any()), True, bool((short & ~early).any()))
+
+
+def at_nodes(values: FloatArray) -> FloatArray:
+    """Values at the nodes from those at both ends of every step, elements first."""
+    return np.concatenate([values[:, 0], values[-1:, 1]]).T
 
 
 def _inverse(rises_wh: FloatArray) -> FloatArray:

@@ -112,10 +112,7 @@ class CarriedDays:
 
     def closes(self, dawns: Dawns) -> BoolArray:
         """Whether each day's battery lasts from its dawn to the next day's, the last to its end."""
-        before, after = (empty.reshape(-1, self.days) for empty in self.runs_empty(dawns))
-        empty = after.copy()
-        empty[:, :-1] |= before[:, 1:]
-        return np.asarray(~empty.reshape(-1))
+        return closing_days(*self.runs_empty(dawns), self.days)
 
     def hour_at_level(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Hours after the start of their day at which the deficit reaches levels [h]."""
@@ -137,6 +134,17 @@ class CarriedDays:
         share = np.clip((hour - time[number]) / (time[number + 1] - time[number]), 0.0, 1.0)
         low, high = values[number, cells], values[number + 1, cells]
         return np.asarray(low + share * (high - low))
+
+
+def closing_days(before: BoolArray, after: BoolArray, days: int) -> BoolArray:
+    """Whether days close: from dawn to dawn, the last to its end, the battery is never empty.
+
+    ``before``, ``after``: whether it is empty before and after each day's dawn, elements ``day +
+    days * aircraft``.
+    """
+    empty = after.reshape(-1, days).copy()
+    empty[:, :-1] |= before.reshape(-1, days)[:, 1:]
+    return np.asarray(~empty.reshape(-1))
 
 
 def carried_over(
@@ -193,7 +201,7 @@ def _starts(store: Store, start_wh: FloatArray, end_wh: FloatArray) -> FloatArra
     starts = np.empty(end_wh.shape)
     starts[:, 0] = start_wh
     full = store.battery_energy_wh
-    starts[:, 1:] = end_wh[:, :-1] * _next_over_own(full, end_wh.shape[1])
+    starts[:, 1:] = end_wh[:, :-1] * next_over_own(full, end_wh.shape[1])
     return starts
 
 
@@ -202,7 +210,7 @@ def _march_open_days(
 ) -> None:
     """March the days whose end is not known yet, in place, always those that may be marched."""
     days = known.shape[1]
-    capacity = _next_over_own(store.battery_energy_wh, days)
+    capacity = next_over_own(store.battery_energy_wh, days)
     while not known.all():
         ready = known[:, :-1] & ~known[:, 1:]
         aircraft, number = np.nonzero(ready)
@@ -212,7 +220,7 @@ def _march_open_days(
         known[aircraft, number + 1] = True
 
 
-def _next_over_own(full_wh: FloatArray, days: int) -> FloatArray:
+def next_over_own(full_wh: FloatArray, days: int) -> FloatArray:
     """Energy at full charge of the next day's battery over that of each day's own [-].
 
     A battery that is colder the next day keeps its state of charge, not its energy. Shape
@@ -240,20 +248,17 @@ def flight_hours(
     """
     day, store, days = carried.day, carried.store, carried.days
     brief = day.without_nodes()
-    launched = np.arange(days)
     settled = settled_deficit_wh
     if settled is None:
         settled = carried.deficit_until_wh(launch_h)
     # A surplus before the launch is nobody's.
     ahead = carried.balance.time_h[brief.first + 1 :][: len(brief.hours), np.newaxis] > launch_h
     flown = replace(brief, surplus_wh=np.where(ahead, brief.surplus_wh, 0.0))
-    hours, outlasts = np.full(days, np.nan), np.zeros(days, bool)
-    flying, energy, now = launched.copy(), np.array(launch_wh, float), launched.copy()
+    launches = Launches(launch_h)
+    energy = np.array(launch_wh, float)
     eta = store.discharge_efficiency
-    capacity = _next_over_own(store.battery_energy_wh, days)[0]
-    follower = np.full(days, -1)
-    seen: dict[tuple[int, float], int] = {}
-    while len(flying):
+    capacity = np.append(next_over_own(store.battery_energy_wh, days)[0], 1.0)
+    while len(now := launches.now):
         some, its_store = flown.select_lit(now), store.select(now)
         least = -_SHORT * its_store.battery_energy_wh
         level = np.full(len(now), np.nan)
@@ -264,28 +269,56 @@ def flight_hours(
         midnight = some.midnight_wh(its_store, energy, settled)
         late = (midnight < least) & np.isnan(level)
         level[late] = (some.cumulative_deficit_wh[-1] + eta * midnight)[late]
-        ended = ~np.isnan(level)
+        ended, end_h = ~np.isnan(level), np.full(len(now), np.nan)
+        end_h[ended] = carried.hour_at_level(level[ended], now[ended])
+        energy = np.maximum(midnight, 0.0) * capacity[now]
+        energy = energy[launches.next_day(end_h, energy)]
+        flown, settled = brief, np.zeros(len(energy))
+    return launches.result()
+
+
+class Launches:
+    """Flights launched one on each day, which are flown on day by day, all at once.
+
+    ``launch_h``: launch after the start of each day [h]. ``now``: day of every flight that is to be
+    flown next; flights that have become equal share the rest of their way.
+    """
+
+    def __init__(self, launch_h: FloatArray) -> None:
+        self.launch_h, self.now = launch_h, np.arange(len(launch_h))
+        self._flying = self.now.copy()
+        self._hours, self._outlasts = np.full(len(self.now), np.nan), np.zeros(len(self.now), bool)
+        self._follower = np.full(len(self.now), -1)
+        self._seen: dict[tuple[float, ...], int] = {}
+
+    def next_day(self, end_h: FloatArray, *stored: FloatArray) -> IntArray:
+        """Go on to the next day.
+
+        ``end_h``: when each flight has ended, hours after the day's start [h]; NaN where it has
+        not. ``stored``: what is left at its end, alike for equal flights. Returns places of the
+        flights that go on.
+        """
+        days, flying, now, launch_h = len(self.launch_h), self._flying, self.now, self.launch_h
+        ended = ~np.isnan(end_h)
         at = flying[ended]
-        end_h = carried.hour_at_level(level[ended], now[ended])
-        hours[at] = (now[ended] - at) * 24.0 + end_h - launch_h[at]
-        last = ~ended & (now == days - 1)
-        hours[flying[last]] = (days - flying[last]) * 24.0 - launch_h[flying[last]]
-        outlasts[flying[last]] = True
-        flown = brief
-        goes_on = ~ended & ~last
-        flying, now = flying[goes_on], now[goes_on] + 1
-        energy = np.maximum(midnight[goes_on], 0.0) * capacity[now - 1]
-        settled = np.zeros(len(now))
-        # Flights that have become equal share the rest of their way.
-        keep = np.ones(len(flying), bool)
-        for i, key in enumerate(zip(now.tolist(), energy.tolist(), strict=True)):
-            if key in seen:
-                follower[flying[i]], keep[i] = seen[key], False
-            else:
-                seen[key] = int(flying[i])
-        flying, now, energy, settled = flying[keep], now[keep], energy[keep], settled[keep]
-    _follow(hours, outlasts, follower, launch_h)
-    return hours, outlasts
+        self._hours[at] = (now[ended] - at) * 24.0 + end_h[ended] - launch_h[at]
+        last = flying[~ended & (now == days - 1)]
+        self._hours[last], self._outlasts[last] = (days - last) * 24.0 - launch_h[last], True
+        places = np.flatnonzero(~ended & (now < days - 1))
+        keep = np.ones(len(places), bool)
+        keys = (now[places] + 1, *(one[places] for one in stored))
+        for i, key in enumerate(zip(*(one.tolist() for one in keys), strict=True)):
+            leader = self._seen.setdefault(key, int(flying[places[i]]))
+            if leader != flying[places[i]]:
+                self._follower[flying[places[i]]], keep[i] = leader, False
+        places = places[keep]
+        self._flying, self.now = flying[places], now[places] + 1
+        return places
+
+    def result(self) -> tuple[FloatArray, BoolArray]:
+        """Flight times [h], and whether they outlast the days: then up to the end of the last."""
+        _follow(self._hours, self._outlasts, self._follower, self.launch_h)
+        return self._hours, self._outlasts
 
 
 def _follow(

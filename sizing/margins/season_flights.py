@@ -6,7 +6,8 @@ load, and *storage*, energy of the battery over the load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
+from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import Design
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import carried_over, dawns_of
@@ -146,14 +148,15 @@ class Powers(NamedTuple):
 
     ``area_m2``: module area [m2]. ``level_w``, ``constant_w``: propulsion power of level flight on
     the record's days, ``(design, day)`` or one for all, and what draws power at all times [W].
-    ``battery_wh``: energy at full charge in the mission's
-    air [Wh].
+    ``battery_wh``: energy at full charge in the mission's air [Wh]. ``climbers``: designs between
+    floor and ceiling, an element each; None without climbs.
     """
 
     area_m2: FloatArray
     level_w: FloatArray
     constant_w: FloatArray
     battery_wh: FloatArray
+    climbers: FlightLevels | None = None
 
     @classmethod
     def of(cls, design: Design, days: WeatherDays) -> Powers:
@@ -163,24 +166,31 @@ class Powers(NamedTuple):
         batch = np.broadcast_shapes((len(level),), *(np.shape(np.atleast_1d(v)) for v in single))
         area, constant, battery = (np.array(np.broadcast_to(v, batch)) for v in single)
         level = np.array(np.broadcast_to(level, (*batch, level.shape[1])))
-        return cls(area, level, constant, battery)
+        return cls(area, level, constant, battery, days.climbers(design))
+
+    @classmethod
+    def joined(cls, several: Sequence[Powers]) -> Powers:
+        """Designs of several batches, one batch after the other."""
+        climbers = [one.climbers for one in several if one.climbers is not None]
+        area, level, constant, battery = map(
+            np.concatenate, zip(*(one[:4] for one in several), strict=True)
+        )
+        joined = FlightLevels.joined(climbers) if climbers else None
+        return cls(area, level, constant, battery, joined)
 
     def scaled(self, income: FloatArray, storage: FloatArray) -> Powers:
         """Designs with that many times the income and the storage of this single one.
 
         Returns at the same load.
         """
-        one = np.ones(len(income))
-        return Powers(
-            income * self.area_m2,
-            one[:, np.newaxis] * self.level_w,
-            one * self.constant_w,
-            storage * self.battery_wh,
-        )
+        every = self.select(np.zeros(len(income), int))
+        return every._replace(area_m2=income * self.area_m2, battery_wh=storage * self.battery_wh)
 
-    def select(self, some: slice) -> Powers:
+    def select(self, some: slice | IntArray) -> Powers:
         """Part of the designs."""
-        return Powers(*(values[some] for values in self))
+        climbers = None if self.climbers is None else self.climbers.select(some)
+        area, level, constant, battery = (values[some] for values in self[:4])
+        return Powers(area, level, constant, battery, climbers)
 
     @property
     def place(self) -> FloatArray:
@@ -202,13 +212,15 @@ class SeasonFlights:
     """Days of a record, and which of them are the season's.
 
     ``days``: of the whole record. ``kept``: days that are flown, in their order. ``counted``: which
-    of these are in the season. ``specific_w_per_m2``: solar power per module area [W/m2].
+    of these are in the season. ``specific_w_per_m2``: solar power per module area [W/m2];
+    ``aloft_w_per_m2``: the same at the levels of climbs, if the mission has them.
     """
 
     days: WeatherDays
     kept: IntArray
     counted: BoolArray
     specific_w_per_m2: FloatArray
+    aloft_w_per_m2: FloatArray | None = None
 
     @classmethod
     def of(
@@ -242,7 +254,8 @@ class SeasonFlights:
         if lead_days is not None:
             kept = np.flatnonzero(_near(season, lead_days))
         specific = days.specific_power_w_per_m2(days.light.recorded)
-        return cls(days, kept, season[kept], specific[kept])
+        aloft = None if mission.climb is None else days.aloft_w_per_m2()[:, kept]
+        return cls(days, kept, season[kept], specific[kept], aloft)
 
     def __len__(self) -> int:
         return int(np.count_nonzero(self.counted))
@@ -269,13 +282,19 @@ class SeasonFlights:
         def each(values: FloatArray) -> FloatArray:
             return values[:, np.newaxis, np.newaxis]
 
+        full = designs.battery_wh[:, np.newaxis] * days.capacity_ratio[some]
+        store = Store.of(days.aircraft.battery, full.reshape(-1))
+        climbers, aloft = designs.climbers, self.aloft_w_per_m2
+        if climbers is not None:
+            assert aloft is not None
+            climbers = replace(climbers, module_area_m2=designs.area_m2)
+            flown = days.climbing(climbers, store, aloft, some).flown()[1]
+            return np.asarray(flown.closes.reshape(count, -1)[:, self.counted])
         level = designs.level_w
         level = level if level.shape[1] == 1 else level[:, some]
         load = level[:, :, np.newaxis] * days.propulsion_ratio[some]
         load += each(designs.constant_w) + days.more_heater_w[some]
         power = each(designs.area_m2) * self.specific_w_per_m2
-        full = designs.battery_wh[:, np.newaxis] * days.capacity_ratio[some]
-        store = Store.of(days.aircraft.battery, full.reshape(-1))
         balance = PowerBalance.of(
             days.axis.time_h, power.reshape(-1, nodes), load.reshape(-1, nodes)
         )

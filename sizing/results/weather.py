@@ -399,8 +399,6 @@ def analyse_weather(
     done = weather_performance(aircraft, there, weather, solar)
     if mission.pessimistic_clearness < 1.0:
         notes = (*notes, "the mission's clearness plays no part: the clouds are the record's")
-    if mission.climb is not None:
-        notes = (*notes, "flown at constant altitude: the mission's climb plays no part")
     if mission.launch is not None:
         notes = (*notes, "launched at every dawn: the mission's launch plays no part")
     return WeatherAnalysis(aircraft, done, notes)

@@ -304,7 +304,6 @@ def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
 
 
 # Why a study cannot fly climbs.
-IN_WEATHER = "a weather record does not tell how high its clouds are"
 IN_WINDS = "the percentiles of the winds at several heights have none in common"
 OFFLINE = "its page has the light of one altitude"
 

@@ -103,8 +103,7 @@ def battery_map(
     closes = np.full((len(factors), len(flights)), -1, np.int8)
     powers = [Powers.of(one, flights.days) for one in designs if one is not None]
     if powers:
-        batch = Powers(*(np.concatenate(values) for values in zip(*powers, strict=True)))
-        closes[able] = flights.closes(batch)
+        closes[able] = flights.closes(Powers.joined(powers))
     axis = flights.days.axis
     dates = [month_and_day(int(day)) for day in axis.day_of_year[:-1]]
     place = np.array([2 * (month - 1) + (day > 15) for month, day in dates])  # 0 to 23

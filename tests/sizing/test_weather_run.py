@@ -291,7 +291,7 @@ def test_a_battery_in_a_record_has_the_temperature_of_each_day():
     mission = mission_at(record, air={"ambient_temperature_c": 25.0})
     new = weather_performance(AS2, mission, record, step_s=1800.0).recorded
     run = weather_performance(craft, mission, record, step_s=1800.0).recorded
-    full_wh = run.carried.store.battery_energy_wh / new.carried.store.battery_energy_wh
+    full_wh = run.store.battery_energy_wh / new.store.battery_energy_wh
     # Days are cut at solar midnight, at most an hour from that of the clock.
     assert full_wh == pytest.approx([1.0, 0.8, 0.75, 1.0], abs=0.02)
     assert np.all(full_wh <= 1.0)

@@ -23,12 +23,12 @@ def analyse(options: Analyse) -> None:
     if options.with_best_climb and case.mission.climb is None:
         raise click.UsageError("--best-climb needs mission.climb: climb: {ceiling_m: ...}")
     require_path(case)
+    require_climber(case)
     if options.weather_file is not None:
         from studies.cli.bodies.weather import analyse_in_weather
 
         analyse_in_weather(case, options, options.weather_file)
         return
-    require_climber(case)
     result = analysis.analyse(
         **case.arguments, days=options.days, with_best_climb=options.with_best_climb
     )

@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING
 
 from studies.cli.commands.map import Map
 from studies.cli.files import (
-    IN_WEATHER,
     Case,
     load,
     refuse_chosen_altitudes,
-    refuse_climb,
     require_climb_power,
     require_climber,
     require_parametric,
@@ -41,7 +39,6 @@ def map_(options: Map) -> None:
         require_climb_power(case)
         refuse_chosen_altitudes(case, "map --resize")
     if options.weather_file is not None:
-        refuse_climb(case, "map --weather", IN_WEATHER)
         from studies.cli.bodies.weather import map_in_weather
 
         map_in_weather(case, options, options.weather_file)

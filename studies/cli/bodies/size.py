@@ -84,7 +84,7 @@ def _refuse_unsizable(case: Case, options: Size) -> None:
     measured = "a measured aircraft cannot be sized; allowed: parametric"
     checks.require_parametric(case, measured)
     if options.weather_file is not None:
-        checks.refuse_climb(case, "size --weather", checks.IN_WEATHER)
+        checks.refuse_chosen_altitudes(case, "size --weather")
     checks.require_climb_power(case)
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)

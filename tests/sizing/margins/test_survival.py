@@ -113,7 +113,7 @@ def test_no_design_of_a_grid_is_better(objective, most):
     # The tolerance that the documentation states.
     better = np.flatnonzero(sound & (cost < best.result.objective_value * (1.0 - 0.003)))
     assert len(better) > 200
-    powers = Powers(*(values[better] for values in Powers.of(designs, flights.days)))
+    powers = Powers.of(designs, flights.days).select(better)
     assert flights.that_close(powers).max() < 27
 
 
