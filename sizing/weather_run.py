@@ -325,21 +325,23 @@ def _march_record(
 
 
 def _climbed_record(axis: DayAxis, days: ClimbingDays) -> WeatherRun:
-    days, flown = days.flown()
-    full_wh, levels = days.march.store.battery_energy_wh, days.march.levels
-    hours, outlasts = days.flight_hours(flown.dawn_h)
+    days = days.with_own_voltages()
+    flown, carried, store = days.courses(), days.carried, days.march.store
+    hours, outlasts = days.flight_hours(carried.dawn_h)
+    cells, dawn_h = np.arange(len(axis)), carried.dawn_h
+    dawn_wh = [np.interp(dawn_h[i], axis.time_h, flown.energy_wh[i]) for i in cells]
     return WeatherRun(
         axis=axis,
         solar_power_w=flown.solar_power_w,
         load_w=flown.load_w,
-        store=days.march.store,
+        store=store,
         energy_wh=flown.energy_wh,
-        dawn_h=flown.dawn_h,
-        closes=flown.closes,
-        dawn_state_of_charge=flown.dawn_wh / full_wh,
+        dawn_h=dawn_h,
+        closes=carried.closes,
+        dawn_state_of_charge=np.array(dawn_wh) / store.battery_energy_wh,
         endurance_h=hours,
         outlasts=outlasts,
-        altitude_m=levels.altitude_at(flown.potential_wh),
+        altitude_m=days.march.levels.altitude_at(flown.potential_wh),
     )
 
 

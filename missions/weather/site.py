@@ -62,10 +62,6 @@ def mission_at_site(
                 f"less than {THIN_AIR_FROM_M:g} m: the mission's climb.ceiling_m of "
                 f"{climb.ceiling_m:g} is not in that range",
             )
-        notes.append(
-            f"climbs from {altitude_m:g} to {climb.ceiling_m:g} m {climb.when}; the record's "
-            "clouds are taken to lie above the aircraft at every height"
-        )
     elsewhere = mission.climbing_from(altitude_m) if altitude_m != mission.altitude_m else mission
     moved = elsewhere.model_copy(
         update={
@@ -74,6 +70,10 @@ def mission_at_site(
             "launch": None,
         }
     )
+    if climb is not None:
+        notes.append(
+            f"{moved.climb_label}, with all of the record's clouds above the aircraft at any height"
+        )
     return moved, tuple(notes)
 
 

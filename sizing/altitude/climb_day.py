@@ -228,8 +228,8 @@ class Day:
         """
         levels, eta = self.march.levels, self.march.store.discharge_efficiency
         at = np.where(np.isnan(dawn_h), 0.0, dawn_h)
-        energy = at_times(self.time_h, self.energy, at) * eta
-        glide_h = levels.glide_h(at_times(self.time_h, self.potential, at))
+        energy = _at_times(self.time_h, self.energy, at) * eta
+        glide_h = levels.glide_h(_at_times(self.time_h, self.potential, at))
         for_avionics = levels.constant_power_w * glide_h
         with np.errstate(divide="ignore", invalid="ignore"):
             level_h = np.maximum(energy - for_avionics, 0.0) / self.march.nominal_w
@@ -248,7 +248,7 @@ class Day:
         assert chain is not None
         dawn_h = self._equal.morning_h
         at = np.where(np.isnan(dawn_h), 0.0, dawn_h)
-        charge = at_times(self.time_h, self.energy, at) / march.store.battery_energy_wh
+        charge = _at_times(self.time_h, self.energy, at) / march.store.battery_energy_wh
         volts = chain.places(chain.voltage_of(charge * CHARGE_SHARES[:, np.newaxis]))
         power_w = chain.power_w(march.row_at[march.floor], volts, levels.nominal_factor)
         return np.asarray(1.0 / np.mean(1.0 / (power_w + levels.constant_power_w), axis=0))
@@ -267,7 +267,7 @@ def _closed(power_w: FloatArray) -> FloatArray:
     return np.concatenate([power_w, power_w[:1]]).T.copy()
 
 
-def at_times(time_h: FloatArray, values: FloatArray, at_h: FloatArray) -> FloatArray:
+def _at_times(time_h: FloatArray, values: FloatArray, at_h: FloatArray) -> FloatArray:
     """Columns of a trajectory, each at its own time."""
     below = np.clip(np.searchsorted(time_h, at_h, side="right") - 1, 0, len(time_h) - 2)
     columns = np.arange(values.shape[1])

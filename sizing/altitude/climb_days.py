@@ -10,40 +10,48 @@ first ones of each row of them are marched. What is found is the march of one da
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from sizing.altitude.climb_day import ROUNDS, SETTLED_VOLTS, at_times
+from sizing.altitude.climb_chain import Place
+from sizing.altitude.climb_day import ROUNDS, SETTLED_VOLTS
 from sizing.altitude.climb_endurance import ClimbFlights, flown_day
 from sizing.altitude.climb_march import March, at_nodes
-from sizing.altitude.climb_run import DayRun, Stored
+from sizing.altitude.climb_run import Moves, Power, Stored
 from sizing.energy.carried_days import Launches, closing_days, dawns_of, next_over_own
 from sizing.energy.endurance import FlownDay, Flying
 from sizing.energy.march import ChargingDay
 from sizing.energy.power_balance import blocks
 from solar.types import BoolArray, FloatArray, IntArray
 
-_AT_ONCE = 512  # so that the arrays of the days stay near the processor
+_AT_ONCE = 2048  # so that the arrays of the days stay near the processor
 # Of the battery's energy: beginnings of a day that count as the same, and what lacks of a load that
 # is met but for rounding.
 _SAME, _SHORT = 1e-10, 1e-9
 
 
-class Flown(NamedTuple):
-    """What became of the days.
+class Carried(NamedTuple):
+    """What the days begin with, and what becomes of them; of every element.
 
-    ``dawn_h``: when the battery of level flight at the lowest altitude would be least, hours after
-    the day's start [h]; ``dawn_wh``: energy in the battery then [Wh]. ``closes``: whether a day,
-    begun at dawn with what is carried over, reaches the next dawn without an empty battery. At the
-    nodes of the days, ``(element, node)``: energy in the battery and of height [Wh], and power of
-    the modules and of all loads [W].
+    ``start``: at the beginning of the day. ``dawn_h``: when the battery of level flight at the
+    lowest altitude would be least, hours after the beginning [h]. ``closes``: whether a day, begun
+    at dawn with what is carried over, reaches the next dawn without an empty battery.
     """
 
+    start: Stored
     dawn_h: FloatArray
-    dawn_wh: FloatArray
     closes: BoolArray
+
+
+class Courses(NamedTuple):
+    """At the nodes of the days, ``(element, node)``.
+
+    Energy in the battery and of height [Wh], power of the modules and of all loads [W].
+    """
+
     energy_wh: FloatArray
     potential_wh: FloatArray
     solar_power_w: FloatArray
@@ -62,63 +70,50 @@ class ClimbingDays:
     days: int
     noon_h: FloatArray
 
-    def flown(self) -> tuple[ClimbingDays, Flown]:
-        """Days as they are flown, and the same with the voltages of their own charge."""
-        done, chain, now = self._flown(), self.march.levels.chain, self
-        if chain is None or not chain.follows_voltage:
-            return now, done
-        for _ in range(ROUNDS):
-            charge = done.energy_wh.T / now.march.store.battery_energy_wh
-            bus_v = chain.voltage_of(charge)
-            assert now.march.bus_v is not None
-            if np.all(np.abs(bus_v - now.march.bus_v) <= SETTLED_VOLTS * bus_v):
+    def with_own_voltages(self) -> ClimbingDays:
+        """Same days with the voltages of their own charge, where the propulsion follows them."""
+        days, chain = self, self.march.levels.chain
+        for _ in range(ROUNDS if chain is not None and chain.follows_voltage else 0):
+            assert chain is not None
+            march = days.march
+            assert march.bus_v is not None
+            bus_v = chain.voltage_of(days.courses().energy_wh.T / march.store.battery_energy_wh)
+            if np.all(np.abs(bus_v - march.bus_v) <= SETTLED_VOLTS * bus_v):
                 break
-            march = now.march.at_voltages(bus_v, now.march.nominal_w)
-            now = ClimbingDays(march, self.days, self.noon_h)
-            done = now._flown()
-        return now, done
+            days = replace(days, march=march.at_voltages(bus_v, march.nominal_w))
+        return days
 
-    def _flown(self) -> Flown:
-        start, store = self._starts(), self.march.store
+    def courses(self) -> Courses:
+        """All days step by step."""
         parts = []
         for cells in _blocks(np.arange(self.march.count)):
-            march, run = self._run(cells, start)
-            balance, own = march.floor_balance(), store.select(cells)
-            noon_h = self.noon_h[cells]
-            dawn_h = dawns_of(balance, ChargingDay.of(balance), own, noon_h).hour
-            short = run.unserved > _SHORT * own.battery_energy_wh
-            early = march.node_h[:-1, np.newaxis] < dawn_h
+            march = self.march.select(cells)
+            run = march.empty_run()
+            march.end_of_day(_of(self.carried.start, cells), run)
+            solar_w = at_nodes(run.power.solar_left_w, run.power.solar_right_w)
             load_w = run.motor_wh / march.hours + march.levels.constant_power_w
-            parts.append(
-                (
-                    *(dawn_h, at_times(march.node_h, run.energy_wh, dawn_h)),
-                    *(np.any(short & early, axis=0), np.any(short & ~early, axis=0)),
-                    *(run.energy_wh.T, run.potential_wh.T),
-                    at_nodes(run.power.solar_left_w, run.power.solar_right_w),
-                    at_nodes(load_w, load_w),
-                )
-            )
-        dawn_h, dawn_wh, before, after, *courses = map(np.concatenate, zip(*parts, strict=True))
-        return Flown(dawn_h, dawn_wh, closing_days(before, after, self.days), *courses)
+            nodes = run.energy_wh.T, run.potential_wh.T, solar_w, at_nodes(load_w, load_w)
+            parts.append(nodes)
+        return Courses(*map(np.concatenate, zip(*parts, strict=True)))
 
-    def _run(self, cells: IntArray, start: Stored) -> tuple[March, DayRun]:
-        """Some of the days from what each begins with, step by step."""
-        march = self.march.select(cells)
-        run = march.empty_run()
-        march.end_of_day(Stored(*(one[cells] for one in start)), run)
-        return march, run
-
-    def _starts(self) -> Stored:
-        """What every day begins with."""
+    @cached_property
+    def carried(self) -> Carried:
+        """What is carried over, and what becomes of the days."""
         full = self.march.store.battery_energy_wh
-        start = Stored(full.copy(), np.zeros(full.shape))
-        end = Stored(full.copy(), np.zeros(full.shape))
+        start, end = (Stored(full.copy(), np.zeros(full.shape)) for _ in range(2))
+        dawn_h, before, after = np.full(full.shape, np.nan), *np.zeros((2, full.size), bool)
         turn, count = np.ones(full.shape, bool), 2 * int(full.size)
         while turn.any():
             for cells in _blocks(np.flatnonzero(turn)):
-                begun = Stored(*(one[cells] for one in start))
-                found = self.march.select(cells).end_of_day(begun)
-                for whole, part in zip(end, found, strict=True):
+                march = self.march.select(cells)
+                if np.isnan(dawn_h[cells[0]]):
+                    dawn_h[cells] = _dawn_h(march, self.noon_h[cells])
+                watch = _Watch(march, dawn_h[cells])
+                for whole, part in zip(
+                    (*end, before, after),
+                    (*march.end_of_day(_of(start, cells), watch), watch.before, watch.after),
+                    strict=True,
+                ):
                     whole[cells] = part
             begins = self._next_day(end)
             apart = [np.abs(a - b) > _SAME * full for a, b in zip(begins, start, strict=True)]
@@ -128,7 +123,7 @@ class ClimbingDays:
             count = int(np.count_nonzero(turn))
             for own, one in zip(start, begins, strict=True):
                 own[turn] = one[turn]
-        return start
+        return Carried(start, dawn_h, closing_days(before, after, self.days))
 
     def _next_day(self, end: Stored) -> Stored:
         """What days begin with by the ends of those before: charge, not energy, and height."""
@@ -174,6 +169,44 @@ class ClimbingDays:
         """First day of flights, each launched on its own."""
         flights = ClimbFlights.over(self.march.select(cells))
         return flights.flown_day(flights.launched(np.arange(len(cells)), launch_h))
+
+
+class _Watch:
+    """Whether days lack energy before and after their dawn."""
+
+    def __init__(self, march: March, dawn_h: FloatArray) -> None:
+        self.early = march.node_h[:-1, np.newaxis] < dawn_h
+        self.least_wh = _SHORT * march.store.battery_energy_wh
+        self.before, self.after = np.zeros((2, march.count), bool)
+
+    def keep(self, number: int, moves: Moves, power: Power | None, place: Place | None) -> None:
+        """See what a step lacks."""
+        for drawn in (moves.first, moves.second):
+            if drawn is not None:
+                self._lacks(drawn.unserved_wh[np.newaxis], slice(number, number + 1))
+
+    def discharge(
+        self, steps: slice, stored: Stored, used_wh: FloatArray, eta: float | FloatArray
+    ) -> None:
+        """See what steps on the battery alone lack."""
+        self._lacks(used_wh - stored.battery_wh, steps)
+
+    def _lacks(self, lacking_wh: FloatArray, steps: slice) -> None:
+        short = lacking_wh > self.least_wh
+        if short[-1].any():
+            early = self.early[steps]
+            self.before |= np.any(short & early, axis=0)
+            self.after |= np.any(short & ~early, axis=0)
+
+
+def _dawn_h(march: March, noon_h: FloatArray) -> FloatArray:
+    """Dawns of level flight at the lowest altitude."""
+    balance = march.floor_balance()
+    return dawns_of(balance, ChargingDay.of(balance), march.store, noon_h).hour
+
+
+def _of(stored: Stored, cells: IntArray) -> Stored:
+    return Stored(*(one[cells] for one in stored))
 
 
 def _blocks(cells: IntArray) -> Iterator[IntArray]:

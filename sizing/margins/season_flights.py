@@ -288,8 +288,8 @@ class SeasonFlights:
         if climbers is not None:
             assert aloft is not None
             climbers = replace(climbers, module_area_m2=designs.area_m2)
-            flown = days.climbing(climbers, store, aloft, some).flown()[1]
-            return np.asarray(flown.closes.reshape(count, -1)[:, self.counted])
+            climbing = days.climbing(climbers, store, aloft, some).with_own_voltages()
+            return np.asarray(climbing.carried.closes.reshape(count, -1)[:, self.counted])
         level = designs.level_w
         level = level if level.shape[1] == 1 else level[:, some]
         load = level[:, :, np.newaxis] * days.propulsion_ratio[some]

@@ -144,11 +144,11 @@ def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) ->
 
 
 def record_check(mission: Mission, site_altitude_m: float) -> Check:
-    """Height of a flight above the site of the weather record that it goes through.
+    """Largest height of a flight above the site of the weather record that it goes through.
 
     ``site_altitude_m``: ground of the site above mean sea level [m].
     """
-    above_m = np.asarray(mission.altitude_m) - site_altitude_m
+    above_m = np.asarray(mission.climb_levels_m[-1]) - site_altitude_m
     return Check.of("height_above_record_m", "weather_record", above_m)
 
 

@@ -32,7 +32,7 @@ from sizing.validity.extrapolations import told
 from solar.types import IntArray
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
-from studies.output.gridded import dataset
+from studies.output.gridded import CLIMB, dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,6 +130,7 @@ def battery_map(
             "site": weather.site.label,
             "model": solar.model,
             "correction": solar.correction,
+            CLIMB: moved.climb_label,
             "notes": "; ".join([*notes, *(one.text for one in above), _LAST_NIGHT]),
         },
     )  # fmt: skip
@@ -211,7 +212,8 @@ def plot_battery_map(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     Figure
     """
     solar = SolarModel(data.attrs["model"], data.attrs["correction"])
-    title = f"{data.attrs['aircraft']} at {data.attrs['site']} ({solar.label})"
+    how = "; ".join(filter(None, (solar.label, data.attrs.get(CLIMB))))
+    title = f"{data.attrs['aircraft']} at {data.attrs['site']} ({how})"
     drawn, (axes,) = new_figure(1, 1, title=title, size_in=(8.0, 4.2), grid="", canvas=figure)
     mass = data["battery_mass"].to_numpy()
     half = np.diff(mass).mean() / 2.0 if len(mass) > 1 else 0.5 * mass[0]

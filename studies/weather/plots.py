@@ -50,7 +50,10 @@ def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figu
         2,
         canvas=figure,
         title=analysis.headline(),
-        notes=(analysis.performance.solar.label, extrapolation_caption(analysis.extrapolations)),
+        notes=(
+            *(analysis.performance.solar.label, analysis.mission.climb_label),
+            extrapolation_caption(analysis.extrapolations),
+        ),
         size_in=(9.0, 7.4),
         grid="",
         height_ratios=(1.5, 1.0),
