@@ -54,14 +54,12 @@ def mission_at_site(
         altitude_m = site.altitude_m + DEFAULT_HEIGHT_M
         notes.append(f"flown {DEFAULT_HEIGHT_M:.0f} m above the site, at {altitude_m:.0f} m")
     climb = mission.climb
-    if climb is not None:
-        if not altitude_m <= climb.ceiling_m < THIN_AIR_FROM_M:
-            raise file_error(
-                weather.source,
-                f"a flight through a record is between its lowest altitude of {altitude_m:g} m and "
-                f"less than {THIN_AIR_FROM_M:g} m: the mission's climb.ceiling_m of "
-                f"{climb.ceiling_m:g} is not in that range",
-            )
+    if climb is not None and not altitude_m <= climb.ceiling_m < THIN_AIR_FROM_M:
+        raise file_error(
+            weather.source,
+            f"flights through a record are from {altitude_m:g} m to below {THIN_AIR_FROM_M:g} "
+            f"m here: the mission's climb.ceiling_m of {climb.ceiling_m:g} is not",
+        )
     elsewhere = mission.climbing_from(altitude_m) if altitude_m != mission.altitude_m else mission
     moved = elsewhere.model_copy(
         update={

@@ -121,7 +121,7 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
         assert run.load_w[day, node] == pytest.approx(expected, rel=2e-4)
     # With the efficiency of each airspeed alone it would be up to 3 % off.
     days = WeatherDays.of(twin, mission, replace(record, temperature_c=air_c))
-    constant = days.flown(design, days.light.recorded, None)
+    constant = days.flown(design, None)
     assert np.abs(constant.load_w / run.load_w - 1.0).max() > 0.02
 
 

@@ -173,8 +173,6 @@ def test_columns_without_climb_stay_as_they_are(run: Run, tmp_path: Path) -> Non
     ("command", "options", "why"),
     [
         ("station", [], "winds at several heights have none in common"),
-        ("map --weather", ["--weather", "any.csv"], "not tell how high its clouds are"),
-        ("size --weather", ["--weather", "any.csv", "--survive", "0.9"], "how high its clouds are"),
         ("explore --static", ["--static", "page.html"], "its page has the light of one altitude"),
     ],
 )

@@ -15,9 +15,11 @@ def record(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
+@pytest.mark.parametrize("climb", ["null", "{ceiling_m: 3491}"])
+def test_a_season_is_sized_for_told_and_written(run, record, tmp_path, climb):
     folder = tmp_path / "sized"
-    call = ("size", DESIGN, *JULY, "--weather", record, "--survive", "1", "--out", str(folder))
+    call = ("size", DESIGN, *JULY, "--set", f"mission.climb={climb}", "--weather", record)
+    call = (*call, "--survive", "1", "--out", str(folder))
     done = run(*call)
     assert done.code == 0
     assert "in the weather of Somewhere" in " ".join(done.out.split())
@@ -28,6 +30,11 @@ def test_a_season_is_sized_for_told_and_written(run, record, tmp_path):
     # The folder stands for the design at the record's site.
     again = run("analyse", str(folder), "--weather", record, "--json").json()
     assert again["weather"]["days_that_close"] >= 3
+    climbs = again["weather"]["climb"]
+    assert (climbs is None) == (climb == "null")
+    if climbs is not None:
+        # Sized for its climbs it needs them.
+        assert climbs["constant_altitude_days_that_close"] < again["weather"]["days_that_close"]
     assert again["total_mass_kg"] == pytest.approx(written["total_mass_kg"], rel=1e-6)
 
 
@@ -59,6 +66,15 @@ def test_mistakes_end_with_two_and_one_line(run, options, message):
     assert done.code == 2
     assert message in " ".join(done.err.split())
     assert "Traceback" not in done.err
+
+
+def test_altitudes_are_not_chosen_in_a_record(run, record):
+    space = "{ceiling_m: {minimum: 2000, maximum: 4000}}"
+    climb = ("--set", f"mission.climb={{ceiling_m: 3000, design_space: {space}}}")
+    done = run("size", DESIGN, *JULY, *climb, "--weather", record, "--survive", "0.5")
+    assert done.code == 2
+    assert "size alone chooses altitudes, size --weather keeps them" in done.err
+    assert len(done.err.strip().splitlines()) == 1
 
 
 def test_a_record_without_a_day_of_the_season(run, record):
