@@ -151,7 +151,7 @@ def test_a_battery_of_one_voltage_has_one_march(monkeypatch: pytest.MonkeyPatch)
         update={"state_of_charge": (0.0, 1.0), "cell_voltage_v": (3.6, 3.6)}
     )
     own = TWIN.model_copy(update={"battery": TWIN.battery.model_copy(update={"voltage": flat})})
-    monkeypatch.setattr("sizing.altitude.climb_day._ROUNDS", 0)
+    monkeypatch.setattr("sizing.altitude.climb_day.ROUNDS", 0)
     found = climb_performance(own, HIGH)
     levels = flight_levels(own, HIGH, design_of(own, HIGH), solar_day(own, HIGH))
     assert levels.chain is not None
