@@ -13,6 +13,7 @@ from sizing.aircraft import Aircraft
 from sizing.module_power import flown_modules, own_surroundings, specific_power
 from sizing.sunlight import SolarModel, Sunlight
 from solar.clearsky import Irradiance
+from solar.heat_balance import Surroundings
 from solar.horizontal_models import HORIZONTAL_MODELS, in_surroundings
 from solar.names import ATTITUDE_MODELS
 from solar.types import FloatArray
@@ -55,17 +56,21 @@ class Lit(NamedTuple):
 
 
 def power_in_light(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel, sunlit: Lit
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    sunlit: Lit,
+    around: Surroundings | None,
 ) -> FloatArray:
     """Specific power in given light, such as a weather record's, corrected.
 
     The mission's own clearness plays no part; its margin of the model's error does.
 
     ``aircraft``, ``mission``, ``solar``: as for :func:`solar_day`; the mission has a single
-    latitude. Returns electric power per area of module [W/m2].
+    latitude. ``around``: what heats and cools the modules; none: as told. Returns electric power
+    per area of module [W/m2].
     """
     _check_one_wind(mission, solar)
-    around = own_surroundings(aircraft, mission)
     if solar.model in ATTITUDE_MODELS:
         power = mean_power_on_path(
             solar.model,

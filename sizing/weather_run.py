@@ -10,6 +10,7 @@ keeps its state of charge over night.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -29,11 +30,14 @@ from sizing.energy.carried_days import carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
 from sizing.held_station import power_against_wind_w
 from sizing.mass_budget import design_of
+from sizing.module_power import FLOWS, Cooling, own_surroundings, surroundings
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel
 from sizing.sunlight_at_instants import Lit, power_in_light
 from sizing.varying_load import by_own_charge, load_shape
-from sizing.weather_days import DayAxis, LoadInAir
+from sizing.weather_days import Aloft, DayAxis, LoadInAir, own_flow
 from solar.clearsky import Irradiance
+from solar.heat_balance import Surroundings
+from solar.names import ATTITUDE_MODELS
 from solar.sun import HOURS_PER_DAY, declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -95,27 +99,48 @@ class WeatherDays:
 
     def specific_power_w_per_m2(self, sky: Irradiance) -> FloatArray:
         """Solar power per module area under a sky along the record [W/m2], ``(day, node)``."""
+        return self._power_w_per_m2(sky, own_surroundings(self.aircraft, self.mission))
+
+    def _power_w_per_m2(self, sky: Irradiance, around: Surroundings | None) -> FloatArray:
         light = self.light
         sunlit = Lit(
             *(light.day_of_year, light.time_solar_h, light.cos_zenith, sky),
             *(self.ambient_c, self.module_c),
         )
-        power = power_in_light(self.aircraft, self.mission, self.solar, sunlit)
+        power = power_in_light(self.aircraft, self.mission, self.solar, sunlit, around)
         return np.asarray(power[self.axis.nodes])
 
-    def aloft_w_per_m2(self, *, clear: bool = False) -> FloatArray:
-        """The same in the record's light, or a clear sky's, at the levels of the mission's climbs.
+    def aloft(self, *, clear: bool = False, of_designs: bool = False) -> Aloft:
+        """Light of the record, or of a clear sky, at the levels of the mission's climbs.
 
         The record is carried to each level as to the lowest, so that all of its clouds are above
-        the aircraft at any height. Returns an array of shape ``(level, day, node)`` [W/m2].
+        the aircraft at any height. ``of_designs``: with the flow of other designs than the file's.
         """
-        levels = []
+        powers, cooling = [], []
         for level_m in self.mission.climb_levels_m:
             there, step_s = self.mission.at_altitude(level_m), SECONDS_PER_HOUR * self.light.step_h
             high = WeatherDays.of(self.aircraft, there, self.weather, self.solar, step_s=step_s)
             sky = high.light.clear if clear else high.light.recorded
-            levels.append(high.specific_power_w_per_m2(sky))
-        return np.stack(levels)
+            powers.append(high.specific_power_w_per_m2(sky))
+            cooling.append(high._cooling(sky) if of_designs else None)
+        return Aloft(np.stack(powers), tuple(cooling))
+
+    def _cooling(self, sky: Irradiance) -> Cooling | None:
+        """How the power changes with the flow; of VM and FM as that of CAM, relative to it."""
+        flow = own_flow(self.aircraft, self.mission)
+        if flow is None:
+            return None
+        model = "CAM" if self.solar.model in ATTITUDE_MODELS else self.solar.model
+        flat = replace(self, solar=replace(self.solar, model=model))
+        around = [surroundings(self.mission, part * flow.convection) for part in FLOWS]
+        cold, *powers = (flat._power_w_per_m2(sky, one) for one in (None, *around))
+        return Cooling.through(cold, powers, flow.convection, flow.transition_reynolds)
+
+    @cached_property
+    def _flows(self) -> tuple[Cooling | None, ...]:
+        """Flow of the aircraft's file at the levels of the mission's climbs."""
+        levels = map(self.mission.at_altitude, self.mission.climb_levels_m)
+        return tuple(own_flow(self.aircraft, there) for there in levels)
 
     def climbers(self, design: Design) -> FlightLevels | None:
         """Designs between floor and ceiling, an element each, without any light; None without."""
@@ -124,14 +149,14 @@ class WeatherDays:
         where = Scenarios(np.array(self.mission.latitudes()[:1]), np.ones(1, int))
         none, time_h = np.zeros(1), self.axis.time_h
         aloft = np.zeros((len(self.mission.climb_levels_m), 1, len(time_h)))
-        day = SolarDay(where, time_h, aloft[0], none, none, aloft_w_per_m2=aloft)
+        day = SolarDay(where, time_h, aloft[0], none, none, None, aloft, self._flows)
         return flight_levels(self.aircraft, self.mission, design, day)
 
     def climbing(
         self,
         climbers: FlightLevels,
         store: Store,
-        aloft_w_per_m2: FloatArray,
+        aloft: Aloft,
         some: IntArray | None = None,
         load: FloatArray | None = None,
     ) -> ClimbingDays:
@@ -149,7 +174,8 @@ class WeatherDays:
         heater_w = np.tile(self.more_heater_w[some, 0], count)
         levels = replace(
             each,
-            specific_power_w_per_m2=aloft_w_per_m2,
+            specific_power_w_per_m2=aloft.power_w_per_m2,
+            cooling=aloft.cooling,
             scenario=np.tile(np.arange(len(some)), count),
             turbulence_factor=self.propulsion_ratio[some] if load is None else load,
             constant_power_w=each.constant_power_w + heater_w,
@@ -163,7 +189,7 @@ class WeatherDays:
         store, climbers = self.store(design.battery_energy_wh), self.climbers(design)
         if climbers is not None:
             load = None if parts is None else self._equal_load(climbers, parts)
-            aloft = self.aloft_w_per_m2(clear=clear)
+            aloft = self.aloft(clear=clear)
             return _climbed_record(self.axis, self.climbing(climbers, store, aloft, load=load))
         sky = self.light.clear if clear else self.light.recorded
         solar_w = self.aircraft.modules.area_m2 * self.specific_power_w_per_m2(sky)

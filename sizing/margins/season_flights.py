@@ -24,6 +24,7 @@ from sizing.energy.carried_days import carried_over, dawns_of
 from sizing.energy.power_balance import PowerBalance
 from sizing.optimisation.result import SizingStatus
 from sizing.sunlight import SolarModel
+from sizing.weather_days import Aloft
 from sizing.weather_run import WeatherDays
 from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
@@ -213,14 +214,14 @@ class SeasonFlights:
 
     ``days``: of the whole record. ``kept``: days that are flown, in their order. ``counted``: which
     of these are in the season. ``specific_w_per_m2``: solar power per module area [W/m2];
-    ``aloft_w_per_m2``: the same at the levels of climbs, if the mission has them.
+    ``aloft``: the same at the levels of climbs, if the mission has them.
     """
 
     days: WeatherDays
     kept: IntArray
     counted: BoolArray
     specific_w_per_m2: FloatArray
-    aloft_w_per_m2: FloatArray | None = None
+    aloft: Aloft | None = None
 
     @classmethod
     def of(
@@ -254,7 +255,7 @@ class SeasonFlights:
         if lead_days is not None:
             kept = np.flatnonzero(_near(season, lead_days))
         specific = days.specific_power_w_per_m2(days.light.recorded)
-        aloft = None if mission.climb is None else days.aloft_w_per_m2()[:, kept]
+        aloft = None if mission.climb is None else days.aloft(of_designs=True).select(kept)
         return cls(days, kept, season[kept], specific[kept], aloft)
 
     def __len__(self) -> int:
@@ -284,7 +285,7 @@ class SeasonFlights:
 
         full = designs.battery_wh[:, np.newaxis] * days.capacity_ratio[some]
         store = Store.of(days.aircraft.battery, full.reshape(-1))
-        climbers, aloft = designs.climbers, self.aloft_w_per_m2
+        climbers, aloft = designs.climbers, self.aloft
         if climbers is not None:
             assert aloft is not None
             climbers = replace(climbers, module_area_m2=designs.area_m2)

@@ -75,7 +75,7 @@ def days_of(aircraft, climb_m, strategy="surplus"):
     days = WeatherDays.of(aircraft, mission, RECORD, step_s=STEP_S)
     design = design_of(aircraft, mission)
     store = days.store(design.battery_energy_wh)
-    return days.climbing(days.climbers(design), store, days.aloft_w_per_m2())
+    return days.climbing(days.climbers(design), store, days.aloft())
 
 
 @pytest.mark.parametrize("strategy", ["surplus", "battery_full"])

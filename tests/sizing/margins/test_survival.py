@@ -53,7 +53,7 @@ RECORD = clouded()
 
 def climbing(strategy):
     dates = {"from": "06-10", "to": "07-09"}
-    climb = {"ceiling_m": 3500.0, "strategy": strategy}
+    climb = {"ceiling_m": 5000.0, "strategy": strategy}
     return load_mission("rafz-july", PLACE | {"dates": dates, "climb": climb})
 
 
