@@ -22,7 +22,7 @@ def mission_at_site(
 
     ``mission``: with its latitude or latitudes, and its flight altitude. ``chosen``: whether
     somebody chose this mission; a default one follows the record anywhere. Returns at the site,
-    without launch.
+    without launch; climbs keep their ceiling.
     """
     site, notes = weather.site, []
     away_km = _distance_km(mission, weather)

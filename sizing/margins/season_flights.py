@@ -289,7 +289,10 @@ class SeasonFlights:
         if climbers is not None:
             assert aloft is not None
             climbers = replace(climbers, module_area_m2=designs.area_m2)
-            climbing = days.climbing(climbers, store, aloft, some).with_own_voltages()
+            climbing = days.climbing(climbers, store, aloft, some)
+            if len(some) == len(days.axis):
+                # What counts; a search flies its part of the record by a half charged battery.
+                climbing = climbing.with_own_voltages()
             return np.asarray(climbing.carried.closes.reshape(count, -1)[:, self.counted])
         level = designs.level_w
         level = level if level.shape[1] == 1 else level[:, some]

@@ -51,9 +51,12 @@ def _wide_nodes():
 RECORD = clouded()
 
 
-def climbing(strategy):
+def climbing(strategy, lowest_ceiling_m=None):
     dates = {"from": "06-10", "to": "07-09"}
     climb = {"ceiling_m": 5000.0, "strategy": strategy}
+    if lowest_ceiling_m is not None:
+        chosen = {"minimum": lowest_ceiling_m, "maximum": 6000.0}
+        climb["design_space"] = {"ceiling_m": chosen}
     return load_mission("rafz-july", PLACE | {"dates": dates, "climb": climb})
 
 
@@ -294,6 +297,7 @@ def test_requirement_and_clearness_of_the_mission_are_told_to_play_no_part(most)
         ({"objective": "max_excess_time"}, ValueError, "that of a repeated clear day"),
         ({"objective": "longest_season"}, ValueError, "counts days or degrees"),
         ({"aircraft": load_aircraft("atlantiksolar-as2")}, TypeError, "measured aircraft"),
+        ({"mission": climbing("surplus", 4000.0)}, ValueError, "a record keeps its altitudes"),
         (
             {"mission": load_mission("rafz-july", PLACE | {"dates": {"on": "01-01"}})},
             InputError,
