@@ -90,9 +90,14 @@ class ClimbingDays:
             march = self.march.select(cells)
             run = march.empty_run()
             march.end_of_day(_of(self.carried.start, cells), run)
-            solar_w = at_nodes(run.power.solar_left_w, run.power.solar_right_w)
+            solar_w = at_nodes(run.power.solar_w)
             load_w = run.motor_wh / march.hours + march.levels.constant_power_w
-            nodes = run.energy_wh.T, run.potential_wh.T, solar_w, at_nodes(load_w, load_w)
+            nodes = (
+                run.energy_wh.T,
+                run.potential_wh.T,
+                solar_w,
+                np.concatenate([load_w, load_w[-1:]]).T,
+            )
             parts.append(nodes)
         return Courses(*map(np.concatenate, zip(*parts, strict=True)))
 
