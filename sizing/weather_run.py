@@ -126,7 +126,7 @@ class WeatherDays:
         return Aloft(np.stack(powers), tuple(cooling))
 
     def _cooling(self, sky: Irradiance) -> Cooling | None:
-        """How the power changes with the flow; of VM and FM as that of CAM, relative to it."""
+        """How the power changes with the flow; of VM and FM in the proportions of CAM."""
         flow = own_flow(self.aircraft, self.mission)
         if flow is None:
             return None
@@ -134,7 +134,11 @@ class WeatherDays:
         flat = replace(self, solar=replace(self.solar, model=model))
         around = [surroundings(self.mission, part * flow.convection) for part in FLOWS]
         cold, *powers = (flat._power_w_per_m2(sky, one) for one in (None, *around))
-        return Cooling.through(cold, powers, flow.convection, flow.transition_reynolds)
+        found = Cooling.through(cold, powers, flow.convection, flow.transition_reynolds)
+        if model == self.solar.model:
+            return found
+        own, faster = (self._power_w_per_m2(sky, one) for one in around[1:])
+        return found.scaled_to(faster / np.where(own > 0.0, own, np.inf))
 
     @cached_property
     def _flows(self) -> tuple[Cooling | None, ...]:
