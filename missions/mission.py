@@ -452,9 +452,7 @@ class Mission(FileRecord):
                     f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s), not both: "
                     "wind_m_per_s: 0 leaves it to wind, wind: null to the constant one"
                 )
-            floors = None if self.climb is None else self.climb.design_space.minimum_altitude_m
-            ends = () if floors is None else (floors.minimum, floors.maximum)
-            for altitude_m in (self.altitude_m, *ends):
+            for altitude_m in self._altitudes_in_wind_m():
                 self.model_copy(update={"altitude_m": altitude_m}).scenario_winds_m_per_s()
             if given.hold_station and (self.launch is not None or self.climb is not None):
                 raise ValueError(
@@ -473,6 +471,22 @@ class Mission(FileRecord):
         except ValueError as error:
             raise wrong_value("wind", str(error)) from error
         return self
+
+    def _altitudes_in_wind_m(self) -> list[float]:
+        """Altitudes whose wind must be known: those of flight, and the ends of those to choose.
+
+        Above the floor the wind plays a part on a flight path.
+        """
+        found = [self.altitude_m]
+        if self.climb is not None:
+            space = self.climb.design_space
+            ranges = [space.minimum_altitude_m]
+            if self.flight_path is not None:
+                found.append(self.climb.ceiling_m)
+                ranges.append(space.ceiling_m)
+            for one in ranges:
+                found += [] if one is None else [one.minimum, one.maximum]
+        return found
 
     @property
     def pessimistic_clearness(self) -> float:
@@ -512,8 +526,17 @@ class Mission(FileRecord):
 
     @property
     def wind(self) -> Wind:
-        """Steady wind that the flight path is flown in: the strongest of all scenarios."""
-        return Wind(speed_m_per_s=self.strongest_wind_m_per_s, from_deg=self.wind_from_deg)
+        """Steady wind that the flight path is flown in: the strongest of scenarios and heights."""
+        speed = self.wind_m_per_s
+        if self.wind_statistics is not None:
+            speed = _plain_number(self.winds_on_path_m_per_s(self.scenarios()).max(axis=0))
+        return Wind(speed_m_per_s=speed, from_deg=self.wind_from_deg)
+
+    def winds_on_path_m_per_s(self, scenarios: Scenarios) -> FloatArray:
+        """Strongest wind of each scenario at the heights of flight [m/s]."""
+        higher = [self.at_altitude(level_m) for level_m in self.climb_levels_m[1:]]
+        winds = [one.scenario_winds_m_per_s(scenarios) for one in (self, *higher)]
+        return np.asarray(np.max(winds, axis=0))
 
     @property
     def strongest_wind_m_per_s(self) -> float:
@@ -549,7 +572,7 @@ class Mission(FileRecord):
         path = self.flight_path
         if path is None or self.wind_statistics is None:
             return np.ones(len(scenarios), bool)
-        winds = self.scenario_winds_m_per_s(scenarios).tolist()
+        winds = self.winds_on_path_m_per_s(scenarios).tolist()
         return np.array([path_trouble(path, self.in_wind(wind).wind) is None for wind in winds])
 
     def wind_to_beat_m_per_s(self, wind_m_per_s: FloatArray | float) -> FloatArray | float:

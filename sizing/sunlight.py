@@ -318,9 +318,13 @@ class Sunlight:
     @cached_property
     def _levels(self) -> list[Sunlight]:
         """Sunlight of the same scenarios at the higher levels of the climbs."""
-        higher = (self.mission.at_altitude(level_m) for level_m in self.mission.climb_levels_m[1:])
-        craft, scenarios, step_h = self.aircraft, self.scenarios, float(self.time_h[1])
-        return [Sunlight(craft, m, scenarios, step_h=step_h, lowest=self) for m in higher]
+        higher = self.mission.climb_levels_m[1:]
+        return [self._sunlight_at(self.mission.at_altitude(level_m)) for level_m in higher]
+
+    def _sunlight_at(self, there: Mission) -> Sunlight:
+        """Sunlight of the same scenarios at another altitude."""
+        step_h = float(self.time_h[1])
+        return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h, lowest=self)
 
 
 def solar_day(

@@ -97,7 +97,7 @@ def _beside_windy_cells(
     """Columns of all cells, from those whose wind the flight path can be held in."""
     path = mission.flight_path
     assert path is not None
-    winds, limit = mission.scenario_winds_m_per_s(scenarios), largest_wind_m_per_s(path)
+    winds, limit = mission.winds_on_path_m_per_s(scenarios), largest_wind_m_per_s(path)
     columns: dict[str, Any] = {}
     for name, blank in BLANKS.items():
         columns[name] = np.full(len(able), blank, object if isinstance(blank, str) else None)

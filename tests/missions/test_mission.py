@@ -371,6 +371,16 @@ def test_null_altitude_leaves_it_to_the_floor() -> None:
         mission(altitude_m=None)
 
 
+def test_a_flight_path_is_flown_in_the_winds_of_all_heights() -> None:
+    where = {"latitude_deg": 40.0, "altitude_m": 20000.0, "wind": {"percentile": 95}}
+    path = {"kind": "circle", "radius_m": 1000.0, "airspeed_m_per_s": 16.0}
+    there = mission(**where, climb={"ceiling_m": 26000.0}, flight_path=path)
+    aloft = there.at_altitude(26000.0).strongest_wind_m_per_s
+    assert there.strongest_wind_m_per_s < 16.0 < aloft == pytest.approx(there.wind.speed_m_per_s)
+    assert not there.keeps_path(there.scenarios()).any()
+    assert mission(**where, flight_path=path).keeps_path(there.scenarios()).all()
+
+
 def test_aircraft_that_holds_its_place_does_not_climb() -> None:
     wind = {"percentile": 50, "hold_station": True}
     with pytest.raises(ValidationError, match=r"give wind\.hold_station or climb, not both"):

@@ -164,3 +164,16 @@ def test_days_on_which_the_wind_is_too_strong_for_the_path_are_not_flown() -> No
         assert not flags[model][windy].any()
         # 21 June is flown by every model.
         assert flags[model][171]
+
+
+def test_days_with_a_wind_aloft_too_strong_for_the_path_are_not_flown() -> None:
+    path = Circle(kind="circle", radius_m=1000.0, airspeed_m_per_s=18.0)
+    plain = load_mission("stratosphere-mission").model_dump(by_alias=True, exclude_none=True)
+    windy = plain | {"climb": {"ceiling_m": 26000.0}, "flight_path": path}
+    there = Mission.model_validate(windy)
+    aircraft, models = load_aircraft("stratosphere-design"), [SolarModel("VM")]
+    flown = np.flatnonzero(perpetual_flags(aircraft, there, 40.0, models)[models[0]]) + 1
+    days = Scenarios(np.full(365, 40.0), np.arange(1, 366))
+    able = np.arange(1, 366)[there.keeps_path(days)]
+    assert set(flown) <= set(able)
+    assert there.at_altitude(20000.0).keeps_path(days).sum() > len(able) > 0
