@@ -380,12 +380,6 @@ class Mission(FileRecord):
                 f"{self.climb.ceiling_m:g})",
             )
         self._check_altitude_space(self.climb)
-        if self.holds_station:
-            raise wrong_value(
-                "climb",
-                "an aircraft that holds its place keeps its altitude: give "
-                "wind.hold_station or climb, not both",
-            )
         if self.launch is not None:
             raise wrong_value(
                 "climb", "a replayed flight keeps its altitude: give launch or climb, not both"
@@ -454,10 +448,9 @@ class Mission(FileRecord):
                 )
             for altitude_m in self._altitudes_in_wind_m():
                 self.model_copy(update={"altitude_m": altitude_m}).scenario_winds_m_per_s()
-            if given.hold_station and (self.launch is not None or self.climb is not None):
+            if given.hold_station and self.launch is not None:
                 raise ValueError(
-                    "hold_station keeps an altitude in the wind of a month: give it "
-                    "without launch and climb"
+                    "hold_station holds a place in the wind of a month: give it without launch"
                 )
         except InputError as error:
             first = error.problems[0]
@@ -475,13 +468,13 @@ class Mission(FileRecord):
     def _altitudes_in_wind_m(self) -> list[float]:
         """Altitudes whose wind must be known: those of flight, and the ends of those to choose.
 
-        Above the floor the wind plays a part on a flight path.
+        Above the floor the wind plays a part where the place is held, and on a flight path.
         """
         found = [self.altitude_m]
         if self.climb is not None:
             space = self.climb.design_space
             ranges = [space.minimum_altitude_m]
-            if self.flight_path is not None:
+            if self.holds_station or self.flight_path is not None:
                 found.append(self.climb.ceiling_m)
                 ranges.append(space.ceiling_m)
             for one in ranges:

@@ -11,9 +11,8 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import Design, FlightConditions, level_flight
-from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 POWER_AGAINST_WIND = "power_against_wind"  # requirement of a scenario
 _ROUNDING = 1e-6  # of the rated power: what the solver of a sizing leaves
@@ -50,30 +49,45 @@ def flight_against_wind(
     aircraft: Aircraft, mission: Mission, design: Design, wind_m_per_s: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """As :func:`power_against_wind_w`, with the thrust power [W] and the airspeed [m/s]."""
+    flown, able = against_wind(aircraft, mission, design, wind_m_per_s, design.rated_power_w)
+    with np.errstate(invalid="ignore"):
+        power_w = np.where(able, flown.propulsion_power_w, np.inf)
+        return power_w, np.asarray(flown.thrust_power_w), np.asarray(flown.airspeed_m_per_s)
+
+
+def against_wind(
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+    wind_m_per_s: FloatArray,
+    rated_power_w: FloatArray,
+) -> tuple[Design, BoolArray]:
+    """Designs that fly as fast as the wind, or as before if that is faster, and whether they can.
+
+    What exceeds the rated power is no flight, whatever its power is; where no power is known the
+    design keeps its own airspeed.
+    """
     refuse_one_airspeed(aircraft, "wind.hold_station")
     conditions = FlightConditions.of(mission, aircraft)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         ratio = np.maximum(wind_m_per_s / np.asarray(design.airspeed_m_per_s), 1.0)
-        chain, power_w, speed = _faster_flight(aircraft, conditions, design, ratio)
-        rated_w, calm = design.rated_power_w, ratio <= 1.0
-        thrust_w = power_w * np.asarray(chain.efficiency)
-        power_w = np.where(calm, design.propulsion_power_w, power_w)
-        able = calm | (power_w <= rated_w * (1.0 + _ROUNDING))
-        return np.where(able, power_w, np.inf), thrust_w, np.asarray(speed)
+        calm, own_w = ratio <= 1.0, design.propulsion_power_w
+        flown = flown_faster(aircraft, conditions, design, ratio)
+        power_w = np.where(calm, own_w, flown.propulsion_power_w)
+        able = calm | (power_w <= rated_power_w * (1.0 + _ROUNDING))
+        unknown = ~np.isfinite(power_w) & np.isfinite(own_w)
+        if np.any(unknown):
+            flown = flown_faster(aircraft, conditions, design, np.where(unknown, 1.0, ratio))
+            power_w = np.where(calm | unknown, own_w, flown.propulsion_power_w)
+    return flown._replace(propulsion_power_w=power_w), able
 
 
-def faster_flight_w(
+def flown_faster(
     aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
-) -> tuple[Value, Value]:
-    """Electric power of flight faster by a ratio, and the rated power; arrays or symbols."""
-    return _faster_flight(aircraft, conditions, design, ratio)[1], design.rated_power_w
-
-
-def _faster_flight(
-    aircraft: Aircraft, conditions: FlightConditions, design: Design, ratio: Value
-) -> tuple[Propulsion, Value, Value]:
-    """Propulsion, electric power [W] and airspeed [m/s] of flight faster by a ratio."""
+) -> Design:
+    """Same design in level flight faster by a ratio; numbers, arrays or symbols."""
     lift = design.variables.lift_coefficient
     own = aircraft.parametric.aerodynamics.flight_lift_coefficient if lift is None else lift
-    faster = design.variables._replace(lift_coefficient=own / ratio**2)
-    return level_flight(aircraft, conditions, faster, design.total_mass_kg)
+    slower = design.variables._replace(lift_coefficient=own / ratio**2)
+    chain, power_w, speed = level_flight(aircraft, conditions, slower, design.total_mass_kg)
+    return design._replace(propulsion_power_w=power_w, airspeed_m_per_s=speed, chain=chain)

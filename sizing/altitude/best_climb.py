@@ -190,7 +190,7 @@ class _Day:
         self.constant_w = float(levels.constant_power_w[0])
         self.eta, self.most_w = float(levels.efficiency[0]), float(levels.maximum_power_w[0])
         self.full_wh = float(store.battery_energy_wh[0])
-        self.top_wh = float(self.energies_wh[-1])
+        self.top_wh = float(levels.highest_wh[0])
         self.charge, self.discharge = (
             float(np.ravel(one)[0]) for one in (store.charge_efficiency, store.discharge_efficiency)
         )
@@ -363,8 +363,9 @@ class _Day:
     def _polynomial(self, height: Any, values: FloatArray) -> Any:
         """Polynomial through a table over the potential energy, of every step."""
         place = self.energies_wh / self.top_wh
-        degree = min(_DEGREE, len(place) - 1)
-        coefficients = np.polynomial.polynomial.polyfit(place, values, degree)
+        some = place < 1.0 + place[1]  # heights far above that are not held play no part
+        degree = min(_DEGREE, int(some.sum()) - 1)
+        coefficients = np.polynomial.polynomial.polyfit(place[some], values[some], degree)
         total: Any = 0.0
         for row in coefficients[::-1]:
             total = total * height + row

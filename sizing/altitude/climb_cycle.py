@@ -58,6 +58,14 @@ class ClimbPerformance:
         unlimited = np.isinf(ours) & np.isinf(theirs)
         return np.where(unlimited, 0.0, ours - np.where(unlimited, 0.0, theirs))
 
+    @property
+    def held_up_to_m(self) -> FloatArray | None:
+        """Altitude up to which the winds are held [m]; None where the place is not held."""
+        levels = self.performance.levels
+        if levels is None or not self.performance.mission.holds_station:
+            return None
+        return levels.altitude_at(levels.highest_wh[:, np.newaxis])[:, 0]
+
 
 def climb_performance(
     aircraft: Aircraft,

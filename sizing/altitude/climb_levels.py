@@ -14,6 +14,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_chain import ClimbChain
 from sizing.design import Design, parametric_design
+from sizing.held_station import against_wind
 from sizing.mass_budget import ImpossibleDesignError, measured_design, operating_trouble
 from sizing.module_power import Cooling, convection_of, joined_cooling
 from sizing.sunlight import SolarDay
@@ -25,7 +26,7 @@ _DESIGNS_AT_ONCE = 512  # whose propulsion is tabulated together
 # Fields of the levels that every element has one of.
 _OF_EACH = (
     *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
-    *("efficiency", "maximum_power_w", "flies", "design"),
+    *("efficiency", "maximum_power_w", "flies", "design", "highest_wh"),
 )
 _NO_FLIGHT_W = 1e12  # power of a level flight that there is none of
 
@@ -56,9 +57,10 @@ class FlightLevels:
     scenario, time)``; ``module_area_m2`` and ``scenario`` of every element say how much of which.
     ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-]. Of
     every element: ``nominal_factor`` is that without thermals, ``constant_power_w`` of avionics
-    and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, and whether it
-    ``flies`` at all levels. ``chain``: propulsion of every ``design`` whose efficiency is that of
-    the moment; None where it is the constant ``efficiency``.
+    and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, whether it ``flies``
+    at all levels, and ``highest_wh``, the potential energy that it may climb to: that of the
+    ceiling, or of where the wind takes all its power. ``chain``: propulsion of every ``design``
+    whose efficiency is that of the moment; None where it is the constant ``efficiency``.
     """
 
     altitude_m: FloatArray
@@ -74,6 +76,7 @@ class FlightLevels:
     maximum_power_w: FloatArray
     flies: BoolArray
     design: IntArray
+    highest_wh: FloatArray
     chain: ClimbChain | None = None
     cooling: tuple[Cooling | None, ...] = ()
     convection_w_per_m2k: FloatArray | None = None
@@ -223,22 +226,22 @@ def flight_levels(
     shape = batch if paired else (*batch, len(scenarios))
 
     def each(value: object) -> FloatArray:
-        """Value of every element."""
-        array = np.broadcast_to(np.asarray(value, float), batch)
-        return np.broadcast_to(array if paired else array[..., np.newaxis], shape).ravel()
+        """Value of every element, from those of the designs or of the elements."""
+        array = np.asarray(value, float)
+        if not paired and array.ndim < len(shape):
+            array = np.broadcast_to(array, batch)[..., np.newaxis]
+        return np.broadcast_to(array, shape).ravel()
 
     missions = [mission.at_altitude(float(h)) for h in altitudes]
-    flown = [_same_aircraft_at(aircraft, there, design) for there in missions]
-    height_m = [
-        h + np.square(0.0 if d.airspeed_m_per_s is None else d.airspeed_m_per_s) / _TWICE_GRAVITY
-        for h, d in zip(altitudes, flown, strict=True)
-    ]
-    weight_n = np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2
-    with np.errstate(invalid="ignore"):  # of designs that cannot carry themselves
-        potential_wh = np.stack([each(weight_n * (h - height_m[0]) / 3600.0) for h in height_m])
+    slow = [_same_aircraft_at(aircraft, there, design) for there in missions]
+    flown, held = _against_winds(aircraft, missions, slow, design, day, each, paired=paired)
+    weight_n = each(np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2)
+    potential_wh = _potential_wh(altitudes, flown, weight_n, each)
     power_w = np.stack([each(d.propulsion_power_w) for d in flown])
-    flies = np.isfinite(power_w).all(axis=0) & np.isfinite(potential_wh).all(axis=0)
-    limits = climb_limits(aircraft, design)
+    flies = np.isfinite(power_w).all(axis=0) & np.isfinite(potential_wh).all(axis=0) & held[0]
+    potential_wh = np.where(flies, potential_wh, 0.0)
+    limits, own = climb_limits(aircraft, design), np.shape(flown[0].propulsion_power_w)
+    most_w = each(limits.maximum_power_w)
     thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
     # Draws of uncertain inputs are arrays of the elements.
     all_day, most = (
@@ -248,7 +251,7 @@ def flight_levels(
     steady = 1.0 + all_day
     return FlightLevels(
         altitude_m=altitudes,
-        potential_energy_wh=np.where(flies, potential_wh, 0.0),
+        potential_energy_wh=potential_wh,
         propulsion_power_w=np.where(flies, power_w, _NO_FLIGHT_W),
         specific_power_w_per_m2=light,
         module_area_m2=each(design.variables.module_area_m2),
@@ -257,13 +260,81 @@ def flight_levels(
         nominal_factor=each(steady[..., 0]),
         constant_power_w=each(design.constant_power_w),
         efficiency=each(limits.efficiency),
-        maximum_power_w=np.where(flies, each(limits.maximum_power_w), 0.0),
+        maximum_power_w=np.where(flies, most_w, 0.0),
         flies=np.asarray(flies),
-        design=np.asarray(each(np.arange(max(math.prod(batch), 1)).reshape(batch)), int),
+        design=np.asarray(each(np.arange(max(math.prod(own), 1)).reshape(own)), int),
+        highest_wh=_highest_wh(potential_wh, power_w, held, most_w),
         chain=ClimbChain.of(aircraft, missions, flown),
         cooling=day.aloft_cooling,
-        convection_w_per_m2k=_convection(day, missions, flown, each),
+        convection_w_per_m2k=_convection(day, missions, slow, each),
     )
+
+
+def _against_winds(
+    aircraft: Aircraft,
+    missions: Sequence[Mission],
+    slow: list[Design],
+    design: Design,
+    day: SolarDay,
+    each: Callable[[object], FloatArray],
+    *,
+    paired: bool,
+) -> tuple[list[Design], BoolArray]:
+    """Flight at all levels as fast as their winds where the place is held, and where it can be.
+
+    Returns designs with an axis of scenarios where the place is held, and of shape ``(level,
+    element)`` whether it can be.
+    """
+
+    def spread(value: Any) -> Any:
+        return np.asarray(value) if paired else np.asarray(value)[..., np.newaxis]
+
+    if not missions[0].holds_station:
+        return slow, np.stack([each(1.0)] * len(slow)) > 0.0
+    rated_w = spread(design.rated_power_w)
+    found = [
+        against_wind(
+            *(aircraft, there, own.mapped(spread)),
+            *(there.scenario_winds_m_per_s(day.scenarios), rated_w),
+        )
+        for there, own in zip(missions, slow, strict=True)
+    ]
+    return [one for one, _ in found], np.stack([each(able) for _, able in found]) > 0.0
+
+
+def _potential_wh(
+    altitude_m: FloatArray,
+    flown: Sequence[Design],
+    weight_n: FloatArray,
+    each: Callable[[object], FloatArray],
+) -> FloatArray:
+    """Energy of height and speed above that of the lowest level, ``(level, element)``."""
+    speeds = [0.0 if one.airspeed_m_per_s is None else one.airspeed_m_per_s for one in flown]
+    height_m = np.stack(
+        [each(h + np.square(v) / _TWICE_GRAVITY) for h, v in zip(altitude_m, speeds, strict=True)]
+    )
+    with np.errstate(invalid="ignore"):  # of designs that cannot carry themselves
+        return np.asarray(weight_n * (height_m - height_m[0]) / 3600.0)
+
+
+def _highest_wh(
+    potential_wh: FloatArray, power_w: FloatArray, held: BoolArray, most_w: FloatArray
+) -> FloatArray:
+    """Potential energy below the first level whose wind is not held, ``(element,)``.
+
+    Where the power, linear between levels, is the largest; at the level below where that of the
+    first is not known.
+    """
+    columns, first = np.arange(len(most_w)), np.argmin(held, axis=0)
+    below = np.maximum(first - 1, 0)
+    (low_w, beyond_w), (low_wh, beyond_wh) = (
+        (rows[below, columns], rows[first, columns]) for rows in (power_w, potential_wh)
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):  # of designs that do not fly
+        rise_w = np.where(beyond_w > most_w, beyond_w - low_w, np.inf)
+        share = np.clip((most_w - low_w) / rise_w, 0.0, 1.0)
+    short_wh = low_wh + share * (beyond_wh - low_wh)
+    return np.asarray(np.where(held.all(axis=0), potential_wh[-1], short_wh))
 
 
 def _convection(

@@ -49,13 +49,14 @@ class March:
         self.node_h, self.levels, self.store = np.asarray(time_h, float), levels, store
         self.steps_per_node, self.strategy = steps_per_node, strategy
         count, at_wh = len(levels.scenario), levels.potential_energy_wh
-        self.count, self._nothing, self.potential_max_wh = count, np.zeros(count), at_wh[-1]
+        self.count, self._nothing = count, np.zeros(count)
+        self.potential_max_wh = levels.highest_wh
         # Tables have all levels of an element, one after the other, and then those of the next.
         self.floor = slice(None, None, len(at_wh))
         self.potential_at, self.motor_at = at_wh.T.ravel(), levels.propulsion_power_w.T.ravel()
         self.per_wh = _inverse(np.diff(at_wh, axis=0, append=at_wh[-1:])).T.ravel()
         # Heights over the ceiling's and twice the element's number: one search finds all levels.
-        self._per_ceiling, self._apart = _inverse(self.potential_max_wh), 2.0 * np.arange(count)
+        self._per_ceiling, self._apart = _inverse(at_wh[-1]), 2.0 * np.arange(count)
         self._thresholds = (at_wh[1:-1] * self._per_ceiling + self._apart).T.ravel()
         self._first = 2 * np.arange(count)
         steps = np.arange((len(self.node_h) - 1) * steps_per_node)

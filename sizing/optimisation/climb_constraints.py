@@ -23,7 +23,7 @@ import casadi as ca
 import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2, MAXIMUM_ALTITUDE_M
-from missions.mission import Mission
+from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import climb_limits
 from sizing.design import Design, FlightConditions, parametric_design
@@ -33,6 +33,7 @@ from sizing.optimisation.energy_constraints import (
     NODES,
     SPLINE,
     charge_step_function,
+    flown_as_fast,
     mean_positive,
     powers_of_loads_w,
     spline_basis,
@@ -91,40 +92,69 @@ _CLIMB_VALUES = LEVELS_ALOFT + len(ClimbValues._fields)
 
 def aloft_parameters(mission: Mission, aircraft: Aircraft) -> FloatArray:
     """Conditions at the levels aloft, and their heights above the floor [m]."""
-    assert mission.climb is not None
-    # The program divides by the height: a ceiling at the floor is a metre above it.
-    highest_m = max(mission.climb.ceiling_m - mission.altitude_m, 1.0)
-    floor_m, parts = mission.altitude_m, []
-    for height_m in highest_m * np.arange(1, LEVELS_ALOFT + 1) / LEVELS_ALOFT:
-        there = mission.at_altitude(min(floor_m + height_m, MAXIMUM_ALTITUDE_M))
-        parts.append([*FlightConditions.of(there, aircraft), height_m])
+    levels = _levels_aloft(mission)
+    parts = [[*FlightConditions.of(there, aircraft), height_m] for there, height_m in levels]
     return np.concatenate(parts)
 
 
+def block_winds_m_per_s(mission: Mission, scenarios: Scenarios) -> FloatArray:
+    """Winds at the floor of every scenario, and where the place is held at the levels aloft.
+
+    Returns of shape ``(scenario, level)``.
+    """
+    missions = [mission]
+    if mission.holds_station and mission.climb is not None:
+        missions += [there for there, _ in _levels_aloft(mission)]
+    return np.stack([one.scenario_winds_m_per_s(scenarios) for one in missions], axis=-1)
+
+
+def _levels_aloft(mission: Mission) -> list[tuple[Mission, float]]:
+    """Missions at the levels aloft, and their heights above the floor [m]."""
+    assert mission.climb is not None
+    # The program divides by the height: a ceiling at the floor is a metre above it.
+    highest_m = max(mission.climb.ceiling_m - mission.altitude_m, 1.0)
+    heights_m = highest_m * np.arange(1, LEVELS_ALOFT + 1) / LEVELS_ALOFT
+    floor_m = mission.altitude_m
+    return [(mission.at_altitude(min(floor_m + h, MAXIMUM_ALTITUDE_M)), h) for h in heights_m]
+
+
 def climb_values(
-    aircraft: Aircraft, design: Design, conditions: FlightConditions, aloft: Any
+    aircraft: Aircraft,
+    design: Design,
+    conditions: FlightConditions,
+    aloft: Any,
+    winds: Any | None = None,
 ) -> ClimbValues:
     """What the potential store needs of a design of symbols.
 
-    ``aloft``: as :func:`aloft_parameters` gives it.
+    ``aloft``: as :func:`aloft_parameters` gives it. ``winds``: at the floor and the levels, which
+    the flight is as fast as; None leaves each level the airspeed of the lift coefficient.
     """
-    limits = climb_limits(aircraft, design)
-    floor_w, efficiency = design.propulsion_power_w, limits.efficiency
+
+    def flown(there: FlightConditions, own: Design, level: int) -> Design:
+        if winds is None:
+            return own
+        return flown_as_fast(aircraft, there, own, winds[level])
+
+    limits, floor = climb_limits(aircraft, design), flown(conditions, design, 0)
+    floor_w, efficiency = floor.propulsion_power_w, limits.efficiency
     power_w, height_m = [floor_w], 0.0
-    for part in range(0, ALOFT_PARAMETERS, _EACH_LEVEL):
-        there = FlightConditions(*(aloft[part + i] for i in range(_EACH_LEVEL - 1)))
-        flown = parametric_design(
+    for level in range(1, LEVELS_ALOFT + 1):
+        of_level = aloft[(level - 1) * _EACH_LEVEL : level * _EACH_LEVEL]
+        there = FlightConditions(*(of_level[i] for i in range(_EACH_LEVEL - 1)))
+        own = parametric_design(
             *(aircraft, there, design.variables, design.total_mass_kg),
             horizontal_volume=design.horizontal_volume,
         )
-        faster = flown.airspeed_m_per_s**2 - design.airspeed_m_per_s**2
-        height_m = aloft[part + _EACH_LEVEL - 1] + faster / (2.0 * GRAVITY_M_PER_S2)
-        loads_w = powers_of_loads_w(aircraft, flown, there, _LEVEL)
-        power_w.append(flown.propulsion_power_w if loads_w is None else loads_w[0])
+        one = flown(there, own, level)
+        faster = one.airspeed_m_per_s**2 - floor.airspeed_m_per_s**2
+        height_m = of_level[_EACH_LEVEL - 1] + faster / (2.0 * GRAVITY_M_PER_S2)
+        loads_w = powers_of_loads_w(aircraft, one, there, _LEVEL)
+        power_w.append(one.propulsion_power_w if loads_w is None else loads_w[0])
     gains = [efficiency] * 3
-    loads_w = powers_of_loads_w(aircraft, design, conditions, _LEVEL + _CLIMB + _GLIDE)
+    loads_w = powers_of_loads_w(aircraft, floor, conditions, _LEVEL + _CLIMB + _GLIDE)
     if loads_w is not None:
-        thrust_w = floor_w * efficiency
+        thrust_w = floor.thrust_power_w
         floor_w, climb_w, partial_w, least_w = loads_w
         power_w[0], efficiency = floor_w, thrust_w / floor_w
         gains = [

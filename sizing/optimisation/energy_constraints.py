@@ -20,6 +20,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design, FlightConditions
 from sizing.energy.battery import ChargeLimit, NoChargeLimit, RuleChargeLimit, TableChargeLimit
 from sizing.energy.battery_voltage import FIRST_CHARGE
+from sizing.held_station import flown_faster
 from sizing.smooth import Value
 from sizing.sunlight import SolarDay
 from sizing.varying_load import thermal_shape
@@ -236,6 +237,14 @@ def powers_of_loads_w(
     bus_v = float(aircraft.battery.bus_voltage_v(np.array(FIRST_CHARGE)))
     speed, air = design.airspeed_m_per_s, conditions.air
     return [own.bus_power_w(thrust_w * load, speed, air, bus_v) for load in loads]
+
+
+def flown_as_fast(
+    aircraft: Aircraft, conditions: FlightConditions, design: Design, wind_m_per_s: Any
+) -> Design:
+    """Design of symbols as fast as the wind, or at its own airspeed if that is faster."""
+    ratio = ca.fmax(wind_m_per_s / design.airspeed_m_per_s, 1.0)
+    return flown_faster(aircraft, conditions, design, ratio)
 
 
 def mean_positive(left: Any, right: Any) -> Any:

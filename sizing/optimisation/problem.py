@@ -34,7 +34,7 @@ import numpy as np
 from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
-from sizing.held_station import POWER_AGAINST_WIND, faster_flight_w
+from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import EQUATIONS, STATIC_MARGIN, DesignInFlight, Requirement, design_requirements
 from sizing.optimisation.climb_constraints import (
     ALOFT_PARAMETERS,
@@ -43,7 +43,13 @@ from sizing.optimisation.climb_constraints import (
     climb_values,
     climbing_cycle_function,
 )
-from sizing.optimisation.energy_constraints import SUN_PARAMETERS, cycle_function, smooth_loads_w
+from sizing.optimisation.energy_constraints import (
+    LEVELS_ALOFT,
+    SUN_PARAMETERS,
+    cycle_function,
+    flown_as_fast,
+    smooth_loads_w,
+)
 from sizing.optimisation.solver_options import OPTIONS, TOLERANCE, Effort
 from sizing.optimisation.variables import (
     EXCESS_SCALE_H,
@@ -183,13 +189,13 @@ class SizingProblem:
         *,
         margin: float,
         aloft: FloatArray | None = None,
-        winds_m_per_s: FloatArray | None = None,
+        winds: FloatArray | None = None,
     ) -> FloatArray:
         """Parameter vector of the program.
 
         ``margin``: by how much more charge the day must return than the night takes, relative.
-        ``aloft``: conditions above the floor, on missions with climbs. ``winds_m_per_s``: of every
-        block, where the place is held.
+        ``aloft``: conditions above the floor, on missions with climbs. ``winds``: of every block
+        [m/s], where the place is held, at the floor and with climbs at the levels aloft.
         """
         parts = {
             "weights": weights,
@@ -198,7 +204,7 @@ class SizingProblem:
             "aloft": () if aloft is None else aloft,
             "technology": self._technology,
             "suns": suns.ravel(),
-            "winds": winds_m_per_s if self.program.holds else np.empty(0),
+            "winds": () if winds is None or not self.program.holds else winds.ravel(),
         }
         return np.concatenate([parts[name] for name in _PARAMETERS])
 
@@ -236,7 +242,7 @@ def build_problem(
 
     ``eased``: whether technology, limits and wind are variables, which may be freed. ``holds``:
     whether every scenario is flown as fast as its wind. ``climb``: when the aircraft climbs, on
-    missions on which it does; those do not hold their place.
+    missions on which it does.
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
@@ -306,8 +312,9 @@ def _program(
     """Program of a kind of aircraft; ``limits`` is the order of its limits."""
     chosen = chosen_variables(kind, eased=eased)
     technology = numbers_taken_out(kind)
+    levels = 1 if climb is None else LEVELS_ALOFT + 1
     design, against_wind, requirements = _design_functions(
-        kind, chosen, technology, climbs=climb is not None
+        kind, chosen, technology, levels=levels, holds=holds
     )
     free = ca.MX.sym("design", len(chosen))
     dawn_soc = ca.MX.sym("dawn_state_of_charge", blocks)
@@ -319,7 +326,7 @@ def _program(
     sun = ca.MX.sym("sun", SUN_PARAMETERS if climb is None else CLIMB_SUN_PARAMETERS, blocks)
     aloft = ca.MX.sym("aloft", 0 if climb is None else ALOFT_PARAMETERS)
     heights = ca.MX.sym("heights", 0 if climb is None else blocks)
-    winds = ca.MX.sym("winds", blocks if holds else 0)
+    winds = ca.MX.sym("winds", levels, blocks if holds else 0)
 
     lit_area, capacity_wh, nominal_w, propulsion_w, values, store = design(
         free, conditions, numbers, aloft
@@ -337,7 +344,9 @@ def _program(
     ]
     for i in range(blocks):
         if holds:
-            nominal_w, propulsion_w, spare = against_wind(free, conditions, numbers, winds[i])
+            nominal_w, propulsion_w, spare, store = against_wind(
+                free, conditions, numbers, aloft, winds[:, i]
+            )
             rows.append((Constraint(POWER_AGAINST_WIND, i), spare))
         usable_h = capacity_wh * efficiencies[1] / nominal_w
         if climb is None:
@@ -389,7 +398,7 @@ def _program(
         "aloft": aloft,
         "technology": ca.vertcat(numbers, efficiencies),
         "suns": ca.vec(sun),
-        "winds": winds,
+        "winds": ca.vec(winds),
     }
     # The dawn states of scenarios that do not bind are otherwise undetermined.
     tie_break = -1e-7 * (ca.sum1(dawn_soc) + ca.sum1(heights))
@@ -414,18 +423,25 @@ def programs_built() -> int:
 
 
 def _design_functions(
-    kind: Aircraft, variables: Sequence[Variable], technology: Sequence[str], *, climbs: bool
+    kind: Aircraft,
+    variables: Sequence[Variable],
+    technology: Sequence[str],
+    *,
+    levels: int,
+    holds: bool,
 ) -> tuple[ca.Function, ca.Function, list[Requirement]]:
-    """Functions of the variables: a design's properties, and its loads as fast as a wind.
+    """Functions of the variables: a design's properties, and its loads as fast as winds.
 
     The first has lit area, capacity, loads and requirements, and what its potential store is where
-    it ``climbs``; the second loads and what the rated power has to spare. Conditions and technology
-    are data. The lit area is the module area times the relative efficiency of the cells: power per
-    area is a parameter, and proportional to it.
+    it climbs, between several ``levels``; the second loads, what the rated power has to spare, and
+    that store where the place is held. Conditions and technology are data. The lit area is the
+    module area times the relative efficiency of the cells: power per area is a parameter, and
+    proportional to it.
     """
     x = ca.SX.sym("x", len(variables))
     symbols = ca.SX.sym("conditions", len(FlightConditions._fields))
     numbers = ca.SX.sym("technology", len(technology) + len(_correction_of(kind)))
+    climbs = levels > 1
     aloft = ca.SX.sym("aloft", ALOFT_PARAMETERS if climbs else 0)
     values = {v.name: v.from_program(x[i]) for i, v in enumerate(variables)}
     relative = {v.name: values[v.name] for v in variables if v.role is Role.technology}
@@ -455,7 +471,7 @@ def _design_functions(
         it = DesignInFlight(flown, design, conditions)
         space: Any = kind.design_space
         requirements.append(space.own_objective.row(it, values[OWN]))
-    store = climb_values(flown, design, conditions, aloft) if climbs else ()
+    store = climb_values(flown, design, conditions, aloft) if climbs and not holds else ()
     function = ca.Function(
         "design",
         [x, symbols, numbers, aloft],
@@ -468,15 +484,19 @@ def _design_functions(
         ],
         {"is_diff_in": [True, False, False, False], "jac_penalty": 0},
     )
-    wind = ca.SX.sym("wind")
-    ratio = ca.fmax(wind / design.airspeed_m_per_s, 1.0)
-    faster_w, rated_w = faster_flight_w(flown, conditions, design, ratio)
-    faster = design._replace(propulsion_power_w=faster_w)
+    winds = ca.SX.sym("winds", levels)
+    faster = flown_as_fast(flown, conditions, design, winds[0])
+    faster_w = faster.propulsion_power_w
+    held = climb_values(flown, design, conditions, aloft, winds) if climbs and holds else ()
     against_wind = ca.Function(
         "against_wind",
-        [x, symbols, numbers, wind],
-        [faster.load_in_turbulence_w(conditions.turbulence), faster_w, rated_w / faster_w - 1.0],
-        {"is_diff_in": [True, False, False, False], "jac_penalty": 0},
+        [x, symbols, numbers, aloft, winds],
+        [
+            faster.load_in_turbulence_w(conditions.turbulence),
+            *(faster_w, design.rated_power_w / faster_w - 1.0),
+            ca.vertcat(*held),
+        ],
+        {"is_diff_in": [True] + [False] * 4, "jac_penalty": 0},
     )
     return function, against_wind, requirements
 

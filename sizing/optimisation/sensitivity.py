@@ -19,7 +19,7 @@ import numpy as np
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions, variable_keys
-from sizing.optimisation.climb_constraints import aloft_parameters
+from sizing.optimisation.climb_constraints import aloft_parameters, block_winds_m_per_s
 from sizing.optimisation.energy_constraints import sun_parameters
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblem, build_problem
@@ -232,7 +232,7 @@ class _Lagrangian:
             sun_parameters(day, mission, sunlit),
             margin=self.optimum.instance.margin,
             aloft=None if climb is None else aloft_parameters(mission, aircraft),
-            winds_m_per_s=mission.scenario_winds_m_per_s(self.scenarios),
+            winds=block_winds_m_per_s(mission, self.scenarios),
         )
         cost, rows = problem.program.rows(self._point(problem, mission), parameters)
         multipliers = self.optimum.constraint_multipliers

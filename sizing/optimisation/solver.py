@@ -13,7 +13,11 @@ import numpy as np
 from missions.mission import Mission
 from sizing.design import DesignVariables, FlightConditions, variable_keys
 from sizing.mass_budget import closed_design
-from sizing.optimisation.climb_constraints import Strategy, aloft_parameters
+from sizing.optimisation.climb_constraints import (
+    Strategy,
+    aloft_parameters,
+    block_winds_m_per_s,
+)
 from sizing.optimisation.energy_constraints import NODES, light_of_days, sun_parameters
 from sizing.optimisation.problem import SizingProblem, SizingProblems
 from sizing.optimisation.result import FlownSun, ProblemInstance, Solution, SolverReport
@@ -110,7 +114,7 @@ class ProgramSolver:
         far = climb is not None and climb.ceiling_m - mission.altitude_m > _FAR_M
         self._held_between = _HELD_BETWEEN if far else ()
         self._suns = sun_parameters(day, mission, range(len(day.scenarios)))
-        self._winds = mission.scenario_winds_m_per_s(day.scenarios)
+        self._winds = block_winds_m_per_s(mission, day.scenarios)
         self.work = SolverReport()
         self.unreached: set[float] = set()  # heights that no design has
         self.nearly: Solution | None = None
@@ -331,7 +335,7 @@ class ProgramSolver:
                 *(weights, conditions, suns),
                 margin=instance.margin,
                 aloft=None if climb is None else self._aloft,
-                winds_m_per_s=self._winds[list(scenarios)],
+                winds=self._winds[list(scenarios), : 1 if climb is None else None],
             ),
             "lbx": lower,
             "ubx": upper,

@@ -190,12 +190,13 @@ def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
     """What climbing does in the worst scenario; nothing where the mission does not climb."""
     if analysis.climb is None:
         return []
-    flown, worst = analysis.climb.climb, analysis.worst
+    flown, worst, held_m = analysis.climb.climb, analysis.worst, analysis.climb.held_up_to_m
     # Zero added: what rounds to -0 is no loss.
     gain_h = round(float(analysis.climb.gain_h[worst]), 2) + 0.0
     # A limited flight is flown from a full battery, and may climb where the repeated day does not.
     day = "" if analysis.performance.cycle.perpetual[worst] else ", repeated day"
     return [
+        *([] if held_m is None else [("wind held up to", f"{held_m[worst]:.0f} m")]),
         (f"highest altitude{day}", f"{flown.maximum_altitude_m[worst]:.0f} m"),
         (f"gliding in the evening{day}", hours(float(flown.gliding_h[worst]))),
         (f"stored potential energy{day}", f"{flown.maximum_potential_energy_wh[worst]:.1f} Wh"),

@@ -125,11 +125,16 @@ def wind_rows(mission: Mission) -> list[tuple[str, str]]:
     given = mission.wind_statistics
     if given is None:
         return []
-    winds = mission.scenario_winds_m_per_s()
+    heights_m = mission.climb_levels_m if given.hold_station else [mission.altitude_m]
+    winds = [mission.at_altitude(one).scenario_winds_m_per_s() for one in heights_m]
     ends = dict.fromkeys(f"{w:.1f}" for w in (np.min(winds), np.max(winds)))
     source = given.table(mission.longitude_deg).source
     return [
-        (f"wind, {given.percentile:g} % of the time at most", f"{' to '.join(ends)} m/s"),
+        (
+            f"wind, {given.percentile:g} % of the time at most"
+            + (", at all heights" if len(heights_m) > 1 else ""),
+            f"{' to '.join(ends)} m/s",
+        ),
         ("winds from", source),
         *(
             [("flown, to hold its place", "as fast as the wind at least")]

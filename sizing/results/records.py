@@ -182,10 +182,12 @@ def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict
     """What climbing does in one scenario, JSON-ready."""
     assert mission.climb is not None
     flown, account = climbs.climb, climbs.climb.energy_budget
+    held_m = climbs.held_up_to_m
     return {
         "strategy": mission.climb.strategy,
         "ceiling_m": mission.climb.ceiling_m,
         **chosen_altitudes(mission),
+        **({} if held_m is None else {"held_up_to_m": finite(held_m[index])}),
         "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
         "gliding_h": finite(flown.gliding_h[index]),
         "stored_height_wh": finite(flown.maximum_potential_energy_wh[index]),

@@ -381,10 +381,16 @@ def test_a_flight_path_is_flown_in_the_winds_of_all_heights() -> None:
     assert mission(**where, flight_path=path).keeps_path(there.scenarios()).all()
 
 
-def test_aircraft_that_holds_its_place_does_not_climb() -> None:
-    wind = {"percentile": 50, "hold_station": True}
-    with pytest.raises(ValidationError, match=r"give wind\.hold_station or climb, not both"):
-        mission(altitude_m=15000.0, climb={"ceiling_m": 18000.0}, wind=wind)
+def test_winds_of_all_heights_must_be_known_where_the_place_is_held() -> None:
+    wind = {"percentile": 95, "hold_station": True}
+    held = mission(altitude_m=15000.0, climb={"ceiling_m": 18000.0}, wind=wind)
+    assert held.holds_station
+    # The shipped table begins at 9.1 km and ends at 33 km.
+    low = {"altitude_m": 8000.0, "climb": {"ceiling_m": 12000.0}}
+    with pytest.raises(ValidationError, match="altitude"):
+        mission(**low, wind=wind)
+    with pytest.raises(ValidationError, match="give it without launch"):
+        mission(altitude_m=15000.0, longitude_deg=8.5, launch=LAUNCH, wind=wind)
 
 
 def test_launch_is_read() -> None:

@@ -174,6 +174,23 @@ def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(
     assert f"{analysed['excess_time_h']:.2f} h" in text.replace("−", "-")
 
 
+def test_an_aircraft_climbs_in_the_winds_that_it_holds(run: Run) -> None:
+    climbs = ("--set", "mission.climb={ceiling_m: 20000, strategy: surplus}")
+    analysed = run("analyse", DESIGN, *HOLDING, *climbs, "--json").json()
+    assert 12000.0 <= analysed["climb"]["held_up_to_m"] <= 20000.0
+    text = run("analyse", DESIGN, *HOLDING, *climbs).out
+    assert "at all heights" in text
+    assert "wind held up to" in text
+    drawn = run("uncertainty", DESIGN, *HOLDING, *climbs, "--samples", "64", "--json").json()
+    assert drawn["nominal_excess_time_h"] == pytest.approx(analysed["excess_time_h"], abs=0.03)
+    refused = run("station", DESIGN, *HOLDING, *climbs)
+    assert refused.code == 2
+    assert len(refused.err.splitlines()) == 1
+    high = run("analyse", DESIGN, *HOLDING, "--set", "mission.altitude_m=8000", *climbs)
+    assert high.code == 2
+    assert "altitude_m 9126 to 33043 (got 8000)" in high.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

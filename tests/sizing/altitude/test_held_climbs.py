@@ -1,0 +1,197 @@
+"""Climbs by day where the aircraft holds its place: as fast as the wind of every height."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import aircraft, mission, shipped_mission
+
+from missions.air import GRAVITY_M_PER_S2, standard_air
+from missions.mission import Mission
+from missions.winds.table import COLUMNS
+from sizing.aerodynamics.parabolic import DragPolar
+from sizing.aircraft import Aircraft
+from sizing.altitude.best_climb import best_climb
+from sizing.altitude.climb_levels import flight_levels
+from sizing.design import variables_of
+from sizing.mass_budget import design_of
+from sizing.parameters import parameter_value, with_parameter
+from sizing.performance import performance, performance_of_designs
+from sizing.sunlight import UNCORRECTED_CAM, solar_day
+from sizing.uncertainty.propagation import Propagation
+
+HIGH = aircraft("stratosphere-design")  # 27.8 m/s at 20 km, 29.9 m/s at 21 km, 32.5 m/s at 22 km
+CALM = {20000: 5.0, 22000: 10.0}
+STRONG_ALOFT = {20000: 20.0, 21000: 31.0, 22000: 50.0}
+EVEN = {20000: 24.0, 21000: 30.0, 22000: 36.0}
+FALLING = {20000: 31.0, 22000: 24.0}
+
+
+def winds_file(folder: Path, winds: Mapping[int, float]) -> str:
+    """Winds over height, the same everywhere and all year."""
+    path = folder / f"winds-{'-'.join(f'{h}-{w:g}' for h, w in winds.items())}.csv"
+    rows = [
+        f"{latitude},{altitude},{month},90,{wind}"
+        for latitude in (-90, 90)
+        for altitude, wind in winds.items()
+        for month in range(1, 13)
+    ]
+    path.write_text("\n".join([",".join(COLUMNS), *rows]))
+    return str(path)
+
+
+def held(folder: Path, winds: Mapping[int, float], *, hold: bool = True, **changes: Any) -> Mission:
+    wind = {"percentile": 90.0, "file": winds_file(folder, winds), "hold_station": hold}
+    climb = {"ceiling_m": 22000.0, "strategy": "surplus"}
+    return shipped_mission("stratosphere-mission", **({"wind": wind, "climb": climb} | changes))
+
+
+def excess_h(craft: Aircraft, where: Mission) -> Any:
+    return performance(craft, where).cycle.excess_time_h
+
+
+# ---- Limits
+
+
+@pytest.mark.parametrize(
+    "name", ["stratosphere-design", pytest.param("twin-boom-design", marks=pytest.mark.long)]
+)
+def test_winds_slower_than_the_airspeed_change_nothing(tmp_path: Path, name: str) -> None:
+    craft, near_ground = aircraft(name), {0: 1.0, 4000: 2.0}
+    for strategy in ("surplus", "battery_full"):
+        pair = [
+            held(tmp_path, CALM, hold=hold)
+            if craft == HIGH
+            else mission(
+                climb={"ceiling_m": 2536.0, "strategy": strategy},
+                wind={
+                    "percentile": 90.0,
+                    "file": winds_file(tmp_path, near_ground),
+                    "hold_station": hold,
+                },
+            )
+            for hold in (False, True)
+        ]
+        free, own = (performance(craft, one) for one in pair)
+        assert own.cycle.excess_time_h == pytest.approx(free.cycle.excess_time_h, abs=1e-9)
+        assert own.maximum_altitude_m == pytest.approx(free.maximum_altitude_m, abs=1e-5)
+
+
+def test_without_height_to_climb_it_is_level_flight_as_fast_as_the_wind(tmp_path: Path) -> None:
+    level = held(tmp_path, FALLING, climb=None)
+    climbing = held(tmp_path, FALLING, climb={"ceiling_m": 20000.0})
+    assert excess_h(HIGH, climbing) == pytest.approx(excess_h(HIGH, level), abs=1e-3)
+    # The wind of 31 m/s takes more than the flight at the own airspeed.
+    assert np.all(excess_h(HIGH, level) < excess_h(HIGH, level.in_wind(0.0)) - 0.5)
+
+
+def test_a_floor_that_is_not_held_is_no_flight(tmp_path: Path) -> None:
+    found = performance(HIGH, held(tmp_path, {20000: 60.0, 22000: 10.0}))
+    assert np.all(found.cycle.excess_time_h <= 0.0)
+    assert found.levels is not None
+    assert not found.levels.flies.any()
+
+
+# ---- Power, energy and ceiling
+
+
+def test_levels_have_the_power_and_the_energy_of_the_wind(tmp_path: Path) -> None:
+    """Sky-Sailor's polar by hand, as fast as the wind of a level."""
+    plane = aircraft("sky-sailor", "airframe.propulsion.climb_power_ratio=5")
+    file = winds_file(tmp_path, {0: 10.5, 2000: 13.0})
+    wind = {"percentile": 90.0, "file": file, "hold_station": True}
+    where = mission(altitude_m=500.0, climb={"ceiling_m": 1500.0}, wind=wind)
+    design = design_of(plane, where)
+    levels = flight_levels(plane, where, design, solar_day(plane, where))
+    frame, area = plane.parametric, float(design.wing_area_m2)
+    polar, chord = frame.aerodynamics, frame.wingspan_m / frame.aspect_ratio
+    assert isinstance(polar, DragPolar)
+    assert design.chain is not None
+    weight_n, energy_height_m = float(design.total_mass_kg) * GRAVITY_M_PER_S2, []
+    for number, altitude_m in enumerate(levels.altitude_m):
+        air, v = standard_air(altitude_m), 10.5 + 1.25 * altitude_m / 1000.0
+        density = float(air.density_kg_per_m3)
+        lift = weight_n / (0.5 * density * v**2 * area)
+        reynolds = density / float(air.dynamic_viscosity_pa_s) * v * chord
+        drag = (
+            polar.profile_drag_coefficient
+            * (reynolds / polar.reference_reynolds) ** -polar.reynolds_exponent
+            + polar.parasitic_drag_coefficient
+            + lift**2 / (math.pi * polar.span_efficiency * frame.aspect_ratio)
+        )
+        by_hand = 0.5 * density * v**3 * area * drag / float(design.chain.efficiency)
+        assert levels.propulsion_power_w[number, 0] == pytest.approx(by_hand, rel=1e-6)
+        energy_height_m.append(altitude_m + v**2 / (2.0 * GRAVITY_M_PER_S2))
+    above_m = np.array(energy_height_m) - energy_height_m[0]
+    assert levels.potential_energy_wh[:, 0] == pytest.approx(weight_n * above_m / 3600.0, abs=1e-6)
+    assert levels.highest_wh == pytest.approx(levels.potential_energy_wh[-1])
+
+
+def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path: Path) -> None:
+    there = held(tmp_path, STRONG_ALOFT)
+    found = performance(HIGH, there)
+    levels, rated_w = found.levels, float(found.design.rated_power_w)
+    assert levels is not None
+    assert levels.flies.all()
+    beyond = levels.propulsion_power_w > rated_w
+    assert not beyond[:3].any()  # to 21 km
+    assert beyond[-1].all()
+    top_m = levels.altitude_at(levels.highest_wh[:, np.newaxis])[:, 0]
+    for energies, power_w, top_wh in zip(
+        levels.potential_energy_wh.T, levels.propulsion_power_w.T, levels.highest_wh, strict=True
+    ):
+        assert np.interp(top_wh, energies, power_w) == pytest.approx(rated_w)
+    assert np.all((top_m > 21000.0) & (top_m < 22000.0))
+    assert found.maximum_altitude_m is not None
+    assert np.all(found.maximum_altitude_m <= top_m + 1e-6)
+    # A ceiling that is as low changes nothing.
+    low = held(tmp_path, STRONG_ALOFT, climb={"ceiling_m": 21000.0, "strategy": "surplus"})
+    below = performance(HIGH, low)
+    assert below.maximum_altitude_m is not None
+    assert np.all(found.maximum_altitude_m >= below.maximum_altitude_m - 20.0)
+
+
+def test_a_batch_of_designs_flies_as_each_of_them(tmp_path: Path) -> None:
+    there, own = held(tmp_path, STRONG_ALOFT), variables_of(HIGH)
+    spans = np.array([own.wingspan_m, 1.02 * own.wingspan_m])
+    together = performance_of_designs(HIGH, there, own._replace(wingspan_m=spans))
+    for number, span in enumerate(spans):
+        alone = performance_of_designs(HIGH, there, own._replace(wingspan_m=span))
+        assert together.cycle.excess_time_h[number] == pytest.approx(alone.cycle.excess_time_h)
+
+
+def test_stronger_winds_aloft_leave_less(tmp_path: Path) -> None:
+    calm, even, strong = (excess_h(HIGH, held(tmp_path, w)) for w in (CALM, EVEN, STRONG_ALOFT))
+    assert np.all(even <= calm)
+    assert np.all(strong <= calm)
+    level = excess_h(HIGH, held(tmp_path, STRONG_ALOFT, climb=None))
+    assert np.all(strong >= level - 1e-3)
+
+
+def test_the_best_course_keeps_below_a_wind_that_is_not_held(tmp_path: Path) -> None:
+    found = best_climb(HIGH, held(tmp_path, STRONG_ALOFT, dates={"on": "06-21"}))
+    assert found.excess_time_h >= max(found.by_rule_h.values()) - 0.02
+    assert found.altitude_m.max() < 21900.0
+
+
+@pytest.mark.parametrize(
+    "name", ["atlantiksolar-design", pytest.param("twin-boom-design", marks=pytest.mark.long)]
+)
+def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, name: str) -> None:
+    craft = aircraft(name)
+    own = float(design_of(craft, mission()).airspeed_m_per_s)
+    file = winds_file(tmp_path, {0: own, 2000: 1.2 * own})
+    wind = {"percentile": 90.0, "file": file, "hold_station": True}
+    where = mission(climb={"ceiling_m": 1536.0}, wind=wind)
+    key = "battery.specific_energy_wh_per_kg"
+    energies = parameter_value(craft, where, key) * np.array([1.0, 0.9])
+    draws = Propagation(craft, where, UNCORRECTED_CAM).flights({key: energies})
+    each = [excess_h(with_parameter(craft, where, key, e)[0], where) for e in energies.tolist()]
+    # A chain at its operating point is a formula in draws, exact at the airspeed of the design.
+    chain = 3e-2 if name == "twin-boom-design" else 1e-6
+    assert draws.excess_time_h == pytest.approx(np.min(each, axis=-1), abs=chain)
