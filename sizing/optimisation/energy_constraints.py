@@ -21,7 +21,7 @@ from sizing.design import Design, FlightConditions
 from sizing.energy.battery import ChargeLimit, NoChargeLimit, RuleChargeLimit, TableChargeLimit
 from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.held_station import flown_faster
-from sizing.smooth import Value
+from sizing.smooth import Value, smooth_maximum
 from sizing.sunlight import SolarDay
 from sizing.varying_load import thermal_shape
 from solar.types import BoolArray, FloatArray
@@ -39,6 +39,9 @@ _NOTHING = 1e-12
 # Extra thrust power by thermals for which a program's straight line is exact: the power bends from
 # it by a few thousandths between none and half of level flight's.
 _THERMAL = 0.25
+# Width in which the airspeed bends from the own to that of the wind, relative. Optima just as fast
+# as the wind are common, and at a kink none was found.
+_OF_WIND = 1e-3
 
 
 class _Taken(NamedTuple):
@@ -243,7 +246,7 @@ def flown_as_fast(
     aircraft: Aircraft, conditions: FlightConditions, design: Design, wind_m_per_s: Any
 ) -> Design:
     """Design of symbols as fast as the wind, or at its own airspeed if that is faster."""
-    ratio = ca.fmax(wind_m_per_s / design.airspeed_m_per_s, 1.0)
+    ratio = smooth_maximum(wind_m_per_s / design.airspeed_m_per_s, 1.0, _OF_WIND)
     return flown_faster(aircraft, conditions, design, ratio)
 
 

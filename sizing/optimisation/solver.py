@@ -112,7 +112,7 @@ class ProgramSolver:
         self.climb: Strategy | None = None if climb is None else climb.strategy
         self._aloft = None if climb is None else aloft_parameters(mission, self.aircraft)
         far = climb is not None and climb.ceiling_m - mission.altitude_m > _FAR_M
-        self._held_between = _HELD_BETWEEN if far else ()
+        self._held_between = _HELD_BETWEEN if far or mission.holds_station else ()
         self._suns = sun_parameters(day, mission, range(len(day.scenarios)))
         self._winds = block_winds_m_per_s(mission, day.scenarios)
         self.work = SolverReport()

@@ -18,8 +18,13 @@ from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aircraft import Aircraft
 from sizing.altitude.best_climb import best_climb
 from sizing.altitude.climb_levels import flight_levels
-from sizing.design import variables_of
+from sizing.design import DesignVariables, variables_of
+from sizing.limits import meets_requirements
 from sizing.mass_budget import design_of
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.propulsion import with_flow_of_optimum
+from sizing.optimisation.search import size_aircraft, unjudged_optimum
+from sizing.optimisation.variables import WORST_EXCESS
 from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import performance, performance_of_designs
 from sizing.sunlight import UNCORRECTED_CAM, solar_day
@@ -195,3 +200,73 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, name: str) ->
     # A chain at its operating point is a formula in draws, exact at the airspeed of the design.
     chain = 3e-2 if name == "twin-boom-design" else 1e-6
     assert draws.excess_time_h == pytest.approx(np.min(each, axis=-1), abs=chain)
+
+
+# ---- Sizing
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("winds", [STRONG_ALOFT, EVEN, FALLING])
+def test_the_program_has_the_excess_time_of_the_simulator(
+    tmp_path: Path, winds: Mapping[int, float]
+) -> None:
+    given = (held(tmp_path, winds), Objective.min_mass, UNCORRECTED_CAM)
+    own, _ = with_flow_of_optimum(HIGH, *given, required_excess_time_h=1.0)
+    optimum = unjudged_optimum(own, *given, required_excess_time_h=1.0)
+    assert optimum is not None
+    flown = performance_of_designs(own, given[0], optimum.design)
+    # Five levels and steps of 10 min in the program; the airspeed bends to that of the wind.
+    expected = optimum.value(WORST_EXCESS)
+    known = flown.cycle.excess_time_h[list(optimum.scenarios)]  # others may join later
+    assert float(np.min(known)) == pytest.approx(expected, abs=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("winds", [STRONG_ALOFT, EVEN, FALLING])
+def test_a_design_that_holds_its_place_is_the_lightest(
+    tmp_path: Path, winds: Mapping[int, float]
+) -> None:
+    there = held(tmp_path, winds)
+    result = size_aircraft(HIGH, there, Objective.min_mass)
+    assert result.design is not None
+    optimum = result.design.variables
+    flown = performance_of_designs(HIGH, there, optimum)
+    assert float(np.min(flown.cycle.excess_time_h)) >= 1.0
+    assert meets_requirements(HIGH, there, flown.design)
+    # Other designs around it, simulated.
+    steps = np.linspace(0.94, 1.06, 13)
+    grid = np.meshgrid(steps, steps, np.linspace(0.85, 1.15, 9), indexing="ij")
+    span, battery, modules = (one.ravel() for one in grid)
+    designs = DesignVariables(
+        wingspan_m=span * optimum.wingspan_m,
+        aspect_ratio=HIGH.airframe.aspect_ratio,
+        battery_mass_kg=battery * optimum.battery_mass_kg,
+        module_area_m2=modules * optimum.module_area_m2,
+    )
+    others = performance_of_designs(HIGH, there, designs)
+    good = others.cycle.excess_time_h.min(axis=-1) >= 1.0
+    good &= np.asarray(meets_requirements(HIGH, there, others.design))
+    least_kg = float(np.min(np.asarray(others.design.total_mass_kg)[good]))
+    assert float(flown.design.total_mass_kg) <= 1.01 * least_kg
+
+
+@pytest.mark.parametrize("wind", [28.0, 29.0, 32.0])
+def test_optima_just_as_fast_as_the_wind_are_found(tmp_path: Path, wind: float) -> None:
+    # The optimum of level flight without wind flies with 27.7 m/s: at the kink of the airspeed,
+    # which is that of the wind or the own, the program had no solution.
+    there = held(tmp_path, {20000: wind, 22000: wind}, climb=None)
+    result = size_aircraft(HIGH, there, Objective.min_mass)
+    assert result.design is not None
+    calm = size_aircraft(HIGH, there.in_wind(0.0), Objective.min_mass)
+    assert calm.objective_value is not None
+    assert result.objective_value is not None
+    assert calm.objective_value < result.objective_value < 1.1 * calm.objective_value
+
+
+@pytest.mark.slow
+def test_sized_in_slow_winds_it_is_the_design_without_them(tmp_path: Path) -> None:
+    free, own = (
+        size_aircraft(HIGH, held(tmp_path, CALM, hold=hold), Objective.min_mass)
+        for hold in (False, True)
+    )
+    assert own.objective_value == pytest.approx(free.objective_value, rel=2e-3)
