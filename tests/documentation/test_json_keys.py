@@ -44,8 +44,9 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
             [AS2, "--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"],
             [AS2, *CELLS],
         ],
-        # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size".
-        {"balance", "drag_coefficients", "part_masses", "varying_efficiency"},
+        # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size", and of
+        # winds that are held, whose keys stand on their page.
+        {"balance", "drag_coefficients", "part_masses", "varying_efficiency", "held_up_to_m"},
     ),
     "size": (
         "cli.md",
