@@ -60,6 +60,12 @@ def mission_at_site(
             f"flights through a record are from {altitude_m:g} m to below {THIN_AIR_FROM_M:g} "
             f"m here: the mission's climb.ceiling_m of {climb.ceiling_m:g} is not",
         )
+    if climb is not None and mission.holds_station:
+        raise file_error(
+            weather.source,
+            "flights through a record hold their place at one altitude: leave out climb or "
+            f"wind.hold_station of {mission.name}",
+        )
     elsewhere = mission.climbing_from(altitude_m) if altitude_m != mission.altitude_m else mission
     moved = elsewhere.model_copy(
         update={
