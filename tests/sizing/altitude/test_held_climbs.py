@@ -22,7 +22,7 @@ from sizing.design import DesignVariables, variables_of
 from sizing.limits import meets_requirements
 from sizing.mass_budget import design_of
 from sizing.optimisation.objectives import Objective
-from sizing.optimisation.propulsion import with_flow_of_optimum
+from sizing.optimisation.propulsion import sized_in_own_flow
 from sizing.optimisation.search import size_aircraft, unjudged_optimum
 from sizing.optimisation.variables import WORST_EXCESS
 from sizing.parameters import parameter_value, with_parameter
@@ -211,7 +211,7 @@ def test_the_program_has_the_excess_time_of_the_simulator(
     tmp_path: Path, winds: Mapping[int, float]
 ) -> None:
     given = (held(tmp_path, winds), Objective.min_mass, UNCORRECTED_CAM)
-    own, _ = with_flow_of_optimum(HIGH, *given, required_excess_time_h=1.0)
+    own, _ = sized_in_own_flow(HIGH, *given, required_excess_time_h=1.0)
     optimum = unjudged_optimum(own, *given, required_excess_time_h=1.0)
     assert optimum is not None
     flown = performance_of_designs(own, given[0], optimum.design)
