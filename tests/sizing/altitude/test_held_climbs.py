@@ -172,8 +172,9 @@ def test_a_batch_of_designs_flies_as_each_of_them(tmp_path: Path) -> None:
 
 def test_stronger_winds_aloft_leave_less(tmp_path: Path) -> None:
     calm, even, strong = (excess_h(HIGH, held(tmp_path, w)) for w in (CALM, EVEN, STRONG_ALOFT))
-    assert np.all(even <= calm)
-    assert np.all(strong <= calm)
+    # A repeated day is found to 1e-9 h, and where the battery alone decides they are equal.
+    assert np.all(even <= calm + 1e-8)
+    assert np.all(strong <= calm + 1e-8)
     level = excess_h(HIGH, held(tmp_path, STRONG_ALOFT, climb=None))
     assert np.all(strong >= level - 1e-3)
 
