@@ -35,6 +35,8 @@ from sizing.structures.rib_wing import RibWingStructure
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.types import FloatArray
 
+NO_FLIGHT_W = 1e12  # load of what cannot carry itself, or be as fast as the wind
+
 
 class DesignVariables(NamedTuple):
     """What the optimiser chooses.

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from missions.air import Air
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, FlightConditions, bus_voltage_v
+from sizing.design import NO_FLIGHT_W, Design, FlightConditions, bus_voltage_v
 from sizing.energy.battery import Battery, Store
 from sizing.energy.battery_voltage import CHARGE_SHARES, FIRST_CHARGE
 from sizing.energy.cycle import Cycle, simulate_cycle
@@ -267,7 +267,7 @@ class DesignLoads:
         if power_w is None:
             power_w = self._over_scenarios(self.design.propulsion_power_w)
         return self.design._replace(
-            propulsion_power_w=np.where(np.isfinite(power_w), power_w, 1e12),
+            propulsion_power_w=np.where(np.isfinite(power_w), power_w, NO_FLIGHT_W),
             constant_power_w=self._over_scenarios(self.design.constant_power_w),
         )
 

@@ -23,7 +23,7 @@ from sizing.aircraft import Aircraft
 from sizing.altitude.climb_days import ClimbingDays
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.altitude.climb_march import March
-from sizing.design import Design
+from sizing.design import NO_FLIGHT_W, Design
 from sizing.energy.battery import Store
 from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.energy.carried_days import carried_over, dawns_of, flight_hours
@@ -40,8 +40,6 @@ from solar.heat_balance import Surroundings
 from solar.names import ATTITUDE_MODELS
 from solar.sun import HOURS_PER_DAY, declination, sun_times
 from solar.types import BoolArray, FloatArray, IntArray
-
-_NO_FLIGHT_W = 1e12  # load of a design that cannot carry itself, or be as fast as the wind
 
 
 @dataclass(frozen=True)
@@ -203,7 +201,7 @@ class WeatherDays:
             return _march_record(self.axis, solar_w, load, store)
         profile, air_c = _profile(self.mission, self.axis), self.ambient_c[self.axis.nodes]
         level_w = np.atleast_1d(parts.level_w)[:, np.newaxis]
-        level_w = np.where(np.isfinite(level_w), level_w, _NO_FLIGHT_W)
+        level_w = np.where(np.isfinite(level_w), level_w, NO_FLIGHT_W)
 
         def load_w(bus_v: FloatArray) -> FloatArray:
             return np.asarray(level_w * parts.at(profile, air_c, bus_v) + other_w)
@@ -232,7 +230,7 @@ class WeatherDays:
         if self.wind_m_per_s is not None:
             each = design.mapped(lambda one: np.atleast_1d(np.asarray(one))[:, np.newaxis])
             power_w = power_against_wind_w(self.aircraft, self.mission, each, self.wind_m_per_s)
-        return np.where(np.isfinite(power_w), power_w, _NO_FLIGHT_W)
+        return np.where(np.isfinite(power_w), power_w, NO_FLIGHT_W)
 
     def store(self, battery_energy_wh: float) -> Store:
         """Battery of each day, of an energy at full charge in the mission's air [Wh]."""

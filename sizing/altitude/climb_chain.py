@@ -22,7 +22,7 @@ import numpy as np
 from missions.air import Air
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, FlightConditions, bus_voltage_v
+from sizing.design import NO_FLIGHT_W, Design, FlightConditions, bus_voltage_v
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.shafts import power_of_shafts_w, shares_of_limits
 from solar.types import BoolArray, FloatArray, IntArray
@@ -32,7 +32,6 @@ _LEAST, _RATIO = 0.25, 4.0 ** (1.0 / 6.0)
 _LOADS = _LEAST * _RATIO ** np.arange(16)
 # Nodes of the inverse table, how finely it is made, voltages, and levels of the exact propeller.
 _POWERS, _FINE, _VOLTS, _LEVELS = 24, 241, 5, 6
-_NO_FLIGHT_W = 1e12
 
 
 class Volts(NamedTuple):
@@ -233,7 +232,7 @@ class ClimbChain:
         for place in np.ndindex(rows, voltages):
             inverse[place] = np.interp(nodes[place], np.maximum.accumulate(over[place]), log_load)
         flies = np.tile(self.flies, rows // self.count)[:, np.newaxis]
-        log_power = np.where(flies[..., np.newaxis], log_power, np.log(_NO_FLIGHT_W))
+        log_power = np.where(flies[..., np.newaxis], log_power, np.log(NO_FLIGHT_W))
         same = np.ones((rows, voltages))
         return _Tables(
             _Table(log_power, np.log(_LEAST) * same, same / np.log(_RATIO)),

@@ -13,7 +13,7 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_chain import ClimbChain
-from sizing.design import Design, parametric_design
+from sizing.design import NO_FLIGHT_W, Design, parametric_design
 from sizing.held_station import against_wind
 from sizing.mass_budget import ImpossibleDesignError, measured_design, operating_trouble
 from sizing.module_power import Cooling, convection_of, joined_cooling
@@ -28,7 +28,6 @@ _OF_EACH = (
     *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
     *("efficiency", "maximum_power_w", "flies", "design", "highest_wh"),
 )
-_NO_FLIGHT_W = 1e12  # power of a level flight that there is none of
 
 
 class ClimbLimitError(ValueError):
@@ -252,7 +251,7 @@ def flight_levels(
     return FlightLevels(
         altitude_m=altitudes,
         potential_energy_wh=potential_wh,
-        propulsion_power_w=np.where(flies, power_w, _NO_FLIGHT_W),
+        propulsion_power_w=np.where(flies, power_w, NO_FLIGHT_W),
         specific_power_w_per_m2=light,
         module_area_m2=each(design.variables.module_area_m2),
         scenario=np.broadcast_to(scenarios, shape).ravel(),
@@ -299,7 +298,11 @@ def _against_winds(
         )
         for there, own in zip(missions, slow, strict=True)
     ]
-    return [one for one, _ in found], np.stack([each(able) for _, able in found]) > 0.0
+    flown = [one for one, _ in found]
+    # A floor that is not held is no flight, of which a chain of parts knows by its power.
+    floor_w = np.where(found[0][1], flown[0].propulsion_power_w, np.inf)
+    flown[0] = flown[0]._replace(propulsion_power_w=floor_w)
+    return flown, np.stack([each(able) for _, able in found]) > 0.0
 
 
 def _potential_wh(
