@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.module_power import modelled_power
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight
 from solar.names import MODELS, ModelName
@@ -104,7 +103,7 @@ class _Year:
     def __init__(self, aircraft: Aircraft, mission: Mission, latitude_deg: float) -> None:
         self.aircraft, self.mission = aircraft, mission
         self.latitude_deg = float(latitude_deg)
-        self.powers: dict[tuple[ModelName, int], FloatArray] = {}
+        self.powers: dict[tuple[ModelName, float | None, int], FloatArray] = {}
         self._levels: dict[float, _Year] = {}
 
     def at(self, there: Mission) -> _Year:
@@ -135,28 +134,29 @@ class _Year:
 class _SomeDays(Sunlight):
     """Sunlight on some days of a year, which keeps their power."""
 
-    def __init__(self, year: _Year, days: Sequence[int]) -> None:
-        super().__init__(year.aircraft, year.mission, year.scenarios(days))
+    def __init__(self, year: _Year, days: Sequence[int], *, lowest: Sunlight | None = None) -> None:
+        super().__init__(year.aircraft, year.mission, year.scenarios(days), lowest=lowest)
         self._year, self._days = year, days
 
     def _sunlight_at(self, there: Mission) -> Sunlight:
-        return _SomeDays(self._year.at(there), self._days)
+        return _SomeDays(self._year.at(there), self._days, lowest=self)
 
-    def modelled_power(self, model: ModelName) -> FloatArray:
-        """Uncorrected specific power [W/m2], shape ``(day, time)``."""
+    def _in_flow(self, model: ModelName, convection: float | None) -> FloatArray:
         known = self._year.powers
-        lacking = [day for day in self._days if (model, day) not in known]
+        lacking = [day for day in self._days if (model, convection, day) not in known]
         if lacking:
-            known.update(((model, day), np.zeros(len(self.time_h))) for day in lacking)
-            flown = lacking
+            none = np.zeros(len(self.time_h))
+            known.update(((model, convection, day), none) for day in lacking)
             if MODELS[model].needs_path:  # a day whose wind is too strong for it has no power
                 able = self.mission.keeps_path(self._year.scenarios(lacking)).tolist()
-                flown = list(itertools.compress(lacking, able))
-            if flown:
-                scenarios = self._year.scenarios(flown)
-                powers = modelled_power(self.aircraft, self.mission, model, scenarios, self.time_h)
-                known.update(((model, day), one) for day, one in zip(flown, powers, strict=True))
-        return np.stack([known[model, day] for day in self._days])
+                lacking = list(itertools.compress(lacking, able))
+        if lacking:
+            some = Sunlight(self.aircraft, self.mission, self._year.scenarios(lacking))
+            powers = some._in_flow(model, convection)
+            known.update(
+                ((model, convection, day), one) for day, one in zip(lacking, powers, strict=True)
+            )
+        return np.stack([known[model, convection, day] for day in self._days])
 
 
 def _in_doubt(

@@ -12,7 +12,7 @@ from missions.library import load_mission
 from missions.mission import Mission, Scenarios, UncertaintyMargins
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.module_power import modelled_power
+from sizing.module_power import power_in_surroundings
 from sizing.performance import perpetual_days
 from sizing.sunlight import SolarModel, solar_day
 from solar.names import ModelName
@@ -78,11 +78,13 @@ def test_two_windows_between_the_tropics_are_both_found(
 def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[str, int]] = []
 
-    def counted(craft: Aircraft, there: Mission, model: ModelName, of: Scenarios, at: Any) -> Any:
+    def counted(
+        craft: Aircraft, there: Mission, model: ModelName, of: Scenarios, at: Any, around: Any
+    ) -> Any:
         asked.extend((model, int(day)) for day in of.day_of_year)
-        return modelled_power(craft, there, model, of, at)
+        return power_in_surroundings(craft, there, model, of, at, around)
 
-    monkeypatch.setattr("studies.maps.season.modelled_power", counted)
+    monkeypatch.setattr("sizing.sunlight.power_in_surroundings", counted)
     perpetual_flags(AS2, LOITER, 47.6, combinations())
     assert len(asked) == len(set(asked))
     # Every 32nd day and the solstices; both sides of each of two edges, three days between them,
