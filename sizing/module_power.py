@@ -138,14 +138,16 @@ def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
     """Airspeed of level flight of an aircraft as its file describes it, or about that [m/s]."""
     airframe, loading = aircraft.airframe, _WING_LOADING
     if isinstance(airframe, MeasuredAirframe):
+        design = measured_design(aircraft, mission)
         area_m2 = airframe.wingspan_m**2 / airframe.aspect_ratio
-        loading = float(measured_design(aircraft, mission).total_mass_kg) / area_m2
+        loading = float(design.total_mass_kg) / area_m2
     else:
         if (parts := aircraft.propulsion_by_parts) is not None:
             aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
-        known = closed_design(aircraft, mission, variables_of(aircraft)).airspeed_m_per_s
-        if known is not None and np.isfinite(known):
-            return float(known)
+        design = closed_design(aircraft, mission, variables_of(aircraft))
+    known = design.airspeed_m_per_s
+    if known is not None and np.isfinite(known):
+        return float(known)
     weight = 2.0 * loading * GRAVITY_M_PER_S2
     return float(np.sqrt(weight / (mission.air_state().density_kg_per_m3 * _LIFT_COEFFICIENT)))
 

@@ -45,7 +45,7 @@ _LIFT = "airframe.aerodynamics.lift_coefficient"
 _ROUNDS, _NARROWED = 12, 2
 # What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
 _LEAST_MORE_H = 0.03  # of required excess time, where parts fly an optimum with less
-_SAME_H = 0.005  # of excess time: light that is off by next to nothing
+_SAME_H = 0.003  # of excess time: half of what the goal of a program has to spare
 _SETTLED, _SETTLED_CONSTANT, _SHRINKS = 1e-6, 1e-4, 0.5
 
 
