@@ -515,11 +515,12 @@ def _warm(posed: _Posed, previous: Solution) -> dict[str, FloatArray]:
         place = {v.name: i for i, v in enumerate(previous.variables)}
         known = [place.get(name, -1) for name in names]
         x, bounds = (np.where(np.array(known) < 0, 0.0, one[known]) for one in (x, bounds))
-    return {
-        "x0": posed.within(x),
-        "lam_x0": _NOT_QUITE * bounds,
-        "lam_g0": _NOT_QUITE * rows,
-    }
+    multipliers = _NOT_QUITE * np.concatenate([bounds, rows])
+    # QRQP of CasADi 3.8 notes where multipliers change their signs, and has memory for one less than
+    # all of them: of interior points none is zero, and all of them may.
+    multipliers[np.argmin(np.abs(multipliers))] = 0.0
+    lam_x0, lam_g0 = np.split(multipliers, [len(bounds)])
+    return {"x0": posed.within(x), "lam_x0": lam_x0, "lam_g0": lam_g0}
 
 
 def _cost(problem: SizingProblem, instance: ProblemInstance) -> dict[str, float]:
