@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from pydantic import BaseModel
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, FlightConditions, parametric_design
+from sizing.design import DesignVariables, FlightConditions, parametric_design, variables_of
 from sizing.library import load_aircraft
 from sizing.limits import design_requirements
 from sizing.optimisation.energy_constraints import cycle_function, sun_parameters
@@ -25,7 +26,9 @@ from sizing.optimisation.problem import (
     kind_of,
     programs_built,
 )
+from sizing.optimisation.result import ProblemInstance
 from sizing.optimisation.search import size_aircraft
+from sizing.optimisation.solver import ProgramSolver
 from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role
 from sizing.parameters import all_replaced, parameter_value
 from sizing.performance import performance
@@ -287,3 +290,30 @@ def test_day_of_the_program_repeats_itself_where_that_of_the_simulator_does(
     assert dawn > 0.0
     # The program's day has 97 nodes from sunrise to sunset, the simulator's one every few minutes.
     assert min(charged, 1.0) - deficit == pytest.approx(dawn, abs=0.003)
+
+
+def test_a_warm_start_has_a_multiplier_of_zero() -> None:
+    # CasADi's QRQP ended the whole process where all multipliers of an interior point changed
+    # their signs at once: its list of changes is one too short for that.
+    design, there = aircraft("atlantiksolar-design"), mission()
+    given = (SizingProblems(design), there, UNCORRECTED_CAM, solar_day(design, there))
+    solver = ProgramSolver(*given)
+    instance = ProblemInstance.of(Objective.min_mass, 0.0)
+    found = solver.solve(instance, [0], [variables_of(design)])
+    assert found is not None
+    rows, bounds = np.ones(len(found.constraints)), np.ones(len(found.variables))
+    inner = replace(found, constraint_multipliers=rows, bound_multipliers=bounds)
+    starts: list[dict[str, Any]] = []
+    solved = ProgramSolver._solved
+
+    def watched(self: Any, posed: Any, effort: Any, start: Any) -> Any:
+        starts.append(dict(start))
+        return solved(self, posed, effort, start)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ProgramSolver, "_solved", watched)
+        again = solver.solve(instance, [0], [variables_of(design)], previous=inner)
+    assert again is not None
+    assert again.design.wingspan_m == pytest.approx(found.design.wingspan_m, rel=1e-6)
+    multipliers = np.concatenate([starts[0]["lam_x0"], starts[0]["lam_g0"]])
+    assert np.count_nonzero(multipliers) == len(rows) + len(bounds) - 1
