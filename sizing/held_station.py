@@ -88,6 +88,6 @@ def flown_faster(
     """Same design in level flight faster by a ratio; numbers, arrays or symbols."""
     lift = design.variables.lift_coefficient
     own = aircraft.parametric.aerodynamics.flight_lift_coefficient if lift is None else lift
-    slower = design.variables._replace(lift_coefficient=own / ratio**2)
-    chain, power_w, speed = level_flight(aircraft, conditions, slower, design.total_mass_kg)
+    lower_lift = design.variables._replace(lift_coefficient=own / ratio**2)
+    chain, power_w, speed = level_flight(aircraft, conditions, lower_lift, design.total_mass_kg)
     return design._replace(propulsion_power_w=power_w, airspeed_m_per_s=speed, chain=chain)

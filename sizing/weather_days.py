@@ -105,7 +105,7 @@ class Aloft(NamedTuple):
 
 
 def own_flow(aircraft: Aircraft, mission: Mission) -> Cooling | None:
-    """Flow of an aircraft's file without any light; None where it is that of all designs."""
+    """Flow of an aircraft's file, with empty arrays; None where it is that of all designs."""
     if isinstance(aircraft.airframe, MeasuredAirframe) or not balances_heat(mission):
         return None
     none, transition = np.zeros((1, 1)), aircraft.modules.thermal.transition_reynolds

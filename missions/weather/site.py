@@ -57,8 +57,8 @@ def mission_at_site(
     if climb is not None and not altitude_m <= climb.ceiling_m < THIN_AIR_FROM_M:
         raise file_error(
             weather.source,
-            f"flights through a record are from {altitude_m:g} m to below {THIN_AIR_FROM_M:g} "
-            f"m here: the mission's climb.ceiling_m of {climb.ceiling_m:g} is not",
+            f"the mission's climb.ceiling_m must be from {altitude_m:g} m to below "
+            f"{THIN_AIR_FROM_M:g} m in this record (got {climb.ceiling_m:g})",
         )
     if climb is not None and mission.holds_station:
         raise file_error(

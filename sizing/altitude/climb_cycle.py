@@ -60,11 +60,15 @@ class ClimbPerformance:
 
     @property
     def held_up_to_m(self) -> FloatArray | None:
-        """Altitude up to which the winds are held [m]; None where the place is not held."""
+        """Altitude up to which the winds are held [m], NaN where not even at the floor.
+
+        None where no place is to be held.
+        """
         levels = self.performance.levels
         if levels is None or not self.performance.mission.holds_station:
             return None
-        return levels.altitude_at(levels.highest_wh[:, np.newaxis])[:, 0]
+        up_to_m = levels.altitude_at(levels.highest_wh[:, np.newaxis])[:, 0]
+        return np.where(levels.flies, up_to_m, np.nan)
 
 
 def climb_performance(

@@ -146,7 +146,9 @@ class FlightLevels:
     def altitude_at(self, potential_energy_wh: FloatArray) -> FloatArray:
         """Altitude of potential energies, elements first [m]."""
         rows = zip(potential_energy_wh, self.potential_energy_wh.T, strict=True)
-        return np.array([np.interp(row, energies, self.altitude_m) for row, energies in rows])
+        found = [np.interp(row, energies, self.altitude_m) for row, energies in rows]
+        # Without any flight all levels have the same energy.
+        return np.where(self.flies[:, np.newaxis], np.array(found), self.altitude_m[0])
 
     def glide_h(self, potential_energy_wh: FloatArray) -> FloatArray:
         """Hours of gliding from the potential energy of every element with the motor off [h]."""
@@ -238,7 +240,8 @@ def flight_levels(
     potential_wh = _potential_wh(altitudes, flown, weight_n, each)
     power_w = np.stack([each(d.propulsion_power_w) for d in flown])
     flies = np.isfinite(power_w).all(axis=0) & np.isfinite(potential_wh).all(axis=0) & held[0]
-    potential_wh = np.where(flies, potential_wh, 0.0)
+    # Never falling: levels are looked up by it, and a wind may fall faster than height stores.
+    potential_wh = np.maximum.accumulate(np.where(flies, potential_wh, 0.0))
     limits, own = climb_limits(aircraft, design), np.shape(flown[0].propulsion_power_w)
     most_w = each(limits.maximum_power_w)
     thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
@@ -336,6 +339,7 @@ def _highest_wh(
     with np.errstate(invalid="ignore", divide="ignore"):  # of designs that do not fly
         rise_w = np.where(beyond_w > most_w, beyond_w - low_w, np.inf)
         share = np.clip((most_w - low_w) / rise_w, 0.0, 1.0)
+    share = np.where(held[0], share, 0.0)  # a floor that is not held has no power to compare
     short_wh = low_wh + share * (beyond_wh - low_wh)
     return np.asarray(np.where(held.all(axis=0), potential_wh[-1], short_wh))
 

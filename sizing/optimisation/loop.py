@@ -239,8 +239,8 @@ class Search:
     def _relit(self, spare_sun: float) -> ProblemInstance:
         """Instance with the sun that must carry the load as the simulator finds it.
 
-        It has the modules cooled by the design's own flow, the program by that of the last one, and
-        the propulsion's exact chain.
+        The simulator has the modules cooled by the design's own flow, the program by that of the
+        last one; and it has the propulsion's exact chain.
         """
         wanted = (1.0 + self.instance.spare_sun) * (1.0 + ALWAYS_LIT_MARGIN)
         return replace(self.instance, spare_sun=wanted / (1.0 + spare_sun) - 1.0)

@@ -43,26 +43,38 @@ from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 
 _LIFT = "airframe.aerodynamics.lift_coefficient"
 _ROUNDS, _NARROWED = 12, 2
-# What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
 _LEAST_MORE_H = 0.03  # of required excess time, where parts fly an optimum with less
+_SHORT_AGAINST_WIND = "against the wind its parts fly every design with less than is required"
 _SAME_H = 0.003  # of excess time: half of what the goal of a program has to spare
+# What the efficiency may differ: of formulas, which miss it by little at once, and of constants.
 _SETTLED, _SETTLED_CONSTANT, _SHRINKS = 1e-6, 1e-4, 0.5
 
 
 @dataclass(frozen=True)
 class _Request:
-    """What is sized."""
+    """What is sized; ``more_h``: excess time beyond the required one that its program must have."""
 
     aircraft: Aircraft
     mission: Mission
     objective: Objective
     solar: SolarModel
     required_h: float | None
+    more_h: float = 0.0
+
+    @property
+    def asked_h(self) -> float:
+        """Required excess time of the mission, or instead of it [h]."""
+        return self.mission.required_excess_time_h if self.required_h is None else self.required_h
+
+    def as_asked(self, result: SizingResult) -> SizingResult | None:
+        """Sizing under the required time that was asked for; None of a range."""
+        result = replace(result, required_excess_time_h=self.asked_h)
+        return None if self.objective.of_range else result
 
     def optimum(self, aircraft: Aircraft, start: DesignVariables | None) -> SizingResult:
         """Optimum with another propulsion; why there is none is not asked."""
         given = (aircraft, self.mission, self.objective, self.solar)
-        hours = self.required_h
+        hours = self.asked_h + self.more_h
         if self.objective.of_range:
             return widest_range(*given, required_excess_time_h=hours).sizing
         return size_aircraft(*given, required_excess_time_h=hours, start=start, explain=False)
@@ -72,7 +84,7 @@ class _Request:
         if self.objective.of_range:
             return None
         given = (aircraft, self.mission, self.objective, self.solar)
-        found = unjudged_optimum(*given, required_excess_time_h=self.required_h)
+        found = unjudged_optimum(*given, required_excess_time_h=self.asked_h)
         if found is None:
             return None
         mass_kg = found.value(TOTAL_MASS)
@@ -94,8 +106,11 @@ class _Request:
     def short_by_parts_h(self, result: SizingResult) -> float:
         """Excess time that an optimum lacks as its parts fly it against the wind [h].
 
-        Formulas and parts are equal at the design's own airspeed alone.
+        Formulas and parts are equal at the design's own airspeed, where alone they fly without a
+        place to hold.
         """
+        if not self.mission.holds_station:
+            return 0.0
         assert result.design is not None
         found, known = result.design.variables, result.simulated
         assert known is not None
@@ -110,11 +125,10 @@ class _Request:
                 "would: give it other parts, or ask for less wind"
             )
         least_h = float(np.min(flown.cycle.excess_time_h))
-        if least_h > 0.0 and least_h >= result.required_excess_time_h:
+        if least_h > 0.0 and least_h >= self.asked_h:
             return 0.0
         # How much is lacking, days that do not close do not tell.
-        missing_h = result.required_excess_time_h - least_h if least_h > 0.0 else 0.0
-        return max(missing_h, _LEAST_MORE_H)
+        return max(self.asked_h - least_h if least_h > 0.0 else 0.0, _LEAST_MORE_H)
 
 
 def with_smooth_chain(
@@ -148,10 +162,9 @@ def sized_smoothly(
     propulsion = aircraft.propulsion_by_parts
     if propulsion is None or not propulsion.is_exact:
         return aircraft, None, None
-    hours = required_excess_time_h
-    request = _Request(aircraft, mission, objective, solar, hours)
+    request = _Request(aircraft, mission, objective, solar, required_excess_time_h)
     if propulsion.propeller.table is not None:
-        return *_with_constants(request, propulsion), None
+        return _with_constants(request, propulsion)
     smooth = smooth_propulsion(aircraft, mission, propulsion)
     start: DesignVariables | None = None
     sizes = set(PROPULSION_VARIABLES) & aircraft.design_space.requested_ranges().keys()
@@ -177,22 +190,20 @@ def sized_smoothly(
         if moved < _SETTLED and result is not None:
             if point.reason:
                 raise ImpossibleDesignError(operating_trouble(aircraft, mission, start))
-            short_h = request.short_by_parts_h(result) if mission.holds_station else 0.0
+            short_h = request.short_by_parts_h(result)
             if short_h <= 0.0:
-                asked = mission.required_excess_time_h if hours is None else hours
-                result = replace(result, required_excess_time_h=asked)
-                return flown, start, None if objective.of_range else result
-            request = replace(request, required_h=result.required_excess_time_h + short_h)
-            why = "against the wind its parts fly every design with less than is required"
+                return flown, start, request.as_asked(result)
+            request, why = replace(request, more_h=request.more_h + short_h), _SHORT_AGAINST_WIND
     raise _no_common_optimum(request, why)
 
 
 def _with_constants(
     request: _Request, propulsion: OperatingPointPropulsion
-) -> tuple[Aircraft, DesignVariables | None]:
+) -> tuple[Aircraft, DesignVariables | None, SizingResult | None]:
     """Aircraft with the constant efficiencies of its optimum.
 
-    Without an optimum they are those of the design in the file, for what explains the failure.
+    Without an optimum they are those of the design in the file, for what explains the failure. The
+    sizing as well where a place is held.
     """
     aircraft = request.aircraft
     chain, before = first_chain(propulsion), 0.0
@@ -204,17 +215,23 @@ def _with_constants(
             if start is None:
                 own = design_of(aircraft, request.mission).chain or chain
                 fixed = aircraft.with_airframe(propulsion=_in_two_links(own))
-            return fixed, start
+            return fixed, start, None
         start = result.design.variables
         exact = request.exact_chain(result)
         moved = exact.efficiency - chain.efficiency
+        why = f"the efficiency still moves by {abs(moved):.1e}"
         if abs(moved) < _SETTLED_CONSTANT:
-            return aircraft.with_airframe(propulsion=_in_two_links(exact)), start
+            short_h = request.short_by_parts_h(result)
+            if short_h <= 0.0:
+                known = request.as_asked(result) if request.mission.holds_station else None
+                settled = fixed.with_airframe(propulsion=_in_two_links(exact))
+                return settled if known is None else fixed, start, known
+            request, why = replace(request, more_h=request.more_h + short_h), _SHORT_AGAINST_WIND
         # Each round moves by a share of the one before: the rest of the row is its sum.
         share = moved / before if abs(moved) < _SHRINKS * abs(before) else 0.0
         chain = mixed_chain(exact, chain, share / (1.0 - share))
         before = moved
-    raise _no_common_optimum(request, f"the efficiency still moves by {abs(before):.1e}")
+    raise _no_common_optimum(request, why)
 
 
 def _no_common_optimum(request: _Request, why: str) -> ImpossibleDesignError:
@@ -244,7 +261,7 @@ def sized_in_own_flow(
     settled: SizingResult | None = None,
     **options: Any,
 ) -> tuple[Aircraft, SizingResult]:
-    """Sizing, and the aircraft whose first guess is about its design; as it is where that is idle.
+    """Sizing, and the aircraft with its design as first guess where the flow cools its modules.
 
     The result is simulated with that aircraft's own sun. Where the known one was off by more than
     next to nothing, or the design is not enough after all, the sizing is repeated from there.
@@ -266,7 +283,7 @@ def sized_in_own_flow(
     if enough and (least_h == known_h or abs(least_h - known_h) < _SAME_H):
         return guessed, result.with_design(own)
     again = size_aircraft(guessed, *given, **options | {"start": variables})
-    return guessed, again if again.feasible else result
+    return guessed, again if again.feasible or not enough else result
 
 
 def _first_guessed(aircraft: Aircraft, mission: Mission, found: DesignVariables) -> Aircraft:

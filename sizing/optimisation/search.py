@@ -338,9 +338,11 @@ class _Sizing:
         starts += [] if self.largest is None else [self.largest.solution.design]
         # With climbs there are several optima: the program is held to the one that it has chosen.
         previous = search.previous if search.previous.climbs else None
+        solution = None
         if previous is not None and search.afresh:
             previous = replace(previous, rival=-math.inf)  # in another light another may be better
-        solution = None if search.afresh else self._solve(starts, previous=previous)
+        else:
+            solution = self._solve(starts, previous=previous)
         if solution is not None:
             return solution
         if self.rough or previous is not None:

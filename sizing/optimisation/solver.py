@@ -516,8 +516,8 @@ def _warm(posed: _Posed, previous: Solution) -> dict[str, FloatArray]:
         known = [place.get(name, -1) for name in names]
         x, bounds = (np.where(np.array(known) < 0, 0.0, one[known]) for one in (x, bounds))
     multipliers = _NOT_QUITE * np.concatenate([bounds, rows])
-    # QRQP of CasADi 3.8 notes where multipliers change their signs, and has memory for one less than
-    # all of them: of interior points none is zero, and all of them may.
+    # QRQP of CasADi 3.8 notes which multipliers change their signs, and has no memory for all of
+    # them. Of interior points none is zero, and all may.
     multipliers[np.argmin(np.abs(multipliers))] = 0.0
     lam_x0, lam_g0 = np.split(multipliers, [len(bounds)])
     return {"x0": posed.within(x), "lam_x0": lam_x0, "lam_g0": lam_g0}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -186,6 +187,10 @@ def _clocks(*hours_h: float) -> str:
     return ", ".join(map(clock_label, hours_h))
 
 
+def _height(altitude_m: float) -> str:
+    return f"{altitude_m:.0f} m" if math.isfinite(altitude_m) else "nowhere"
+
+
 def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
     """What climbing does in the worst scenario; nothing where the mission does not climb."""
     if analysis.climb is None:
@@ -196,7 +201,7 @@ def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
     # A limited flight is flown from a full battery, and may climb where the repeated day does not.
     day = "" if analysis.performance.cycle.perpetual[worst] else ", repeated day"
     return [
-        *([] if held_m is None else [("wind held up to", f"{held_m[worst]:.0f} m")]),
+        *([] if held_m is None else [("wind held up to", _height(float(held_m[worst])))]),
         (f"highest altitude{day}", f"{flown.maximum_altitude_m[worst]:.0f} m"),
         (f"gliding in the evening{day}", hours(float(flown.gliding_h[worst]))),
         (f"stored potential energy{day}", f"{flown.maximum_potential_energy_wh[worst]:.1f} Wh"),

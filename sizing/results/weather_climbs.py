@@ -16,7 +16,7 @@ def climbs_record(done: WeatherPerformance) -> dict[str, Any] | None:
         return None
     return {
         **climb.record,
-        "median_highest_altitude_m": float(np.median(altitude_m.max(axis=1))),
+        "median_highest_altitude_m": round(float(np.median(altitude_m.max(axis=1))), 3),
         "constant_altitude_days_that_close": int(constant.closes.sum()),
         "constant_altitude_median_endurance_h": float(np.median(constant.endurance_h)),
     }
@@ -31,7 +31,7 @@ def climbs_rows(done: WeatherPerformance) -> list[tuple[str, str]]:
         record[key] for key in ("constant_altitude_days_that_close", "median_highest_altitude_m")
     )
     return [
-        ("the same at constant altitude", f"{closed} of {len(done.recorded.closes)}"),
+        ("in the record at constant altitude", f"{closed} of {len(done.recorded.closes)}"),
         ("highest altitude of a day, median", f"{highest_m:.0f} m"),
     ]
 

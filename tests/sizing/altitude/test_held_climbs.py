@@ -294,3 +294,35 @@ def test_parts_of_a_propulsion_hold_the_wind_that_they_are_sized_for(
         again = analyse(study.sized_aircraft(), study.sized_mission())
         assert study.result.required_excess_time_h == 0.0
         assert again.excess_time_h > 0.0
+
+
+def test_a_scenario_whose_floor_is_not_held_does_not_spoil_the_others() -> None:
+    # The shipped winds: at 50 N in January the floor of 20 km is not held, in June it is.
+    wind = {"percentile": 95.0, "hold_station": True}
+    climb = {"ceiling_m": 22000.0, "strategy": "surplus"}
+    dates = {"from": "01-15", "to": "06-21", "count": 2}
+    there = shipped_mission(
+        "stratosphere-mission", wind=wind, climb=climb, latitude_deg=50.0, dates=dates
+    )
+    found = analyse(HIGH, there)
+    assert found.climb is not None
+    levels = found.climb.performance.levels
+    assert levels is not None
+    assert levels.flies.tolist() == [False, True]
+    hours, up_to_m = found.performance.cycle.excess_time_h, found.climb.held_up_to_m
+    assert up_to_m is not None
+    assert hours[0] == pytest.approx(-24.0)
+    assert np.isfinite(hours).all()
+    assert np.isnan(up_to_m[0])
+    assert up_to_m[1] == 22000.0
+    assert found.climb.climb.maximum_altitude_m[0] == 20000.0
+    assert "wind held up to" in str(found)
+    assert "nan" not in str(found)
+
+
+def test_levels_do_not_fall_in_energy_where_the_wind_falls(tmp_path: Path) -> None:
+    jet = held(tmp_path, {20000: 34.0, 20010: 5.0, 22000: 5.0})
+    levels = performance(HIGH, jet.flown_between(20000.0, 20500.0)).levels
+    assert levels is not None
+    assert np.all(np.diff(levels.potential_energy_wh, axis=0) >= 0.0)
+    assert np.all(levels.highest_wh <= levels.potential_energy_wh[-1])

@@ -98,7 +98,7 @@ def test_climbs_are_flown_and_told_beside_constant_altitude(run, tmp_path):
     climb = ("--set", "mission.climb={ceiling_m: 3536, strategy: surplus}")
     call = ("analyse", AS2, *climb, "--weather", path)
     told = " ".join(run(*call, "--table", "days.csv", "--plot", "days.png").out.split())
-    for text in ("the same at constant altitude", "highest altitude of a day, median 3536 m"):
+    for text in ("in the record at constant altitude", "highest altitude of a day, median 3536 m"):
         assert text in told
     assert "with all of the record's clouds above the aircraft at any height" in told
     weather = run(*call, "--json").json()["weather"]
@@ -122,7 +122,10 @@ def test_climbs_are_flown_and_told_beside_constant_altitude(run, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (["mission.climb={ceiling_m: 12000}"], "below 12000 m here: the mission's climb.ceiling_m"),
+        (
+            ["mission.climb={ceiling_m: 12000}"],
+            "from 536 m to below 12000 m in this record",
+        ),
         (
             ["mission.climb={ceiling_m: 3000}", "airframe.level_flight.propulsion_efficiency=null"],
             "required key is missing: the mission has climb",
