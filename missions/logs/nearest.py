@@ -16,10 +16,7 @@ OTHER_AGE_S = 5.0
 
 
 class Series(NamedTuple):
-    """A quantity in the unit of the log format, over time since boot [s].
-
-    One value at the time NaN holds at all times.
-    """
+    """A quantity in the unit of the log format, over time since boot [s]."""
 
     time_s: FloatArray
     values: FloatArray
@@ -39,5 +36,5 @@ def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
     before = np.maximum(after - 1, 0)
     earlier = np.abs(time_s - own[before]) <= np.abs(own[after] - time_s)
     nearest = np.where(earlier, before, after)
-    stale = np.abs(own[nearest] - time_s) > age_s  # not so by the time NaN
-    return np.where(stale, np.nan, series.values[nearest])
+    fresh = np.abs(own[nearest] - time_s) <= age_s
+    return np.where(fresh, series.values[nearest], np.nan)

@@ -77,7 +77,7 @@ def given_series(
 def _made(recipe: Recipe, streams: Mapping[str, Stream]) -> dict[str, Series]:
     """Series at the times of its first stream, and of several MPPTs the power of each."""
     if recipe.value is not None:
-        return {recipe.quantity: Series(np.full(1, np.nan), np.full(1, recipe.value))}
+        return {recipe.quantity: Series(np.zeros(1), np.full(1, recipe.value))}
     first = streams[recipe.columns[0].rpartition(".")[0]].time_s
 
     def column(name: str) -> FloatArray:
@@ -95,7 +95,7 @@ def log_from_series(
     notes: Sequence[str],
     layout: ColumnMap,
 ) -> FlightLog:
-    """Put quantities together at the times of the solar power."""
+    """Put quantities together at the times of the solar power, those of one value at all."""
     if needed := set(REQUIRED) & set(layout.ignore):
         raise file_error(source, f"{min(needed)} cannot be ignored: it is needed")
     time_s = series["solar_power_w"].time_s
@@ -103,6 +103,11 @@ def log_from_series(
     for quantity, one in series.items():
         if quantity not in layout.ignore:
             columns[quantity] = sampled(one, time_s, age_s_of(quantity))
+    for quantity, said in layout.columns.items():
+        if quantity in layout.ignore:
+            continue
+        if isinstance(said, Source) and said.value is not None:
+            columns[quantity] = said.factor * said.value
     return log_from_table(pd.DataFrame(columns), source, notes, layout.spans)
 
 
