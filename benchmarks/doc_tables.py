@@ -209,6 +209,7 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "catalogue-batteries": ("catalogues.md", partial(_catalogue, "batteries")),
     "catalogue-motors": ("catalogues.md", partial(_catalogue, "motors")),
     "catalogue-propellers": ("catalogues.md", partial(_catalogue, "propellers")),
+    "catalogue-mppts": ("catalogues.md", partial(_catalogue, "mppts")),
     "catalogue-sources": ("catalogues.md", lambda: _markdown(*map(_catalogue_sources, KINDS))),
     "ranges": ("validity.md", _ranges),
     "ceilings": ("altitude.md", lambda: _markdown(altitude_tables.ceilings())),

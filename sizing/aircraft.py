@@ -22,7 +22,7 @@ from sizing.balance.checks import (
 from sizing.balance.drag import DragComponents
 from sizing.balance.masses import Balance
 from sizing.balance.surfaces import Planform, Tail
-from sizing.catalogues.choice import OfCatalogue, Taken, own_entries, taken
+from sizing.catalogues.choice import Kind, OfCatalogue, Taken, own_entries, taken
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design_space import PROPULSION_VARIABLES, DesignSpace
 from sizing.energy.battery import Battery
@@ -67,6 +67,7 @@ ENTRY_KEYS.update(
         "charge_limit",
     ),
     motor=("motor_efficiency",),
+    mppt_board=("mppt_efficiency", "mppt_mass_kg_per_w"),
     table=(),
     product=PARTS_OF_PROPELLER,
 )
@@ -195,13 +196,15 @@ class SolarModules(OfCatalogue, SolarCell):
 
     ``geometry`` tells how the area is arranged, for the models that know the attitude. Areas of its
     surfaces count relative to each other: a sized aircraft keeps the arrangement at another area.
-    ``cell`` names an entry of the catalogue of solar cells, which gives what the file does not.
+    ``cell`` names an entry of the catalogue of solar cells, ``mppt_board`` one of that of MPPTs;
+    they give what the file does not.
     ``layout`` lays whole cells, which give the area and, with strings, the mass of the MPPTs.
     """
 
-    _entry = "cell", "cells"
+    _entries: ClassVar[Mapping[str, Kind]] = {"cell": "cells", "mppt_board": "mppts"}
 
     cell: Text | None = None
+    mppt_board: Text | None = None
     layout: CellLayout | None = None
     area_m2: NonNegativeReal
     geometry: ModuleGeometry | None = None
@@ -288,6 +291,7 @@ class Aircraft(FileRecord):
     def texts_read(self) -> dict[str, str]:
         """Text of every file that it names, by path; see :func:`texts_as_read`."""
         texts = own_entries(self.modules, "cell") | own_entries(self.battery, "cell")
+        texts |= own_entries(self.modules, "mppt_board")
         propulsion = getattr(self.airframe, "propulsion", None)
         if propulsion is not None and isinstance(propulsion.motor, str):
             texts |= own_entries(propulsion, "motor")

@@ -16,10 +16,17 @@ from missions.files.errors import InputError, file_error, printable, shortened
 from missions.files.texts import read_text
 from missions.files.validation import validate
 from missions.files.yaml import Document, parse_yaml
-from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, PropellerEntry
+from sizing.catalogues.entries import (
+    BatteryEntry,
+    CellEntry,
+    Entry,
+    MotorEntry,
+    MpptEntry,
+    PropellerEntry,
+)
 from solar.schema import Record, wrong_value
 
-Kind = Literal["cells", "batteries", "motors", "propellers"]
+Kind = Literal["cells", "batteries", "motors", "propellers", "mppts"]
 
 KINDS: Mapping[Kind, type[Entry]] = MappingProxyType(
     {
@@ -27,6 +34,7 @@ KINDS: Mapping[Kind, type[Entry]] = MappingProxyType(
         "batteries": BatteryEntry,
         "motors": MotorEntry,
         "propellers": PropellerEntry,
+        "mppts": MpptEntry,
     }
 )
 _SUFFIXES = (".yaml", ".yml")
@@ -137,13 +145,15 @@ _FOLLOWS_FROM = {
     "specific_energy_wh_per_kg": ("mass_kg", "typical_mass_kg"),
     "charge_limit": ("maximum_charge_current_a",),
     "motor_efficiency": ("resistance_ohm",),
+    "mppt_efficiency": ("efficiency",),
+    "mppt_mass_kg_per_w": ("mass_kg",),
 }
 
 
 class OfCatalogue(Record):
-    """Record one key of which names an entry of a catalogue."""
+    """Record with keys that name entries of catalogues."""
 
-    _entry: ClassVar[tuple[str, Kind]]
+    _entries: ClassVar[Mapping[str, Kind]]
 
     @model_validator(mode="wrap")
     @classmethod
@@ -153,12 +163,14 @@ class OfCatalogue(Record):
         What the data have wins. What the entry gave does not count as given: a copy of the record
         with another entry takes the values of that one.
         """
-        key, kind = cls._entry
-        name = data.get(key) if isinstance(data, Mapping) else None
-        if not isinstance(name, str | int) or isinstance(name, bool):
+        new: dict[str, Any] = {}
+        for key, kind in cls._entries.items():
+            name = data.get(key) if isinstance(data, Mapping) else None
+            if isinstance(name, str | int) and not isinstance(name, bool):
+                parameters = found_entry(key, kind, str(name)).parameters(data)
+                new |= {one: value for one, value in parameters.items() if one not in data}
+        if not new:
             return handler(data)
-        parameters = found_entry(key, kind, str(name)).parameters(data)
-        new = {one: value for one, value in parameters.items() if one not in data}
         record = handler({**data, **new})
         record.__pydantic_fields_set__.difference_update(new)
         return record
@@ -189,25 +201,25 @@ def known_entry(kind: Kind, data: Mapping[str, Any], key: str) -> Any:
 
 
 def taken(record: OfCatalogue, prefix: str) -> list[Taken]:
-    """Values of a record that are those of the entry it names.
+    """Values of a record that are those of the entries it names.
 
     ``prefix``: what stands before the record's keys in the aircraft's file, with the dot. Returns
     without those that something else has replaced since.
     """
-    key, kind = record._entry
-    name = getattr(record, key)
-    if name is None:
-        return []
-    one = entry(kind, name)
     given = {field: getattr(record, field) for field in record.model_fields_set}
     found = []
-    for field, value in one.parameters(given).items():
-        now = getattr(record, field)
-        now = now.model_dump(exclude_unset=True) if isinstance(now, Record) else now
-        if now == value and field not in given:
-            candidates = (field, *_FOLLOWS_FROM.get(field, ()))
-            number = next((key_of for key_of in candidates if key_of in one.numbers()), field)
-            found.append(Taken(prefix + field, value, name, one.label, one.source_of(number)))
+    for key, kind in record._entries.items():
+        name = getattr(record, key)
+        if name is None:
+            continue
+        one = entry(kind, name)
+        for field, value in one.parameters(given).items():
+            now = getattr(record, field)
+            now = now.model_dump(exclude_unset=True) if isinstance(now, Record) else now
+            if now == value and field not in given:
+                candidates = (field, *_FOLLOWS_FROM.get(field, ()))
+                number = next((key_of for key_of in candidates if key_of in one.numbers()), field)
+                found.append(Taken(prefix + field, value, name, one.label, one.source_of(number)))
     return found
 
 

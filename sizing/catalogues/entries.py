@@ -329,6 +329,61 @@ class MotorEntry(Entry):
         return {"motor_efficiency": float(f"{self.best_efficiency(voltage):.6g}")}
 
 
+class MpptEntry(Entry):
+    """A maximum power point tracker as a board; voltages and current are those at its input.
+
+    ``rated_power_w`` is the power of modules that a board takes. ``efficiency`` is the least that
+    the source states and counts, ``peak_efficiency`` the greatest.
+    """
+
+    kind_of_entry: ClassVar[str] = "MPPT"
+
+    mass_kg: PositiveReal
+    rated_power_w: PositiveReal
+    efficiency: Fraction | None = None
+    peak_efficiency: Fraction | None = None
+    conversion: Literal["any", "step_up", "step_down"] | None = None
+    minimum_voltage_v: PositiveReal | None = None
+    maximum_voltage_v: PositiveReal | None = None
+    maximum_current_a: PositiveReal | None = None
+
+    @model_validator(mode="after")
+    def _check_order(self) -> MpptEntry:
+        for less, more in (
+            ("minimum_voltage_v", "maximum_voltage_v"),
+            ("efficiency", "peak_efficiency"),
+        ):
+            low, high = getattr(self, less), getattr(self, more)
+            if low is not None and high is not None and low > high:
+                raise wrong_value(less, f"must be at most {more}, which is {high:g} (got {low:g})")
+        return self
+
+    @property
+    def mass_kg_per_w(self) -> float:
+        """Mass over the power that it takes [kg/W]."""
+        return self.mass_kg / self.rated_power_w
+
+    def parameters(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Efficiency where it is known, and mass per watt."""
+        values = {
+            "mppt_efficiency": self.efficiency,
+            "mppt_mass_kg_per_w": float(f"{self.mass_kg_per_w:.6g}"),
+        }
+        return {key: value for key, value in values.items() if value is not None}
+
+    def window(self) -> dict[str, Any]:
+        """Keys of the MPPT of strings of whole cells, as far as they are known."""
+        keys = (
+            "conversion",
+            "minimum_voltage_v",
+            "maximum_voltage_v",
+            "maximum_current_a",
+            "mass_kg",
+        )
+        values = {key: getattr(self, key) for key in keys}
+        return {key: value for key, value in values.items() if value is not None}
+
+
 class PropellerEntry(Entry):
     """A propeller: its size, and the greatest efficiency that is known of it.
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 
 from missions.air import thin_air_share
-from sizing.catalogues.choice import OfCatalogue
+from sizing.catalogues.choice import Kind, OfCatalogue
 from sizing.energy.battery_condition import (
     HEATED_PACK,
     Ageing,
@@ -175,7 +175,7 @@ class Battery(OfCatalogue):
     whose mass follows from their number.
     """
 
-    _entry = "cell", "batteries"
+    _entries: ClassVar[Mapping[str, Kind]] = {"cell": "batteries"}
 
     cell: Text | None = None
     cell_mass_fraction: Fraction = 1.0

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from sizing.catalogues.choice import known_entry
-from sizing.catalogues.entries import CellEntry
+from sizing.catalogues.entries import CellEntry, MpptEntry
 from sizing.layout.cells import CellLayout, LayoutError, Wing
 from solar.schema import Record, is_positive, wrong_value
 from solar.shading import TailGeometry
@@ -27,7 +27,8 @@ def laid_out(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
     raw = raw.model_dump(exclude_unset=True) if isinstance(raw, Record) else raw
     if not isinstance(raw, Mapping):
         return data, set()
-    layout = _with_entry(raw, known_entry("cells", data, "cell"))
+    board = known_entry("mppts", data, "mppt_board")
+    layout = _with_entry(raw, known_entry("cells", data, "cell"), board)
     try:
         found = CellLayout.model_validate(layout)
     except ValidationError:
@@ -45,14 +46,20 @@ def laid_out(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str]]:
     return values, set(values) - set(data)
 
 
-def _with_entry(raw: Mapping[str, Any], entry: CellEntry | None) -> dict[str, Any]:
-    """Layout with the area and the voltages of the catalogue's cell, where it has none itself."""
+def _with_entry(
+    raw: Mapping[str, Any], entry: CellEntry | None, board: MpptEntry | None
+) -> dict[str, Any]:
+    """Layout with area and voltages of the catalogue's cell and MPPT, where it has none itself."""
+    layout, strings = dict(raw), raw.get("strings")
+    if board is not None and isinstance(strings, Mapping):
+        mppt = strings.get("mppt", {})
+        mppt = board.window() | dict(mppt) if isinstance(mppt, Mapping) else mppt
+        layout["strings"] = strings = {**strings, "mppt": mppt}
     if entry is None:
-        return dict(raw)
-    layout, part = dict(raw), _part_of(raw, entry.area_m2)
+        return layout
+    part = _part_of(raw, entry.area_m2)
     if part == 1.0:
         layout.setdefault("cell_area_m2", entry.area_m2)
-    strings = raw.get("strings")
     if isinstance(strings, Mapping):
         known = {key: getattr(entry, key) for key in _OF_A_CELL}
         if known["mpp_current_a"] is not None:

@@ -18,7 +18,7 @@ from pydantic import (
 )
 
 from missions.air import Air
-from sizing.catalogues.choice import OfCatalogue, Taken, found_entry, taken
+from sizing.catalogues.choice import Kind, OfCatalogue, Taken, found_entry, taken
 from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
 from sizing.parameters import all_replaced, replaced
 from sizing.propulsion.electric import Controller, Gear, Motor
@@ -85,7 +85,7 @@ class Propulsion(OfCatalogue):
     :func:`sizing.register_propulsion_efficiency`.
     """
 
-    _entry = "motor", "motors"
+    _entries: ClassVar[Mapping[str, Kind]] = {"motor": "motors"}
 
     kind: Literal["constant"] = "constant"
     motor: Text | None = None

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, PrivateAttr, Strict, model_validator
 
 from missions.files.errors import InputError
 from missions.files.texts import read_text, texts_as_read
 from missions.files.validation import wrong_file
-from sizing.catalogues.choice import OfCatalogue
+from sizing.catalogues.choice import Kind, OfCatalogue
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.propeller import Propeller
 from sizing.propulsion.propeller_files import read_propeller
@@ -25,7 +26,7 @@ class PropellerChoice(OfCatalogue):
     needed only where the files do not tell it.
     """
 
-    _entry = "product", "propellers"
+    _entries: ClassVar[Mapping[str, Kind]] = {"product": "propellers"}
 
     product: Text | None = None
     diameter_m: Annotated[PositiveReal, Field(le=100.0)] | None = None

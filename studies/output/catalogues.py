@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from sizing.catalogues.choice import Kind, entries
-from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry
+from sizing.catalogues.entries import BatteryEntry, CellEntry, Entry, MotorEntry, MpptEntry
 from sizing.results.tables import Column, Table
 
 _TITLES: dict[Kind, str] = {
@@ -14,6 +14,7 @@ _TITLES: dict[Kind, str] = {
     "batteries": "batteries: battery.cell",
     "motors": "motors: airframe.propulsion.motor",
     "propellers": "propellers: airframe.propulsion.propeller.product",
+    "mppts": "MPPTs: modules.mppt_board",
 }
 _NOTES: dict[Kind, str] = {
     "cells": "Mass with 0.20 kg/m² of encapsulation and cables. What is unknown is that of the "
@@ -26,6 +27,8 @@ _NOTES: dict[Kind, str] = {
     "motors": "Efficiency: the best at 24 V; at more or less current it is lower.",
     "propellers": "Greatest efficiency: computed by the maker for 3000 rpm, measured in a wind "
     "tunnel (its speed: --json).",
+    "mppts": "Power: of the modules that one takes. Efficiency: the least that is stated. Input: "
+    "largest voltage and current.",
 }
 _COLUMNS: dict[Kind, tuple[Column, ...]] = {
     "cells": (
@@ -55,6 +58,14 @@ _COLUMNS: dict[Kind, tuple[Column, ...]] = {
         Column("computed_efficiency_3000_rpm", "computed", "%", ".0f"),
         Column("measured_efficiency", "measured", "%", ".0f"),
     ),
+    "mppts": (
+        Column("mass_kg", "mass", "kg", ".3f"),
+        Column("rated_power_w", "power", "W", ".0f"),
+        Column("mass_g_per_w", "mass", "g/W", ".2f"),
+        Column("efficiency", "effic.", "%", ".0f"),
+        Column("maximum_voltage_v", "input", "V", ".0f"),
+        Column("maximum_current_a", "input", "A", ".0f"),
+    ),
 }
 
 # Columns that are called otherwise in an entry.
@@ -78,6 +89,8 @@ def _values(one: Entry, columns: Sequence[Column]) -> Iterator[float | str | Non
             value = one.parameters({"efficiency_stc": 1.0}).get(name)
         elif isinstance(one, MotorEntry) and name == "efficiency_24_v":
             value = one.best_efficiency(24.0)
+        elif isinstance(one, MpptEntry) and name == "mass_g_per_w":
+            value = 1000.0 * one.mass_kg_per_w
         else:
             value = getattr(one, _ATTRIBUTES.get(name, name))
         yield 100.0 * value if column.unit.startswith("%") and value is not None else value

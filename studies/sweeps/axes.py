@@ -31,6 +31,7 @@ NAMED_KEYS: dict[str, Kind] = {
     "battery.cell": "batteries",
     "airframe.propulsion.motor": "motors",
     "airframe.propulsion.propeller.product": "propellers",
+    "modules.mppt_board": "mppts",
 }
 
 _NAMED_LABELS: dict[Kind, str] = {
@@ -38,6 +39,7 @@ _NAMED_LABELS: dict[Kind, str] = {
     "batteries": "battery",
     "motors": "motor",
     "propellers": "propeller",
+    "mppts": "MPPT",
 }
 
 # How names that the catalogue of parameters has not end -> unit as readers write it; longer first.

@@ -18,14 +18,15 @@ if TYPE_CHECKING:
 class List:
     """List the aircraft, missions and weather records that ship with the package.
 
-    With --cells, --batteries, --motors or --propellers list what a catalogue has; --json has the
-    sources.
+    With --cells, --batteries, --motors, --propellers or --mppts list what a catalogue has; --json
+    has the sources.
     """
 
     cells: bool = option("--cells", is_flag=True, help="List the solar cells instead.")
     batteries: bool = option("--batteries", is_flag=True, help="List the batteries.")
     motors: bool = option("--motors", is_flag=True, help="List the motors.")
     propellers: bool = option("--propellers", is_flag=True, help="List the propellers.")
+    mppts: bool = option("--mppts", is_flag=True, help="List the MPPTs.")
     as_json: bool = json_option("Print JSON.")
 
     def __post_init__(self) -> None:
@@ -37,7 +38,7 @@ class List:
     @property
     def catalogues(self) -> list[Kind]:
         """Catalogues that are asked for."""
-        kinds: tuple[Kind, ...] = ("cells", "batteries", "motors", "propellers")
+        kinds: tuple[Kind, ...] = ("cells", "batteries", "motors", "propellers", "mppts")
         return [kind for kind in kinds if getattr(self, kind)]
 
 

@@ -73,6 +73,30 @@ def test_names_give_parameters_and_say_where_they_come_from(tmp_path: Path) -> N
     assert taken["battery.charge_limit"].text == "{kind: rule, c_rate_per_h: 0.5}"
 
 
+def test_a_board_gives_mass_and_efficiency_and_the_window_of_strings(tmp_path: Path) -> None:
+    path = written(tmp_path, modules={"cell": "sunpower-c60", "mppt_board": "genasun-gvb-8-board"})
+    modules = load_aircraft(path, ["modules.mppt_board=genasun-gvb-8-board"]).modules
+    assert modules.mppt_efficiency == 0.95
+    assert modules.mppt_mass_kg_per_w == pytest.approx(0.108 / 118.0, rel=1e-5)
+    cells = {"cell_span_m": 0.125, "cell_chord_m": 0.125, "bays": [{"cells": [20, 20]}]}
+    strings = {"cells_in_series": 20, "coldest_c": -10.0, "hottest_c": 60.0}
+    data = plain_data(load_aircraft(path))
+    del data["modules"]["area_m2"], data["modules"]["mppt_efficiency"]
+    del data["modules"]["mppt_mass_kg_per_w"]
+    data["modules"]["layout"] = cells | {"strings": strings}
+    voltage = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0, 4.2]}
+    data["battery"]["voltage"] = voltage
+    path.write_text(to_yaml(data), encoding="utf-8")
+    modules = load_aircraft(path).modules
+    assert modules.layout is not None
+    assert modules.layout.strings is not None
+    mppt = modules.layout.strings.mppt
+    assert (mppt.conversion, mppt.maximum_voltage_v, mppt.maximum_current_a) == ("step_up", 60, 8)
+    # One of 108 g for each of the four strings.
+    rated_w = 1000.0 * modules.efficiency_stc * modules.area_m2
+    assert modules.mppt_mass_kg_per_w * rated_w == pytest.approx(4 * 0.108)
+
+
 def test_what_the_file_gives_wins_over_the_entry(tmp_path: Path) -> None:
     path = written(
         tmp_path,

@@ -16,6 +16,7 @@ from sizing.catalogues.entries import (
     CellEntry,
     Entry,
     MotorEntry,
+    MpptEntry,
     PropellerEntry,
 )
 from sizing.parameters import parameter
@@ -28,6 +29,7 @@ ALL: list[tuple[Kind, str, Entry]] = [
 CELLS = [one for _, _, one in ALL if isinstance(one, CellEntry)]
 BATTERIES = [one for _, _, one in ALL if isinstance(one, BatteryEntry)]
 MOTORS = [one for _, _, one in ALL if isinstance(one, MotorEntry)]
+MPPTS = [one for _, _, one in ALL if isinstance(one, MpptEntry)]
 PROPELLERS = [one for _, _, one in ALL if isinstance(one, PropellerEntry)]
 
 
@@ -41,6 +43,7 @@ def test_every_catalogue_has_entries_of_its_kind() -> None:
     assert len(BATTERIES) >= 20
     assert len(MOTORS) >= 20
     assert len(PROPELLERS) >= 20
+    assert len(MPPTS) >= 4
     labels = [one.label for _, _, one in ALL]
     assert len(set(labels)) == len(labels)
 
@@ -101,6 +104,20 @@ def test_specific_energy_is_voltage_times_capacity_over_mass(battery: BatteryEnt
     loss = battery.loss_at_1c
     low = parameter("battery.resistance.loss_at_1c")
     assert loss is None or low.minimum <= loss <= low.maximum
+
+
+@pytest.mark.parametrize("board", MPPTS, ids=label)
+def test_mppts_weigh_what_flown_and_sold_ones_do(board: MpptEntry) -> None:
+    # Per watt from Sky-Sailor's (22.5 g for 90 W) to boards and housings on sale, up to 1.6 g/W.
+    assert 0.0225 / 90.0 <= board.mass_kg_per_w < 0.0016
+    for efficiency in (board.efficiency, board.peak_efficiency):
+        assert efficiency is None or 0.9 < efficiency <= 0.98
+
+
+def test_the_mppts_of_atlantiksolar_are_half_a_gram_per_watt() -> None:
+    # 1/2368 kg per W of peak power; the mass of the entry has three digits.
+    own = entries("mppts")["atlantiksolar-mppt"]
+    assert own.parameters({})["mppt_mass_kg_per_w"] == pytest.approx(1.0 / 2368.0, rel=0.001)
 
 
 def test_cells_are_compared_on_what_their_data_sheets_guarantee() -> None:

@@ -17,6 +17,7 @@ from command_line import BIRD, FIELD, Run, edited, files
 
 from missions.files.shipped import shipped_text
 from sizing.library import load_aircraft
+from sizing.results.requirements import RECOMMENDED_STALL_MARGIN
 from sizing.validity.ranges import ranges
 from studies.cli import __main__ as cli
 
@@ -37,20 +38,31 @@ def test_starters_validate_analyse_and_size(run: Run, tmp_path: Path) -> None:
     assert record["simulated"]["excess_time_h"] >= 3.0
 
 
-def test_starters_take_cells_where_their_comments_say(run: Run, tmp_path: Path) -> None:
+def test_starters_give_names_and_the_same_numbers_in_comments(run: Run, tmp_path: Path) -> None:
     run("init", "heron")
-    path = tmp_path / "heron.yaml"
-    text = re.sub(r"^  # (cell\w*: \S+) .*$", r"  \1", path.read_text(), flags=re.MULTILINE)
-    replaced = ("efficiency_stc", "temperature_coefficient_per_k", "mass_kg_per_m2")
-    for key in (*replaced, "specific_energy_wh_per_kg", "charge_limit"):
-        text, count = re.subn(rf"^  {key}:.*\n(    .*\n)*", "", text, flags=re.MULTILINE)
-        assert count == 1, key
-    path.write_text(text)
-    record = run("analyse", "heron.yaml", "-m", "heron-mission.yaml", "--json").json()
+    path, mission = tmp_path / "heron.yaml", ("-m", "heron-mission.yaml", "--json")
+    record = run("analyse", "heron.yaml", *mission).json()
     # Data sheet of the 50E: 4.9 Ah at 3.6 V in 69 g; nine tenths of the pack are cells.
     given = {one["key"]: one["value"] for one in record["from_catalogues"]}
     assert given["battery.specific_energy_wh_per_kg"] == pytest.approx(0.9 * 4.9 * 3.6 / 0.069)
-    assert "modules.efficiency_stc" in given
+    text = re.sub(r"^  (cell|cell_mass_fraction|mppt_board):.*\n", "", path.read_text(), flags=re.M)
+    for key in given:
+        text, count = re.subn(rf"^  # ({key.split('.')[1]}:)", r"  \1", text, flags=re.MULTILINE)
+        assert count == 1, key
+    path.write_text(text)
+    by_numbers = run("analyse", "heron.yaml", *mission).json()
+    assert "from_catalogues" not in by_numbers
+    # The comments have three digits.
+    assert by_numbers["total_mass_kg"] == pytest.approx(record["total_mass_kg"], rel=1e-3)
+    energy = record["battery_energy_wh"]
+    assert by_numbers["battery_energy_wh"] == pytest.approx(energy, rel=1e-3)
+
+
+def test_starters_keep_the_recommended_margin_above_the_stall(run: Run) -> None:
+    run("init", "heron")
+    polar = load_aircraft("heron.yaml").parametric.aerodynamics
+    ratio = polar.maximum_lift_coefficient / polar.flight_lift_coefficient
+    assert ratio**0.5 >= RECOMMENDED_STALL_MARGIN
 
 
 def test_starters_look_where_their_models_were_checked(run: Run) -> None:
