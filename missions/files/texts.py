@@ -5,7 +5,9 @@ Texts of files that a record names, such as tables, are those that were read fir
 
 from __future__ import annotations
 
+import io
 import os
+import stat
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -20,6 +22,23 @@ _MAX_BYTES = 5_000_000
 _MAX_FILES = 200
 # Texts of files by the path under which they were read, for records made anew from data.
 _READ: ContextVar[Mapping[str, str] | None] = ContextVar("texts that were read", default=None)
+
+
+def open_plain(path: str | os.PathLike[str]) -> io.BufferedReader:
+    """Open a file of the user's for reading; InputError for what is no plain file.
+
+    A pipe would keep its reader waiting, and a device may never end: what is opened is looked at
+    before anything is read.
+    """
+    file = open(path, "rb", opener=_without_waiting)  # noqa: SIM115
+    if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        return file
+    file.close()
+    raise file_error(printable(os.fspath(path)), "cannot be read: is not a plain file")
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 @contextmanager
@@ -71,9 +90,7 @@ def read_folder(path: str, suffixes: tuple[str, ...]) -> str:
 
 
 def _bytes(file: Path) -> bytes:
-    if file.exists() and not file.is_file():  # a pipe would keep its reader waiting
-        raise file_error(printable(str(file)), "is not a plain file")
-    with file.open("rb") as opened:
+    with open_plain(file) as opened:
         raw = opened.read(_MAX_BYTES + 1)
     if len(raw) > _MAX_BYTES:
         raise _too_large(str(file))
@@ -97,23 +114,16 @@ def _decoded(raw: bytes, path: str) -> str:
 
 
 def read_plain_file(path: str | os.PathLike[str], *, most_bytes: int) -> bytes:
-    """Read a file whole, if it is one.
-
-    A pipe would keep its reader waiting, and a device may never end.
-    """
+    """Read a file whole, if it is a plain one."""
     source = printable(os.fspath(path))
     if "\0" in os.fspath(path):
         raise file_error(source, "cannot be read: is no name of a file")
     try:
-        place = Path(path)
-        if place.is_dir():
-            raise file_error(source, "cannot be read: is a folder")
-        if place.exists() and not place.is_file():
-            raise file_error(source, "cannot be read: is not a plain file")
-        with place.open("rb") as file:
+        with open_plain(path) as file:
             content = file.read(most_bytes + 1)
     except OSError as error:
-        reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
+        words = {FileNotFoundError: "no such file", IsADirectoryError: "is a folder"}
+        reason = words.get(type(error), error.strerror)
         raise file_error(source, f"cannot be read: {str(reason).lower()}") from error
     if len(content) > most_bytes:
         raise file_error(source, f"is larger than {most_bytes / 1e6:g} MB")

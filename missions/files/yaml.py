@@ -29,6 +29,7 @@ from missions.files.errors import (
     shortened,
     shown,
 )
+from missions.files.texts import open_plain
 
 Mark: TypeAlias = tuple[int, int]
 
@@ -105,8 +106,10 @@ def read_yaml(path: str | os.PathLike[str]) -> Document:
     """
     source = printable(os.fspath(path))
     try:
-        with Path(path).open("rb") as file:
+        with open_plain(path) as file:
             raw = file.read(_MAX_BYTES + 1)
+    except InputError:
+        raise
     except (OSError, ValueError) as error:
         raise file_error(source, _reading_trouble(error)) from error
     if len(raw) > _MAX_BYTES:

@@ -6,9 +6,11 @@ import codecs
 import csv
 import io
 import re
+import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import pandas as pd
 
@@ -27,6 +29,10 @@ _NAMED_SEPARATOR = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)
 _THOUSANDS = {".": (",", "'", " ", "\u00a0", "\u202f"), ",": (".", "'", " ", "\u00a0", "\u202f")}
 _CONTROLS = re.compile(r"[\x00-\x08\x0e-\x1f]")
 _MOST_BYTES = 100_000_000
+# Place of a cell or row in a sheet: r="AB12", r="12". A sheet of 400,000 rows has 25 columns.
+_CELL = re.compile(rb"""\br\s{0,9}=\s{0,9}["']([A-Za-z]{0,3})(\d{1,7})["']""")
+_LONGEST_CELL = 40
+_MOST_CELLS, _MOST_UNPACKED = 10_000_000, 1_000_000_000
 _LONGEST_LINE = 100_000  # the module csv takes no field of more than 131072 characters
 _LOOKED_AT = 50  # rows that a guess is made from
 
@@ -136,9 +142,12 @@ def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
 
 def _sheet_text(source: str) -> tuple[str, list[str]]:
     """First sheet of an Excel file as text with tabs."""
-    read_plain_file(source, most_bytes=_MOST_BYTES)  # refuses what is no file, or too large
+    content = io.BytesIO(read_plain_file(source, most_bytes=_MOST_BYTES))
     try:
-        sheet = pd.read_excel(source, header=None, dtype=object, engine="calamine")
+        _check_cells(content, source)
+        sheet = pd.read_excel(content, header=None, dtype=object, engine="calamine")
+    except InputError:
+        raise
     except ImportError:
         raise file_error(
             source,
@@ -149,6 +158,43 @@ def _sheet_text(source: str) -> tuple[str, list[str]]:
         raise file_error(source, f"is not an Excel file: {printable(str(error))[:200]}") from None
     text = sheet.to_csv(None, sep="\t", header=False, index=False, lineterminator="\n")
     return text, ["the first sheet is read"]
+
+
+def _check_cells(content: BinaryIO, source: str) -> None:
+    """Refuse sheets that are laid out larger than a log is: the reader fills what is between cells.
+
+    Of each part of the file the rectangle around its cells counts, and what it unpacks to.
+    """
+    with zipfile.ZipFile(content) as book:
+        unpacked = 0
+        for part in book.namelist():
+            last_row = last_column = 1
+            rest = b""
+            with book.open(part) as xml:
+                while block := xml.read(1_000_000):
+                    unpacked += len(block)
+                    if unpacked > _MOST_UNPACKED:
+                        message = f"unpacks to more than {_MOST_UNPACKED // 1_000_000} MB"
+                        raise file_error(source, message)
+                    block = rest + block
+                    for letters, row in _CELL.findall(block):
+                        last_row = max(last_row, int(row))
+                        last_column = max(last_column, _column(letters))
+                    rest = block[-_LONGEST_CELL:]
+            if (count := last_row * last_column) > _MOST_CELLS:
+                raise file_error(
+                    source,
+                    f"has cells up to row {last_row} and column {last_column}, {count:,} in all, "
+                    f"at most {_MOST_CELLS:,}: delete those far away, or save it as CSV",
+                )
+
+
+def _column(letters: bytes) -> int:
+    """Number of a column of a sheet: A is 1, AA 27."""
+    number = 0
+    for letter in letters:
+        number = 26 * number + (letter & 0x1F)
+    return number
 
 
 def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:

@@ -6,12 +6,12 @@ import contextlib
 import io
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from missions.files.errors import file_error, printable
+from missions.files.errors import InputError, file_error, printable
+from missions.files.texts import open_plain
 from missions.logs.columns import ColumnMap
 from missions.logs.nearest import Series
 from missions.logs.quantities import ATTITUDE, TRACKER
@@ -69,7 +69,7 @@ class _BoundedFile(io.BufferedReader):
     """File for a parser that may go round in circles where a byte is wrong."""
 
     def __init__(self, path: str) -> None:
-        super().__init__(io.FileIO(path))
+        super().__init__(open_plain(path).detach())
         self._left = _MOST_PASSES * (os.fstat(self.fileno()).st_size + 1000)
 
     def read(self, size: int | None = -1) -> bytes:
@@ -136,8 +136,6 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
         raise file_error(
             source, "reading a ULog needs the package pyulog: pip install pyulog (the extra 'log')"
         ) from None
-    if not Path(source).is_file():
-        raise file_error(source, "cannot be read: no such file")
     names = {_POWER_TOPIC, "vehicle_attitude", "battery_status", *others}
     names |= {*_POSITION_TOPICS, *_AIRSPEED_TOPICS}
     # What pyulog prints of damaged logs would stand among the results.
@@ -146,7 +144,9 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
             with _BoundedFile(source) as file:
                 log = _bounded_reader(ULog)(file, sorted(names))
         except OSError as error:
-            raise file_error(source, f"cannot be read: {error.strerror}") from None
+            raise file_error(source, f"cannot be read: {str(error.strerror).lower()}") from None
+        except InputError:
+            raise
         except RecursionError:
             raise file_error(source, "is not a ULog: its formats are nested too deeply") from None
         except Exception as error:  # pyulog raises whatever its parsing trips over

@@ -18,6 +18,7 @@ import pandas as pd
 
 from missions.air import GRAVITY_M_PER_S2, ZERO_CELSIUS_K, pressure_altitude_m
 from missions.files.errors import file_error
+from missions.files.texts import open_plain
 from missions.mission import Mission
 from missions.weather.checks import MISSING
 from missions.weather.raw import END, START, RawTable, text_of
@@ -29,6 +30,7 @@ from missions.winds.netcdf import (
     latitudes_deg,
     nearest_longitude,
     opened,
+    values_of,
 )
 from solar.types import FloatArray
 
@@ -61,10 +63,8 @@ _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 def is_netcdf(path: Path) -> bool:
     """Whether a regular file begins as NetCDF does."""
-    if not path.is_file():  # a pipe would be waited for
-        return False
     try:
-        with path.open("rb") as file:
+        with open_plain(path) as file:
             return file.read(4).startswith(_MAGIC)
     except OSError:
         return False
@@ -253,7 +253,7 @@ def _at_point(
                 raise file_error(source, f"has the axis {name} for {one.name}")
             at = at.isel({name: 0})
     if level is None:
-        return at.to_numpy().astype(float), None
+        return values_of(at, source), None
     if time is None:
         raise file_error(source, f"has {one.name} on levels, but not over time")
     heights = altitudes_m(at[level], source)
@@ -262,7 +262,7 @@ def _at_point(
     if not heights[order[0]] <= wanted <= heights[order[-1]]:
         ends = f"{heights[order[0]]:.0f} to {heights[order[-1]]:.0f} m"
         raise file_error(source, f"has {one.name} at {ends}, not at {wanted:g} m of the mission")
-    values = at.transpose(time, level).to_numpy().astype(float)[:, order]
+    values = values_of(at.transpose(time, level), source)[:, order]
     upper = int(np.clip(np.searchsorted(heights[order], wanted), 1, len(order) - 1))
     low, high = heights[order[upper - 1]], heights[order[upper]]
     share = (wanted - low) / (high - low)

@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
 from missions.files.errors import InputError, Problem, file_error, printable
+from missions.files.texts import open_plain
 from missions.weather.record import Site
 
 if TYPE_CHECKING:
@@ -59,17 +60,16 @@ def row_error(source: str, line: int, key: str, message: str, rows: int = 1) -> 
 def head_of(path: Path, source: str) -> list[str]:
     """First lines of a file, packed with gzip or not."""
     try:
-        if not path.is_file():
-            other = "is no regular file" if path.exists() else "there is no such file"
-            problem = "is a folder" if path.is_dir() else other
-            raise file_error(source, problem)
-        if path.stat().st_size > MAXIMUM_BYTES:
-            raise file_error(source, _TOO_LARGE)
-        with path.open("rb") as file:
+        with open_plain(path) as file:
+            if os.fstat(file.fileno()).st_size > MAXIMUM_BYTES:
+                raise file_error(source, _TOO_LARGE)
             start = file.read(16384)
-        if start.startswith(_GZIP):
-            with gzip.open(path, "rb") as unpacked:
-                start = unpacked.read(16384)
+            if start.startswith(_GZIP):
+                file.seek(0)
+                with gzip.open(file) as unpacked:
+                    start = unpacked.read(16384)
+    except IsADirectoryError as error:
+        raise file_error(source, "is a folder") from error
     except (OSError, EOFError, zlib.error) as error:
         raise file_error(source, f"cannot be read: {error}") from error
     if not start.strip():
@@ -93,7 +93,7 @@ def _utf8_or_latin1(content: bytes) -> str:
 
 def text_of(path: Path) -> str:
     """All of a file, packed with gzip or not, its lines ended by a line feed."""
-    with path.open("rb") as file:
+    with open_plain(path) as file:
         content = file.read(MAXIMUM_BYTES + 1)
     if content.startswith(_GZIP):
         with gzip.open(io.BytesIO(content)) as packed:

@@ -6,6 +6,7 @@ or from -180 to 180, latitudes and levels up or down.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, pressure_altitude_m
-from missions.files.errors import file_error, printable
+from missions.files.errors import InputError, file_error, printable
+from missions.files.texts import open_plain
 from missions.winds.table import STRONGEST_M_PER_S, WindTable
 from solar.types import FloatArray
 
@@ -41,6 +43,11 @@ _SPEEDS = {
     ("km/h", "kmh-1", "kmhr-1", "kph"): 1.0 / 3.6,
     ("knots", "knot", "kt", "kts", "kn"): 1852.0 / 3600.0,
 }
+
+
+_HDF5 = b"\x89HDF"
+# A century of hours is 0.9 million; what is read at once is then some 2 GB in memory.
+_LONGEST_AXIS, _MOST_AT_ONCE = 10_000_000, 100_000_000
 
 
 def wind_table_from_netcdf(
@@ -98,12 +105,47 @@ def opened(path: str, source: str) -> Iterator[xr.Dataset]:
     import xarray as xr
 
     try:
-        data = xr.open_dataset(path)
-    except (OSError, ValueError) as error:
-        reason = str(error).strip().splitlines()[0]
-        raise file_error(source, f"cannot be read as NetCDF: {printable(reason)[:160]}") from error
-    with data:
-        yield data
+        with open_plain(path) as file:
+            packed = file.read(len(_HDF5)) == _HDF5  # else it is no larger than its file
+        if packed:
+            _check_sizes(path, source)
+        with xr.open_dataset(path) as data:
+            yield data
+    except InputError:
+        raise
+    except Exception as error:  # the libraries raise whatever a damaged file makes them trip over
+        reason = printable(" ".join(str(error).split()))[:160]
+        raise file_error(source, f"cannot be read as NetCDF: {reason}") from error
+
+
+def _check_sizes(path: str, source: str) -> None:
+    """Refuse a file that unpacks to more than is ever read of one at once.
+
+    Axes are unpacked whole, other variables chunk by chunk.
+    """
+    import h5py
+
+    def check(name: str, item: Any) -> None:
+        if not isinstance(item, h5py.Dataset) or item.shape is None:
+            return
+        for what, shape, most in (
+            ("", item.shape if item.ndim == 1 else (), _LONGEST_AXIS),
+            (" in a chunk", item.chunks or (), _MOST_AT_ONCE),
+        ):
+            if math.prod(shape) > most:
+                found = f"{printable(name)[:60]} has {math.prod(shape):,} values{what}"
+                raise file_error(source, f"is not read: {found}, at most {most:,}")
+
+    with h5py.File(path) as file:
+        file.visititems(check)
+
+
+def values_of(one: xr.DataArray, source: str) -> FloatArray:
+    """Values of a variable, if they are not too many."""
+    if one.size > _MOST_AT_ONCE:
+        found = f"{one.name} has {one.size:,} values at one place, at most {_MOST_AT_ONCE:,}"
+        raise file_error(source, f"is not read: {found}")
+    return np.asarray(one.to_numpy(), float)
 
 
 def _component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArray:
@@ -202,7 +244,7 @@ def _speed_m_per_s(
     u: xr.DataArray, v: xr.DataArray, factors: list[float], source: str
 ) -> FloatArray:
     """Wind speed at one latitude; one is read at a time."""
-    components = [f * one.to_numpy().astype(float) for f, one in zip(factors, (u, v), strict=True)]
+    components = [f * values_of(one, source) for f, one in zip(factors, (u, v), strict=True)]
     speed = np.hypot(*components)
     if np.any(speed > STRONGEST_M_PER_S):
         fastest = f"{np.nanmax(speed):.4g} m/s"

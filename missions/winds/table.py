@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
@@ -172,11 +173,13 @@ def wind_table_from_text(text: str, source: str) -> WindTable:
     axes, places = zip(
         *(np.unique(columns[name], return_inverse=True) for name in COLUMNS[:-1]), strict=True
     )
-    values = np.full(tuple(len(axis) for axis in axes), np.nan)
-    values[places] = columns["wind_m_per_s"]
-    holes = int(np.isnan(values).sum())
-    if holes or len(rows) != values.size:
-        many = "lacks some of" if holes else "has twice some of"
+    shape = tuple(len(axis) for axis in axes)
+    is_full = math.prod(shape) == len(rows)
+    values = np.full(shape if is_full else 0, np.nan)  # what is no grid would fill the memory
+    if is_full:
+        values[places] = columns["wind_m_per_s"]
+    if not is_full or np.isnan(values).any():
+        many = "has twice some of" if math.prod(shape) < len(rows) else "lacks some of"
         combinations = " x ".join(str(len(axis)) for axis in axes)
         raise file_error(
             source,

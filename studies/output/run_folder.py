@@ -54,7 +54,7 @@ class InputFile:
 
     @classmethod
     def of(cls, path: Path) -> InputFile:
-        """File at a path; one that is no regular file, such as a pipe, has no checksum."""
+        """File at a path; one that is no plain file has no checksum."""
         data = path.read_bytes() if path.is_file() else None
         return cls(str(path), None if data is None else hashlib.sha256(data).hexdigest())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -378,6 +379,12 @@ def test_excel_sheet(tmp_path: Path) -> None:
     (tmp_path / "no.xlsx").write_bytes(b"no sheet")
     with pytest.raises(InputError, match="is not an Excel file"):
         read_csv(tmp_path / "no.xlsx")
+    # Two cells, between which the reader would lay out 17 thousand million.
+    cells = '<row r="1"><c r="A1"/></row><row r="1048576"><c r="XFD1048576"/></row>'
+    with zipfile.ZipFile(tmp_path / "far.xlsx", "w") as book:
+        book.writestr("xl/worksheets/sheet1.xml", f"<worksheet>{cells}</worksheet>")
+    with pytest.raises(InputError, match="up to row 1048576 and column 16384, 17,179,869,184 in"):
+        read_csv(tmp_path / "far.xlsx")
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,4 @@
 import gzip
-import os
 from pathlib import Path
 
 import numpy as np
@@ -294,12 +293,6 @@ def test_names_and_reasons_are_printable(tmp_path):
     with pytest.raises(InputError) as told:
         load_weather(path)
     assert str(told.value).isprintable()
-
-
-def test_what_is_no_regular_file_is_not_waited_for(tmp_path):
-    os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(InputError, match="pipe: is no regular file"):
-        load_weather(tmp_path / "pipe")
 
 
 def test_a_file_of_the_largest_size_is_read_and_one_byte_more_is_not(tmp_path, monkeypatch):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,6 +14,7 @@ import xarray as xr
 from missions.air import standard_air
 from missions.files.errors import InputError
 from missions.mission import Mission
+from missions.weather.files import load_weather
 from missions.winds.netcdf import wind_table_from_netcdf
 
 TIMES = np.arange("2020-01-01", "2021-01-01", dtype="datetime64[D]")
@@ -176,6 +179,33 @@ def test_a_file_that_is_none(tmp_path: Path) -> None:
     path.write_text("nothing")
     with pytest.raises(InputError, match=r"no\.nc: cannot be read as NetCDF"):
         wind_table_from_netcdf(str(path))
+
+
+@pytest.mark.parametrize("reader", [wind_table_from_netcdf, load_weather])
+def test_axes_that_unpack_to_gigabytes_are_refused_before(
+    reader: Callable[[str], Any], tmp_path: Path
+) -> None:
+    path = str(tmp_path / "big.nc")
+    with h5py.File(path, "w") as file:  # nothing is written: some kilobytes
+        file.create_dataset("time", (200_000_000,), "i4", chunks=(1_000_000,), compression="gzip")
+    with pytest.raises(InputError, match=r"big\.nc: .*time has 200,000,000 values, at most 10,0"):
+        reader(path)
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "scipy"])
+@pytest.mark.parametrize("at", [4, 200, 1500, 0.3, 0.7])
+def test_a_damaged_file_is_named(
+    engine: Any, at: float, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "damaged.nc"
+    era5(TIMES[:40]).to_netcdf(path, engine=engine)
+    content = bytearray(path.read_bytes())
+    place = int(at if at > 1 else at * len(content))
+    content[place : place + 3000] = b"\xff" * 3000
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"^\S*damaged\.nc:? [^\n]*$"):
+        wind_table_from_netcdf(str(path))
+    assert capfd.readouterr().err == ""
 
 
 def test_a_mission_takes_the_winds_of_its_longitude(tmp_path: Path) -> None:

@@ -21,6 +21,10 @@ from missions.files.errors import InputError
 from missions.winds.table import COLUMNS, shipped_winds, wind_table_from_text
 
 HEAD = ",".join(COLUMNS)
+# Rows that are no grid; as one they would take 715 GiB.
+SCATTERED = "\n".join(
+    [HEAD, *(f"{40 + 0.005 * i},{1000 + i},{i % 12 + 1},{50 + 0.02 * i},5" for i in range(2000))]
+)
 SMALL = "\n".join(
     [
         "# made up",
@@ -148,6 +152,7 @@ def test_nothing_is_read_beyond_the_ends(
         (f"{HEAD}\n40,1e4,1,50", "small.csv:2: has 4 values, but the table names 5"),
         (f"{HEAD}\n40,1e4,1,50,1\n50,1e4,2,50,1", "small.csv: lacks some of the 2 x 1 x 2 x 1"),
         (f"{HEAD}\n40,1e4,1,50,1\n40,1e4,1,50,1", "small.csv: has twice some of the 1 x 1"),
+        (SCATTERED, "small.csv: lacks some of the 2000 x 2000 x 12 x 2000"),
         (f"{HEAD}\n40,1e4,1,50,2\n40,1e4,1,90,1", "a higher percentile must not be lower"),
     ],
 )

@@ -377,14 +377,32 @@ def run_main(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> int | str
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe with a name")
-def test_a_pipe_in_place_of_an_airfoil_is_refused(tmp_path: Path) -> None:
-    pipe = tmp_path / "polar.csv"
-    os.mkfifo(pipe)
-    aerodynamics = (
-        f"{{model: wing_polar, airfoil: {pipe}, design_aspect_ratio: 18.5, design_reynolds: 2e5}}"
-    )
-    result = CliRunner().invoke(
-        cli,
-        ["analyse", "atlantiksolar-design", "--set", f"airframe.aerodynamics={aerodynamics}"],
-    )
-    assert "is not a plain file" in str(result.exception)
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("p.yaml", "analyse p.yaml"),
+        ("p.yaml", "size atlantiksolar-design -m p.yaml"),
+        *[(f"p.{kind}", f"verify atlantiksolar-as2 p.{kind}") for kind in ("ulg", "bin", "xlsx")],
+        *[(f"p.{kind}", f"analyse atlantiksolar-as2 --weather p.{kind}") for kind in ("nc", "epw")],
+        *[
+            (
+                f"p.{kind}",
+                "analyse atlantiksolar-as2 --set mission.wind={percentile:\n90,file:\n{}}",
+            )
+            for kind in ("nc", "csv")
+        ],
+        (
+            "p.csv",
+            "analyse atlantiksolar-design --set airframe.aerodynamics={model:\nwing_polar,airfoil:"
+            "\n{},design_aspect_ratio:\n18.5,design_reynolds:\n2e5}",
+        ),
+    ],
+)
+def test_a_pipe_in_place_of_a_file_is_refused(
+    name: str, arguments: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo(name)
+    words = [word.replace("{}", str(tmp_path / name)) for word in arguments.split(" ")]
+    result = CliRunner().invoke(cli, words)
+    assert re.search(rf"{name}:? cannot be read: is not a plain file", str(result.exception))
