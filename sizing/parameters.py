@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 
 MISSION_PREFIX = "mission."
+BUILD_KEY = "airframe.structure.build"
+# Numbers of a model that build multiplies.
+FITTED_KEYS = frozenset(f"airframe.structure.{key}" for key in ("calibration", "coefficient_kg"))
 
 Kind = Literal["design", "quantity", "technology", "mission", "bound"]
 
@@ -110,7 +113,16 @@ def parameter_value(owner: BaseModel, mission: Mission | None, key: str) -> floa
     """
     on_mission = key.startswith(MISSION_PREFIX)
     found = value_at(mission if on_mission else owner, key.removeprefix(MISSION_PREFIX))
+    if key == BUILD_KEY and isinstance(found, str):
+        from sizing.structures.build import build_qualities
+
+        return build_qualities()[found].factor
     return float(found) if isinstance(found, int | float) else None
+
+
+def is_doubled(owner: BaseModel, key: str) -> bool:
+    """Whether the parameter ``build`` of the file moves the same."""
+    return key in FITTED_KEYS and parameter_value(owner, None, BUILD_KEY) is not None
 
 
 def value_at(node: Any, key: str) -> Any:

@@ -13,7 +13,7 @@ from sizing.design import Design, FlightConditions, balance_inputs, flown_at
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
 from sizing.structures.loads import StructureInputs
-from sizing.structures.models import CALIBRATIONS, other_model
+from sizing.structures.models import other_model
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import StructureParts
 
@@ -72,14 +72,14 @@ def structure_by_both(
     """Mass of the structure by the file's model, and by the other one, without mass growth [kg].
 
     By their names, the file's first; None where there is no second opinion. The other one has the
-    calibration of the file too, relative to that of AtlantikSolar.
+    calibration and build of the file too, relative to that of AtlantikSolar.
     """
     sized = _sized_structure(aircraft, mission, design)
     other = None if sized is None else other_model(sized[0])
     if sized is None or other is None:
         return None
     structure, inputs = sized
-    factor = structure.calibration / CALIBRATIONS[structure.model]
+    factor = structure.mass_factor / structure.atlantiksolar_calibration
     return {structure.model: structure.mass_kg(inputs), other.model: factor * other.mass_kg(inputs)}
 
 

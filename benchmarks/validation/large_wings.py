@@ -7,8 +7,8 @@ from typing import Any
 
 from benchmarks.validation.structures import PublishedStructure, published_structures
 from sizing.results.tables import Column, Table
-from sizing.structures.models import RIB_WING_CALIBRATION
 from sizing.structures.rib_wing import RibWingStructure
+from sizing.structures.rib_wing_keys import RIB_WING_CALIBRATION
 
 AIRCRAFT = ("atlantiksolar", "zephyr-7", "zephyr-8", "phasa-35", "heliplat", "helios")
 _CARBON = {"cloth_shear_modulus_pa": 33e9, "cloth_density_kg_per_m3": 1600.0}

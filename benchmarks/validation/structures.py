@@ -14,6 +14,7 @@ import yaml
 
 from missions.air import GRAVITY_M_PER_S2, standard_air
 from sizing.results.tables import Column, Table
+from sizing.structures.build import build_qualities
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
 from sizing.structures.models import SPAR_CALIBRATION, SparStructure, StructureModel
 from sizing.structures.rib_wing import RibWingStructure
@@ -42,6 +43,11 @@ class Interval:
     def middle(self) -> float:
         """Centre."""
         return (self.low + self.high) / 2.0
+
+    @property
+    def geometric_middle(self) -> float:
+        """Centre of the logarithms."""
+        return float(np.sqrt(self.low * self.high))
 
     def gap(self, other: Interval) -> float:
         """How far this interval lies above another [-], relative to its middle; 0 if they meet.
@@ -142,10 +148,10 @@ class PublishedStructure:
 
 
 @cache
-def published_structures() -> Mapping[str, PublishedStructure]:
-    """Aircraft of ``structures.yaml`` by their keys."""
+def published_structures(group: str = "aircraft") -> Mapping[str, PublishedStructure]:
+    """Aircraft of a group of ``structures.yaml`` by their keys: ``aircraft``, ``hand_built``."""
     text = resources.files(__package__).joinpath("structures.yaml").read_text(encoding="utf-8")
-    return {key: _from_record(record) for key, record in yaml.safe_load(text)["aircraft"].items()}
+    return {key: _from_record(record) for key, record in yaml.safe_load(text)[group].items()}
 
 
 def _from_record(record: Mapping[str, Any]) -> PublishedStructure:
@@ -185,6 +191,35 @@ def _combinations(keys: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 def spar_models() -> tuple[StructureModel, ...]:
     """The simpler model, calibrated by the same aircraft."""
     return (SparStructure(calibration=SPAR_CALIBRATION),)
+
+
+def build_ratio(one: PublishedStructure) -> float:
+    """Published structure over the rib wing's, of the geometric middles of their intervals [-]."""
+    computed = one.computed_structure_kg(one.models)
+    return one.structure_kg.geometric_middle / computed.geometric_middle
+
+
+def qualities_table() -> Table:
+    """Aircraft as they were built beside what the rib wing computes, class by class."""
+    known = [*published_structures().values(), *published_structures("hand_built").values()]
+    by_name = {one.name: one for one in known}
+    rows: list[tuple[str, ...]] = []
+    for name, quality in build_qualities().items():
+        for one in (by_name[key] for key in quality.aircraft):
+            masses = one.structure_kg, one.computed_structure_kg(one.models)
+            span = one.numbers["wingspan_m"].text()
+            ratio = f"{build_ratio(one):.2f}"
+            rows.append((f"`{name}`", one.name, span, *(m.text() for m in masses), ratio))
+        count, scatter = len(quality.aircraft), 100.0 * quality.log_sigma
+        told = f"**{quality.factor:.2f}**, next one +-{scatter:.0f} %"
+        rows.append((f"`{name}`", f"**all {count}**", "", "", "", told))
+    columns = (
+        *(Column("build"), Column("aircraft"), Column("span", "wingspan [m]")),
+        Column("built", "structure as built [kg]"),
+        Column("computed", "`rib_wing`, `record` [kg]"),
+        Column("ratio", "built over computed"),
+    )
+    return Table("", columns, tuple(rows))
 
 
 def structures_table() -> Table:

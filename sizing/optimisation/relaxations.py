@@ -57,7 +57,9 @@ from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray
 
 # A structure lighter than this fraction of today's is no relaxation; others may fall to the last.
-_LEAST_RELATIVE = {"airframe.structure.calibration": 0.5, "airframe.structure.coefficient_kg": 0.5}
+_LEAST_RELATIVE = {
+    f"airframe.structure.{key}": 0.5 for key in ("build", "calibration", "coefficient_kg")
+}
 _LEAST_OTHER = 1e-3
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
 _AT_BOUND = 0.995

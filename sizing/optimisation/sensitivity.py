@@ -25,7 +25,7 @@ from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult, Solution
 from sizing.optimisation.variables import HEIGHT, RELATIVE_STEP, Role
-from sizing.parameters import catalogue, parameter_value, with_parameter
+from sizing.parameters import catalogue, is_doubled, parameter_value, with_parameter
 from sizing.performance import Performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
@@ -79,7 +79,7 @@ def sensitivities(
     rows = []
     for name, one in catalogue().items():
         value = parameter_value(aircraft, mission, name)
-        if not one.sensitive or value is None or name in chosen:
+        if not one.sensitive or value is None or name in chosen or is_doubled(aircraft, name):
             continue
         derivative = to_units * lagrangian.derivative(aircraft, mission, name, value)
         both = value != 0.0 and objective_value != 0.0

@@ -18,7 +18,7 @@ import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd, Range
-from sizing.parameters import catalogue, parameter_value, unit
+from sizing.parameters import catalogue, is_doubled, parameter_value, unit
 
 TOTAL_MASS = "total_mass_kg"
 HORIZONTAL_VOLUME = "horizontal_volume"  # of a tail whose size holds a static margin
@@ -174,7 +174,10 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         *(
             Variable(key, "1", 1e-3, 1e3, role=Role.technology)
             for key, one in catalogue().items()
-            if one.kind == "technology" and one.relaxable and parameter_value(aircraft, None, key)
+            if one.kind == "technology"
+            and one.relaxable
+            and parameter_value(aircraft, None, key)
+            and not is_doubled(aircraft, key)
         ),
         *(Variable(name, "1", 1e-3, 1e3, role=Role.limit) for name in limit_rows(aircraft)),
         Variable(WIND, unit(WIND), 0.0, math.inf, 10.0, Role.wind),

@@ -6,21 +6,24 @@ The formulas use arithmetic only, so that floats, arrays and symbolic expression
 from __future__ import annotations
 
 from functools import cache
-from types import MappingProxyType
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, ClassVar, Literal, Protocol
 
 from pydantic import AfterValidator, Field
 
 from sizing.own_models import structure_function
 from sizing.smooth import Value
+from sizing.structures.build import BuiltStructure
 from sizing.structures.loads import StructureInputs, root_bending_moment_nm
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import WebCore
+from sizing.structures.rib_wing_keys import RIB_WING_CALIBRATION, WebCore
 from sizing.structures.torsion import WingTorsion
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, Text
+from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Text
+
+# Fitted to the structure of AtlantikSolar, as is that of the rib wing.
+SPAR_CALIBRATION = 1.109
 
 
-class SparStructure(Record):
+class SparStructure(BuiltStructure):
     """Spar caps sized by root bending, shell and tails by area; simpler than ``rib_wing``.
 
     * Limit load factor ``n = 2.1 + 10900/(m + 4536)`` (m in kg), the form of CS 23.337 in SI units.
@@ -34,11 +37,13 @@ class SparStructure(Record):
     * Shell (ribs, skins, edges) by wing area and tail area; tail areas follow from the volume
       ratios at a fuselage of ``fuselage_chords`` chords, the boom from its length.
 
-    ``calibration`` multiplies everything: it is the one factor that fits the built aircraft. The
+    ``calibration`` multiplies everything: it is the one factor that fits AtlantikSolar. The
     areal and linear masses are assumptions for built-up wings of 3 to 8 m span, not measurements.
     Sources of the form and of the material data: CS-23; unidirectional carbon fibre, 368 MPa in
     compression; tail volume ratios of AtlantikSolar.
     """
+
+    atlantiksolar_calibration: ClassVar[float | None] = SPAR_CALIBRATION
 
     model: Literal["spar"] = "spar"
     calibration: PositiveReal = 1.0
@@ -66,7 +71,7 @@ class SparStructure(Record):
         boom_kg = self.boom_kg_per_m * self.fuselage_chords * chord_m
         web_kg = self.spar_web_kg_per_m * inputs.wingspan_m
         caps_kg = self._spar_caps_kg(inputs, chord_m)
-        return self.calibration * (shell_kg + boom_kg + web_kg + caps_kg)
+        return self.mass_factor * (shell_kg + boom_kg + web_kg + caps_kg)
 
     def _spar_caps_kg(self, inputs: StructureInputs, chord_m: Value) -> Value:
         moment = root_bending_moment_nm(
@@ -89,7 +94,7 @@ class StructureModel(Protocol):
         ...
 
 
-class _PowerLaw(Record):
+class _PowerLaw(BuiltStructure):
     """Airframe mass as a power law, ``m = k b^x AR^y``."""
 
     coefficient_kg: PositiveReal
@@ -99,7 +104,8 @@ class _PowerLaw(Record):
     def mass_kg(self, inputs: StructureInputs) -> Value:
         """Structural mass [kg]; the masses it carries and how it flies play no part."""
         return (
-            self.coefficient_kg
+            self.mass_factor
+            * self.coefficient_kg
             * inputs.wingspan_m**self.span_exponent
             * inputs.aspect_ratio**self.aspect_ratio_exponent
         )
@@ -133,27 +139,24 @@ class AllPowerLawStructure(_PowerLaw):
     aspect_ratio_exponent: Real = -0.88
 
 
-class OwnStructure(Record):
-    """A model of the user's own, by its name: see :func:`sizing.register_structure`."""
+class OwnStructure(BuiltStructure):
+    """A model of the user's own, by its name: see :func:`sizing.register_structure`.
+
+    ``build`` multiplies what the function gives, where the file has it.
+    """
 
     model: Literal["own"]
     name: Annotated[Text, AfterValidator(lambda name: structure_function(name) and name)]
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
         """Structural mass [kg]."""
-        return structure_function(self.name)(inputs)
+        return self.mass_factor * structure_function(self.name)(inputs)
 
 
 Structure = Annotated[
     PowerLawStructure | AllPowerLawStructure | SparStructure | RibWingStructure | OwnStructure,
     Field(discriminator="model"),
 ]
-
-
-# Fitted to the structure of AtlantikSolar, 1.35 kg at 5.65 m, each with the keys below.
-RIB_WING_CALIBRATION = 1.188
-SPAR_CALIBRATION = 1.109
-CALIBRATIONS = MappingProxyType({"rib_wing": RIB_WING_CALIBRATION, "spar": SPAR_CALIBRATION})
 
 
 @cache

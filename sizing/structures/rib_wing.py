@@ -78,7 +78,7 @@ class RibWingStructure(RibWingKeys):
             + self.pod_battery_mount_fraction * wing.pod_battery_kg,
         )
         joints = self.joint_fraction * sum(parts[1:], parts[0]) + wires
-        return StructureParts(*(self.calibration * part for part in (*parts, joints)))
+        return StructureParts(*(self.mass_factor * part for part in (*parts, joints)))
 
     def wing(self, inputs: StructureInputs) -> Wing:
         """Geometry, load factors, sheets, and the mass that relieves the spar."""

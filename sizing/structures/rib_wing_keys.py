@@ -6,11 +6,12 @@ docs/structure.md names source or assumption key by key.
 from __future__ import annotations
 
 from math import cos, pi, radians, sin, tan
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, Strict, model_validator
 
 from sizing.smooth import Value, smooth_maximum
+from sizing.structures.build import BuiltStructure
 from sizing.structures.torsion import WingTorsion
 from solar.schema import (
     Flag,
@@ -24,7 +25,7 @@ from solar.schema import (
 
 
 class StructureParts(NamedTuple):
-    """Masses of the structure's parts [kg], calibration included; they add up to the structure."""
+    """Masses of the structure's parts [kg], calibration and build included; they add up to it."""
 
     spar_caps: Value
     spar_web: Value
@@ -179,8 +180,14 @@ class Bracing(Record):
 DeflectionCase = Literal["level_flight", "limit_load"]
 
 
-class RibWingKeys(Record):
+# Fits the structure of AtlantikSolar, 1.35 kg at 5.65 m.
+RIB_WING_CALIBRATION = 1.188
+
+
+class RibWingKeys(BuiltStructure):
     """What a file says of a rib wing."""
+
+    atlantiksolar_calibration: ClassVar[float | None] = RIB_WING_CALIBRATION
 
     model: Literal["rib_wing"]
     calibration: PositiveReal = 1.0

@@ -16,9 +16,17 @@ import numpy as np
 from missions.files.errors import InputError, Problem
 from missions.files.overrides import with_values
 from missions.mission import Mission
-from missions.uncertainty import Distribution, Normal
+from missions.uncertainty import Distribution, LogNormal, Normal
 from sizing.aircraft import Aircraft
-from sizing.parameters import MISSION_PREFIX, catalogue, parameter_value
+from sizing.parameters import (
+    BUILD_KEY,
+    FITTED_KEYS,
+    MISSION_PREFIX,
+    catalogue,
+    parameter_value,
+    value_at,
+)
+from sizing.structures.build import build_qualities
 from sizing.sunlight import SolarModel
 from solar.types import BoolArray, FloatArray
 
@@ -166,10 +174,21 @@ def uncertain_inputs(
         ]
     if model_error and solar.rms_relative > 0.0:
         inputs.append(UncertainInput(SOLAR_MODEL, 1.0, Normal(sigma=solar.rms_relative)))
+    inputs += _scatter_of_build(aircraft, {one.key for one in inputs})
     correlation, wrong = _correlations(aircraft.name, [one.key for one in inputs], pairs)
     if problems or wrong:
         raise InputError([*problems, *wrong])
     return UncertainInputs(tuple(inputs), correlation)
+
+
+def _scatter_of_build(aircraft: Aircraft, named: set[str]) -> list[UncertainInput]:
+    """Scatter of a class of building, unless the file says how the structure scatters."""
+    build = value_at(aircraft, BUILD_KEY)
+    if not isinstance(build, str) or named & {BUILD_KEY, *FITTED_KEYS}:
+        return []
+    quality = build_qualities()[build]
+    scatter = LogNormal(distribution="lognormal", relative_sigma=math.expm1(quality.log_sigma))
+    return [UncertainInput(BUILD_KEY, quality.factor, scatter)]
 
 
 def _is_computed(owner: Aircraft | Mission) -> bool:

@@ -208,7 +208,7 @@ def _cap_depth_ratio(
         parts = structure_parts(aircraft, mission, design)
     assert parts is not None
     chord_m = design.variables.wingspan_m / design.variables.aspect_ratio
-    volume_m3 = parts.spar_caps / (structure.calibration * structure.cap_density_kg_per_m3)
+    volume_m3 = parts.spar_caps / (structure.mass_factor * structure.cap_density_kg_per_m3)
     section_m2 = volume_m3 / design.variables.wingspan_m
     width_m = structure.cap_width_fraction * chord_m
     if structure.narrow_caps:
