@@ -113,10 +113,8 @@ def parameter_value(owner: BaseModel, mission: Mission | None, key: str) -> floa
     """
     on_mission = key.startswith(MISSION_PREFIX)
     found = value_at(mission if on_mission else owner, key.removeprefix(MISSION_PREFIX))
-    if key == BUILD_KEY and isinstance(found, str):
-        from sizing.structures.build import build_qualities
-
-        return build_qualities()[found].factor
+    if isinstance(found, str):  # a word that stands for a number
+        found = value_at(owner, f"{key}_factor")
     return float(found) if isinstance(found, int | float) else None
 
 

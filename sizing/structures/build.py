@@ -80,13 +80,6 @@ def _checked_build(value: Any) -> Any:
 Build = Annotated[Quality | PositiveReal, BeforeValidator(_checked_build)]
 
 
-def build_factor(build: Any) -> Any:
-    """Factor on the structure; a number, array or symbol is one itself, none is 1."""
-    if build is None:
-        return 1.0
-    return build_qualities()[build].factor if isinstance(build, str) else build
-
-
 class BuiltStructure(Record):
     """What every model of the structure has: how well the team builds.
 
@@ -107,6 +100,13 @@ class BuiltStructure(Record):
         return {"calibration": own, **data}
 
     @property
+    def build_factor(self) -> Value:
+        """Structure over that of AtlantikSolar [-]; a number or symbol is one itself, none is 1."""
+        if self.build is None:
+            return 1.0
+        return build_qualities()[self.build].factor if isinstance(self.build, str) else self.build
+
+    @property
     def mass_factor(self) -> Value:
         """Factor on the mass that the formulas give [-]: calibration and build together."""
-        return getattr(self, "calibration", 1.0) * build_factor(self.build)
+        return getattr(self, "calibration", 1.0) * self.build_factor

@@ -743,7 +743,7 @@ def test_sensitivities_without_battery_equal_sizing_again() -> None:
 
     result = sized()
     found = {s.parameter: s for s in sensitivities(aircraft(), flight, result)}
-    for key in ("power.avionics_w", "modules.efficiency_stc", "airframe.structure.calibration"):
+    for key in ("power.avionics_w", "modules.efficiency_stc", "airframe.structure.build"):
         value = found[key].value
         high, low = (sized(f"{key}={value * (1.0 + sign * 2e-3)!r}") for sign in (1.0, -1.0))
         assert high.objective_value is not None
