@@ -85,6 +85,8 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     if not lines:
         raise file_error(source, "is empty; allowed: a header with the names of the columns")
     line, first = lines[0]
+    if first.startswith("FMT,"):
+        raise file_error(source, "is ArduPilot's log as text: use the .bin that it was made from")
     separator = _separator(first, layout, named[1] if named else None)
     header = [name.strip() for name in next(csv.reader([first], delimiter=separator))]
     kept = _of_width(source, lines, separator, notes)

@@ -245,6 +245,7 @@ def test_row_of_another_length(tmp_path: Path) -> None:
         (b"\xff\xfe\x00", "is not UTF-16 text"),
         (b"\x80\x00\x01\x02" * 9, "is not a text table: it holds control characters"),
         (b"\x7fELF\x02\x01", "is not a text table"),
+        (b"FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns", "use the .bin that it was"),
         ("\n".join([HEADER, row(0)]).encode(), "fewer than two complete rows"),
     ],
 )
