@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -152,8 +153,19 @@ def _component(data: xr.Dataset, standard_name: str, source: str) -> xr.DataArra
     names = _COMPONENTS[standard_name]
     for name, one in data.data_vars.items():
         if name in names or one.attrs.get("standard_name") == standard_name:
-            return one
+            return merged_versions(one)
     raise file_error(source, f"has no {standard_name} (variables named {', '.join(names)})")
+
+
+def merged_versions(one: xr.DataArray) -> xr.DataArray:
+    """Variable of ERA5 with its preliminary months, which older files hold beside the final ones.
+
+    Each has gaps where the other stands (ECMWF: ERA5, expver 1 and 5).
+    """
+    if "expver" not in one.dims:
+        return one
+    parts = [one.isel(expver=i, drop=True) for i in np.argsort(one["expver"].to_numpy())]
+    return reduce(lambda known, other: known.fillna(other), parts).assign_attrs(one.attrs)
 
 
 def _to_m_per_s(one: xr.DataArray, source: str) -> float:

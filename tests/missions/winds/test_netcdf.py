@@ -222,3 +222,13 @@ def test_a_mission_takes_the_winds_of_its_longitude(tmp_path: Path) -> None:
     table = wind_table_from_netcdf(path, 5.2, also=93.0)
     assert mission.strongest_wind_m_per_s == float(table.at(47.5, 20000.0, 7, 93.0))
     assert 93.0 in table.percentiles
+
+
+def test_final_and_preliminary_months_are_one(tmp_path: Path) -> None:
+    data = era5()
+    final = xr.DataArray(np.datetime64("2020-09-15") > TIMES, dims="valid_time")
+    version = xr.IndexVariable("expver", [1, 5])
+    mixed = xr.concat([data.where(final), data.where(~final)], version)
+    once = wind_table_from_netcdf(written(data, tmp_path, "a.nc"), 5.0)
+    found = wind_table_from_netcdf(written(mixed, tmp_path, "b.nc"), 5.0)
+    assert np.array_equal(found.wind_m_per_s, once.wind_m_per_s)
