@@ -44,10 +44,12 @@ _DARK_COSINE = -0.02  # sun more than 1.1 degrees below the horizon
 def checked_record(raw: RawTable, source: str) -> Weather:
     """Make a table a record without gaps, with all three kinds of light."""
     time_s, lines, typical = _times(raw, source)
-    interval_s = float(np.median(np.diff(time_s)))
-    if not 60.0 <= interval_s <= 3.0 * SECONDS_PER_HOUR:
-        message = f"has a row every {interval_s / 60:g} minutes"
+    apart_s = float(np.median(np.diff(time_s)))
+    if not 60.0 <= apart_s <= 3.0 * SECONDS_PER_HOUR:
+        message = f"has a row every {apart_s / 60:g} minutes"
         raise file_error(source, f"{message}; allowed: from 1 minute to 3 hours")
+    interval_s = min(raw.interval_s or apart_s, apart_s)
+    stride = round(apart_s / interval_s)
     start_s = time_s + raw.offset_s - raw.passed * interval_s
     values = {
         name: _column_values(raw, name, source, lines)
@@ -59,12 +61,18 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         raise file_error(source, "has no light: ghi, or dni and dhi, are needed")
     grid = _on_grid(start_s, interval_s, values, lines, source)
     sun = _Sun.over(raw.site, grid.start_s, interval_s)
-    repairs = list(grid.repairs)
-    light = {name: grid.values[name] for name in given}
+    missing, repairs = len(grid.lines) - len(lines), []
+    if stride > 1:
+        apart, each = (f"{one_s / SECONDS_PER_HOUR:g} h" for one_s in (apart_s, interval_s))
+        text = f"rows {apart} apart have the light of {each} each: shares of the clear sky between"
+        repairs.append(text)
+    elif missing:
+        repairs.append(f"{missing} of {len(grid.lines)} rows are missing")
+    light = {name: grid.values[name] for name in LIGHT if name in values}
     repairs += _without_night_noise(light, sun)
     repairs += _without_impossible(light, sun, source, grid.lines)
     light = _completed(light, sun, repairs)
-    repairs += _filled(light, sun, interval_s, source, grid.start_s)
+    repairs += _filled(light, sun, interval_s, source, grid.start_s, stride=stride)
     if sum(float(np.sum(part)) for part in light.values()) <= 0.0:
         raise file_error(source, "is a record without sun: ghi, dni and dhi are zero throughout")
     share = float(np.sum(light["ghi"]) / max(np.sum(sun.clear["ghi"]), 1.0))
@@ -72,10 +80,10 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         percent = f"{100.0 * share:.2g} %"
         message = f"has {percent} of the light of a clear sky: is the unit wrong? W/m² are needed"
         raise file_error(source, message)
-    temperature_c, left_out = checked_air(TEMPERATURE, grid.values, grid.lines, source)
-    repairs += left_out
-    wind_m_per_s, left_out = checked_air(WIND, grid.values, grid.lines, source)
-    repairs += left_out
+    air = {}
+    for quantity in (TEMPERATURE, WIND):
+        air[quantity], notes = checked_air(quantity, grid.values, grid.lines, source, stride=stride)
+        repairs += notes
     return Weather(
         source=source,
         layout=raw.layout,
@@ -85,8 +93,8 @@ def checked_record(raw: RawTable, source: str) -> Weather:
         ghi=light["ghi"],
         dni=light["dni"],
         dhi=light["dhi"],
-        temperature_c=temperature_c,
-        wind_m_per_s=wind_m_per_s,
+        temperature_c=air[TEMPERATURE],
+        wind_m_per_s=air[WIND],
         typical=typical,
         repairs=(*raw.notes, *repairs),
         air_altitude_m=raw.air_altitude_m,
@@ -106,7 +114,9 @@ def _column_values(raw: RawTable, name: str, source: str, lines: IntArray) -> Fl
         at = int(text[0])
         message = f"must be a number (got {shown(str(column.iloc[at]))})"
         raise row_error(source, lines[at], name, message, len(text))
-    return values
+    # As light, a code between these may be a measurement: 999 W/m2 is a bright noon.
+    code = ((values < -_NIGHT_NOISE) | (values >= 9999.0)) if name in LIGHT else True
+    return np.where(np.isin(values, MISSING) & code, np.nan, values)
 
 
 def _times(raw: RawTable, source: str) -> tuple[FloatArray, IntArray, bool]:
@@ -159,12 +169,11 @@ def _typical_year(index: Any, raw: RawTable) -> FloatArray | None:
 
 @dataclass(frozen=True)
 class _Grid:
-    """Values on a time axis without gaps, NaN where there is no row."""
+    """Values on a time axis without gaps, NaN where there is no row, whose line is -1."""
 
     start_s: FloatArray
     values: dict[str, FloatArray]
     lines: IntArray
-    repairs: tuple[str, ...]
 
 
 def _on_grid(
@@ -187,19 +196,25 @@ def _on_grid(
     placed = {name: np.full(count, np.nan) for name in values}
     for name, column in values.items():
         placed[name][nearest] = column
-    of_line = np.zeros(count, int)
+    of_line = np.full(count, -1)
     of_line[nearest] = lines
-    missing = count - len(nearest)
-    repairs = (f"{missing} of {count} rows are missing",) if missing else ()
-    return _Grid(start_s[0] + interval_s * np.arange(count), placed, of_line, repairs)
+    return _Grid(start_s[0] + interval_s * np.arange(count), placed, of_line)
+
+
+_SUN_STEP_S = 900.0  # a quarter of an hour: the sun moves by less than 4 degrees
 
 
 @dataclass(frozen=True)
 class _Sun:
-    """Sun and clear sky in the middle of every interval, and where the sun stands highest in it."""
+    """Sun and clear sky of every interval.
+
+    ``cosine``: in the middle. ``highest``: where the sun stands highest. ``of_beam``: mean cosine
+    of the clear sky's direct light. ``clear``: means [W/m2].
+    """
 
     cosine: FloatArray
     highest: FloatArray
+    of_beam: FloatArray
     extraterrestrial: FloatArray
     clear: dict[str, FloatArray]
 
@@ -207,11 +222,23 @@ class _Sun:
     def over(cls, site: Site, start_s: FloatArray, interval_s: float) -> _Sun:
         at_ends = (_cos_zenith(site, start_s + share * interval_s) for share in (0.0, 1.0))
         middle_s = start_s + interval_s / 2.0
-        day, cosine = day_of_year(middle_s), _cos_zenith(site, middle_s)
-        sky = clear_sky(day, site.latitude_deg, cosine, site.altitude_m)
-        clear = {"ghi": global_horizontal(sky, cosine), "dni": sky.dni, "dhi": sky.dhi}
+        cosine = _cos_zenith(site, middle_s)
+        clear = dict.fromkeys((*LIGHT, "level"), np.zeros(len(start_s)))
+        steps = max(1, round(interval_s / _SUN_STEP_S))
+        for share in (np.arange(steps) + 0.5) / steps:
+            at_s = start_s + share * interval_s
+            up = _cos_zenith(site, at_s)
+            sky = clear_sky(day_of_year(at_s), site.latitude_deg, up, site.altitude_m)
+            parts = (global_horizontal(sky, up), sky.dni, sky.dhi, sky.dni * np.maximum(up, 0.0))
+            clear = {
+                name: clear[name] + part / steps for name, part in zip(clear, parts, strict=True)
+            }
+        level, dni = clear.pop("level"), clear["dni"]
+        of_beam = np.where(dni > 1.0, level / np.maximum(dni, 1.0), np.maximum(cosine, 0.0))
         highest = np.maximum.reduce([cosine, *at_ends])
-        return cls(cosine, highest, extraterrestrial_irradiance(day), clear)
+        return cls(
+            cosine, highest, of_beam, extraterrestrial_irradiance(day_of_year(middle_s)), clear
+        )
 
 
 def _cos_zenith(site: Site, time_s: FloatArray) -> FloatArray:
@@ -272,30 +299,26 @@ def _completed(
     Closure: ``GHI = DNI cos z + DHI``. Decomposition: Erbs, D. G., Klein, S. A. and Duffie, J. A.
     (1982), Estimation of the diffuse radiation fraction, Solar Energy 28(4), 293-302.
     """
-    up = np.maximum(sun.cosine, 0.0)
-    if set(light) == {"ghi"}:
-        fraction = _diffuse_fraction(light["ghi"], up * sun.extraterrestrial)
-        light = {**light, "dhi": fraction * light["ghi"]}
-        repairs.append("direct and diffuse light by the decomposition of Erbs et al. (1982)")
+    up = sun.of_beam
     low = up < 0.0175  # a beam divided by so small a sine is noise
-    beam = np.minimum(
-        np.maximum(light.get("ghi", 0.0) - light.get("dhi", 0.0), 0.0) / np.maximum(up, 0.0175),
-        sun.extraterrestrial,
-    )
-    parts = dict(light)
-    if "dni" not in parts:
-        parts["dni"] = np.where(low, 0.0, beam)
-    elif {"ghi", "dhi"} <= set(parts):
-        parts["dni"] = np.where(np.isnan(parts["dni"]), np.where(low, 0.0, beam), parts["dni"])
-    closed = np.maximum(parts.get("ghi", np.nan) - parts["dni"] * up, 0.0)
-    parts["dhi"] = _first_known(parts.get("dhi"), np.asarray(closed))
-    parts["ghi"] = _first_known(parts.get("ghi"), np.asarray(parts["dni"] * up + parts["dhi"]))
-    return {name: np.asarray(parts[name], float) for name in LIGHT}
-
-
-def _first_known(values: FloatArray | None, otherwise: FloatArray) -> FloatArray:
-    """Values where they are known, and what stands for them elsewhere."""
-    return otherwise if values is None else np.where(np.isnan(values), otherwise, values)
+    ghi, dni, dhi = (light.get(name, np.full(len(up), np.nan)) for name in LIGHT)
+    alone = np.isnan(dni) & np.isnan(dhi) & ~np.isnan(ghi)
+    if alone.any():
+        share = _diffuse_fraction(ghi, np.maximum(sun.cosine, 0.0) * sun.extraterrestrial)
+        dhi = np.where(alone, share * ghi, dhi)
+        some = "" if np.all(alone | np.isnan(ghi)) else f" in {np.count_nonzero(alone)} rows"
+        text = f"direct and diffuse light{some} by the decomposition of Erbs et al. (1982)"
+        repairs.append(text)
+    beam = np.minimum(np.maximum(ghi - dhi, 0.0) / np.maximum(up, 0.0175), sun.extraterrestrial)
+    beam[low & ~np.isnan(beam)] = 0.0
+    known = {"dni": np.where(np.isnan(dni), beam, dni)}
+    known["dhi"] = np.where(np.isnan(dhi), np.maximum(ghi - known["dni"] * up, 0.0), dhi)
+    known["ghi"] = np.where(np.isnan(ghi), known["dni"] * up + known["dhi"], ghi)
+    for name, values in light.items():
+        count = int(np.count_nonzero(np.isnan(values) & ~np.isnan(known[name]) & ~alone))
+        if count:
+            repairs.append(f"{name} missing in {count} rows: from the other two")
+    return {name: known[name] for name in LIGHT}
 
 
 def _diffuse_fraction(ghi: FloatArray, horizontal: FloatArray) -> FloatArray:
@@ -308,9 +331,15 @@ def _diffuse_fraction(ghi: FloatArray, horizontal: FloatArray) -> FloatArray:
 
 
 def _filled(
-    light: dict[str, FloatArray], sun: _Sun, interval_s: float, source: str, start_s: FloatArray
+    light: dict[str, FloatArray],
+    sun: _Sun,
+    interval_s: float,
+    source: str,
+    start_s: FloatArray,
+    *,
+    stride: int = 1,
 ) -> list[str]:
-    """Fill what is missing with shares of the clear sky, in place."""
+    """Fill what is missing with shares of the clear sky, in place; every ``stride``-th is a row."""
     empty = np.any([np.isnan(values) for values in light.values()], axis=0)
     _check_gaps(empty, interval_s, source, start_s)
     for values in light.values():
@@ -320,7 +349,7 @@ def _filled(
     if not count:
         return []
     gaps = _gaps(empty)
-    if count > MAXIMUM_FILLED * len(empty):
+    if len(empty) - count < (1.0 - MAXIMUM_FILLED) * len(empty) / stride:
         raise file_error(
             source,
             f"lacks light in {count} of {len(empty)} rows; allowed: at most "
@@ -401,22 +430,28 @@ class Quantity(NamedTuple):
     lowest: float
     highest: float
     unit: str
+    instead: str
 
 
 # Around the records of the WMO (World Weather & Climate Extremes Archive): -89.2 C, 56.7 C, and
 # 113 m/s in a gust.
-TEMPERATURE = Quantity("temp_air", "temperature", -90.0, 70.0, "C")
-WIND = Quantity("wind_speed", "wind speed", 0.0, 120.0, "m/s")
+TEMPERATURE = Quantity("temp_air", "temperature", -90.0, 70.0, "C", "that of the mission's air")
+WIND = Quantity("wind_speed", "wind speed", 0.0, 120.0, "m/s", "not used")
 
 
 def checked_air(
-    quantity: Quantity, columns: Mapping[str, FloatArray], lines: IntArray, source: str
+    quantity: Quantity,
+    columns: Mapping[str, FloatArray],
+    lines: IntArray,
+    source: str,
+    *,
+    stride: int = 1,
 ) -> tuple[FloatArray | None, list[str]]:
-    """Temperature or wind without gaps, and what was taken out of it.
+    """Temperature or wind without gaps, and what was taken out of it or filled.
 
     ``columns``: columns of the record, NaN where a value is missing. ``lines``: line of each row in
-    the file; 0 where there is none. None where the record does not have it, or in too few rows.
-    Returns what was taken out.
+    the file; 0 where a row is no line, -1 where there is no row, as between every ``stride``-th.
+    None where the record does not have it, or in too few rows.
     """
     values = columns.get(quantity.column)
     if values is None:
@@ -424,7 +459,8 @@ def checked_air(
     lowest, highest, notes = quantity.lowest, quantity.highest, []
     with np.errstate(invalid="ignore"):
         possible = (values >= lowest) & (values <= highest)
-    wrong = np.flatnonzero(~possible & ~np.isnan(values) & ~np.isin(values, MISSING))
+    empty = np.isnan(values)
+    wrong = np.flatnonzero(~possible & ~empty)
     what = f"a {quantity.name} outside of {lowest:g} to {highest:g} {quantity.unit}"
     if len(wrong) > MAXIMUM_IMPOSSIBLE * len(values):
         first = int(wrong[0])
@@ -436,8 +472,11 @@ def checked_air(
     if len(wrong):
         notes.append(f"{len(wrong)} rows with {what} taken out")
     known = np.flatnonzero(possible)
-    if len(known) >= _LEAST_KNOWN * len(values):
-        return np.interp(np.arange(len(values)), known, values[known]), notes
-    if len(known):
-        notes.append(f"{quantity.name} not used: it lacks in {len(values) - len(known)} rows")
-    return None, notes
+    enough = len(known) >= _LEAST_KNOWN * len(values) / stride
+    missing = int(np.count_nonzero(empty & (lines >= 0)))
+    if missing or not enough:
+        instead = "filled between their neighbours" if enough else quantity.instead
+        notes.append(f"{quantity.name} missing in {missing} of {len(lines)} rows: {instead}")
+    if not enough:
+        return None, notes
+    return np.interp(np.arange(len(values)), known, values[known]), notes

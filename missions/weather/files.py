@@ -21,9 +21,9 @@ def load_weather(path: str | os.PathLike[str], mission: Mission | None = None) -
     ----------
     path : str or path
         Name of the shipped record, ``colorado-2023``, or a file: EPW, TMY2, TMY3, PVGIS (typical
-        year or hourly, CSV or JSON), NSRDB PSM, BSRN, NASA POWER (CSV), ERA5 (CSV time series),
-        NetCDF of ERA5, NASA POWER and others, or a plain CSV table. Which of them it is is seen
-        from the contents.
+        year or hourly, CSV or JSON), SAM, NSRDB PSM, BSRN, NASA POWER (CSV), ERA5 (CSV time
+        series), NetCDF of ERA5, NASA POWER and others, or a plain CSV table. Which of them it is
+        is seen from the contents.
     mission : Mission, optional
         Whose latitude, longitude and altitude choose the point of gridded data.
 

@@ -2,12 +2,14 @@
 
 Variables are known by their names or CF standard names, axes as in :mod:`missions.winds.netcdf`;
 of a grid the point nearest to the mission is taken. ERA5 gives the light of the hour that ends at a
-row's time (ECMWF, ERA5: data documentation), NASA POWER that of the hour that begins there.
+row's time, however far its rows are apart, ERA5-Land that since 00 UTC (ECMWF, data documentation
+of the two), NASA POWER that of the hour that begins there.
 """
 
 from __future__ import annotations
 
 import io
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -28,10 +30,12 @@ from missions.winds.netcdf import (
     altitudes_m,
     east_deg,
     latitudes_deg,
+    merged_versions,
     nearest_longitude,
     opened,
     values_of,
 )
+from solar.sun import SECONDS_PER_DAY
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
@@ -58,6 +62,8 @@ _ERA5 = {*_NAMES["ghi"][:3], *_NAMES["direct"]}
 _POWER_UNITS = {"temp_air": "C", "wind_speed": "m/s"} | dict.fromkeys(("ghi", "dni", "dhi"), "W/m2")
 _MOST_DIRECT = 1.01  # of global light; the two are rounded
 _LEAST_GROUND_PA = 40000.0  # 7.2 km
+_PACKED = 1e-3  # of the largest value: rounding of packed files
+_SINCE_MIDNIGHT = "light summed up from 00 UTC, as of ERA5-Land, taken apart by the row"
 _SEA_LEVEL = "height of the ground unknown: taken as sea level"
 
 
@@ -97,6 +103,9 @@ def read_netcdf(path: Path, source: str, mission: Mission | None) -> RawTable:
 def read_era5_csv(path: Path, source: str) -> RawTable:
     """Table of ERA5 hourly time series, as the Climate Data Store returns CSV."""
     data = _csv(path, 0)
+    if "expver" in data:  # final and preliminary rows, each with gaps where the other one stands
+        data = data.sort_values(["valid_time", "expver"], kind="stable")
+        data = data.groupby("valid_time", as_index=False).first()
     ends = [float(data[name].mean()) for name in ("latitude", "longitude") if name in data]
     if len(ends) < 2:
         raise file_error(source, "does not name its place: latitude and longitude are needed")
@@ -128,14 +137,17 @@ def read_power_csv(path: Path, source: str) -> RawTable:
         for key, values in _known(data).items()
     }
     parts = {"year": data["YEAR"], "month": data["MO"], "day": data["DY"], "hour": data["HR"]}
-    local = re.search(r"\bin\s+LST\b", head) is not None
     index = pd.DatetimeIndex(pd.to_datetime(pd.DataFrame(parts), utc=True))
-    if local:  # mean solar time, by NASA's definition
-        index -= pd.Timedelta(hours=longitude / 15.0)
+    notes: tuple[str, ...] = ()
+    if re.search(r"\bin\s+LST\b", head):
+        # NASA POWER, Hourly API, Time Standards: moved by the hours of the 15-degree swath.
+        ahead_h = math.floor(longitude / 15.0 + 0.5)
+        index -= pd.Timedelta(hours=ahead_h)
+        notes = (f"local solar time taken as UTC{ahead_h:+d} h, that of its belt of 15 degrees",)
     if ground is not None and float(ground[1]) not in MISSING:
         columns["ground"] = np.array([float(ground[1])])
     found = _record("NASA POWER", columns, index, (latitude, longitude), START, source=source)
-    return found._replace(first_line=head.count("\n") + 3)
+    return found._replace(first_line=head.count("\n") + 3, notes=(*notes, *found.notes))
 
 
 def _unit_of(head: str, key: str) -> str:
@@ -169,6 +181,10 @@ def _record(
     source: str,
 ) -> RawTable:
     """Table of a file's columns; diffuse light from the direct light on a level surface."""
+    light = columns.keys() & {"ghi", "direct"}
+    apart = {key: _apart(columns[key], index) for key in light} if passed == END else {}
+    since_midnight = bool(apart) and all(values is not None for values in apart.values())
+    columns |= {key: values for key, values in apart.items() if values is not None}
     if {"direct", "ghi"} <= columns.keys() and "dhi" not in columns:
         if np.nansum(columns["direct"]) > _MOST_DIRECT * np.nansum(columns["ghi"]):
             raise file_error(source, "has more direct than global light: is the unit wrong?")
@@ -176,9 +192,9 @@ def _record(
     if "u" in columns and "v" in columns and "wind_speed" not in columns:
         columns["wind_speed"] = np.hypot(columns["u"], columns["v"])
     if "ground" in columns:
-        ground_m = float(np.mean(columns["ground"]))
+        ground_m = float(np.nanmean(columns["ground"]))
     elif "pressure" in columns:
-        pressure_pa = float(np.mean(columns["pressure"]))
+        pressure_pa = float(np.nanmean(columns["pressure"]))
         if pressure_pa < _LEAST_GROUND_PA:
             raise file_error(source, f"has a pressure at the ground of {pressure_pa:g} Pa")
         ground_m = float(pressure_altitude_m(pressure_pa))
@@ -186,9 +202,32 @@ def _record(
         ground_m = np.nan
     kept = ("ghi", "dni", "dhi", "temp_air", "wind_speed")
     table = pd.DataFrame({k: columns[k] for k in kept if k in columns}, index=index)
-    notes = () if np.isfinite(ground_m) else (_SEA_LEVEL,)
-    site = Site("", *place, 0.0 if notes else ground_m, 0.0)
-    return RawTable(layout, site, table, passed, notes=notes)
+    flat = not np.isfinite(ground_m)
+    notes = ((_SINCE_MIDNIGHT,) if since_midnight else ()) + ((_SEA_LEVEL,) if flat else ())
+    site = Site("", *place, 0.0 if flat else ground_m, 0.0)
+    hour_s = SECONDS_PER_HOUR if passed == END and not since_midnight else None
+    return RawTable(layout, site, table, passed, interval_s=hour_s, notes=notes)
+
+
+def _apart(values: FloatArray, index: pd.DatetimeIndex) -> FloatArray | None:
+    """Means between the rows of light that is summed up from 00 UTC to 24; None of any other.
+
+    Of other light the sum falls, at the latest from noon on. ``values``: sums over an hour.
+    """
+    end_s = index.tz_localize(None).to_numpy("datetime64[s]").astype(float)
+    steps_s = np.diff(end_s)
+    if not len(steps_s) or steps_s.min() <= 0.0:
+        return None
+    midnight_s = np.floor((end_s - 1.0) / SECONDS_PER_DAY) * SECONDS_PER_DAY
+    before_s = np.concatenate([[-np.inf], end_s[:-1]])
+    same_day = before_s > midnight_s
+    rise = values - np.where(same_day, np.concatenate([[0.0], values[:-1]]), 0.0)
+    most = np.nanmax(values)
+    if not most > 0.0 or np.nanmin(rise) < -_PACKED * most:
+        return None
+    since_s = end_s - np.maximum(before_s, midnight_s)
+    mean = np.maximum(rise, 0.0) * SECONDS_PER_HOUR / since_s
+    return np.where(since_s > 1.5 * np.median(steps_s), np.nan, mean)
 
 
 def _variable(data: xr.Dataset, names: tuple[str, ...]) -> xr.DataArray | None:
@@ -244,7 +283,7 @@ def _at_point(
 
     Levels are interpolated at the mission's altitude.
     """
-    at = one.isel({name: i for name, i in place.items() if name in one.dims})
+    at = merged_versions(one.isel({name: i for name, i in place.items() if name in one.dims}))
     level = next((name for name in AXES["level"] if name in at.dims), None)
     time = next((name for name in AXES["time"] if name in at.dims), None)
     for name in at.dims:

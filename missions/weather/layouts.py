@@ -1,8 +1,8 @@
 """Files of weather records: which layout a file has, and its table of pvlib.
 
-The files are read by :mod:`pvlib.iotools`; here is what its readers leave open: which layout a file
-has, whether a row's time is the start, the middle or the end of its interval, and the names of the
-columns. pvlib is imported when a file is read, and only here.
+Most files are read by :mod:`pvlib.iotools`; here is what its readers leave open: which layout a
+file has, whether a row's time is the start, the middle or the end of its interval, and the names of
+the columns. pvlib is imported when such a file is read, and only here.
 """
 
 from __future__ import annotations
@@ -12,47 +12,37 @@ import io
 import math
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import timedelta, timezone
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from missions.files.errors import InputError, Problem, file_error, printable, shortened
 from missions.mission import Mission
 from missions.weather.gridded import is_netcdf, read_era5_csv, read_netcdf, read_power_csv
 from missions.weather.plain import read_plain
 from missions.weather.raw import END, MIDDLE, START, RawTable, as_file, head_of, text_of
-from missions.weather.record import Site
+from missions.weather.record import TYPICAL_YEAR, Site
 
 
 def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawTable:
     """Read a weather file of any known layout.
 
-    ``path``: file: EPW, TMY2, TMY3, PVGIS (typical year or hourly), NSRDB PSM, BSRN, NASA POWER,
-    ERA5, NetCDF or plain CSV. ``mission``: whose place chooses a point of a grid.
+    ``path``: file: EPW, TMY2, TMY3, PVGIS (typical year or hourly), SAM and NSRDB PSM, BSRN, NASA
+    POWER, ERA5, NetCDF or plain CSV. ``mission``: whose place chooses a point of a grid.
     """
     layout = "NetCDF" if is_netcdf(path) else layout_of(path, source)
-    read: Callable[[Path, str, Any], RawTable] | None = {
-        "EPW": _epw,
-        "TMY2": _tmy2,
-        "TMY3": _tmy3,
-        "PVGIS typical year": _pvgis_tmy,
-        "PVGIS hourly": _pvgis_hourly,
-        "NSRDB PSM": _psm,
-        "BSRN": _bsrn,
-    }.get(layout)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what is wrong is told by its line, or by the error
-            if layout in _GRIDDED:
-                raw = _GRIDDED[layout](path, source, mission)
-            elif read is None:
-                raw = read_plain(path, source)
+            if layout == "NetCDF":
+                raw = read_netcdf(path, source, mission)
             else:
-                raw = read(path, source, _iotools(source))
+                raw = _READERS.get(layout, read_plain)(path, source)
         _check_place(raw.site, source)
         return raw._replace(site=replace(raw.site, name=shortened(printable(raw.site.name))))
     except InputError:
@@ -64,13 +54,6 @@ def read_layout(path: Path, source: str, mission: Mission | None = None) -> RawT
         raise file_error(
             source, f"is no readable {layout} file: {type(error).__name__}: {reason}"
         ) from error
-
-
-_GRIDDED: dict[str, Callable[[Path, str, Mission | None], RawTable]] = {
-    "NetCDF": read_netcdf,
-    "ERA5": lambda path, source, _: read_era5_csv(path, source),
-    "NASA POWER": lambda path, source, _: read_power_csv(path, source),
-}
 
 
 def _iotools(source: str) -> Any:
@@ -114,8 +97,9 @@ def layout_of(path: Path, source: str) -> str:
         return "PVGIS hourly" if '"mounting_system"' in text else "PVGIS typical year"
     if first.startswith("Latitude (decimal degrees)"):
         return "PVGIS typical year" if "month,year" in text else "PVGIS hourly"
-    if first.startswith("Source,Location ID"):
-        return "NSRDB PSM"
+    fields = {name.strip().lower() for name in first.split(",")}
+    if len(head) > 1 and all(fields & set(names) for names in _SAM_HEAD.values()):
+        return _sam_layout(head[1].split(","))
     if re.match(r"\*[UC]0001", first):
         return "BSRN"
     if first.startswith("-BEGIN HEADER-") and "NASA/POWER" in text:
@@ -125,29 +109,34 @@ def layout_of(path: Path, source: str) -> str:
     return "CSV"
 
 
-def _epw(path: Path, source: str, iotools: Any) -> RawTable:
+def _epw(path: Path, source: str) -> RawTable:
     text = text_of(path)
-    table, meta = iotools.read_epw(io.StringIO(text))
+    table, meta = _iotools(source).read_epw(io.StringIO(text))
     place = str(meta.get("city", "")).strip()
     name = "" if place.lower() in ("unknown", "-") else place.title()
     site = Site(name, *_head_values(source, meta, "latitude", "longitude", "altitude", "TZ"))
+    records = int(table.groupby(table.index).size().median())
+    if records > 1:  # pvlib leaves out the minutes, which end a record but where the first is zero
+        ends = 0 if (table["minute"] == 0).any() else 60 / records
+        table.index += pd.to_timedelta(table["minute"].to_numpy() - ends, unit="min")
     instant = re.search(
         r"^COMMENTS 2,Irradiance Time Offset \(h\): *(-?[\d.]+)", text, re.MULTILINE
     )
-    if instant:
+    if instant or str(meta["data_type"]).strip() == "ECMWF/ERA":
         # PVGIS writes hours of universal time, whatever zone its head names, and counts the offset
         # of its instants from the hour's number, which pvlib takes one from.
         table.index = table.index.tz_localize(None).tz_localize("UTC")
-        offset_s = 3600.0 * (1.0 + float(instant[1]))
+        offset_s = 3600.0 * (1.0 + float(instant[1])) if instant else 0.0
+        notes = () if instant else ("hours taken as UTC, as PVGIS before 5.3 wrote them",)
         utc = replace(site, utc_offset_h=0.0)
-        return RawTable("EPW", utc, table, MIDDLE, offset_s=offset_s, first_line=9)
+        return RawTable("EPW", utc, table, MIDDLE, offset_s=offset_s, first_line=9, notes=notes)
     # An hour of 1 is the first of the day, and pvlib gives its start.
     return RawTable("EPW", site, table, START, first_line=9)
 
 
-def _tmy2(path: Path, source: str, iotools: Any) -> RawTable:
+def _tmy2(path: Path, source: str) -> RawTable:
     with as_file(path) as plain:
-        table, meta = iotools.read_tmy2(plain)
+        table, meta = _iotools(source).read_tmy2(plain)
     table = table.rename(
         columns={"GHI": "ghi", "DNI": "dni", "DHI": "dhi", "DryBulb": "temp_air", "Wspd": "wind"}
     )
@@ -161,8 +150,8 @@ def _tmy2(path: Path, source: str, iotools: Any) -> RawTable:
     return RawTable("TMY2", site, table, START, first_line=2)
 
 
-def _tmy3(path: Path, source: str, iotools: Any) -> RawTable:
-    table, meta = iotools.read_tmy3(io.StringIO(text_of(path)), map_variables=True)
+def _tmy3(path: Path, source: str) -> RawTable:
+    table, meta = _iotools(source).read_tmy3(io.StringIO(text_of(path)), map_variables=True)
     site = Site(
         str(meta.get("Name", "")).strip(' "').title(),
         *_head_values(source, meta, "latitude", "longitude", "altitude", "TZ"),
@@ -178,25 +167,27 @@ def _pvgis_site(source: str, inputs: dict[str, Any]) -> Site:
     return Site("", latitude, longitude, altitude, 0.0)
 
 
-def _pvgis_tmy(path: Path, source: str, iotools: Any) -> RawTable:
+_FULL_HOURS = "light taken at the full hours: the file does not say by how much it is off them"
+
+
+def _pvgis_tmy(path: Path, source: str) -> RawTable:
     kind = _pvgis_format(path)
     content = io.StringIO(text_of(path)) if kind == "json" else io.BytesIO(text_of(path).encode())
-    table, meta = iotools.read_pvgis_tmy(content, pvgis_format=kind)
+    table, meta = _iotools(source).read_pvgis_tmy(content, pvgis_format=kind)
     inputs = meta.get("inputs", {})
     # CSV has it among the inputs, JSON with the place.
     place = inputs.get("location", {})
     given = inputs.get("irradiance time offset", place.get("irradiance_time_offset"))
-    offset_h = float(given or 0.0)
+    notes = () if given is not None else (_FULL_HOURS,)
     if "latitude" not in inputs and "location" not in inputs:
         raise file_error(source, "does not name its site: write it with its first lines")
-    return RawTable(
-        "PVGIS typical year", _pvgis_site(source, inputs), table, MIDDLE, offset_s=3600.0 * offset_h
-    )
+    site, offset_s = _pvgis_site(source, inputs), 3600.0 * float(given or 0.0)
+    return RawTable("PVGIS typical year", site, table, MIDDLE, offset_s=offset_s, notes=notes)
 
 
-def _pvgis_hourly(path: Path, source: str, iotools: Any) -> RawTable:
+def _pvgis_hourly(path: Path, source: str) -> RawTable:
     kind = _pvgis_format(path)
-    table, meta = iotools.read_pvgis_hourly(io.StringIO(text_of(path)), pvgis_format=kind)
+    table, meta = _iotools(source).read_pvgis_hourly(io.StringIO(text_of(path)), pvgis_format=kind)
     inputs = meta["inputs"]
     slope = _slope_deg(inputs)
     if slope not in (None, 0.0):
@@ -230,30 +221,70 @@ def _slope_deg(inputs: dict[str, Any]) -> float | None:
     return None if value is None else float(value)
 
 
-def _psm(path: Path, source: str, iotools: Any) -> RawTable:
-    # pandas 3 refuses the columns without a name, and pvlib's reader with them.
-    lines = text_of(path).split("\n")
-    lines[2] = lines[2].rstrip(", ")
-    # It takes whole hours for a time zone, and India has half of one.
-    names, values = (next(csv.reader([line])) for line in lines[:2])
-    zone = dict(zip(names, values, strict=False)).get("Time Zone")
-    zones = ("Time Zone", "Local Time Zone")
-    fields = ["0" if key in zones else value for key, value in zip(names, values, strict=False)]
-    head = io.StringIO()
-    csv.writer(head, lineterminator="").writerow(fields)
-    lines[1] = head.getvalue()
-    table, meta = iotools.read_nsrdb_psm4(io.StringIO("\n".join(lines)), map_variables=True)
-    city = str(meta.get("City", "")).strip(" -")
-    meta["Time Zone"] = zone
-    site = Site(city, *_head_values(source, meta, "latitude", "longitude", "altitude", "Time Zone"))
-    own = timezone(timedelta(hours=site.utc_offset_h))
-    table.index = table.index.tz_localize(None).tz_localize(own)
-    return RawTable("NSRDB PSM", site, table, MIDDLE, first_line=4)
+# Names of SAM (System Advisor Model, weather file format CSV), whose layout NSRDB PSM has too; in
+# the order of what is read.
+_SAM_HEAD = {
+    "latitude": ("latitude", "lat"),
+    "longitude": ("longitude", "lon", "long", "lng"),
+    "altitude": ("elevation", "elev", "el", "site elevation"),
+    "Time Zone": ("time zone", "timezone", "tz"),
+}
+_SAM_COLUMNS = {
+    "year": ("year", "yr"),
+    "month": ("month", "mo"),
+    "day": ("day",),
+    "hour": ("hour", "hr"),
+    "minute": ("minute", "min"),
+    "ghi": ("ghi", "gh", "global", "global horizontal", "global horizontal irradiance"),
+    "dni": ("dni", "dn", "beam", "direct normal", "direct normal irradiance"),
+    "dhi": ("dhi", "df", "diffuse", "diffuse horizontal", "diffuse horizontal irradiance"),
+    "temp_air": ("tdry", "temperature", "dry bulb", "dry bulb temp", "ambient", "ambient temp"),
+    "wind_speed": ("wspd", "wind speed"),
+}
 
 
-def _bsrn(path: Path, source: str, iotools: Any) -> RawTable:
+def _sam(path: Path, source: str) -> RawTable:
+    text = text_of(path)
+    names, values = (next(csv.reader([line])) for line in text.split("\n", 2)[:2])
+    head = {name.strip().lower(): value.strip() for name, value in zip(names, values, strict=False)}
+    site = Site(
+        head.get("city", "").strip(" -"),
+        *_head_values(source, _renamed(head, _SAM_HEAD), *_SAM_HEAD),
+    )
+    units = head.get("units", head.get("hasunits", "")).lower() in ("yes", "1")
+    skipped = [0, 1, *([3] if units else [])]
+    data = pd.read_csv(io.StringIO(text), skiprows=skipped, index_col=False, low_memory=False)
+    columns = {str(name).strip().lower(): data[name] for name in data}
+    table = pd.DataFrame(_renamed(columns, _SAM_COLUMNS))
+    lacking = [name for name in ("month", "day", "hour") if name not in table]
+    if lacking:
+        raise file_error(source, f"has no column {lacking[0]}")
+    year = table["year"] if "year" in table else pd.Series(TYPICAL_YEAR, table.index)
+    date = {"year": year, "month": table["month"], "day": table["day"]}
+    days = pd.to_datetime(pd.DataFrame(date).astype(int))
+    clock = days + pd.to_timedelta(60.0 * table["hour"] + table.get("minute", 0.0), unit="min")
+    zone = timezone(timedelta(hours=site.utc_offset_h))
+    table.index = pd.DatetimeIndex(clock).tz_localize(zone)
+    # A minute is an instant's, and an hour without one is taken at its middle.
+    whole = END if table["hour"].max() == 24 else START
+    passed = MIDDLE if "minute" in table else whole
+    return RawTable(_sam_layout(values), site, table, passed, first_line=4 + units)
+
+
+def _sam_layout(values: list[str]) -> str:
+    """Name of the layout, by the first word below SAM's heading."""
+    return "NSRDB PSM" if values and values[0].startswith("NSRDB") else "SAM"
+
+
+def _renamed(given: Mapping[str, Any], names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
+    """What a file has of some quantities, each by the first of its names that is there."""
+    found = {key: next((n for n in some if n in given), None) for key, some in names.items()}
+    return {key: given[name] for key, name in found.items() if name is not None}
+
+
+def _bsrn(path: Path, source: str) -> RawTable:
     with as_file(path) as plain:
-        table, meta = iotools.read_bsrn(plain)
+        table, meta = _iotools(source).read_bsrn(plain)
     address = str(meta.get("address", "")).split(",")
     name = address[1].strip() if len(address) > 1 else str(meta.get("address", "")).strip()
     latitude, longitude, altitude = _head_values(source, meta, "latitude", "longitude", "altitude")
@@ -276,3 +307,17 @@ def _head_values(source: str, meta: dict[str, Any], *keys: str) -> list[float]:
             )
         values.append(value)
     return values
+
+
+_READERS: dict[str, Callable[[Path, str], RawTable]] = {
+    "EPW": _epw,
+    "TMY2": _tmy2,
+    "TMY3": _tmy3,
+    "PVGIS typical year": _pvgis_tmy,
+    "PVGIS hourly": _pvgis_hourly,
+    "NSRDB PSM": _sam,
+    "SAM": _sam,
+    "BSRN": _bsrn,
+    "NASA POWER": read_power_csv,
+    "ERA5": read_era5_csv,
+}

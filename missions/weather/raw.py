@@ -36,8 +36,9 @@ class RawTable(NamedTuple):
     ``layout``: kind of the file. ``site``: where it was taken. ``table``: columns ``ghi``, ``dni``,
     ``dhi`` [W/m2], ``temp_air`` [C], ``wind_speed`` [m/s], as far as the file has them; its index
     is the time, with its zone. ``passed``: share of the interval that has passed at a row's time: 0
-    start, 0.5 middle, 1 end. ``offset_s``: seconds to be added to every row's time. ``first_line``:
-    line of the first row in the file, counted from 1; 0 where a row is no line. ``air_altitude_m``:
+    start, 0.5 middle, 1 end. ``offset_s``: seconds to be added to every row's time. ``interval_s``:
+    length of a row's interval where it may be shorter than the rows are apart. ``first_line``: line
+    of the first row in the file, counted from 1; 0 where a row is no line. ``air_altitude_m``:
     where temperature and wind are taken, if not near the ground. ``notes``: what is assumed.
     """
 
@@ -46,6 +47,7 @@ class RawTable(NamedTuple):
     table: pd.DataFrame
     passed: float
     offset_s: float = 0.0
+    interval_s: float | None = None
     first_line: int = 0
     air_altitude_m: float | None = None
     notes: tuple[str, ...] = ()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from missions.weather.light import light_at_altitude
 from missions.weather.record import Site, Weather, day_of_year
 from solar.clearsky import clear_sky, global_horizontal
 from solar.sun import cos_zenith, declination, hour_angle, solar_time_h
@@ -60,19 +61,20 @@ def write_plain(path: Path, record: Weather, header=None, rows=None) -> Path:
 
 
 def write_epw(path: Path, record: Weather, name="Zürich", years=None) -> Path:
-    """EPW in Latin-1, local standard time, hours that end at 1 to 24."""
-    site = record.site
+    """EPW in Latin-1, local standard time, hours that end at 1 to 24, or parts of them."""
+    site, part_min = record.site, record.interval_s / 60.0
     lines = [
         f"LOCATION,{name},-,CHE,IWEC Data,066700,{site.latitude_deg},{site.longitude_deg},"
         f"{site.utc_offset_h},{site.altitude_m}",
         *["DESIGN CONDITIONS,0", "TYPICAL/EXTREME PERIODS,0", "GROUND TEMPERATURES,0"],
         *["HOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0", "COMMENTS 1,-", "COMMENTS 2,-"],
-        "DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31",
+        f"DATA PERIODS,1,{60.0 / part_min:g},Data,Sunday, 1/ 1,12/31",
     ]
     for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
         local = datetime(1970, 1, 1) + timedelta(seconds=float(t) + site.utc_offset_h * 3600.0)
         year = (years or {}).get(local.month, local.year)
-        fields = [year, local.month, local.day, local.hour + 1, 60, "?", 15.0, 5.0, 50, 95000]
+        fields = [year, local.month, local.day, local.hour + 1, round(local.minute + part_min)]
+        fields += ["?", 15.0, 5.0, 50, 95000]
         fields += [0, 0, 300, f"{g:.2f}", f"{b:.2f}", f"{d:.2f}", 0, 0, 0, 0, 180, 3.0]
         fields += [5, 5, 20, 9999, 0, 0, 10, 0.1, 0, 88, 0.2, 0, 1]
         lines.append(",".join(str(field) for field in fields))
@@ -125,13 +127,17 @@ def write_pvgis_tmy_json(path: Path, record: Weather, offset_h=0.1761) -> Path:
 
 
 def write_pvgis_tmy_epw(path: Path, record: Weather, zone_h=1.0, offset_h=0.1761) -> Path:
-    """Typical year of PVGIS as EPW: hours of universal time under the zone of the country."""
+    """Typical year of PVGIS as EPW: hours of universal time under the zone of the country.
+
+    Before version 5.3 without an offset.
+    """
     write_epw(path, record, name="unknown")
     lines = path.read_text("latin-1").split("\n")
     fields = lines[0].split(",")
-    fields[8] = f"{zone_h:g}"
+    fields[4], fields[8] = "ECMWF/ERA", f"{zone_h:g}"
     lines[0] = ",".join(fields)
-    lines[6] = f"COMMENTS 2,Irradiance Time Offset (h):{offset_h - 1.0:g}"
+    if offset_h is not None:
+        lines[6] = f"COMMENTS 2,Irradiance Time Offset (h):{offset_h - 1.0:g}"
     path.write_text("\n".join(lines), "latin-1")
     return path
 
@@ -177,6 +183,58 @@ def write_psm(path: Path, record: Weather) -> Path:
         lines.append(f"{stamp},{d:.2f},{b:.2f},{g:.2f},15.0,3.0,0,0,,")
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def write_sam(path: Path, record: Weather, columns="Year,Month,Day,Hour,GHI,DNI,DHI,Tdry,Wspd"):
+    """Hours as the System Advisor Model heads them, by default without minutes."""
+    site = record.site
+    lines = [
+        "Source,Location ID,City,State,Country,Latitude,Longitude,Time Zone,Elevation",
+        f"Own,1,Here,-,-,{site.latitude_deg},{site.longitude_deg},{site.utc_offset_h:g},491",
+        columns,
+    ]
+    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
+        local = datetime(1970, 1, 1) + timedelta(seconds=float(t) + site.utc_offset_h * 3600.0)
+        day, hour = f"{local.year},{local.month},{local.day}", local.hour
+        light = f"{g:.2f},{b:.2f},{d:.2f},15.0,3.0"
+        lines.append(f"{day},{hour}{',30' if 'Minute' in columns else ''},{light}")
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def write_power(path: Path, record: Weather, standard="UTC", ahead_h=0) -> Path:
+    """NASA POWER's hours of a point, numbered some hours ahead of universal time."""
+    site = record.site
+    lines = [
+        "-BEGIN HEADER-",
+        "NASA/POWER Source Native Resolution Hourly Data ",
+        f"Dates (month/day/year): 06/20/2001 through 06/22/2001 in {standard}",
+        f"Location: latitude  {site.latitude_deg}   longitude {site.longitude_deg}",
+        "elevation from MERRA-2: Average for 0.5 x 0.625 degree lat/lon region = 491.0 meters",
+        "The value for missing source data that cannot be computed or is outside of the sources "
+        "availability range: -999",
+        "-END HEADER-",
+        "YEAR,MO,DY,HR,ALLSKY_SFC_SW_DWN,ALLSKY_SFC_SW_DNI,ALLSKY_SFC_SW_DIFF,T2M,WS10M",
+    ]
+    for t, g, b, d in zip(record.start_s, record.ghi, record.dni, record.dhi, strict=True):
+        at = datetime(1970, 1, 1) + timedelta(seconds=float(t) + ahead_h * 3600.0)
+        day = f"{at.year},{at.month},{at.day},{at.hour}"
+        lines.append(f"{day},{g:.3f},{b:.3f},{d:.3f},15.0,5.0")
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def minutes_behind_the_sun(found: Weather) -> float:
+    """By how much the centre of a clear record's mornings and evenings lags the sun's [min]."""
+    light = light_at_altitude(found, found.site.altitude_m)
+    clock, lags = light.time_solar_h, []
+    for half in (clock < 12.0, clock >= 12.0):
+        centres = [
+            np.average(clock[half], weights=global_horizontal(sky, light.cos_zenith)[half])
+            for sky in (light.recorded, light.clear)
+        ]
+        lags.append(60.0 * (centres[0] - centres[1]))
+    return float(max(lags, key=abs))
 
 
 def write_bsrn(path: Path, record: Weather) -> Path:

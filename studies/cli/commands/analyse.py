@@ -45,7 +45,7 @@ class Analyse:
         "the mission's climb.",
     )
     weather_file: str | None = weather_option(
-        "Fly through a weather record: EPW, TMY2, TMY3, PVGIS, NSRDB PSM, BSRN or plain CSV."
+        "Fly through a weather record: EPW, TMY2, TMY3, PVGIS, SAM, BSRN, POWER, ERA5 or plain CSV."
     )
     table_file: str | None = table_option("the cycle over time, or the days of the weather record")
     table_years: str | None = table_option(

@@ -211,11 +211,17 @@ def test_air_that_cannot_be_is_refused(tmp_path, temperature, wind, expected):
 def test_what_is_left_out_of_the_air_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr("missions.weather.checks.MAXIMUM_IMPOSSIBLE", 0.02)
     found = loaded_beside(tmp_path, [-9999, *([15.0] * 71)], [500.0, *([3.0] * 71)])
-    assert found.repairs == ("1 rows with a wind speed outside of 0 to 120 m/s taken out",)
+    assert found.repairs == (
+        "temperature missing in 1 of 72 rows: filled between their neighbours",
+        "1 rows with a wind speed outside of 0 to 120 m/s taken out",
+    )
     assert (found.temperature_c.max(), found.wind_m_per_s.max()) == (15.0, 3.0)
-    found = loaded_beside(tmp_path, [15.0] * 72, [999] * 20 + [3.0] * 52)
-    assert found.repairs == ("wind speed not used: it lacks in 20 rows",)
-    assert found.wind_m_per_s is None
+    found = loaded_beside(tmp_path, [99.9] * 72, [999] * 19 + [99.9] + [3.0] * 52)
+    assert found.repairs == (
+        "temperature missing in 72 of 72 rows: that of the mission's air",
+        "wind speed missing in 20 of 72 rows: not used",
+    )
+    assert found.wind_m_per_s is found.temperature_c is None
 
 
 def test_two_months_of_two_years_are_a_typical_year_and_one_month_is_none(tmp_path):

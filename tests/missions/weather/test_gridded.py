@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from builders import mission
-from weather_files import SITE, clear_record
+from weather_files import SITE, clear_record, minutes_behind_the_sun, write_power
 
 from missions.files.errors import InputError
 from missions.weather.files import load_weather
 from missions.weather.light import light_at_altitude
-from missions.weather.record import Weather
+from missions.weather.record import Site, Weather
 
 HOUR_S = 3600.0
 NORTH, EAST = np.array([47.05, 46.8, 46.55]), np.array([6.65, 6.9, 7.15])
@@ -114,24 +114,8 @@ def test_air_at_flight_altitude_comes_from_the_levels(tmp_path: Path) -> None:
 
 def test_nasa_power_begins_its_hours_at_their_number(tmp_path: Path) -> None:
     record = clear_record(3)
-    stamps = record.start_s.astype("datetime64[s]").tolist()
-    rows = [
-        f"{t.year},{t.month},{t.day},{t.hour},{g:.3f},{b:.3f},{d:.3f},15.0,5.0"
-        for t, g, b, d in zip(stamps, record.ghi, record.dni, record.dhi, strict=True)
-    ]
-    head = [
-        "-BEGIN HEADER-",
-        "NASA/POWER Source Native Resolution Hourly Data ",
-        "Dates (month/day/year): 06/20/2001 through 06/22/2001 in UTC",
-        f"Location: latitude  {SITE.latitude_deg}   longitude {SITE.longitude_deg}",
-        "elevation from MERRA-2: Average for 0.5 x 0.625 degree lat/lon region = 491.0 meters",
-        "The value for missing source data that cannot be computed or is outside of the sources "
-        "availability range: -999",
-        "-END HEADER-",
-        "YEAR,MO,DY,HR,ALLSKY_SFC_SW_DWN,ALLSKY_SFC_SW_DNI,ALLSKY_SFC_SW_DIFF,T2M,WS10M",
-    ]
-    path = tmp_path / "power.csv"
-    path.write_text("\n".join([*head, *rows]) + "\n")
+    path = write_power(tmp_path / "power.csv", record)
+    head, rows = path.read_text().splitlines()[:8], path.read_text().splitlines()[8:]
     found = load_weather(path)
     same(found, record)
     assert found.layout == "NASA POWER"
@@ -153,8 +137,27 @@ def test_nasa_power_begins_its_hours_at_their_number(tmp_path: Path) -> None:
         load_weather(path)
     rows[30] = ",".join([*rows[30].split(",")[:4], *["-999"] * 5])
     path.write_text("\n".join([*head, *rows]) + "\n")
-    (repair,) = load_weather(path).repairs
-    assert "1 " in repair
+    assert load_weather(path).repairs == (
+        "1 rows filled between their neighbours",
+        "temperature missing in 1 of 72 rows: filled between their neighbours",
+        "wind speed missing in 1 of 72 rows: filled between their neighbours",
+    )
+
+
+# Zones by NASA's documentation: whole hours, the sun at noon in the middle of a belt of 15 degrees.
+@pytest.mark.parametrize(
+    ("longitude_deg", "ahead_h"), [(6.95, 0), (7.6, 1), (-7.6, -1), (-104.9, -7), (172.6, 12)]
+)
+def test_local_solar_time_of_nasa_power_is_that_of_its_belt(
+    tmp_path: Path, longitude_deg: float, ahead_h: int
+) -> None:
+    record = clear_record(3, site=Site("", 46.8, longitude_deg, 491.0, 0.0))
+    found = load_weather(write_power(tmp_path / "a.csv", record, "LST", ahead_h))
+    assert found.start_s == pytest.approx(record.start_s)
+    assert found.repairs == (
+        f"local solar time taken as UTC{ahead_h:+d} h, that of its belt of 15 degrees",
+    )
+    assert abs(minutes_behind_the_sun(found)) < 1.0  # light is written to 0.001 W/m2
 
 
 def test_era5_time_series_end_their_hours_at_their_time(tmp_path: Path) -> None:
@@ -177,6 +180,63 @@ def test_era5_time_series_end_their_hours_at_their_time(tmp_path: Path) -> None:
         path.write_text(text.replace(old, new))
         with pytest.raises(InputError, match=message):
             load_weather(path)
+
+
+def test_every_third_hour_of_era5_is_the_light_of_one_hour(tmp_path: Path) -> None:
+    record = clear_record(8)
+    era5(record).isel(valid_time=slice(2, None, 3)).to_netcdf(tmp_path / "a.nc")
+    found = load_weather(tmp_path / "a.nc", HERE)
+    assert found.interval_s == HOUR_S
+    told = "rows 3 h apart have the light of 1 h each: shares of the clear sky between"
+    assert told in found.repairs
+    assert np.sum(found.ghi) == pytest.approx(np.sum(record.ghi[2:]), rel=0.01)  # a clear sky
+    assert abs(minutes_behind_the_sun(found)) < 2.0  # hours of the low sun are filled
+    assert found.temperature_c == pytest.approx(15.0)
+    era5(record).isel(valid_time=slice(5, None, 6)).to_netcdf(tmp_path / "b.nc")
+    with pytest.raises(InputError, match="has a row every 360 minutes; allowed: from 1 minute"):
+        load_weather(tmp_path / "b.nc", HERE)
+
+
+@pytest.mark.parametrize("step", [1, 3])
+@pytest.mark.parametrize("east_deg", [6.9, 178.0])
+def test_light_summed_up_since_midnight_is_taken_apart(
+    tmp_path: Path, step: int, east_deg: float
+) -> None:
+    """ERA5-Land: the row of 00 UTC has the whole of the day before."""
+    site = Site("", 46.8, east_deg, 491.0, 0.0)
+    record = clear_record(6, site=site)
+    data = era5(record)
+    for name in ("ssrd", "fdir"):
+        days = data[name].to_numpy().reshape(6, 24, 3, 3)
+        data[name].values = np.cumsum(days, axis=1).reshape(-1, 3, 3)
+    data = data.assign_coords(longitude=EAST - 6.9 + east_deg)
+    # Downloads begin with the row of 00 UTC, of which the hours are not known.
+    data.isel(valid_time=slice(23, None)).sel(
+        valid_time=data["valid_time"].dt.hour[23:] % step == 0
+    ).to_netcdf(tmp_path / "land.nc")
+    where = mission(latitude_deg=46.85, longitude_deg=east_deg, altitude_m=900.0)
+    found = load_weather(tmp_path / "land.nc", where)
+    assert "light summed up from 00 UTC, as of ERA5-Land, taken apart by the row" in found.repairs
+    assert found.interval_s == step * HOUR_S
+    means = record.ghi[24:].reshape(-1, step).mean(axis=1)
+    assert found.ghi[1:] == pytest.approx(means, abs=0.1)
+    assert abs(minutes_behind_the_sun(found)) < 2.0  # the direct light over a mean cosine
+
+
+def test_final_and_preliminary_months_of_era5_are_one_record(tmp_path: Path) -> None:
+    record = clear_record(4)
+    data, first = era5(record), np.arange(96) < 48
+    axis = xr.DataArray(first, dims="valid_time")
+    mixed = xr.concat([data.where(axis), data.where(~axis)], xr.IndexVariable("expver", [1, 5]))
+    for name in data.data_vars:
+        mixed[name].attrs = data[name].attrs
+    mixed.isel(expver=[1, 0]).to_netcdf(tmp_path / "a.nc")
+    same(load_weather(tmp_path / "a.nc", HERE), record)
+    table = mixed.isel(latitude=1, longitude=1).to_dataframe().reset_index()
+    table.drop(columns="z").to_csv(tmp_path / "a.csv", index=False)
+    found = load_weather(tmp_path / "a.csv", HERE)
+    assert found.start_s == pytest.approx(record.start_s)
+    assert found.ghi == pytest.approx(record.ghi, abs=0.1)
 
 
 def test_what_a_grid_does_not_have_is_told(tmp_path: Path) -> None:

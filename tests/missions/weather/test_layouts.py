@@ -1,11 +1,14 @@
 import gzip
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from weather_files import (
     SITE,
+    clear_light,
     clear_record,
+    minutes_behind_the_sun,
     write_bsrn,
     write_epw,
     write_plain,
@@ -14,6 +17,7 @@ from weather_files import (
     write_pvgis_tmy,
     write_pvgis_tmy_epw,
     write_pvgis_tmy_json,
+    write_sam,
 )
 
 from missions.files.errors import InputError
@@ -73,6 +77,86 @@ def test_pvgis_typical_year_has_the_same_times_in_every_format(tmp_path):
         found = load_weather(path)
         assert found.start_s == pytest.approx(table.start_s, abs=1e-6), path
         same_light(found, table)
+
+
+@pytest.mark.parametrize("zone_h", [1.0, 0.0, -7.0])
+def test_hours_of_pvgis_before_5_3_are_universal_whatever_the_zone(tmp_path, zone_h):
+    record = clear_record(3, site=Site("", 45.0, 8.0, 250.0, 0.0))
+    light = clear_light(record.start_s - 30.0, 60.0, record.site)  # at the full hours
+    instants = replace(record, **dict(zip(("ghi", "dni", "dhi"), light, strict=True)))
+    path = write_pvgis_tmy_epw(tmp_path / "a.epw", instants, zone_h=zone_h, offset_h=None)
+    found = load_weather(path)
+    assert found.repairs == ("hours taken as UTC, as PVGIS before 5.3 wrote them",)
+    assert found.start_s == pytest.approx(record.start_s - 1800.0)
+    assert abs(minutes_behind_the_sun(found)) < 2.0  # an instant is not its hour's mean
+
+
+def test_a_typical_year_of_pvgis_without_an_offset_says_so(tmp_path):
+    record = clear_record(365, first="2001-01-01", site=Site("", 45.0, 8.0, 250.0, 0.0))
+    path = write_pvgis_tmy(tmp_path / "a.csv", record)
+    lines = [line for line in path.read_text().splitlines() if "Offset" not in line]
+    path.write_text("\n".join(lines))
+    assert load_weather(path).repairs[0].startswith("light taken at the full hours")
+
+
+@pytest.mark.parametrize("minutes", [30, 15, 10])
+def test_several_records_an_hour(tmp_path, minutes):
+    record = clear_record(2, interval_s=60.0 * minutes)
+    found = load_weather(write_epw(tmp_path / "a.epw", record))
+    assert found.start_s == pytest.approx(record.start_s)
+    same_light(found, record)
+    lines = (tmp_path / "a.epw").read_text("latin-1").splitlines()
+    rows = [line.split(",") for line in lines[8:]]
+    begins = [",".join([*row[:4], str(int(row[4]) - minutes), *row[5:]]) for row in rows]
+    (tmp_path / "b.epw").write_text("\n".join([*lines[:8], *begins]), "latin-1")
+    assert load_weather(tmp_path / "b.epw").start_s == pytest.approx(record.start_s)
+
+
+def test_one_or_two_of_the_three_kinds_of_light_suffice(tmp_path):
+    record = clear_record(3)
+    whole = load_weather(write_epw(tmp_path / "a.epw", record))
+    lines = (tmp_path / "a.epw").read_text("latin-1").splitlines()
+    for missing, told in (
+        ([13], "ghi missing in 72 rows: from the other two"),
+        ([14], "dni missing in 72 rows: from the other two"),
+        ([15], "dhi missing in 72 rows: from the other two"),
+        ([14, 15], "direct and diffuse light by the decomposition of Erbs et al. (1982)"),
+    ):
+        rows = [
+            ",".join("9999" if at in missing else value for at, value in enumerate(row.split(",")))
+            for row in lines[8:]
+        ]
+        (tmp_path / "b.epw").write_text("\n".join([*lines[:8], *rows]), "latin-1")
+        found = load_weather(tmp_path / "b.epw")
+        assert told in found.repairs
+        # Through the sun's height in the middle of an hour, which at sunrise is not its mean.
+        high = whole.ghi > 100.0
+        assert found.ghi[high] == pytest.approx(whole.ghi[high], rel=0.02)
+        assert abs(minutes_behind_the_sun(found)) < 2.0
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        "Year,Month,Day,Hour,GHI,DNI,DHI,Tdry,Wspd",
+        "Year,Month,Day,Hour,Minute,GHI,DNI,DHI,Temperature,Wind Speed",
+        "yr,mo,day,hr,global,beam,diffuse,dry bulb,wspd",
+    ],
+)
+def test_the_layout_of_the_system_advisor_model(tmp_path, columns):
+    record = clear_record(3)
+    found = load_weather(write_sam(tmp_path / "a.csv", record, columns))
+    assert (found.layout, found.site) == ("SAM", Site("Here", 46.8, 6.9, 491.0, 1.0))
+    assert found.start_s == pytest.approx(record.start_s)
+    same_light(found, record)
+    assert (found.temperature_c.max(), found.wind_m_per_s.max()) == (15.0, 3.0)
+    assert abs(minutes_behind_the_sun(found)) < 1.0
+
+
+def test_a_file_of_sam_without_hours_is_told(tmp_path):
+    write_sam(tmp_path / "a.csv", clear_record(3), "Year,Month,Day,Time,GHI,DNI,DHI,Tdry,Wspd")
+    with pytest.raises(InputError, match=r"a.csv: has no column hour"):
+        load_weather(tmp_path / "a.csv")
 
 
 def test_pvgis_hourly_takes_the_beam_back_to_its_normal(tmp_path):
