@@ -6,19 +6,25 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, Strict, model_validator
 
-from solar.schema import PositiveReal, Record, check_below
+from solar.schema import PositiveReal, Record
 
 
 class Range(Record):
-    """Bounds of a design variable."""
+    """Bounds of a design variable; equal ones hold it."""
 
     minimum: PositiveReal
     maximum: PositiveReal
 
     @model_validator(mode="after")
     def _ends_in_order(self) -> Range:
-        check_below(self, "minimum", "maximum")
+        _check_order(self)
         return self
+
+
+def _check_order(ends: Range | Limit) -> None:
+    least, most = ends.minimum, ends.maximum
+    if least is not None and most is not None and least > most:
+        raise ValueError(f"minimum must not exceed maximum (got {least:g} and {most:g})")
 
 
 # Quantities of a design that a file may bound; their formulas are in sizing.limits.
@@ -64,10 +70,7 @@ class Limit(Record):
     def _ends_in_order(self) -> Limit:
         if self.minimum is None and self.maximum is None:
             raise ValueError("give a minimum, a maximum or both")
-        if self.minimum is not None and self.maximum is not None and self.minimum > self.maximum:
-            raise ValueError(
-                f"minimum must not exceed maximum (got {self.minimum:g} and {self.maximum:g})"
-            )
+        _check_order(self)
         return self
 
 

@@ -364,6 +364,20 @@ def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> Operati
     return own.point(power_w, flown.airspeed_m_per_s, air, bus_voltage_v(aircraft))
 
 
+def design_of_total_mass(
+    aircraft: Aircraft, mission: Mission, variables: DesignVariables, total_mass_kg: float
+) -> Design:
+    """Designs of a known total mass; infinite mass and power where the parts alone are heavier."""
+    conditions = FlightConditions.of(mission, aircraft)
+    even = np.broadcast_arrays(*(np.asarray(v, float) for v in variables.chosen().values()))
+    arrays = DesignVariables(**dict(zip(variables.chosen(), even, strict=True)))
+    design = parametric_design(aircraft, conditions, arrays, np.full(even[0].shape, total_mass_kg))
+    other_kg = total_mass_kg - (design.masses.total_kg - design.masses.other)
+    design = design._replace(masses=design.masses._replace(other=other_kg))
+    with np.errstate(invalid="ignore"):
+        return _impossible_where(design, ~(other_kg >= 0.0))
+
+
 def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) -> Aircraft:
     """Aircraft of a known total mass: what the mass budget does not account for is other mass.
 
@@ -395,8 +409,8 @@ def with_total_mass(aircraft: Aircraft, mission: Mission, total_mass_kg: float) 
     other_kg = total_mass_kg - rest_kg
     if other_kg < 0.0 or (other_kg == 0.0 and isinstance(airframe, MeasuredAirframe)):
         raise ImpossibleDesignError(
-            f"a total mass of {total_mass_kg:g} kg is less than the {rest_kg:.3f} kg of "
-            f"{aircraft.name} without airframe.{key}"
+            f"the parts of {aircraft.name} weigh {rest_kg:.3f} kg already, without airframe.{key}: "
+            f"more than the total mass of {total_mass_kg:g} kg"
         )
     grown = 1.0 if isinstance(airframe, MeasuredAirframe) else 1.0 + airframe.mass_growth
     return aircraft.with_airframe(**{key: other_kg / grown})

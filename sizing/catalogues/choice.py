@@ -223,6 +223,19 @@ def taken(record: OfCatalogue, prefix: str) -> list[Taken]:
     return found
 
 
+def named_twice(data: Any, key: str, kind: Kind) -> dict[str, str]:
+    """Keys of a record's data that the entry it names gives as well, with the mistake of each."""
+    data = data if isinstance(data, Mapping) else {}
+    known = known_entry(kind, data, key)
+    given = known.parameters(data) if known is not None else {}
+    return {
+        one: f"give one of {key} and {one}: {printable(shortened(data[key]))} of the catalogue has "
+        "a value of its own for it"
+        for one in given
+        if one in data
+    }
+
+
 def own_entries(record: Record, key: str) -> dict[str, str]:
     """Text of a user's own entry by its path, if the record names one.
 

@@ -321,7 +321,7 @@ class MotorEntry(Entry):
         voltage = self.nominal_voltage_v if voltage is None else voltage
         if voltage is None:
             if given.get("motor_efficiency") is not None:
-                return {}
+                return {"motor_efficiency": given["motor_efficiency"]}
             text = f"required key is missing: {self.label} has no nominal voltage"
             raise wrong_value("motor_voltage_v", text)
         if not isinstance(voltage, float | int) or isinstance(voltage, bool):

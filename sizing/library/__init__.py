@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
+from missions.files.errors import InputError, Problem
 from missions.files.overrides import Overrides, with_overrides
 from missions.files.shipped import find_document
-from missions.files.validation import validate
+from missions.files.validation import located_error, validate
+from missions.files.yaml import Document
 from sizing.aircraft import Aircraft
+from sizing.catalogues.choice import Kind, named_twice
+
+# Keys of an aircraft's file that name an entry of a catalogue.
+_NAMES: dict[tuple[str, ...], Kind] = {
+    ("modules", "cell"): "cells",
+    ("battery", "cell"): "batteries",
+    ("airframe", "propulsion", "motor"): "motors",
+    ("airframe", "propulsion", "propeller", "product"): "propellers",
+}
 
 
 def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = ()) -> Aircraft:
@@ -32,4 +44,24 @@ def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = (
         With file, line, column and allowed values of every mistake.
     """
     document = find_document("aircraft", os.fspath(name_or_path))
-    return validate(with_overrides(document, overrides), Aircraft)
+    return checked_aircraft(with_overrides(document, overrides))
+
+
+def checked_aircraft(document: Document) -> Aircraft:
+    """Aircraft of a document, in which no entry of a catalogue stands beside values of its own.
+
+    Values that an override put there are meant to replace the entry's.
+    """
+    aircraft = validate(document, Aircraft)
+    problems: list[Problem] = []
+    for path, kind in _NAMES.items():
+        holder: Any = document.data
+        for part in path[:-1]:
+            holder = holder.get(part) if isinstance(holder, dict) else None
+        for key, message in named_twice(holder, path[-1], kind).items():
+            places = [document.key_marks.get(one) for one in (path, (*path[:-1], key))]
+            if all(places):
+                problems += located_error(document, (*path[:-1], key), message).problems
+    if problems:
+        raise InputError(problems)
+    return aircraft

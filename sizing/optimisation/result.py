@@ -410,8 +410,9 @@ def active_constraints(solution: Solution, day: SolarDay) -> tuple[str, ...]:
     for scenario, multiplier in solution.ceiling_multipliers().items():
         if multiplier > least:
             active[f"climb_ceiling ({day.scenarios.label(scenario)})"] = multiplier * RELATIVE_STEP
+    held = {v.name for v in solution.variables if v.minimum == v.maximum}
     for name, multiplier in solution.free_bound_multipliers().items():
-        if abs(multiplier) > least:
+        if abs(multiplier) > least and name not in held:
             label = f"{name} at its {'maximum' if multiplier > 0 else 'minimum'}"
             active[label] = abs(multiplier) * RELATIVE_STEP
     return tuple(sorted(active, key=lambda label: -active[label]))

@@ -223,7 +223,9 @@ class OperatingPointPropulsion(Record):
         if speed_constant_rpm_per_v is not None:
             wound = self.own_motor.rewound(speed_constant_rpm_per_v)
             sizes["motor"] = replaced(wound, ["mass_kg"], self.motor_mass_kg)
-        chosen = {key: value for key, value in sizes.items() if value is not None}
+        chosen: dict[str, Any] = {k: value for k, value in sizes.items() if value is not None}
+        if diameter_m is not None or pitch_m is not None:
+            chosen["propeller.product"] = None  # of that size it is no longer
         return all_replaced(self, chosen) if chosen else self
 
     @cached_property

@@ -81,6 +81,8 @@ class Analysis(Result):
         Days flown from an empty battery; None for a day repeated without end.
     best_climb : BestClimb or None
         Best course of climbs and glides in the worst scenario, on request.
+    known_mass_kg : float or None
+        Total mass that :attr:`relaxations` keep [kg].
     """
 
     aircraft: Aircraft
@@ -92,6 +94,7 @@ class Analysis(Result):
     climb: ClimbPerformance | None = None
     days: int | None = None
     best_climb: BestClimb | None = None
+    known_mass_kg: float | None = None
 
     renderer = "sizing.results.analysis_summary"
 
@@ -157,7 +160,7 @@ class Analysis(Result):
         """
         if self.climb is not None or self.days is not None:
             return ()
-        return relaxed_flight(self.aircraft, self.performance)
+        return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -328,6 +331,7 @@ def analyse(
     replay: bool = True,
     days: int | None = None,
     with_best_climb: bool = False,
+    known_mass_kg: float | None = None,
 ) -> Analysis:
     """Analyse how long an aircraft flies on a mission.
 
@@ -347,6 +351,9 @@ def analyse(
         date, while the date advances, 1 to 365. By default the day is repeated without end.
     with_best_climb : bool
         Find the best course of climbs and glides in the worst scenario, beside the mission's rule.
+    known_mass_kg : float, optional
+        Total mass of the aircraft, as :func:`with_total_mass` made it [kg]: what would make it fly
+        perpetually is then told at this mass. By default the mass grows with what is added.
 
     Returns
     -------
@@ -393,7 +400,9 @@ def analyse(
     flight = None
     if replay and mission.launch is not None:
         flight = calendar_run(aircraft, mission, solar)
-    return Analysis(aircraft, mission, centre, low, high, flight, days=days)
+    return Analysis(
+        *(aircraft, mission, centre, low, high, flight), days=days, known_mass_kg=known_mass_kg
+    )
 
 
 def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:

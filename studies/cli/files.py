@@ -29,6 +29,7 @@ from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
+from sizing.library import checked_aircraft
 from sizing.mass_budget import ImpossibleDesignError, design_of, with_total_mass
 from sizing.parameters import design_keys
 from sizing.sunlight import SolarModel
@@ -73,6 +74,7 @@ class Case:
     mission_is_default: bool = False
     solar: SolarModel = field(default_factory=SolarModel)
     as_json: bool = False
+    total_mass_kg: float | None = None
 
     @property
     def aircraft(self) -> Aircraft:
@@ -138,7 +140,10 @@ class Case:
         now, before = (getattr(one.airframe, key) for one in (aircraft, self.aircraft))
         rest = f"{now:.4g} instead of {before:.4g}"
         tell_error(f"solar-uav: --mass {total_mass_kg:g}: airframe.{key} is {rest}")
-        return replace(self, aircraft_file=replace(self.aircraft_file, record=aircraft))
+        file = self.aircraft_file
+        document = with_overrides(file.document, {f"airframe.{key}": now})
+        file = replace(file, record=validate(document, Aircraft), document=document)
+        return replace(self, aircraft_file=file, total_mass_kg=total_mass_kg)
 
     def inputs(self, weather: str | None = None, **others: Path) -> RunInputs:
         """Everything that a folder of results keeps of what went in.
@@ -183,15 +188,19 @@ def _with_whole_key(override: str) -> str:
     return f"{design_keys().get(key, key)}{equals}{value}"
 
 
-def open_aircraft(name_or_path: str, overrides: Sequence[str] = ()) -> Loaded[Aircraft]:
+def open_aircraft(
+    name_or_path: str, overrides: Sequence[str] = (), *, of_run: bool = False
+) -> Loaded[Aircraft]:
     """Read an aircraft by name or path.
 
     ``name_or_path``: name of a shipped one, or path of a file. ``overrides``: texts
-    ``dotted.key=value`` that replace or add keys of the file.
+    ``dotted.key=value`` that replace or add keys of the file. ``of_run``: whether a run wrote it,
+    with its overrides in it.
     """
     _refuse_keys_of_missions(overrides)
     document = with_overrides(_find("aircraft", name_or_path), overrides)
-    return Loaded(validate(document, Aircraft), document, _checksum("aircraft", name_or_path))
+    record = validate(document, Aircraft) if of_run else checked_aircraft(document)
+    return Loaded(record, document, _checksum("aircraft", name_or_path))
 
 
 def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> Loaded[Mission]:
@@ -205,12 +214,13 @@ def load(
     place: PlaceOptions | None = None,
     *,
     required_excess_time_h: float | None = None,
+    total_mass_kg: float | None = None,
 ) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
     A folder that ``--out`` wrote stands for an aircraft, and its mission, model and correction for
     options that are not given. ``required_excess_time_h``: what the mission requires instead of its
-    own.
+    own. ``total_mass_kg``: of the aircraft, where it is known.
     """
     aircraft, mission = options.aircraft, options.mission
     model, correction = options.model, options.correction
@@ -229,7 +239,8 @@ def load(
         raise click.UsageError("Missing option '--mission' / '-m'.")
     of_aircraft, of_mission = split_overrides(options.overrides)
     errors: list[InputError] = []
-    aircraft_file = _attempt(partial(open_aircraft, aircraft, of_aircraft), errors)
+    of_run = folder is not None
+    aircraft_file = _attempt(partial(open_aircraft, aircraft, of_aircraft, of_run=of_run), errors)
     mission_file = _attempt(partial(open_mission, mission, of_mission), errors)
     if aircraft_file is None or mission_file is None:
         raise _joined_errors(errors)
@@ -242,9 +253,9 @@ def load(
     if is_default and os.path.isfile(beside):  # noqa: PTH113 - takes any text for a path
         tell_error(f"solar-uav: the default mission is flown; beside it lies -m {beside}")
     case = case if place is None else case.at(place)
-    if required_excess_time_h is None:
-        return case
-    return case.with_mission(required_excess_time_h=required_excess_time_h)
+    if required_excess_time_h is not None:
+        case = case.with_mission(required_excess_time_h=required_excess_time_h)
+    return case if total_mass_kg is None else case.with_total_mass(total_mass_kg)
 
 
 def _attempt(read: Callable[[], T], errors: list[InputError]) -> T | None:

@@ -154,6 +154,17 @@ class PlaceOptions:
             raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
 
 
+def mass_option() -> Any:
+    """Option ``--mass``."""
+    return option(
+        "--mass",
+        type=RealRange(0.0, 1e5, unit="kilograms", above=True),
+        metavar="KG",
+        help="Total mass with payload, where it is known: what the parts do not account for is "
+        "other mass.",
+    )
+
+
 def place_options() -> Any:
     """Options ``--latitude``, ``--day-of-year`` and ``--date``."""
     return group(

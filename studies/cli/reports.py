@@ -37,6 +37,7 @@ def subject_of(case: Case, **others: Any) -> Subject:
     return Subject(
         *(case.aircraft, case.mission, case.solar),
         mission_is_default=case.mission_is_default,
+        known_mass_kg=case.total_mass_kg,
         **options,
     )
 

@@ -42,6 +42,7 @@ class Subject:
     ``weather_record``: record to fly through. ``with_uncertainty``: whether inputs scatter; None
     where aircraft or mission has uncertain inputs. ``overrides``: values that replaced those of the
     files, as ``--set`` has them. ``mission_is_default``: whether nobody chose the mission.
+    ``known_mass_kg``: total mass, where it is known.
     """
 
     aircraft: Aircraft
@@ -54,12 +55,17 @@ class Subject:
     with_uncertainty: bool | None = None
     overrides: tuple[str, ...] = ()
     mission_is_default: bool = False
+    known_mass_kg: float | None = None
 
     @cached_property
     def analysis(self) -> Analysis:
         """Aircraft on its mission."""
         return analyse(
-            self.aircraft, self.mission, model=self.solar.model, correction=self.solar.correction
+            self.aircraft,
+            self.mission,
+            model=self.solar.model,
+            correction=self.solar.correction,
+            known_mass_kg=self.known_mass_kg,
         )
 
     @cached_property

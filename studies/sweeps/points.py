@@ -22,10 +22,17 @@ from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.design_space import DesignSpace, Range
 from sizing.energy.cycle import Status
 from sizing.limits import EQUATIONS, MASS_BUDGET, design_requirements
-from sizing.mass_budget import ImpossibleDesignError, measured_design, operating_trouble
+from sizing.mass_budget import (
+    ImpossibleDesignError,
+    closed_design,
+    design_of_total_mass,
+    measured_design,
+    operating_trouble,
+    with_total_mass,
+)
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.parameters import MISSION_PREFIX, all_replaced
-from sizing.performance import Performance, performance, performance_of_designs
+from sizing.performance import Performance, performance
 from sizing.results.quantities import (
     CHOSEN,
     ENDURANCE,
@@ -75,7 +82,8 @@ class SweepConfiguration:
     """What all points have in common; aircraft and mission as plain data of files.
 
     Tables that the aircraft names go along with their text: workers may be elsewhere. ``names`` are
-    what the values of a key stand for, where they are places in it.
+    what the values of a key stand for, where they are places in it. ``total_mass_kg``: of all
+    points that are flown, where it is known.
     """
 
     aircraft: Mapping[str, Any]
@@ -86,6 +94,7 @@ class SweepConfiguration:
     objective: Objective | None
     tables: Mapping[str, str]
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    total_mass_kg: float | None = None
 
     @property
     def blanks(self) -> dict[str, Any]:
@@ -204,7 +213,15 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
     """
     rows: list[dict[str, Any]] = [{} for _ in cells]
     for numbers, aircraft, mission in _flyable(configuration, cells, rows, Status):
+        known_kg = configuration.total_mass_kg
         if isinstance(aircraft.airframe, MeasuredAirframe):
+            if known_kg is not None:
+                try:
+                    aircraft = with_total_mass(aircraft, mission, known_kg)
+                except ImpossibleDesignError as error:
+                    for number in numbers:
+                        rows[number] = {"status": Status.infeasible, "message": str(error)}
+                    continue
             flight = performance(aircraft, mission, configuration.solar)
             outside = {"extrapolations": as_text(extrapolations(aircraft, flight))}
             row = _row_of_design(flight, mission, (), {}, flight.worst_endurance_h) | outside
@@ -215,8 +232,12 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
         given = dict(zip(configuration.keys, columns, strict=True))
         variables = _variables(configuration, aircraft, given, len(numbers))
         day = solar_day(aircraft, mission, configuration.solar)
-        flight = performance_of_designs(aircraft, mission, variables, configuration.solar, day=day)
-        missed = _missed(aircraft, mission, flight)
+        closed = (aircraft, mission, variables)
+        design = (
+            closed_design(*closed) if known_kg is None else design_of_total_mass(*closed, known_kg)
+        )
+        flight = performance(aircraft, mission, configuration.solar, day=day, design=design)
+        missed = _missed(aircraft, mission, flight, known_kg)
         texts = cell_texts(flight_checks(aircraft, flight), len(numbers))
         endurance_h = flight.worst_endurance_h
         for place, number in enumerate(numbers):
@@ -253,7 +274,9 @@ class _Missed(NamedTuple):
     text: str
 
 
-def _missed(aircraft: Aircraft, mission: Mission, flight: Performance) -> dict[str, _Missed]:
+def _missed(
+    aircraft: Aircraft, mission: Mission, flight: Performance, known_kg: float | None
+) -> dict[str, _Missed]:
     """Requirements on a design that sizing has as well."""
     design = flight.design
     conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
@@ -268,6 +291,8 @@ def _missed(aircraft: Aircraft, mission: Mission, flight: Performance) -> dict[s
     unable = "the design cannot carry its own mass"
     if aircraft.sizes_tail:
         unable += ", or no horizontal tail gives it the static margin asked for"
+    if known_kg is not None:
+        unable = f"the parts weigh more than the total mass of {known_kg:g} kg"
     rows[MASS_BUDGET] = (afloat, unable)
     heaviest = aircraft.design_space.maximum_total_mass_kg
     if heaviest is not None:

@@ -173,11 +173,13 @@ def prepare(
     seed: int = 0,
     resize: str | Objective | None = None,
     cover: bool | None = None,
+    total_mass_kg: float | None = None,
 ) -> GridStudy:
     """Check a trade study and divide it into chunks.
 
     ``samples``, ``seed``: number of drawn points, and where the drawing starts. ``cover``: whether
-    the module area is the largest that the wing takes. Returns points in chunks, and how their
+    the module area is the largest that the wing takes. ``total_mass_kg``: of every point that is
+    not sized, where it is known. Returns points in chunks, and how their
     results become a dataset.
     """
     if sample not in SAMPLE_NAMES:
@@ -201,6 +203,7 @@ def prepare(
         objective,
         aircraft.texts_read,
         {axis.key: axis.names for axis in axes if axis.names},
+        total_mass_kg,
     )
     order = _order(axes, table)
     each = _points_per_chunk(mission, axes, solar, objective)

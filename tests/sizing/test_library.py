@@ -20,6 +20,7 @@ from missions.library import load_mission
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.library import load_aircraft
+from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
 
 WING = {"model": "wing_polar", "design_aspect_ratio": 18.5, "design_reynolds": 158_000.0}
@@ -114,3 +115,13 @@ def test_files_show_themselves_in_one_line() -> None:
 def test_every_package_says_its_version() -> None:
     versions = {one.__version__ for one in (solar, missions, sizing, studies)}
     assert versions == {solar.__version__}
+
+
+@pytest.mark.parametrize("name", ["wingspan_m", "battery_mass_kg", "module_area_m2"])
+def test_equal_bounds_hold_a_variable(name: str) -> None:
+    value = {"wingspan_m": 4.0, "battery_mass_kg": 2.5, "module_area_m2": 1.3}[name]
+    held = {f"design_space.{name}": {"minimum": value, "maximum": value}}
+    result = size_aircraft(load_aircraft("atlantiksolar-design", held), load_mission("rafz-july"))
+    assert result.design is not None
+    assert getattr(result.design.variables, name) == pytest.approx(value, rel=1e-9)
+    assert not [one for one in result.active_constraints if one.startswith(name)]

@@ -15,9 +15,7 @@ def analyse(options: Analyse) -> None:
     """Fly the mission, and tell what became of it."""
     for option, path in (("--table", options.table_file), ("--table-years", options.table_years)):
         refuse_to_overwrite(option, path, (options.weather_file,))
-    case = load(options.case, options.place)
-    if options.mass is not None:
-        case = case.with_total_mass(options.mass)
+    case = load(options.case, options.place, total_mass_kg=options.mass_kg)
     if options.days is not None and case.mission.climb is not None:
         raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
     if options.with_best_climb and case.mission.climb is None:
@@ -30,7 +28,10 @@ def analyse(options: Analyse) -> None:
         analyse_in_weather(case, options, options.weather_file)
         return
     result = analysis.analyse(
-        **case.arguments, days=options.days, with_best_climb=options.with_best_climb
+        **case.arguments,
+        days=options.days,
+        with_best_climb=options.with_best_climb,
+        known_mass_kg=case.total_mass_kg,
     )
     flown = result.flight
     files = {

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 def map_(options: Map) -> None:
     """Compute the cells of a map, write it, and tell it."""
-    case = load(options.case)
+    case = load(options.case, total_mass_kg=options.mass_kg)
     require_path(case, in_winds_of_cells=True)
     resized = options.objective is not None
     if not resized:

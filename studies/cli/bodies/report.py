@@ -11,7 +11,7 @@ from studies.cli.outputs import check_report, name_written, print_json
 def report(options: Report) -> None:
     """Write a report on an aircraft and a mission."""
     check_report(options.out_file, with_pdf=options.with_pdf)
-    case = load(options.case)
+    case = load(options.case, total_mass_kg=options.mass_kg)
     require_path(case)
     require_climber(case)
     from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second

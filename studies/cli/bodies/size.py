@@ -36,7 +36,11 @@ def size(options: Size) -> None:
             check_survival(options.goal, options.survive)
         except ValueError as error:
             raise click.UsageError(str(error)) from error
-    case = load(options.case, options.place, required_excess_time_h=options.required_h)
+    case = load(
+        *(options.case, options.place),
+        required_excess_time_h=options.required_h,
+        total_mass_kg=options.mass_kg,
+    )
     if options.hold_station is not None:
         case = case.holding_station(options.hold_station)
     _refuse_unsizable(case, options)

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 def sweep(options: Sweep) -> None:
     """Compute the points of a trade study, write them, and tell them."""
     out_file, plot_file = options.out_file, options.plot_file
-    case = load(options.case)
+    case = load(options.case, total_mass_kg=options.mass_kg)
     climbs = case.mission.climb is not None or varies_climb(axis.key for axis in options.axes)
     _check_shown(options, climbs=climbs)
     require_path(case)
@@ -87,6 +87,7 @@ def _prepared(case: Case, options: Sweep) -> GridStudy:
             seed=options.seed,
             resize=options.objective,
             cover=options.cover,
+            total_mass_kg=case.total_mass_kg,
         )
     except InputError as error:
         named = [replace(p, source=f"--vary {p.source}") for p in error.problems]

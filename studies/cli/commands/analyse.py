@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import click
 
-from studies.cli.command import Command, RealRange, option
+from studies.cli.command import Command, option
 from studies.cli.options import (
     CaseOptions,
     PlaceOptions,
     case_options,
     figure_options,
+    mass_option,
     place_options,
     plot_option,
     table_option,
@@ -26,13 +27,7 @@ class Analyse:
 
     case: CaseOptions = case_options()
     place: PlaceOptions = place_options()
-    mass: float | None = option(
-        "--mass",
-        type=RealRange(0.0, 1e5, unit="kilograms", above=True),
-        metavar="KG",
-        help="Total mass with payload, where it is known: what the parts do not account for is "
-        "other mass.",
-    )
+    mass_kg: float | None = mass_option()
     days: int | None = option(
         "--days",
         type=click.IntRange(1, 365),

@@ -15,6 +15,7 @@ from studies.cli.options import (
     case_options,
     figure_options,
     grid_option,
+    mass_option,
     plot_option,
     work_options,
 )
@@ -44,6 +45,7 @@ class Map:
     """
 
     case: CaseOptions = case_options()
+    mass_kg: float | None = mass_option()
     latitudes: list[float] | None = option(
         "--latitudes",
         type=Grid(-90.0, 90.0, latitudes=True),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import click
 
 from studies.cli.command import Command, option
-from studies.cli.options import CaseOptions, case_options, weather_option
+from studies.cli.options import CaseOptions, case_options, mass_option, weather_option
 
 
 @dataclass(frozen=True)
@@ -15,6 +15,7 @@ class Report:
     """Write a report on AIRCRAFT (name, file or folder): one page, to be read or printed."""
 
     case: CaseOptions = case_options()
+    mass_kg: float | None = mass_option()
     out_file: str = option(
         "--out",
         type=click.Path(),

@@ -14,6 +14,7 @@ from studies.cli.options import (
     PlaceOptions,
     case_options,
     figure_options,
+    mass_option,
     out_option,
     place_options,
     report_option,
@@ -33,6 +34,7 @@ class Size:
     """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
 
     case: CaseOptions = case_options(mission=None)
+    mass_kg: float | None = mass_option()
     objective: str = option(
         "--objective",
         type=click.Choice(OBJECTIVE_NAMES),

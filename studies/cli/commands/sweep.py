@@ -15,6 +15,7 @@ from studies.cli.options import (
     case_options,
     figure_options,
     grid_option,
+    mass_option,
     plot_option,
     work_options,
 )
@@ -36,6 +37,7 @@ class Sweep:
     """
 
     case: CaseOptions = case_options()
+    mass_kg: float | None = mass_option()
     axes: tuple[Axis, ...] = option(
         "--vary",
         type=Parsed("key=values", "studies.sweeps.axes:parse_axis", stepped=True),

@@ -12,7 +12,7 @@ from missions.files.overrides import with_values
 from missions.files.texts import texts_as_read
 from missions.files.writing import to_yaml
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.energy.battery import NoChargeLimit, RuleChargeLimit
+from sizing.energy.battery import RuleChargeLimit
 from sizing.library import load_aircraft
 from studies.sweeps.points import plain_data
 
@@ -97,23 +97,27 @@ def test_a_board_gives_mass_and_efficiency_and_the_window_of_strings(tmp_path: P
     assert modules.mppt_mass_kg_per_w * rated_w == pytest.approx(4 * 0.108)
 
 
-def test_what_the_file_gives_wins_over_the_entry(tmp_path: Path) -> None:
-    path = written(
-        tmp_path,
-        modules={"cell": "sunpower-e60", "efficiency_stc": 0.2},
-        battery={"charge_limit": {"kind": "none"}},
-        propulsion={"motor": "axi-4130-16", "motor_efficiency": 0.8},
-    )
-    aircraft = load_aircraft(path)
-    assert aircraft.modules.efficiency_stc == 0.2
-    assert aircraft.battery.charge_limit == NoChargeLimit()
-    assert aircraft.airframe.propulsion.motor_efficiency == 0.8  # type: ignore[union-attr]
-    keys = {one.key for one in aircraft.from_catalogues()}
-    assert keys == {
-        "modules.temperature_coefficient_per_k",
-        "modules.mass_kg_per_m2",
-        "battery.specific_energy_wh_per_kg",
-    }
+@pytest.mark.parametrize(
+    ("section", "changes", "key"),
+    [
+        ("modules", {"cell": "sunpower-e60", "efficiency_stc": 0.2}, "efficiency_stc"),
+        ("battery", {"charge_limit": {"kind": "none"}}, "charge_limit"),
+        ("battery", {"specific_energy_wh_per_kg": 240.0}, "specific_energy_wh_per_kg"),
+        ("propulsion", {"motor": "axi-4130-16", "motor_efficiency": 0.8}, "motor_efficiency"),
+    ],
+)
+def test_an_entry_beside_values_of_ones_own_is_refused(
+    tmp_path: Path, section: str, changes: dict[str, Any], key: str
+) -> None:
+    path = written(tmp_path, **{section: changes})
+    with pytest.raises(InputError, match=f"{section}.{key}: give one of .* and {key}: ") as caught:
+        load_aircraft(path)
+    assert all(problem.line is not None for problem in caught.value.problems)
+    # An override is meant to replace the value, and so is what the entry does not give.
+    bare = written(tmp_path, **{section: {k: v for k, v in changes.items() if k != key}})
+    where = "airframe.propulsion" if section == "propulsion" else section
+    load_aircraft(bare, {f"{where}.{key}": changes[key]})
+    load_aircraft(written(tmp_path, modules={"cell": "azur-3g30c", "efficiency_stc": 0.28}))
 
 
 def test_an_aircraft_without_names_is_as_before() -> None:
