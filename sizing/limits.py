@@ -171,7 +171,7 @@ def design_requirements(
         Requirement(
             "module_coverage",
             1.0 - design.variables.module_area_m2 / covered,
-            "the modules need {missed} more wing area than there is",
+            "the modules need {missed} more wing area than maximum_module_coverage allows them",
         ),
         # Relative to the airspeed, as the wind may be zero.
         Requirement(

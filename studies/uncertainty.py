@@ -30,15 +30,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MOST_BARS = 12
-_LINES = {"p10": ":", "p50": "-", "p90": "--"}
+_LINES = {"p90": ":", "p50": "-", "p10": "--"}
 
 
 @styled
 def plot_uncertainty(analysis: UncertaintyAnalysis, *, figure: Canvas = DEFAULT) -> Figure:
     """Draw how the excess time scatters, and which inputs make it scatter.
 
-    On the left a histogram of the draws with P10, P50 and P90; on the right a tornado: the range of
-    the excess time's mean when one input goes from its P10 to its P90, and the share of the
+    On the left a histogram of the draws with P90, P50 and P10; P90 is exceeded in 90 % of
+    them. On the right a tornado: the range of the excess time's mean from the lowest fifth of an
+    input's draws to the highest, and the share of the
     variance that the input explains together with all others. Of a single input, which explains
     all, the histogram alone.
 
@@ -115,7 +116,7 @@ def _marked(analysis: UncertaintyAnalysis) -> Iterator[tuple[Any, str, float]]:
         yield style, share, percentiles(excess[chosen], "inverted_cdf")["p50"]
     if not analysis.lobes:
         for name, value in percentiles(excess, "inverted_cdf").items():
-            yield _LINES[name], name.upper(), value
+            yield _LINES[name], f"{name.upper()} (exceeded in {name[1:]} %)", value
 
 
 def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 # to it.
 NEGLIGIBLE = 1e-6
 
-PERCENTILES = {"p10": 10.0, "p50": 50.0, "p90": 90.0}
+# As reports on solar power have them: P90 is exceeded in 90 % of all cases.
+PERCENTILES = {"p90": 10.0, "p50": 50.0, "p10": 90.0}
 
 
 def check_subjects(aircraft: object, mission: object) -> None:
@@ -109,7 +110,10 @@ def with_unit(value: float | None, digits: str, objective: Objective) -> str:
 
 
 def percentiles(values: FloatArray, method: Any) -> dict[str, float]:
-    """P10, P50 and P90; by the method ``inverted_cdf`` each is a value that occurred."""
+    """P90, exceeded in 90 % of cases, P50 and P10.
+
+    By the method ``inverted_cdf`` each is a value that occurred.
+    """
     return {
         name: float(np.percentile(values, at, method=method)) for name, at in PERCENTILES.items()
     }

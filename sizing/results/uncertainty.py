@@ -155,7 +155,7 @@ class UncertaintyAnalysis(Result):
         blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
         blocks += extrapolation_blocks(self.extrapolations)
         climbs = f"; {self.mission.climb_label}" if self.mission.climb else ""
-        text = f"{self.solar.label}{climbs}; seed {self.seed}."
+        text = f"{self.solar.label}{climbs}; seed {self.seed}. P90 is exceeded in 90 % of draws."
         if not self.inputs.independent:
             text += " Inputs are correlated: shares of the variance are not defined."
         blocks.append(Line(text, "faint"))
@@ -177,7 +177,7 @@ class UncertaintyAnalysis(Result):
         scattered, lobes = self._scattered(), self.lobes
         if not lobes:
             return [
-                ("excess time: 10, 50, 90 % of draws", _three(EXCESS_TIME, scattered)),
+                ("excess time: P90, P50, P10 of draws", _three(EXCESS_TIME, scattered)),
                 *((one.label, _three(one, scattered)) for one in (ENDURANCE, MINIMUM_CHARGE)),
             ]
         rows = []
@@ -185,7 +185,7 @@ class UncertaintyAnalysis(Result):
             chosen = lobes[name]
             within = {one: values[chosen[: len(values)]] for one, values in scattered.items()}
             share = f"{name}, {100.0 * np.mean(chosen):.1f} % of draws"
-            rows.append((f"{share}: excess time, 10, 50, 90 %", _three(EXCESS_TIME, within)))
+            rows.append((f"{share}: excess time, P90, P50, P10", _three(EXCESS_TIME, within)))
             rows.append((f"{share}: {varied.label}", _three(varied, within)))
         return rows
 
@@ -325,7 +325,7 @@ _LEAST_LOBE = 0.1  # of all draws
 
 
 def _percentiles(values: FloatArray) -> dict[str, float | None]:
-    """P10, P50 and P90, each a draw that occurred; null where infinite."""
+    """P90, P50 and P10, each a draw that occurred; null where infinite."""
     return finite_values(percentiles(values, "inverted_cdf"))
 
 

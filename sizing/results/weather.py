@@ -45,6 +45,7 @@ from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
 from sizing.weather_run import WeatherPerformance, WeatherRun, weather_performance
 from solar.names import CorrectionName, ModelName
+from solar.sun import declination, sun_times
 from solar.types import BoolArray, FloatArray
 
 if TYPE_CHECKING:
@@ -112,6 +113,16 @@ class WeatherAnalysis(Result):
     def endurance_h(self) -> dict[str, float]:
         """Percentiles of the endurance from a dawn [h]: ``p10``, ``p50``, ``p90``."""
         return percentiles(self.performance.recorded.endurance_h, "linear")
+
+    @cached_property
+    def flown_to_sunset_share(self) -> float:
+        """Share of the days on which a launch at dawn, with a full battery, reaches sunset [-]."""
+        run = self.performance.recorded
+        sunset_h = sun_times(
+            self.mission.latitudes()[0], declination(run.axis.day_of_year + 0.5)
+        ).sunset_h
+        dawn_h = run.dawn_h + run.axis.midnight_h
+        return float(np.mean(run.outlasts | (dawn_h + run.endurance_h >= sunset_h)))
 
     @cached_property
     def windows(self) -> tuple[Window, ...]:
@@ -208,6 +219,7 @@ class WeatherAnalysis(Result):
             "clear_sky_longest_run_days": clear.longest_run_days,
             "share_of_days_that_close": float(run.closes.mean()),
             "endurance_h": finite_values(self.endurance_h),
+            "flown_to_sunset_share": self.flown_to_sunset_share,
             "launches_that_outlast_the_record": int(run.outlasts.sum()),
             "windows": [one._asdict() for one in self.windows],
             "years": [one.to_dict() for one in self.years],
@@ -293,8 +305,12 @@ class WeatherAnalysis(Result):
             ("longest run of days that close", f"{run.longest_run_days} days"),
             ("longest run under a clear sky", f"{clear.longest_run_days} days"),
             (
-                "endurance from a dawn: 10, 50, 90 % of launches",
+                "endurance from dawn: P90, P50, P10 of days",
                 ", ".join(map(hours, self.endurance_h.values())),
+            ),
+            (
+                "launched at dawn, still flying at sunset",
+                f"{100 * self.flown_to_sunset_share:.0f} % of days",
             ),
             ("light, share of the clear sky's", f"{100 * self.share_of_clear_light():.0f} %"),
             ("dawn: earliest, latest (solar time)", dawns),
@@ -312,8 +328,9 @@ class WeatherAnalysis(Result):
             facts("", rows),
             *([year_table(self.years)] if year_to_year(self.years) else []),
             self._months(),
-            Table("windows of consecutive days that close", _WINDOW, self.windows),
         ]
+        if run.closes.any():
+            blocks.append(Table("windows of consecutive days that close", _WINDOW, self.windows))
         battery = battery_line(self.aircraft, self._battery_record())
         if battery is not None:
             blocks.append(Line(battery))
@@ -325,7 +342,7 @@ class WeatherAnalysis(Result):
             Line(
                 f"{solar.label}; {self.weather.layout}, "
                 f"{kind}. A day closes if, begun at dawn with the charge carried over, it reaches "
-                "the next dawn without an empty battery.",
+                "the next dawn without an empty battery. P90 is exceeded on 90 % of days.",
                 "faint",
             )
         )

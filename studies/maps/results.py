@@ -15,9 +15,16 @@ from missions.dates import date_label
 from missions.mission import latitude_label
 from missions.weather.record import runs_of
 from sizing.energy.cycle import Status
-from sizing.optimisation.objectives import SizingStatus
+from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.results.notes import extrapolation_lines, extrapolation_records
-from sizing.results.quantities import EXCESS_TIME, TOTAL_MASS, WINGSPAN
+from sizing.results.quantities import (
+    EXCESS_TIME,
+    PAYLOAD_MASS,
+    PAYLOAD_POWER,
+    TOTAL_MASS,
+    WINGSPAN,
+    Quantity,
+)
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from solar.types import BoolArray, IntArray
@@ -108,7 +115,7 @@ def designs_record(data: OnGrid) -> dict[str, Any]:
     windy = data["violated_requirement"].to_numpy() == TOO_WINDY
     if windy.any():
         record["too_windy_days"] = windy.sum(axis=1).tolist()
-    for one in (WINGSPAN, TOTAL_MASS, EXCESS_TIME):
+    for one in (WINGSPAN, TOTAL_MASS, EXCESS_TIME, *_payload(data)):
         ends = _range_of_days(data[one.variable].to_numpy())
         for word, values in zip(("least", "largest"), ends, strict=True):
             record[f"{word}_{one.name}"] = [finite(value) for value in values]
@@ -127,6 +134,7 @@ def designs_table(data: OnGrid) -> Table:
     shown = [WINGSPAN, replace(TOTAL_MASS, label="mass")]
     if record["objective"] == "max_excess_time":
         shown.append(EXCESS_TIME)
+    shown += _payload(data)
     columns = (
         *(Column(head) for head in groups),
         *(Column(one.variable, one.label, one.unit) for one in shown),
@@ -142,6 +150,12 @@ def designs_table(data: OnGrid) -> Table:
     return _table(
         data, f"{_subject(data)}: best designs for {record['objective']}", record, columns, rows
     )
+
+
+def _payload(data: OnGrid) -> tuple[Quantity, ...]:
+    """Payload of the designs, where it is as large as possible."""
+    column = Objective(data.attrs["objective"]).column
+    return tuple(one for one in (PAYLOAD_MASS, PAYLOAD_POWER) if one.variable == column)
 
 
 def _days_of(data: OnGrid, status: int) -> list[int]:

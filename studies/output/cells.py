@@ -22,38 +22,13 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from sizing.parameters import label
 from solar.types import FloatArray
 from studies.output.figures.drawing import DARK_GREY, VERMILLION, night
 from studies.output.figures.options import LEVELS
-from studies.output.gridded import WITHOUT_RESULT, OnGrid, status_names
+from studies.output.gridded import OnGrid, reasons_without_result
 
 # Hatches that are told apart in small cells.
 _HATCHES = ("///", "\\\\\\", "xx", "..", "++", "oo", "--", "||", "**")
-# Why a cell has no result.
-_REASONS = {
-    "invalid": "no valid design",
-    "not_converged": "solver did not converge",
-    "failed": "could not be computed",
-    "never_lit": "polar night",
-    "infeasible": "wind too strong for the path",  # unless a sizing tells the requirement
-}
-# Requirement that no design meets, in words.
-_REQUIREMENTS = {
-    "": "no design",
-    "sun": "polar night",
-    "energy_balance": "energy: the day gives less than the load takes",
-    "battery_capacity": "battery: does not last the night",
-    "excess_time": "excess time too short",
-    "mass_budget": "mass: cannot be lifted",
-    "module_coverage": "modules: larger than the wing",
-    "static_margin": "static margin: not by any tail",
-    "airspeed_above_wind": "wind: above the airspeed",
-    "bus_voltage": "propulsion: voltage too low",
-    "tip_mach": "propulsion: tips too fast",
-    "motor_current": "propulsion: current too high",
-    "motor_power": "propulsion: power too high",
-}
 _UNLIMITED = VERMILLION  # a colour that the scale does not have
 
 
@@ -157,32 +132,10 @@ def hatch_reasons(axes: Axes, x: FloatArray, y: FloatArray, data: OnGrid) -> lis
     ``data``: with the status of each cell, over y and x, and the requirement that no design meets
     where aircraft are sized. Returns entries of a legend, for the reasons that occur.
     """
-    names = status_names(data)
-    status = data["status"].to_numpy()
-    reasons = np.full(status.shape, "", dtype=object)
-    for value, name in names.items():
-        if name in WITHOUT_RESULT:
-            reasons[status == value] = _REASONS.get(name, name.replace("_", " "))
-    if "violated_requirement" in data:
-        infeasible = np.isin(status, [v for v, name in names.items() if name == "infeasible"])
-        missed = data["violated_requirement"].to_numpy()
-        reasons[infeasible] = [requirement_label(str(name)) for name in missed[infeasible]]
+    reasons = reasons_without_result(data)
     occurring = sorted(set(reasons[reasons != ""]))
     hatches = dict(zip(occurring, itertools.cycle(_HATCHES), strict=False))
     return hatch_cells(axes, x, y, reasons, hatches, {name: name for name in occurring})
-
-
-def requirement_label(name: str) -> str:
-    """Requirement that no design meets, in words.
-
-    ``name``: as a sizing calls it, for instance ``energy_balance`` or ``wing_loading_maximum``.
-    """
-    if name in _REQUIREMENTS:
-        return _REQUIREMENTS[name]
-    quantity, _, end = name.rpartition("_")
-    if end in ("minimum", "maximum"):
-        return f"limit: {label(quantity)}"
-    return name.replace("_", " ") or "no design"
 
 
 def draw_level_lines(

@@ -21,6 +21,7 @@ from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.optimisation.objectives import RESIZE_NAMES, Objective, SizingStatus
+from sizing.parameters import label
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from sizing.results.tables import data_frame
 from sizing.sunlight import SolarModel
@@ -189,6 +190,35 @@ TOO_WINDY = "flight_path"  # requirement that a cell misses whose wind is too st
 # Status without a result, which figures hatch.
 WITHOUT_RESULT = ("infeasible", "invalid", "not_converged", "failed", "never_lit")
 
+# Why a cell has no result.
+_REASONS = {
+    "invalid": "no valid design",
+    "not_converged": "solver did not converge",
+    "failed": "could not be computed",
+    "never_lit": "polar night",
+}
+# Requirement that is not met, in words.
+_REQUIREMENTS = {
+    "": "no design",
+    "sun": "polar night",
+    "energy_balance": "energy: the day gives less than the load takes",
+    "battery_capacity": "battery: does not last the night",
+    "excess_time": "excess time too short",
+    "mass_budget": "mass: cannot be lifted",
+    "total_mass": "mass: above its limit",
+    "parts": "mass: parts above the known total",
+    "climb": "climb: not with this propulsion",
+    "operating_point": "propulsion: no operating point",
+    TOO_WINDY: "wind: too strong for the path",
+    "module_coverage": "modules: too large",
+    "static_margin": "static margin: not by any tail",
+    "airspeed_above_wind": "wind: above the airspeed",
+    "bus_voltage": "propulsion: voltage too low",
+    "tip_mach": "propulsion: tips too fast",
+    "motor_current": "propulsion: current too high",
+    "motor_power": "propulsion: power too high",
+}
+
 # What stands where a sizing failed; every other number is NaN unless the sizing is optimal.
 BLANKS: dict[str, Any] = {
     "status": np.int8(SizingStatus.failed),
@@ -214,6 +244,34 @@ DESCRIBED: dict[str, tuple[str, str]] = {
     "extrapolations": ("1", "what lies outside the range of a model"),
     "status": ("1", "how it ends"),
 }
+
+
+def requirement_label(name: str) -> str:
+    """Requirement that is not met, in words.
+
+    ``name``: as a sizing calls it, for instance ``energy_balance`` or ``wing_loading_maximum``.
+    """
+    if name in _REQUIREMENTS:
+        return _REQUIREMENTS[name]
+    quantity, _, end = name.rpartition("_")
+    if end in ("minimum", "maximum"):
+        return f"limit: {label(quantity)}"
+    return name.replace("_", " ") or "no design"
+
+
+def reasons_without_result(data: OnGrid) -> NDArray[Any]:
+    """Why each cell has no result, in words; empty for those that have one."""
+    names, status = status_names(data), data["status"].to_numpy()
+    reasons = np.full(status.shape, "", dtype=object)
+    for value, name in names.items():
+        if name in WITHOUT_RESULT:
+            # Of a map of a fixed aircraft nothing else is infeasible.
+            reasons[status == value] = _REASONS.get(name, _REQUIREMENTS[TOO_WINDY])
+    if "violated_requirement" in data:
+        infeasible = np.isin(status, [v for v, name in names.items() if name == "infeasible"])
+        missed = data["violated_requirement"].to_numpy()
+        reasons[infeasible] = [requirement_label(str(name)) for name in missed[infeasible]]
+    return reasons
 
 
 def resize_objective(name: str | Objective) -> Objective:

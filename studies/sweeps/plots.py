@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from itertools import cycle
 from typing import Any
 
 import matplotlib
@@ -43,11 +45,10 @@ from studies.output.figures.drawing import (
 from studies.output.figures.options import DEFAULT, NAMES
 from studies.output.gridded import (
     SIZED,
-    WITHOUT_RESULT,
     extrapolations_of,
     failed_count,
     flown_caption,
-    status_names,
+    reasons_without_result,
     to_table,
 )
 from studies.sweeps.axes import axis_label, unit_label
@@ -55,8 +56,8 @@ from studies.sweeps.results import MORE_IS_BETTER, pareto_table
 from studies.sweeps.study import feasible
 
 MAXIMUM_PANELS = 12
-# How lines mark points without a result.
-_MARKERS = {"infeasible": "x", "invalid": "+", "not_converged": "*", "failed": "v"}
+# How lines mark points without a result, by reason.
+_MARKERS = "x+*v1234"
 
 
 @styled
@@ -81,6 +82,10 @@ def plot_sweep(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
     """
     if data.attrs["sample"] == "one-at-a-time":
         return _one_at_a_time_figure(data, figure)
+    if not _drawable(data).any():
+        told = Counter(reasons_without_result(data).ravel())
+        why = "; ".join(f"{count} points: {reason}" for reason, count in told.most_common())
+        raise ValueError(f"no point has a result: there is nothing to draw ({why})")
     axes = [str(name) for name in data["status"].dims]
     if data.attrs["sample"] != "grid" or len(axes) > 3:
         return _parallel_figure(data, figure)
@@ -144,12 +149,11 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         axes.set(ylabel=_label(data, variable))
         if variable == "excess_time":
             axes.axhline(0.0, color=ink(), linewidth=0.8)
-        at_bottom = axes.get_xaxis_transform()
-        for value, reason in status_names(data).items():
-            gone = x[data["status"].to_numpy() == value]
-            if reason in WITHOUT_RESULT and len(gone):
-                low, mark, words = [0.03] * len(gone), _MARKERS[reason], reason.replace("_", " ")
-                axes.plot(gone, low, mark, color=DARK_GREY, transform=at_bottom, label=words)
+        at_bottom, reasons = axes.get_xaxis_transform(), reasons_without_result(data)
+        for mark, words in zip(cycle(_MARKERS), sorted(set(reasons) - {""}), strict=False):
+            gone = x[reasons == words]
+            low = [0.03] * len(gone)
+            axes.plot(gone, low, mark, color=DARK_GREY, transform=at_bottom, label=words)
         if axes.get_legend_handles_labels()[0]:
             axes.legend()
     _name_places(panels[-1].xaxis, data, name)

@@ -59,6 +59,7 @@ BLANKS: dict[str, Any] = {
     **{one.variable: np.float64("nan") for one in _FLOWN},
     "worst_latitude": np.float64("nan"),
     "worst_day": np.float64("nan"),
+    "violated_requirement": np.str_(""),
     "message": np.str_(""),
     "extrapolations": np.str_(""),
 }
@@ -70,6 +71,7 @@ DESCRIBED = gridded.DESCRIBED | {
     MAXIMUM_ALTITUDE.variable: ("m", "highest altitude of the day in the worst scenario"),
     "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
     "worst_day": ("1", "day of year of the worst scenario"),
+    "violated_requirement": ("1", "requirement that is not met, missed most"),
     "message": ("1", "why there is no result"),
 }
 
@@ -154,17 +156,20 @@ def varied_files(
     )
 
 
-def _unflyable(solar: SolarModel, aircraft: Aircraft, mission: Mission) -> str | None:
-    """Why an aircraft cannot climb, or not hold the path of models that fly it in the wind."""
+def _unflyable(solar: SolarModel, aircraft: Aircraft, mission: Mission) -> tuple[str, str] | None:
+    """Why an aircraft cannot climb, or not hold the path of models that fly it in the wind.
+
+    Returns the requirement and the reason.
+    """
     if mission.climb is not None and isinstance(aircraft.airframe, MeasuredAirframe):
         try:
             climb_limits(aircraft, measured_design(aircraft, mission))
         except ClimbLimitError as error:
-            return str(error)
+            return "climb", str(error)
     if not solar.needs_path or mission.flight_path is None:
         return None
     trouble = path_trouble(mission.flight_path, mission.wind)
-    return None if trouble is None else f"flight path: {trouble}"
+    return None if trouble is None else (gridded.TOO_WINDY, f"flight path: {trouble}")
 
 
 def _flyable(
@@ -199,7 +204,8 @@ def _flyable(
             if trouble is None:
                 yield numbers, aircraft, mission
                 continue
-            row = {"status": statuses.infeasible, "message": trouble}
+            missed, text = trouble
+            row = {"status": statuses.infeasible, "violated_requirement": missed, "message": text}
         for number in numbers:
             rows[number] = row
 
@@ -220,7 +226,11 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
                     aircraft = with_total_mass(aircraft, mission, known_kg)
                 except ImpossibleDesignError as error:
                     for number in numbers:
-                        rows[number] = {"status": Status.infeasible, "message": str(error)}
+                        rows[number] = {
+                            "status": Status.infeasible,
+                            "violated_requirement": "parts",
+                            "message": str(error),
+                        }
                     continue
             flight = performance(aircraft, mission, configuration.solar)
             outside = {"extrapolations": as_text(extrapolations(aircraft, flight))}
@@ -246,7 +256,8 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
             if not np.isfinite(flight.design.total_mass_kg[place]):
                 chosen = variables.chosen().items()
                 own = DesignVariables(**{name: float(one[place]) for name, one in chosen})
-                row["message"] = operating_trouble(aircraft, mission, own) or row["message"]
+                if trouble := operating_trouble(aircraft, mission, own):
+                    row |= {"violated_requirement": "operating_point", "message": trouble}
             rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
     blanks = configuration.blanks
     return {name: [row.get(name, blank) for row in rows] for name, blank in blanks.items()}
@@ -291,9 +302,10 @@ def _missed(
     unable = "the design cannot carry its own mass"
     if aircraft.sizes_tail:
         unable += ", or no horizontal tail gives it the static margin asked for"
-    if known_kg is not None:
-        unable = f"the parts weigh more than the total mass of {known_kg:g} kg"
-    rows[MASS_BUDGET] = (afloat, unable)
+    if known_kg is None:
+        rows[MASS_BUDGET] = (afloat, unable)
+    else:
+        rows["parts"] = (afloat, f"the parts weigh more than the total mass of {known_kg:g} kg")
     heaviest = aircraft.design_space.maximum_total_mass_kg
     if heaviest is not None:
         rows["total_mass"] = (1.0 - mass / heaviest, "the total mass exceeds its limit by {missed}")
@@ -315,15 +327,18 @@ def _row_of_design(
     design = flight.design
     row: dict[str, Any] = {one.variable: _of_place(one.of(design), place) for one in CHOSEN}
     row[PAYLOAD_MASS.variable] = mission.payload.mass_kg
-    texts = [
-        one.text.format(missed=f"{100.0 * float(one.amount[place]):.3g} %")
-        for one in missed.values()
-        if float(one.amount[place]) > _ROUNDING
-    ]
-    if texts:
+    every = {name: float(one.amount[place]) for name, one in missed.items()}
+    amounts = {name: amount for name, amount in every.items() if amount > _ROUNDING}
+    if amounts:
+        most = max(amounts, key=lambda name: amounts[name])
         # Of a design that cannot fly the other reasons mean nothing.
-        text = texts[0] if missed[MASS_BUDGET].amount[place] > 0.0 else "; ".join(texts)
-        return row | {"status": Status.infeasible, "message": text}
+        told = [most] if np.isinf(amounts[most]) else list(amounts)
+        texts = [missed[n].text.format(missed=f"{100.0 * amounts[n]:.3g} %") for n in told]
+        return row | {
+            "status": Status.infeasible,
+            "violated_requirement": most,
+            "message": "; ".join(texts),
+        }
     cycle = flight.cycle
     excess = cycle.excess_time_h[place]
     worst = int(np.argmin(excess))

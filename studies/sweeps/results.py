@@ -18,7 +18,7 @@ from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import BATTERY_MASS, PAYLOAD_MASS, WINGSPAN
 from sizing.results.records import finite_values
 from sizing.results.tables import Column, Line, Summary, Table
-from studies.output.gridded import CLIMB, extrapolations_of, to_table
+from studies.output.gridded import CLIMB, extrapolations_of, reasons_without_result, to_table
 from studies.sweeps.axes import unit_label, without_unit
 from studies.sweeps.study import feasible
 
@@ -112,7 +112,9 @@ def _varied(data: xr.Dataset) -> list[str]:
 
 def _table(data: xr.Dataset, rows: pd.DataFrame, top: int, front: Sequence[str]) -> Table:
     """Rows with what was varied, how they end, and the results that matter."""
+    reasons = pd.Series(reasons_without_result(data).ravel(), to_table(data).index)
     rows, varied = rows.head(top).copy(), _varied(data)
+    rows["why"] = reasons.reindex(rows.index)
     if "varied" in data.coords:
         # Of each point only one key differs from the file.
         rows["value"] = [row[row["varied"]] if row["varied"] else "" for _, row in rows.iterrows()]
@@ -120,6 +122,8 @@ def _table(data: xr.Dataset, rows: pd.DataFrame, top: int, front: Sequence[str])
     sized = ("wingspan", "battery_mass") if data.attrs["objective"] else ()
     results = [name for name in sized if _VARIED_AS[name] not in varied]
     results += ["total_mass", "excess_time"]
+    objective = Objective(data.attrs["objective"]).column if sized else ""
+    results += [objective] if objective not in (*results, "", "wingspan") else []
     # Where flight is perpetual the endurance is unlimited, which the status says.
     endurance = rows["endurance"].to_numpy(float) if "endurance" in rows else np.array([])
     results += ["endurance"] if np.isfinite(endurance).any() else []
@@ -128,6 +132,7 @@ def _table(data: xr.Dataset, rows: pd.DataFrame, top: int, front: Sequence[str])
     named = [*point, *varied, "status", *results]
     shown = {*named, *(name for name, key in _VARIED_AS.items() if key in varied)}
     names = [*named, *(name for name in front if name not in shown)]
+    names += ["why"] if rows["why"].any() else []
     columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
     cells = rows[names].astype(object).itertuples(index=False, name=None)
     return Table("", columns, tuple(tuple(map(_spaced, row)) for row in cells))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.dates import MONTH_NAMES
 from sizing.results.notes import extrapolation_caption
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 # Survival of flights is drawn up to here [d].
 _LONGEST_DAYS = 200.0
+_TICKS_DAYS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
+_FEW_DAYS = 2  # up to here the scale is linear, from the launch
 # A longer record is drawn with a row a year, not a row a month.
 _MONTHS_UP_TO_DAYS = 400
 # Of a leap year, counted from 0.
@@ -30,9 +33,9 @@ _MONTH_STARTS = np.array([0, 31, 60, 91, 121, 152, 182, 213, 244, 274, 305, 335]
 def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figure:
     """Draw how an aircraft flies through a weather record.
 
-    Above, a calendar of the state of charge at every dawn, with the days that do not close crossed;
-    below, the share of launches still airborne over time, and the days that close in every month,
-    both in the record's light and under a clear sky.
+    Above, a calendar of the state of charge at every dawn, with the days that do not close crossed,
+    or of the hours flown where none closes; below, the share of launches still airborne over time,
+    and the days that close in every month, both in the record's light and under a clear sky.
 
     Parameters
     ----------
@@ -71,7 +74,10 @@ def plot_weather(analysis: WeatherAnalysis, *, figure: Canvas = DEFAULT) -> Figu
 
 
 def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> None:
-    """State of charge at dawn, a cell a day: months by days, or years by days of the year."""
+    """State of charge at dawn, a cell a day: months by days, or years by days of the year.
+
+    Where no day closes it is the hours flown from dawn.
+    """
     run = analysis.performance.recorded
     axis = run.axis
     several = len(axis) > _MONTHS_UP_TO_DAYS and len(set(axis.year.tolist())) > 1
@@ -85,14 +91,20 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         present = sorted(set(axis.month.tolist()))
         rows, columns, width = np.searchsorted(present, axis.month), day_of_month, 31
         names = [MONTH_NAMES[month - 1] for month in present]
-    charge = np.full((len(names), width), np.nan)
-    charge[rows, columns] = 100.0 * run.dawn_state_of_charge
-    charge[rows[0], columns[0]] = np.nan  # what is left of the full battery of the start
-    fullest = 10.0 * np.ceil(max(float(np.nanmax(charge)), 1.0) / 10.0)
+    failed, none = ~run.closes, not run.closes.any()
+    shown = np.full((len(names), width), np.nan)
+    shown[rows, columns] = run.endurance_h if none else 100.0 * run.dawn_state_of_charge
+    if not none:
+        shown[rows[0], columns[0]] = np.nan  # what is left of the full battery of the start
+    largest = 10.0 * np.ceil(max(float(np.nanmax(shown)), 1.0) / 10.0)
     image = axes.imshow(
-        charge, aspect="auto", cmap="viridis", vmin=0.0, vmax=fullest, interpolation="nearest"
+        shown, aspect="auto", cmap="viridis", vmin=0.0, vmax=largest, interpolation="nearest"
     )
-    failed = ~run.closes
+    bar = figure.colorbar(image, ax=axes, pad=0.01)
+    bar.set_label("flown from dawn [h]" if none else "state of charge at dawn [%]")
+    _name_days(axes, names, starts if several else None)
+    if none:  # crosses on all days would tell nothing
+        return
     axes.plot(
         columns[failed],
         rows[failed],
@@ -112,15 +124,6 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
         color=ORANGE,
         label="start, battery full",
     )
-    shown = range(0, len(names), 1 + len(names) // 20)
-    axes.set_yticks(shown, [names[i] for i in shown])
-    if several:
-        axes.set_xticks(starts, MONTH_NAMES)
-    else:
-        axes.set_xticks(range(0, 31, 2), [str(day) for day in range(1, 32, 2)])
-        axes.set_xlabel("day of the month")
-    bar = figure.colorbar(image, ax=axes, pad=0.01)
-    bar.set_label("state of charge at dawn [%]")
     handles, labels = axes.get_legend_handles_labels()
     legend = axes.legend(
         handles if failed.any() else handles[1:],
@@ -134,6 +137,17 @@ def _draw_calendar(figure: Figure, axes: Axes, analysis: WeatherAnalysis) -> Non
     legend.set_in_layout(True)
 
 
+def _name_days(axes: Axes, names: list[str], months: NDArray[Any] | None) -> None:
+    """Name the rows of a calendar, and the months or the days of a month over them."""
+    shown = range(0, len(names), 1 + len(names) // 20)
+    axes.set_yticks(shown, [names[i] for i in shown])
+    if months is not None:
+        axes.set_xticks(months, MONTH_NAMES)
+    else:
+        axes.set_xticks(range(0, 31, 2), [str(day) for day in range(1, 32, 2)])
+        axes.set_xlabel("day of the month")
+
+
 def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     """Share of launches at dawn with a full battery that are still airborne; grey: of each year."""
     done = analysis.performance
@@ -145,16 +159,20 @@ def _draw_survival(axes: Axes, analysis: WeatherAnalysis) -> None:
     every = np.ones(len(done.recorded.closes), bool)
     _draw_share(axes, done.clear, every, color=ORANGE, linestyle="--", label="clear sky")
     _draw_share(axes, done.recorded, every, color=BLUE, label="record")
+    longest = max(float(run.endurance_h.max()) for run in (done.recorded, done.clear)) / 24.0
+    last = next((days for days in _TICKS_DAYS if days >= longest), _LONGEST_DAYS)
     axes.set(
-        xscale="log",
-        xlim=(0.5, _LONGEST_DAYS),
         ylim=(0.0, 102.0),
         xlabel="time since the launch at dawn [d]",
         ylabel="launches still airborne [%]",
     )
-    axes.set_xticks([0.5, 1, 2, 5, 10, 20, 50, 100, 200], minor=False)
-    axes.set_xticklabels(["0.5", "1", "2", "5", "10", "20", "50", "100", "200"])
-    axes.minorticks_off()
+    if last > _FEW_DAYS:
+        axes.set(xscale="log", xlim=(0.5, last))
+        ticks = [days for days in _TICKS_DAYS if days <= last]
+        axes.set_xticks(ticks, [f"{days:g}" for days in ticks], minor=False)
+        axes.minorticks_off()
+    else:
+        axes.set_xlim(0.0, last)
     axes.grid(alpha=0.3)
     axes.legend()
 

@@ -64,7 +64,7 @@ def test_years_of_a_record_are_those_of_its_days():
     closing = sorted(one["days_that_close"] for one in record["years"])
     spread = record["year_to_year"]
     assert spread["whole_years"] == 10
-    assert spread["days_that_close"] == {"p10": closing[0], "p50": closing[4], "p90": closing[8]}
+    assert spread["days_that_close"] == {"p90": closing[0], "p50": closing[4], "p10": closing[8]}
     shares = {one["year"]: one["share_of_days_that_close"] for one in record["years"]}
     assert shares[spread["worst_year"]] == min(shares.values()) < max(shares.values())
     assert shares[spread["best_year"]] == max(shares.values())

@@ -7,7 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from sizing.parameters import label
-from studies.output.cells import hatch_cells, requirement_label
+from studies.output.cells import hatch_cells
+from studies.output.gridded import requirement_label
 
 
 @pytest.mark.parametrize(

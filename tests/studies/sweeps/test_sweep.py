@@ -28,6 +28,7 @@ from sizing.mass_budget import design_of
 from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
+from sizing.results.tables import Table
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
 from studies.engine.run import compute
@@ -37,7 +38,7 @@ from studies.output.gridded import SizingStatus, to_table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.points import held, judge_points, plain_data
-from studies.sweeps.results import pareto_front
+from studies.sweeps.results import pareto_front, points_summary
 from studies.sweeps.study import dataset, prepare, sweep
 
 AS2 = load_aircraft("atlantiksolar-as2")
@@ -202,6 +203,34 @@ def test_what_cannot_be_built_is_infeasible_and_says_why() -> None:
     assert "carry its own mass" in str(heavy["message"].values[1, 0])
     windy = study(DESIGN, JULY, "mission.wind_m_per_s=0,15", "battery_mass_kg=3")
     assert "below the wind" in str(windy["message"].values[1, 0])
+    told = [
+        str(one["violated_requirement"].values.ravel()[i])
+        for one, i in ((small, 0), (small, 1), (heavy, 1), (windy, 1))
+    ]
+    assert told == ["module_coverage", "", "mass_budget", "airspeed_above_wind"]
+
+
+def test_figure_and_table_tell_the_reason_of_each_point() -> None:
+    varied = "mission.wind_m_per_s=0,15", "module_area_m2=1,2"
+    data = study(DESIGN, JULY, *varied)
+    (legend,) = sweep_plots.plot_sweep(data).legends
+    words = {text.get_text() for text in legend.get_texts()}
+    assert words == {"modules: too large", "wind: above the airspeed"}
+    table = next(block for block in points_summary(data).blocks if isinstance(block, Table))
+    assert table.columns[-1].name == "why"
+    assert {row[-1] for row in table.rows} == {"", *words}
+    line = sweep_plots.plot_sweep(study(DESIGN, JULY, varied[1]))
+    (own,) = (axes.get_legend() for axes in line.axes[:1])
+    assert [text.get_text() for text in own.get_texts()] == ["modules: too large"]
+    with pytest.raises(ValueError, match=r"nothing to draw .2 points: modules: too large"):
+        sweep_plots.plot_sweep(study(DESIGN, JULY, "module_area_m2=1.9,2"))
+
+
+def test_what_is_maximised_is_a_column_of_the_table() -> None:
+    data = study(DESIGN, JULY, "wingspan_m=5,6", resize="max_payload_mass")
+    table = next(block for block in points_summary(data).blocks if isinstance(block, Table))
+    column = [one.name for one in table.columns].index("payload_mass")
+    assert [row[column] for row in table.rows] == sorted(data["payload_mass"].values)[::-1]
 
 
 def test_a_path_that_the_wind_forbids_is_infeasible() -> None:
