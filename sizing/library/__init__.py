@@ -16,6 +16,7 @@ from sizing.catalogues.choice import Kind, named_twice
 # Keys of an aircraft's file that name an entry of a catalogue.
 _NAMES: dict[tuple[str, ...], Kind] = {
     ("modules", "cell"): "cells",
+    ("modules", "mppt_board"): "mppts",
     ("battery", "cell"): "batteries",
     ("airframe", "propulsion", "motor"): "motors",
     ("airframe", "propulsion", "propeller", "product"): "propellers",

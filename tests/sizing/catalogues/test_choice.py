@@ -74,15 +74,15 @@ def test_names_give_parameters_and_say_where_they_come_from(tmp_path: Path) -> N
 
 
 def test_a_board_gives_mass_and_efficiency_and_the_window_of_strings(tmp_path: Path) -> None:
-    path = written(tmp_path, modules={"cell": "sunpower-c60", "mppt_board": "genasun-gvb-8-board"})
-    modules = load_aircraft(path, ["modules.mppt_board=genasun-gvb-8-board"]).modules
+    path = written(tmp_path, modules={"cell": "sunpower-c60"})
+    aircraft = load_aircraft(path, ["modules.mppt_board=genasun-gvb-8-board"])
+    modules = aircraft.modules
     assert modules.mppt_efficiency == 0.95
     assert modules.mppt_mass_kg_per_w == pytest.approx(0.108 / 118.0, rel=1e-5)
     cells = {"cell_span_m": 0.125, "cell_chord_m": 0.125, "bays": [{"cells": [20, 20]}]}
     strings = {"cells_in_series": 20, "coldest_c": -10.0, "hottest_c": 60.0}
-    data = plain_data(load_aircraft(path))
-    del data["modules"]["area_m2"], data["modules"]["mppt_efficiency"]
-    del data["modules"]["mppt_mass_kg_per_w"]
+    data = plain_data(aircraft)
+    del data["modules"]["area_m2"]
     data["modules"]["layout"] = cells | {"strings": strings}
     voltage = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0, 4.2]}
     data["battery"]["voltage"] = voltage
@@ -118,6 +118,8 @@ def test_an_entry_beside_values_of_ones_own_is_refused(
     where = "airframe.propulsion" if section == "propulsion" else section
     load_aircraft(bare, {f"{where}.{key}": changes[key]})
     load_aircraft(written(tmp_path, modules={"cell": "azur-3g30c", "efficiency_stc": 0.28}))
+    with pytest.raises(InputError, match="give one of mppt_board and mppt_efficiency"):
+        load_aircraft(written(tmp_path, modules={"mppt_board": "genasun-gvb-8-board"}))
 
 
 def test_an_aircraft_without_names_is_as_before() -> None:
