@@ -380,7 +380,8 @@ class Aircraft(FileRecord):
         if self.propulsion_by_parts is not None and self.battery.voltage is None:
             raise wrong_value(
                 "battery.voltage",
-                "required key is missing: airframe.propulsion.kind is operating_point",
+                "required key is missing: airframe.propulsion.kind is operating_point; with "
+                "battery.cell of the catalogue {cells_in_series: ...} suffices",
             )
         return self
 

@@ -18,11 +18,15 @@ from solar.schema import (
     PositiveReal,
     Record,
     Text,
+    UnitInterval,
     wrong_value,
 )
 
 # Encapsulation and cables of AtlantikSolar's modules, of 0.59 kg/m2 in all (Oettershagen et al.).
 ENCAPSULATION_KG_PER_M2 = 0.20
+# Voltage of a lithium-ion cell with a carbon anode at a fifth of its capacity an hour: 4.2 V where
+# charging ends, 3.0 V where its energy does, flat between (assumption; data sheets have curves).
+_USUAL_CHARGE, _USUAL_VOLTAGE_V = (0.0, 0.1, 0.9, 1.0), (3.0, 3.4, 4.0, 4.2)
 # Two numbers of one data sheet agree within rounding, and its typical with its guaranteed values.
 _AGREEMENT = 0.06
 
@@ -153,6 +157,8 @@ class BatteryEntry(Entry):
     ones, ``mass_kg`` is its largest. The keys with ``typical_`` are its typical ones, and count
     where it has no others. The energy is voltage times capacity where it is not given.
     ``specific_energy_wh_per_kg`` is what the source states, and counts where there is no mass.
+    ``cell_voltage_v`` over ``state_of_charge`` is the voltage at the currents of the flight, by
+    default that of a usual lithium-ion cell; a pack has none.
     """
 
     kind_of_entry: ClassVar[str] = "battery"
@@ -168,6 +174,8 @@ class BatteryEntry(Entry):
     specific_energy_wh_per_kg: PositiveReal | None = None
     maximum_charge_current_a: PositiveReal | None = None
     dc_resistance_ohm: PositiveReal | None = None
+    state_of_charge: tuple[UnitInterval, ...] = _USUAL_CHARGE
+    cell_voltage_v: tuple[PositiveReal, ...] = _USUAL_VOLTAGE_V
 
     @model_validator(mode="after")
     def _check_typical(self) -> BatteryEntry:
@@ -241,6 +249,11 @@ class BatteryEntry(Entry):
         known = _first_known(*self._energies_over_mass, self.specific_energy_wh_per_kg)
         assert known is not None  # refused at validation
         return known
+
+    def voltage_keys(self) -> dict[str, Any]:
+        """Table of voltages of ``battery.voltage``; empty for a pack."""
+        keys = ("state_of_charge", "cell_voltage_v")
+        return {key: getattr(self, key) for key in keys} if self.kind == "cell" else {}
 
     @property
     def basis(self) -> Literal["min/max", "typical", "stated", "pack"]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 
 from missions.air import thin_air_share
-from sizing.catalogues.choice import Kind, OfCatalogue
+from sizing.catalogues.choice import Kind, OfCatalogue, known_entry
 from sizing.energy.battery_condition import (
     HEATED_PACK,
     Ageing,
@@ -198,6 +198,22 @@ class Battery(OfCatalogue):
         data, new = packed(data)
         record = handler(data)
         record.__pydantic_fields_set__.difference_update(new)
+        return record
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_curve(cls, data: Any, handler: ModelWrapValidatorHandler[Battery]) -> Battery:
+        """Table of voltages of the catalogue's cell, where the file has none; it does not count."""
+        voltage = data.get("voltage") if isinstance(data, Mapping) else None
+        if not isinstance(voltage, Mapping):
+            return handler(data)
+        entry = known_entry("batteries", data, "cell")
+        curve = {} if entry is None else entry.voltage_keys()
+        if not curve or curve.keys() & voltage.keys():
+            return handler(data)
+        record = handler({**data, "voltage": {**curve, **voltage}})
+        assert record.voltage is not None
+        record.voltage.__pydantic_fields_set__.difference_update(curve)
         return record
 
     @model_validator(mode="after")

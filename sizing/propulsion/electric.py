@@ -6,15 +6,38 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import model_validator
 
 from sizing.catalogues.choice import entry
 from sizing.catalogues.entries import MotorEntry
 from sizing.parameters import all_replaced
 from sizing.smooth import Value
-from solar.schema import Fraction, NonNegativeReal, PositiveReal, Record, UnitInterval
+from solar.schema import (
+    Fraction,
+    NonNegativeReal,
+    PositiveReal,
+    Record,
+    UnitInterval,
+    wrong_value,
+)
 from solar.types import FloatArray
 
 _RPM_PER_RAD_PER_S = 30.0 / np.pi
+
+
+def _check_efficiency(
+    part: Motor | Controller, needed: tuple[str, ...], others: tuple[str, ...] = ()
+) -> None:
+    """Refuse a part with neither an efficiency nor the losses it needs, and one with both."""
+    given = part.model_fields_set
+    for key in needed if part.efficiency is None else ():
+        if key not in given:
+            raise wrong_value(key, "required key is missing (or efficiency, one for all loads)")
+    for key in (*needed, *others) if part.efficiency is not None else ():
+        if key in given:
+            raise wrong_value(
+                key, f"give this or efficiency, not both (got {getattr(part, key):g})"
+            )
 
 
 class MotorState(NamedTuple):
@@ -25,7 +48,7 @@ class MotorState(NamedTuple):
 
 
 class Motor(Record):
-    """An electric motor by three constants, or four.
+    """An electric motor by three constants, or four, or by its speed constant and one efficiency.
 
     Drela, M. (2007), First-Order DC Electric Motor Model, MIT Aero & Astro. The fourth is the rise
     of the no-load current with speed of his second-order model: iron and air friction.
@@ -38,6 +61,8 @@ class Motor(Record):
         Of the windings, from terminal to terminal [ohm].
     no_load_current_a
         At a standstill, with no rise at any speed [A].
+    efficiency
+        The same at every load, in place of resistance and no-load current [-].
     no_load_current_rise_a_per_1000_rpm
         Rise of it with speed [A per 1000 rpm].
     maximum_current_a, maximum_power_w
@@ -47,12 +72,20 @@ class Motor(Record):
     """
 
     speed_constant_rpm_per_v: PositiveReal
-    resistance_ohm: PositiveReal
-    no_load_current_a: NonNegativeReal
+    resistance_ohm: NonNegativeReal = 0.0
+    no_load_current_a: NonNegativeReal = 0.0
+    efficiency: Fraction | None = None
     no_load_current_rise_a_per_1000_rpm: NonNegativeReal = 0.0
     maximum_current_a: PositiveReal | None = None
     maximum_power_w: PositiveReal | None = None
     mass_kg: NonNegativeReal | None = None
+
+    @model_validator(mode="after")
+    def _check_losses(self) -> Motor:
+        _check_efficiency(self, ("resistance_ohm", "no_load_current_a"))
+        if self.efficiency is None and self.resistance_ohm == 0.0:
+            raise wrong_value("resistance_ohm", "must be a number greater than 0 (got 0)")
+        return self
 
     @classmethod
     def from_catalogue(cls, name: str) -> Motor:
@@ -140,6 +173,8 @@ class Motor(Record):
         constant = self.speed_constant_rpm_per_v / _RPM_PER_RAD_PER_S
         rise = self.no_load_current_rise_a_per_1000_rpm * rpm / 1000.0
         current = torque_nm * constant + self.no_load_current_a + rise
+        if self.efficiency is not None:
+            current = current / self.efficiency
         return MotorState(
             current, rpm / self.speed_constant_rpm_per_v + current * self.resistance_ohm
         )
@@ -165,7 +200,7 @@ class Gear(Record):
 
 
 class Controller(Record):
-    """A controller that chops the bus voltage down to the motor's.
+    """A controller that chops the bus voltage down to the motor's; by losses or one efficiency.
 
     A step-down converter with a continuous current (Mohan, Undeland & Robbins, Power Electronics,
     chapters 2 and 7): of the current's path a resistance, for the share of the time that the bus is
@@ -173,6 +208,8 @@ class Controller(Record):
 
     Attributes
     ----------
+    efficiency
+        The same at every load, in place of all losses [-].
     resistance_ohm
         Of the switches that the motor's current passes [ohm].
     freewheel_voltage_v
@@ -185,16 +222,24 @@ class Controller(Record):
         Its mass [kg].
     """
 
-    resistance_ohm: NonNegativeReal
+    efficiency: Fraction | None = None
+    resistance_ohm: NonNegativeReal = 0.0
     freewheel_voltage_v: NonNegativeReal = 0.0
     switching_loss: UnitInterval = 0.0
     idle_power_w: NonNegativeReal = 0.0
     mass_kg: NonNegativeReal = 0.0
 
+    @model_validator(mode="after")
+    def _check_losses(self) -> Controller:
+        _check_efficiency(
+            self, ("resistance_ohm",), ("freewheel_voltage_v", "switching_loss", "idle_power_w")
+        )
+        return self
+
     def input_power_w(self, motor: MotorState, voltage_v: Value) -> Value:
         """Power at the input at a voltage there.
 
-        ``P = i v + i^2 R + (1 - d) i V_f + s V i + P_0``.
+        ``P = i v + i^2 R + (1 - d) i V_f + s V i + P_0``, or ``i v`` over the efficiency.
 
         Parameters
         ----------
@@ -209,6 +254,8 @@ class Controller(Record):
             Power [W].
         """
         current = motor.current_a
+        if self.efficiency is not None:
+            return current * motor.voltage_v / self.efficiency
         resistive = current * (motor.voltage_v + current * self.resistance_ohm)
         idle_share = 1.0 - self.duty(motor, voltage_v)
         freewheeling = idle_share * current * self.freewheel_voltage_v

@@ -231,3 +231,23 @@ def test_mistakes_of_ones_own_file_have_the_lines_of_that_file(tmp_path: Path) -
 def test_a_share_of_cells_needs_a_cell() -> None:
     with pytest.raises(InputError, match="goes with cell"):
         load_aircraft(DESIGN, {"battery.cell_mass_fraction": 0.9})
+
+
+def test_a_cell_brings_the_curve_of_its_voltage(tmp_path: Path) -> None:
+    usual = ((0.0, 0.1, 0.9, 1.0), (3.0, 3.4, 4.0, 4.2))
+    own = tmp_path / "mine.yaml"
+    own.write_text(
+        "label: Mine\nsource: measured on the bench\nspecific_energy_wh_per_kg: 200\n"
+        "state_of_charge: [0, 1]\ncell_voltage_v: [2.8, 4.1]\n"
+    )
+    for cell, curve in (("samsung-50e", usual), (str(own), ((0.0, 1.0), (2.8, 4.1)))):
+        path = written(tmp_path, battery={"cell": cell, "voltage": {"cells_in_series": 6}})
+        voltage = load_aircraft(path).battery.voltage
+        assert voltage is not None
+        assert (voltage.state_of_charge, voltage.cell_voltage_v) == curve
+        assert voltage.ends_v == pytest.approx((6 * curve[1][0], 6 * curve[1][-1]))
+    path = written(
+        tmp_path, battery={"cell": "amprius-sa03-pack", "voltage": {"cells_in_series": 6}}
+    )
+    with pytest.raises(InputError, match="cell_voltage_v"):
+        load_aircraft(path)

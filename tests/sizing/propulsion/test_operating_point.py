@@ -236,6 +236,31 @@ def test_no_load_current_may_rise_with_speed() -> None:
     assert fast.current_a - still.current_a == pytest.approx(0.5)
 
 
+def test_parts_of_one_efficiency_have_it_at_every_load() -> None:
+    own = Motor(speed_constant_rpm_per_v=300.0, efficiency=0.82)
+    parts = Propulsor(SIZE, own, Controller(efficiency=0.9), GEAR)
+    point = operating_point(parts, np.array([0.5, 2.67, 8.0]), 8.4, AIR, 22.0)
+    assert point.motor_efficiency == pytest.approx(0.82)
+    assert point.controller_efficiency == pytest.approx(0.9)
+    chain = point.propeller_efficiency * 0.96 * 0.82 * 0.9
+    assert point.efficiency == pytest.approx(chain)
+    assert point.duty == pytest.approx(point.motor_rpm / 300.0 / 22.0)
+
+
+@pytest.mark.parametrize(
+    ("part", "values", "message"),
+    [
+        (Controller, {}, "required key is missing"),
+        (Controller, {"efficiency": 0.9, "idle_power_w": 0.1}, "not both .got 0.1"),
+        (Motor, {"efficiency": 0.8, "resistance_ohm": 0.1}, "not both .got 0.1"),
+        (Motor, {"resistance_ohm": 0.0, "no_load_current_a": 0.1}, "greater than 0"),
+    ],
+)
+def test_losses_or_one_efficiency(part: type, values: dict, message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        part(**({"speed_constant_rpm_per_v": 300.0} if part is Motor else {}), **values)
+
+
 def test_controller_by_hand() -> None:
     power = CONTROLLER.input_power_w(MotorState(np.array(4.0), np.array(10.0)), np.array(20.0))
     duty = (10.0 + 0.08 + 0.7) / 20.7
@@ -269,7 +294,7 @@ def test_bad_table_of_voltages(charge: tuple, volts: tuple, message: str) -> Non
 def test_motor_without_its_constants(key: str) -> None:
     values = {"speed_constant_rpm_per_v": 300.0, "resistance_ohm": 0.3, "no_load_current_a": 0.1}
     del values[key]
-    with pytest.raises(ValidationError, match=key):
+    with pytest.raises(ValidationError, match=f"{key}|required key is missing"):
         Motor(**values)
 
 

@@ -58,6 +58,18 @@ def test_starters_give_names_and_the_same_numbers_in_comments(run: Run, tmp_path
     assert by_numbers["battery_energy_wh"] == pytest.approx(energy, rel=1e-3)
 
 
+def test_starters_have_parts_of_the_propulsion_in_comments(run: Run, tmp_path: Path) -> None:
+    run("init", "heron")
+    path = tmp_path / "heron.yaml"
+    text = re.sub(r"(?s)^  propulsion:.*?(?=^  #)", "", path.read_text(), flags=re.M)
+    parts = "propulsion|  kind|  propeller|  gear|  motor|  controller|voltage"
+    path.write_text(re.sub(rf"^  # ({parts}):", r"  \1:", text, flags=re.MULTILINE))
+    record = run("analyse", "heron.yaml", "-m", "heron-mission.yaml", "--json").json()
+    assert record["power_budget"]["efficiencies"]["chain"] == pytest.approx(
+        0.9 * 0.82 * 0.96 * 0.75, abs=0.03
+    )  # as the constants
+
+
 def test_starters_keep_the_recommended_margin_above_the_stall(run: Run) -> None:
     run("init", "heron")
     polar = load_aircraft("heron.yaml").parametric.aerodynamics
