@@ -30,6 +30,7 @@ from sizing.optimisation.sensitivity import (
 from sizing.optimisation.whole_cells import size_whole_cells
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.relaxed_flight import Relaxation
+from sizing.results.qualities import designs_by_build
 from sizing.results.records import check_subjects
 from sizing.results.sizing_study import SizingStudy
 from sizing.sunlight import SolarModel, solar_day
@@ -47,6 +48,7 @@ def size(
     with_sensitivities: bool = False,
     with_cross_check: bool = False,
     with_margin: bool = False,
+    with_builds: bool = False,
     reliability: float | None = None,
     constraints: Sequence[Callable[[Any], Any]] = (),
     whole_cells: bool = False,
@@ -80,6 +82,9 @@ def size(
     with_margin : bool
         Also the design that keeps the requirement with one RMS error of the model less solar power;
         not of a range, with a reliability, or where the mission has uncertainty margins itself.
+    with_builds : bool
+        Also the best design of each class of ``airframe.structure.build``; not of a range, with a
+        reliability, or for whole cells.
     reliability : float, optional
         Least probability that every scenario has the required excess time when the inputs scatter
         as the ``uncertainty`` of aircraft and mission says; above 0 and below 1.
@@ -124,6 +129,7 @@ def size(
         laid = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
         if laid is not None:
             return laid
+    exact = aircraft
     aircraft, start, settled = sized_smoothly(aircraft, mission, wanted, solar, **options)
     if reliability is not None:
         if with_sensitivities or with_cross_check:
@@ -138,7 +144,7 @@ def size(
         aircraft, result = sized_in_own_flow(
             *(aircraft, mission, wanted, solar), settled=settled, start=start, **options
         )
-    problems = options["problems"] = SizingProblems(aircraft)
+    problems = SizingProblems(aircraft)
     asked = (aircraft, mission, result, solar)
     relaxed: tuple[Relaxation, ...] = ()
     if result.status is SizingStatus.infeasible and not wanted.of_range:
@@ -154,12 +160,15 @@ def size(
     level = None
     if mission.climb is not None and coverage is None:
         low_flight = (aircraft, mission.at_altitude(mission.altitude_m), wanted, solar)
-        level = size_aircraft(*low_flight, start=start, explain=False, **options)
+        level = size_aircraft(*low_flight, start=start, explain=False, problems=problems, **options)
+    rows = with_builds and coverage is None
+    builds = designs_by_build(exact, mission, wanted, solar, result, **options) if rows else ()
     study = study_of(
         *asked,
         coverage=coverage,
         relaxations=relaxed,
         without_climbs=level,
+        builds=builds,
         sensitivities=sensitivities(*asked) if worth else None,
         multipliers=multipliers,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,

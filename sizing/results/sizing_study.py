@@ -32,6 +32,7 @@ from sizing.results.conditions import battery_record, climbs_record, level_recor
 from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
 from sizing.results.parts import sized_data, sizing_record
 from sizing.results.propulsion import PartMasses, PowerBudget, part_masses, power_budget
+from sizing.results.qualities import BuiltDesign
 from sizing.results.records import NEGLIGIBLE, finite, finite_values, uncertainty_record
 from sizing.results.requirements import RequirementMargin, margin_records, requirement_margins
 from sizing.results.tables import Result, data_frame
@@ -83,6 +84,8 @@ class SizingStudy(Result):
         aircraft is then that with the cells of the best design.
     without_climbs : SizingResult or None
         Sizing for level flight at the night's floor, on a mission with climbs.
+    builds : tuple of BuiltDesign
+        Best design of each class of building, where asked for.
     """
 
     aircraft: Aircraft
@@ -102,6 +105,7 @@ class SizingStudy(Result):
     survival: Survival | None = None
     whole_cells: WholeCells | None = None
     without_climbs: SizingResult | None = None
+    builds: tuple[BuiltDesign, ...] = ()
 
     renderer = "sizing.results.sizing_summary"
 
@@ -261,6 +265,7 @@ class SizingStudy(Result):
             "whole_cells": _of(self.whole_cells, lambda o: sizing_record(o, self.aircraft)),
             "climb": _of(self.climbs, lambda one: climbs_record(one, self.mission)),
             "without_climbs": _of(self.without_climbs, level_record),
+            "builds": [one.to_dict() for one in self.builds] or None,
         }
         always = ("power_budget", "structure", "uncertainty")
         return record | {k: one for k, one in parts.items() if one is not None or k in always}

@@ -36,6 +36,7 @@ from sizing.results.parts import (
     sizing_record,
 )
 from sizing.results.propulsion import part_masses_line, power_line
+from sizing.results.qualities import build_table
 from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import change_text, hours, with_unit
 from sizing.results.requirements import constraint_words, parameter_words, requirement_table
@@ -61,7 +62,7 @@ def summary(study: SizingStudy) -> Summary:
     title = f"{study.aircraft.name} sized for {_where(study)} ({study.objective.value})"
     blocks: list[Any] = [Line(f"{title}: {study.status.label}", "strong")]
     if study.design is None:
-        return Summary((*blocks, *_without_design(study)))
+        return Summary((*blocks, *_without_design(study), *_builds(study)))
     at_bounds = [name for name in study.result.active_constraints if " at its " in name]
     if at_bounds:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
@@ -91,7 +92,13 @@ def summary(study: SizingStudy) -> Summary:
         blocks.append(multiplier_table(study.multipliers, study.objective))
     if study.cross_check is not None:
         blocks.append(cross_check_line(study.cross_check, study.objective))
-    return Summary(tuple(blocks))
+    return Summary((*blocks, *_builds(study)))
+
+
+def _builds(study: SizingStudy) -> list[Any]:
+    """The same requirement by each class of building; nothing where it was not asked for."""
+    records = [one.to_dict() for one in study.builds]
+    return [build_table(records, study.objective)] if records else []
 
 
 def _whole_cells(study: SizingStudy) -> list[Any]:

@@ -22,6 +22,7 @@ from sizing.results.parts import (
     loss_line,
     neighbour_table,
 )
+from sizing.results.qualities import build_table
 from sizing.results.records import with_unit
 from sizing.results.requirements import constraint_words, requirement_margins, requirement_table
 from sizing.results.sizing_summary import (
@@ -220,6 +221,8 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
         blocks.append(sentence(cross_check_line(found, objective), looks))
     elif not objective.of_range:
         blocks.append(Text("The optimum was not cross-checked.", "faint"))
+    if sizing.get("builds"):
+        blocks.append(Tables((build_table(sizing["builds"], objective),)))
     return Section("sizing", "Sizing", blocks)
 
 

@@ -110,6 +110,7 @@ def _designed(case: Case, options: Size) -> SizingStudy:
             with_sensitivities=options.with_sensitivities,
             with_cross_check=options.with_cross_check,
             with_margin=not options.whole_cells,
+            with_builds=True,
             whole_cells=options.whole_cells,
             reliability=options.reliability,
         )

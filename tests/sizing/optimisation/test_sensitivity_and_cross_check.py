@@ -67,7 +67,7 @@ def test_sensitivities_equal_sizing_again(
         "battery.specific_energy_wh_per_kg",
         "battery.discharge_efficiency",
         "modules.efficiency_stc",
-        "airframe.structure.calibration",
+        "airframe.structure.build",
         "airframe.propulsion.motor_efficiency",
         "power.avionics_w",
         "mission.clearness",

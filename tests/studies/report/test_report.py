@@ -32,9 +32,9 @@ from sizing.sunlight import SolarModel
 from studies import make_report
 from studies.flight_logs.synthetic import Settings, synthetic_log
 from studies.output.run_folder import RunInputs
-from studies.report.blocks import Bars
+from studies.report.blocks import Bars, Tables
 from studies.report.confidence import margin_table, margins_section
-from studies.report.design import aircraft_section, budget_section
+from studies.report.design import aircraft_section, budget_section, sizing_section
 from studies.report.pdf import to_pdf, with_plain_colours
 from studies.report.subject import Subject
 from studies.report.verdict import key_facts, verdict
@@ -286,6 +286,13 @@ def test_margins_are_where_the_requirement_ends(avionics_w: float) -> None:
         key = f"battery.specific_energy_wh_per_kg={factor * limit}"
         other = aircraft("atlantiksolar-as2", f"power.avionics_w={avionics_w}", key)
         assert (analyse(other, there).excess_time_h >= 1.0) is holds
+
+
+def test_a_sizing_ends_with_the_same_by_each_class_of_building() -> None:
+    study = size(aircraft("atlantiksolar-design"), mission(), with_builds=True)
+    last = sizing_section(study.to_dict()).blocks[-1]
+    assert isinstance(last, Tables)
+    assert [row[0] for row in last.tables[0].rows] == ["record (this file)", "careful", "ordinary"]
 
 
 def test_a_design_on_the_edge_has_no_margins() -> None:

@@ -1,0 +1,119 @@
+"""The same requirement as teams of another quality of building would meet it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import Design
+from sizing.mass_budget import ImpossibleDesignError
+from sizing.optimisation.objectives import Objective
+from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
+from sizing.optimisation.result import SizingResult
+from sizing.parameters import all_replaced
+from sizing.results import quantities as q
+from sizing.results.records import finite, with_unit
+from sizing.results.tables import Column, Table
+from sizing.structures.build import build_qualities
+from sizing.structures.models import OwnStructure
+from sizing.sunlight import SolarModel
+
+_SHOWN = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
+
+
+@dataclass(frozen=True)
+class BuiltDesign:
+    """Best design of a class of building; ``of_file``: whether the aircraft's file has the class."""
+
+    build: str
+    factor: float
+    of_file: bool
+    design: Design | None
+    objective_value: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Class, and its design or nulls, JSON-ready."""
+        design = self.design
+        values = {one.name: None if design is None else finite(one.of(design)) for one in _SHOWN}
+        known = {"build": self.build, "factor": self.factor, "of_file": self.of_file}
+        return known | {"objective_value": finite(self.objective_value)} | values
+
+
+def designs_by_build(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    result: SizingResult,
+    *,
+    required_excess_time_h: float | None,
+) -> tuple[BuiltDesign, ...]:
+    """Best design of every class of building; ``result``: that of the aircraft's file.
+
+    A calibration without ``build`` may be that of one's own aircraft: the classes have that of
+    AtlantikSolar. A structure of the user's own has no classes.
+    """
+    structure = aircraft.parametric.structure
+    if isinstance(structure, OwnStructure):
+        return ()
+    fitted: dict[str, Any] = {}
+    if structure.build is None and structure.atlantiksolar_calibration is not None:
+        fitted["calibration"] = structure.atlantiksolar_calibration
+    found = []
+    for name, quality in build_qualities().items():
+        changed = all_replaced(structure, fitted | {"build": name})
+        of_file = bool(changed.mass_factor == structure.mass_factor)
+        one: SizingResult | None = result
+        if not of_file:
+            given = (aircraft.with_airframe(structure=changed), mission, objective, solar)
+            one = _sized(*given, result, required_excess_time_h)
+        design, value = (None, None) if one is None else (one.design, one.objective_value)
+        found.append(BuiltDesign(name, quality.factor, of_file, design, value))
+    return tuple(found)
+
+
+def _sized(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    near: SizingResult,
+    required_h: float | None,
+) -> SizingResult | None:
+    """Sizing that starts from another one; None where its propulsion flies no design."""
+    try:
+        aircraft, start, settled = sized_smoothly(
+            *(aircraft, mission, objective, solar), required_excess_time_h=required_h
+        )
+        if start is None and near.design is not None:
+            start = near.design.variables
+        return sized_in_own_flow(
+            *(aircraft, mission, objective, solar),
+            settled=settled,
+            start=start,
+            required_excess_time_h=required_h,
+        )[1]
+    except ImpossibleDesignError:
+        return None
+
+
+def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
+    """A row for every class of building, of its records."""
+    others = objective.variable not in {one.name for one in _SHOWN}
+    columns = [Column("build"), Column("factor", form=".2f"), *_SHOWN]
+    if others:
+        columns.append(Column("objective", objective.label, to_right=True))
+    rows = []
+    for one in records:
+        name = f"{one['build']} (this file)" if one["of_file"] else one["build"]
+        row: list[Any] = [name, one["factor"], *(one[shown.name] for shown in _SHOWN)]
+        if others:
+            row.append(with_unit(one["objective_value"], ".4g", objective))
+        if one[q.WINGSPAN.name] is None:
+            row[2:] = ["no design", *("" for _ in row[3:])]
+        rows.append(tuple(row))
+    title = "the same by how well the structure is built (airframe.structure.build)"
+    return Table(title, tuple(columns), tuple(rows))

@@ -1,0 +1,69 @@
+"""The same requirement by every class of building."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from missions.library import load_mission
+from sizing.library import load_aircraft
+from sizing.own_models import register_structure
+from sizing.results.sizing import size
+from sizing.results.sizing_study import SizingStudy
+from studies.report.design import sizing_section
+
+BUILD = "airframe.structure.build"
+JULY = load_mission("rafz-july")
+register_structure("of a test of rows", lambda of: 0.2 * of.wingspan_m)
+
+
+def study(changes: dict[str, Any] | None = None, **options: Any) -> SizingStudy:
+    aircraft = load_aircraft("atlantiksolar-design", changes or {})
+    return size(aircraft, JULY, with_builds=True, **options)
+
+
+@pytest.mark.parametrize("objective", ["min_mass", "max_excess_time"])
+def test_rows_are_the_sizings_of_each_class(objective: str) -> None:
+    found = study(objective=objective)
+    assert [(one.build, one.of_file) for one in found.builds] == [
+        ("record", True),
+        ("careful", False),
+        ("ordinary", False),
+    ]
+    for one in found.builds:
+        alone = size(load_aircraft("atlantiksolar-design", {BUILD: one.build}), JULY, objective)
+        # Both within the tolerance of an optimum.
+        assert one.objective_value == pytest.approx(alone.result.objective_value, rel=0.005)
+
+
+def test_rows_say_where_there_is_no_design_and_stand_below_a_failure_too() -> None:
+    found = study({BUILD: "ordinary"}, required_excess_time_h=8.0)
+    assert not found.feasible
+    assert [one.design is not None for one in found.builds] == [True, True, False]
+    text = str(found)
+    assert text.splitlines()[-1].split() == ["ordinary", "(this", "file)", "3.61", "no", "design"]
+    assert text.index("feasible with one of these") < text.index("the same by how well")
+
+
+def test_a_calibration_without_build_may_hold_its_own_aircraft() -> None:
+    own = study({BUILD: None, "airframe.structure.calibration": 2.0})
+    shipped = study()
+    for one, other in zip(own.builds, shipped.builds, strict=True):
+        assert not one.of_file
+        assert one.objective_value == pytest.approx(other.objective_value, rel=0.005)
+
+
+@pytest.mark.parametrize(
+    ("changes", "options"),
+    [
+        ({"airframe.structure": {"model": "own", "name": "of a test of rows"}}, {}),
+        ({}, {"objective": "longest_season"}),
+    ],
+)
+def test_no_rows_of_a_structure_of_ones_own_and_of_ranges(
+    changes: dict[str, Any], options: dict[str, Any]
+) -> None:
+    found = study(changes, **options)
+    assert found.builds == ()
+    assert "builds" not in found.to_dict()
