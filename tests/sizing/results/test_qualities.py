@@ -11,7 +11,6 @@ from sizing.library import load_aircraft
 from sizing.own_models import register_structure
 from sizing.results.sizing import size
 from sizing.results.sizing_study import SizingStudy
-from studies.report.design import sizing_section
 
 BUILD = "airframe.structure.build"
 JULY = load_mission("rafz-july")
