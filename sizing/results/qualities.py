@@ -26,7 +26,7 @@ _SHOWN = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
 
 @dataclass(frozen=True)
 class BuiltDesign:
-    """Best design of a class of building; ``of_file``: whether the aircraft's file has the class."""
+    """Best design of a class of building; ``of_file``: whether the file has that class."""
 
     build: str
     factor: float
