@@ -86,8 +86,14 @@ class Performance:
         )
 
     def worst_scenario(self) -> int:
-        """Index of the scenario with the least excess time (of a single design)."""
-        return int(np.argmin(self.cycle.excess_time_h))
+        """Index of the scenario with the least excess time, of equals with the least solar energy.
+
+        Of a single design.
+        """
+        cycle = self.cycle
+        least = cycle.excess_time_h == np.min(cycle.excess_time_h)
+        energy_wh = np.asarray(cycle.energy_budget.solar_wh)
+        return int(np.argmin(np.where(least, energy_wh, np.inf)))
 
     def climbed(self) -> FloatArray:
         """Potential energy of every scenario's highest altitude over the ceiling's (of one design).

@@ -7,7 +7,7 @@ tells what is missing.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from operator import itemgetter
 from typing import NamedTuple
@@ -63,26 +63,33 @@ def short_of_largest_excess(
 
 
 def violations(
-    aircraft: Aircraft, missed: Mapping[str, float], nearest: Performance, required_h: float
+    aircraft: Aircraft,
+    missed: Mapping[str, float],
+    nearest: Performance,
+    required_h: float,
+    active: Sequence[str] = (),
 ) -> list[Violation]:
     """Missed requirements in words.
 
     ``missed``: shortfall by name of the requirement: relative, or in hours of excess time.
+    ``active``: names of what limits, which have the scenario in which it does.
     """
     worst = nearest.worst_scenario()
     conditions = FlightConditions.of(nearest.mission, aircraft)
     with np.errstate(invalid="ignore"):  # the nearest design may be impossible
         rows = design_requirements(aircraft, nearest.design, conditions)
-    texts = texts_of_requirements(
-        rows,
-        nearest.day.scenarios.label(worst),
-        required_h,
+    parts = [name.removesuffix(")").partition(" (") for name in reversed(active)]
+    places = {name: where for name, _, where in parts if where}
+    least_h, somewhere = (
         float(nearest.cycle.excess_time_h[worst]),
+        nearest.day.scenarios.label(worst),
     )
-    return [
-        Violation(name, shortfall, texts[name].format(missed=percent(shortfall)))
-        for name, shortfall in missed.items()
-    ]
+    found = []
+    for name, shortfall in missed.items():
+        where = places.get(name, somewhere)
+        text = texts_of_requirements(rows, where, required_h, least_h)[name]
+        found.append(Violation(name, shortfall, text.format(missed=percent(shortfall))))
+    return found
 
 
 def texts_of_requirements(

@@ -541,7 +541,7 @@ class _Sizing:
     def _infeasible(
         self, missed: Mapping[str, float], nearest: Performance, active: tuple[str, ...] = ()
     ) -> SizingResult:
-        found = violations(self.aircraft, missed, nearest, self.required_h)
+        found = violations(self.aircraft, missed, nearest, self.required_h, active)
         return self._result(active).without_design(SizingStatus.infeasible, nearest, *found)
 
     def _optimal(self, solution: Solution, simulated: Simulated) -> SizingResult:

@@ -249,7 +249,7 @@ class SizingStudy(Result):
             "balance": _of(self.balance, BalanceAssessment.to_dict),
             "model": self.solar.model,
             "correction": self.solar.correction,
-            "wind": wind_record(self.mission) if self.mission.holds_station else None,
+            "wind": wind_record(self.mission),
             "uncertainty": None if low is None or high is None else uncertainty_record(low, high),
             "extrapolations": extrapolation_records(self.extrapolations),
             **catalogue_records(self.aircraft),

@@ -37,7 +37,7 @@ from sizing.results.parts import (
 )
 from sizing.results.propulsion import part_masses_line, power_line
 from sizing.results.qualities import build_table
-from sizing.results.quantities import CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
+from sizing.results.quantities import AIRSPEED, CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
 from sizing.results.records import change_text, hours, with_unit
 from sizing.results.requirements import constraint_words, parameter_words, requirement_table
 from sizing.results.sizing_study import SizingStudy
@@ -120,7 +120,7 @@ def _without_design(study: SizingStudy) -> list[Any]:
     """Requirements that are missed, what holds the design back, and what would help."""
     blocks: list[Any] = [f"  {one.text}" for one in study.result.violations]
     blocks += _limits("limited by", study)
-    blocks += _nearest_structure(study)
+    blocks += _nearest_design(study)
     blocks += extrapolation_blocks(study.extrapolations)
     if study.reliability is not None:
         return [*blocks, reliability_text(study.reliability, study)]
@@ -135,12 +135,19 @@ def _without_design(study: SizingStudy) -> list[Any]:
     return [*blocks, relaxation_table(study.relaxations)]
 
 
-def _nearest_structure(study: SizingStudy) -> list[Any]:
-    """How much of the nearest design is structure, and what sizes it."""
+def _nearest_design(study: SizingStudy) -> list[Any]:
+    """What the nearest design is, how much of it is structure, and what sizes that."""
     nearest = study.result.nearest
-    if nearest is None or study.structure is None:
+    if nearest is None:
         return []
     design = nearest.design
+    known = design.variables.chosen() | {AIRSPEED.name: design.airspeed_m_per_s}
+    facts_of = (one.fact(known[one.name]) for one in (*CHOSEN, AIRSPEED))
+    values = ", ".join(f"{name} {value}" for name, value in facts_of)
+    winds = [f"{name}: {value}" for name, value in wind_rows(study.mission)[:1]]
+    head = [f"nearest design, not a solution: {values}", *winds]
+    if study.structure is None:
+        return head
     structure_kg, total_kg = float(design.masses.structure), float(design.total_mass_kg)
     share = (
         f"nearest design: {structure_kg:.3g} kg of its {total_kg:.3g} kg are structure "
@@ -148,7 +155,7 @@ def _nearest_structure(study: SizingStudy) -> list[Any]:
         if math.isfinite(total_kg)
         else "nearest design: its structure outgrows every mass that it could have"
     )
-    return [share, *structure_blocks(study.structure)]
+    return [*head, share, *structure_blocks(study.structure)]
 
 
 def _limits(head: str, study: SizingStudy, notes: Sequence[str] = ()) -> list[Any]:
@@ -172,8 +179,7 @@ def _design_table(study: SizingStudy) -> Table:
     excess, charge = (one.fact(one.of(flown)[worst]) for one in (EXCESS_TIME, MINIMUM_CHARGE))
     where = f"{EXCESS_TIME.label}{clear}, {flown.day.scenarios.label(worst)}"
     rows = [one.fact(value) for one, value in study.design_values()]
-    winds = wind_rows(study.mission) if study.mission.holds_station else []
-    return facts("", [*rows, *winds, (where, excess[1]), charge])
+    return facts("", [*rows, *wind_rows(study.mission), (where, excess[1]), charge])
 
 
 def _confidence(study: SizingStudy) -> list[Any]:

@@ -44,6 +44,13 @@ def test_scenarios_are_independent_of_each_other() -> None:
         )
     worst = found.worst_scenario()
     assert found.cycle.excess_time_h[worst] == found.cycle.excess_time_h.min()
+    # In the polar night none of the hours has power: the northern one has less light.
+    dark = mission(
+        latitude_deg={"from_deg": 60.0, "to_deg": 66.0, "count": 2}, dates={"on": "12-21"}
+    )
+    north = performance(AS2, dark)
+    assert north.cycle.excess_time_h.tolist() == [-24.0, -24.0]
+    assert north.worst_scenario() == 1
 
 
 def test_power_is_area_times_specific_power_and_correction_divides_it() -> None:

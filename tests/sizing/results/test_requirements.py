@@ -47,6 +47,19 @@ def test_every_requirement_has_its_margin() -> None:
     assert "stall_margin" not in margins(given)
 
 
+def test_the_wind_of_a_percentile_has_its_margin() -> None:
+    design = sizing.load_aircraft("stratosphere-design")
+    for held in (False, True):
+        windy = {"wind": {"percentile": 95, "hold_station": held}}
+        mission = load_mission("stratosphere-mission", windy)
+        flown = sizing.analyse(design, mission).performance
+        found = {one.name: one for one in requirement_margins(design, flown, 1.0)}
+        assert ("airspeed_above_wind" in found) is not held
+        if not held:
+            one, strongest = found["airspeed_above_wind"], mission.strongest_wind_m_per_s
+            assert (one.limit, one.margin) == (strongest, one.value / strongest - 1.0)
+
+
 def test_climb_is_that_of_the_highest_altitude() -> None:
     low = margins(DESIGN)["climb_rate_at_highest_altitude_m_per_s"]
     own = sizing.design_of(DESIGN, MISSION)

@@ -244,6 +244,22 @@ def test_an_infeasible_sizing_has_no_design_and_says_why(design: Aircraft) -> No
     text = " ".join(str(none).split())
     assert "(min_wingspan): infeasible" in text
     assert all(" ".join(missed.text.split()) in text for missed in none.result.violations)
+    nearest = none.to_dict()["nearest"]
+    for label, unit in (("wingspan", "m"), ("battery mass", "kg"), ("module area", "m²")):
+        value = nearest[f"{label.replace(' ', '_')}_{'m2' if unit == 'm²' else unit}"]
+        assert (
+            f"{label} {value:.3f} {unit}" in text.partition("nearest design, not a solution: ")[2]
+        )
+
+
+def test_reasons_name_the_scenario_that_limits_and_the_wind_is_told() -> None:
+    design = sizing.load_aircraft("stratosphere-design")
+    windy = {"latitude_deg": {"from_deg": 30.0, "to_deg": 40.0, "count": 2}, "dates.to": "12-21"}
+    none = sizing.size(design, missions.load_mission("stratosphere-mission", windy))
+    assert len(none.result.violations) >= 2
+    assert all("40° N, 21 Dec" in one.text for one in none.result.violations)
+    assert none.to_dict()["nearest"]["worst_scenario"] == "40° N, 21 Dec"
+    assert "wind, 95 % of the time at most: " in " ".join(str(none).split())
 
 
 @pytest.mark.parametrize(
