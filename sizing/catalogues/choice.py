@@ -15,7 +15,7 @@ from pydantic import ModelWrapValidatorHandler, model_validator
 from missions.files.errors import InputError, file_error, printable, shortened
 from missions.files.texts import read_text
 from missions.files.validation import validate
-from missions.files.yaml import Document, parse_yaml
+from missions.files.yaml import ENTRY_KEYS, Document, parse_yaml
 from sizing.catalogues.entries import (
     BatteryEntry,
     CellEntry,
@@ -227,7 +227,9 @@ def named_twice(data: Any, key: str, kind: Kind) -> dict[str, str]:
     """Keys of a record's data that the entry it names gives as well, with the mistake of each."""
     data = data if isinstance(data, Mapping) else {}
     known = known_entry(kind, data, key)
-    given = known.parameters(data) if known is not None else {}
+    # A motor at its operating point needs no voltage of its own, which an efficiency would.
+    beside = any(one in data for one in ENTRY_KEYS[key])
+    given = known.parameters(data) if known is not None and beside else {}
     return {
         one: f"give one of {key} and {one}: {printable(shortened(data[key]))} of the catalogue has "
         "a value of its own for it"
