@@ -11,15 +11,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import GRAVITY_M_PER_S2, plate_convection_w_per_m2k, thin_air_share
+from missions.air import GRAVITY_M_PER_S2, plate_convection_w_per_m2k
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design, variables_of
 from sizing.mass_budget import closed_design, first_chain, measured_design
 from solar.clearsky import pressure_ratio
-from solar.heat_balance import EARTH_ALBEDO, Surroundings
+from solar.heat_balance import (
+    EARTH_ALBEDO,
+    STEFAN_BOLTZMANN,
+    ZERO_CELSIUS_K,
+    Surroundings,
+)
 from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power, in_surroundings
+from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.types import FloatArray
 
@@ -29,8 +35,8 @@ from solar.types import FloatArray
 _LIFT_COEFFICIENT, _WING_LOADING = 0.8, 4.0
 
 
-# Flows between which the temperature is known, over the own one: all sizes of one aircraft.
-FLOWS = (0.5, 1.0, 2.0)
+# Flow, over the own one, in which the power of models without a single temperature is known.
+FASTER = 2.0
 
 
 class Cooling(NamedTuple):
@@ -51,28 +57,28 @@ class Cooling(NamedTuple):
     transition_reynolds: float
 
     @classmethod
-    def through(
-        cls,
-        cold: FloatArray,
-        powers: Sequence[FloatArray],
-        convection: float,
-        transition_reynolds: float,
+    def of(
+        cls, cold: FloatArray, power: FloatArray, cell: SolarCell, around: Surroundings
     ) -> Cooling:
-        """Cooling from the power of cold modules and that in the ``FLOWS``, the own one second."""
-        known = np.where(powers[1] > 0.0, powers[1], 1.0)
-        first, second, third = ((cold - power) / known for power in powers)
-        warm = (first > second) & (second > third) & (third > _LEAST_LOST)
-        # A parabola through three points: h d = q - g d - s d^2.
-        x1, x2, x3 = (np.where(warm, one, n) for n, one in ((3, first), (2, second), (1, third)))
-        y1, y2, y3 = (f * convection * x for f, x in zip(FLOWS, (x1, x2, x3), strict=True))
-        upper, lower = (y1 - y2) / (x1 - x2), (y2 - y3) / (x2 - x3)
-        bend = (upper - lower) / (x1 - x3)
-        slope = upper - bend * (x1 + x2)
-        heat = y1 - slope * x1 - bend * x1**2
-        lost, heat, radiation, growth = (
-            np.where(warm, one, 0.0) for one in (second, heat, -slope, -bend)
-        )
-        return cls(convection, lost, heat, radiation, growth, transition_reynolds)
+        """Cooling from the power of modules as cold as the air, and of those in the surroundings.
+
+        Both tell the temperature; around it radiation is a parabola.
+        """
+        per_k, heat = cell.temperature_coefficient_per_k, cell.thermal
+        at_air = cell.temperature_efficiency(around.ambient_c)
+        known = np.where(power > 0.0, power, np.inf)
+        lost = (cold - power) / known
+        left = at_air / (1.0 + lost)  # component efficiency of the temperature
+        per_lost = left / per_k if per_k else np.zeros_like(lost)  # [K]
+        kelvin = np.asarray(around.ambient_c, float) + ZERO_CELSIUS_K + lost * per_lost
+        faces = 1.0 + heat.underside_share
+        radiating = heat.emissivity * STEFAN_BOLTZMANN * kelvin**2
+        growth = 6.0 * radiating * per_lost
+        electric = power / (left * cell.mppt_efficiency)
+        radiation = 4.0 * radiating * kelvin - 2.0 * growth * lost - per_k * electric / faces
+        convection = float(around.convection)
+        brought = lost * (convection + radiation + growth * lost)
+        return cls(convection, lost, brought, radiation, growth, heat.transition_reynolds)
 
     def arrays(self) -> tuple[FloatArray, ...]:
         """Arrays of the shape of the power."""
@@ -84,8 +90,8 @@ class Cooling(NamedTuple):
         return self._replace(lost=lost, heat=heat, radiation=radiation, growth=growth)
 
     def scaled_to(self, faster: FloatArray) -> Cooling:
-        """Cooling of another light, whose power has a known factor in the last of ``FLOWS``."""
-        known = self.factor(FLOWS[-1] * self.convection) - 1.0
+        """Cooling of another light, whose power has a known factor in the ``FASTER`` flow."""
+        known = self.factor(FASTER * self.convection) - 1.0
         ratio = np.where(known > _LEAST_LOST, (faster - 1.0) / np.maximum(known, _LEAST_LOST), 1.0)
         ratio = np.maximum(ratio, _LEAST_LOST)
         lost, heat, radiation, growth = self.arrays()
@@ -106,9 +112,7 @@ _LEAST_LOST = 1e-6
 
 def balances_heat(mission: Mission) -> bool:
     """Whether the modules find their own temperature on a mission."""
-    return mission.air.module_temperature_c is None and bool(
-        np.any(thin_air_share(mission.altitude_m) > 0.0)
-    )
+    return mission.air.module_temperature_c is None
 
 
 def convection_of(
@@ -160,7 +164,6 @@ def surroundings(mission: Mission, convection: float) -> Surroundings:
         convection,
         float(pressure_ratio(mission.altitude_m)),
         EARTH_ALBEDO if albedo is None else albedo,
-        float(thin_air_share(mission.altitude_m)),
     )
 
 

@@ -296,8 +296,8 @@ def performance(
     ``step_h``: largest step of the time axis [h]; that of ``day`` if it is given. Returns arrays of
     the scenarios.
     """
-    sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     flown = design_of(aircraft, mission) if design is None else design
+    sunlit = solar_day(aircraft, mission, solar, step_h=step_h, design=flown) if day is None else day
     return _simulate(aircraft, mission, solar, flown, sunlit, keep_trajectory=keep_trajectory)
 
 
@@ -457,5 +457,7 @@ def perpetual_days(
     """
     every = np.arange(1, 366) if days is None else np.asarray(days_of_year(days), int)
     scenarios = Scenarios(np.full(len(every), float(latitude_deg)), every)
-    sunlit = solar_day(aircraft, mission, solar, scenarios=scenarios)
-    return every[performance(aircraft, mission, solar, day=sunlit).cycle.perpetual]
+    design = design_of(aircraft, mission)
+    sunlit = solar_day(aircraft, mission, solar, scenarios=scenarios, design=design)
+    flown = performance(aircraft, mission, solar, day=sunlit, design=design)
+    return every[flown.cycle.perpetual]

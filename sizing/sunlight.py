@@ -18,7 +18,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design
 from sizing.module_power import (
-    FLOWS,
+    FASTER,
     Cooling,
     airspeed_in_flight,
     balances_heat,
@@ -213,8 +213,9 @@ class Sunlight:
 
     Each model is evaluated once, however many days are asked of it; corrections only scale.
 
-    ``scenarios``: latitudes and days of the year; those of the mission by default. ``lowest``:
-    sunlight at the lowest level of a mission with climbs.
+    ``scenarios``: latitudes and days of the year; those of the mission by default. ``design``: whose
+    flow alone is asked for, else that of any design of the aircraft; with climbs it plays no part.
+    ``lowest``: sunlight at the lowest level of a mission with climbs.
     """
 
     def __init__(
@@ -224,9 +225,11 @@ class Sunlight:
         scenarios: Scenarios | None = None,
         *,
         step_h: float = DEFAULT_STEP_H,
+        design: Design | None = None,
         lowest: Sunlight | None = None,
     ) -> None:
         self.aircraft, self.mission = aircraft, mission
+        self._design = design if mission.climb is None else None
         self._lowest = self if lowest is None else lowest
         self.scenarios = mission.scenarios() if scenarios is None else scenarios
         self.time_h = day_axis_h(step_h)
@@ -238,6 +241,11 @@ class Sunlight:
         """Of the aircraft's own flow; none where modules do not balance their heat."""
         if not balances_heat(self.mission):
             return None
+        if self._design is not None:
+            transition = self.aircraft.modules.thermal.transition_reynolds
+            flow = float(convection_of(self._design, self.mission, transition, np.nan))
+            if np.isfinite(flow):
+                return flow
         low, here = (m.air_state().density_kg_per_m3 for m in (self._lowest.mission, self.mission))
         speed = self._lowest._airspeed_m_per_s * np.sqrt(low / here)
         return convection_in_flight(self.aircraft, self.mission, float(speed))
@@ -260,22 +268,21 @@ class Sunlight:
 
     def _cooling_of(self, model: ModelName) -> Cooling | None:
         """How the power changes with the flow; of VM and FM in the proportions of CAM."""
-        if self._convection is None or isinstance(self.aircraft.airframe, MeasuredAirframe):
+        if self._convection is None or self._design is not None:
             return None
-        own, transition = self._convection, self.aircraft.modules.thermal.transition_reynolds
+        if isinstance(self.aircraft.airframe, MeasuredAirframe):
+            return None
+        own = self._convection
         if model not in self._cooling and model in ATTITUDE_MODELS:
             known = self.modelled_power(model)
-            faster = self._in_flow(model, FLOWS[-1] * own) / np.where(known > 0.0, known, np.inf)
+            faster = self._in_flow(model, FASTER * own) / np.where(known > 0.0, known, np.inf)
             like = self._cooling_of("CAM")
             assert like is not None
             self._cooling[model] = like.scaled_to(faster)
         if model not in self._cooling:
-            powers = [
-                self.modelled_power(model) if flow == 1.0 else self._in_flow(model, flow * own)
-                for flow in FLOWS
-            ]
-            cold = self._in_flow(model, None)
-            self._cooling[model] = Cooling.through(cold, powers, own, transition)
+            cold, power = self._in_flow(model, None), self.modelled_power(model)
+            around = surroundings(self.mission, own)
+            self._cooling[model] = Cooling.of(cold, power, self.aircraft.modules, around)
         return self._cooling[model]
 
     def loiter_ratio(self, model: ModelName) -> FloatArray:
@@ -334,12 +341,13 @@ def solar_day(
     *,
     scenarios: Scenarios | None = None,
     step_h: float = DEFAULT_STEP_H,
+    design: Design | None = None,
 ) -> SolarDay:
     """Specific power of an aircraft's modules in the mission's (or other) scenarios.
 
     Parameters
     ----------
-    aircraft, mission, scenarios, step_h
+    aircraft, mission, scenarios, step_h, design
         As for :class:`Sunlight`.
     solar : SolarModel
         Solar power model and its correction.
@@ -355,7 +363,7 @@ def solar_day(
         If the model or its correction lacks the aircraft's module geometry or the mission's flight
         path, or the step is not between 1 s and 1 h.
     """
-    return Sunlight(aircraft, mission, scenarios, step_h=step_h).day(solar)
+    return Sunlight(aircraft, mission, scenarios, step_h=step_h, design=design).day(solar)
 
 
 def consecutive_days(

@@ -30,7 +30,7 @@ from sizing.energy.carried_days import carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
 from sizing.held_station import power_against_wind_w
 from sizing.mass_budget import design_of
-from sizing.module_power import FLOWS, Cooling, own_surroundings, surroundings
+from sizing.module_power import FASTER, Cooling, own_surroundings, surroundings
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel
 from sizing.sunlight_at_instants import Lit, power_in_light
 from sizing.varying_load import by_own_charge, load_shape
@@ -130,12 +130,14 @@ class WeatherDays:
             return None
         model = "CAM" if self.solar.model in ATTITUDE_MODELS else self.solar.model
         flat = replace(self, solar=replace(self.solar, model=model))
-        around = [surroundings(self.mission, part * flow.convection) for part in FLOWS]
-        cold, *powers = (flat._power_w_per_m2(sky, one) for one in (None, *around))
-        found = Cooling.through(cold, powers, flow.convection, flow.transition_reynolds)
+        around = surroundings(self.mission, flow.convection)
+        cold, power = (flat._power_w_per_m2(sky, one) for one in (None, around))
+        of_nodes = around._replace(ambient_c=self.ambient_c[self.axis.nodes])
+        found = Cooling.of(cold, power, self.aircraft.modules, of_nodes)
         if model == self.solar.model:
             return found
-        own, faster = (self._power_w_per_m2(sky, one) for one in around[1:])
+        flows = (around, around._replace(convection=FASTER * flow.convection))
+        own, faster = (self._power_w_per_m2(sky, one) for one in flows)
         return found.scaled_to(faster / np.where(own > 0.0, own, np.inf))
 
     @cached_property
@@ -297,12 +299,6 @@ class WeatherPerformance:
         """Mean temperature of the air of each day, the record's if it has one [C]."""
         ambient, _ = _temperatures_c(self.mission, self.light)
         return np.asarray(np.mean(ambient[self.recorded.axis.nodes], axis=1))
-
-    @property
-    def module_temperature_c(self) -> FloatArray:
-        """Temperature of the modules at the nodes of each day [C]; FM has its own."""
-        _, module = _temperatures_c(self.mission, self.light)
-        return np.asarray(module[self.recorded.axis.nodes])
 
 
 def weather_performance(

@@ -164,15 +164,14 @@ def full_model(
     at_25_c = (useful * low_light) @ shares * cell.efficiency_stc
     falling = light @ shares
     ambient_c = np.asarray(ambient_temperature_c, float)
-    power, temperature = _balanced_power(at_25_c, cell, ambient_c)
-    if surroundings is not None:
-        balanced = balanced_temperature_c(
-            falling, at_25_c, irradiance, -sun[..., 2], cell, surroundings
-        )
-        temperature = temperature + surroundings.share * (balanced - temperature)
-        before = at_25_c * cell.temperature_efficiency(temperature)
-        power = before * cell.mppt_efficiency_at(before / cell.full_load_w_per_m2)
-    before_mppt = at_25_c * cell.temperature_efficiency(temperature)
+    if surroundings is None:
+        power, temperature = _balanced_power(at_25_c, cell, ambient_c)
+        before_mppt = at_25_c * cell.temperature_efficiency(temperature)
+    else:
+        level = global_horizontal(irradiance, -sun[..., 2])
+        temperature = balanced_temperature_c(falling, level, at_25_c, cell, surroundings)
+        before_mppt = at_25_c * cell.temperature_efficiency(temperature)
+        power = before_mppt * cell.mppt_efficiency_at(before_mppt / cell.full_load_w_per_m2)
     return ModulePower(
         specific_power_w_per_m2=power,
         irradiance_w_per_m2=falling,

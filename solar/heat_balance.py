@@ -1,4 +1,4 @@
-"""Temperature of solar modules in thin air, by a balance of heat.
+"""Temperature of solar modules in flight, by a balance of heat.
 
 Light that is absorbed, less the electric power, leaves by radiation and by convection from both
 faces of the wing::
@@ -20,8 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solar.clearsky import Irradiance, global_horizontal
-from solar.modules import STC_TEMPERATURE_C, SolarCell
+from solar.modules import SolarCell
 from solar.types import FloatArray
 
 STEFAN_BOLTZMANN = 5.670374e-8  # [W/(m2 K4)]
@@ -33,9 +32,8 @@ ZERO_CELSIUS_K = 273.15
 _UP_AT_SURFACE, _UP_AT_TOP, _DOWN_AT_SURFACE = 396.0, 239.0, 333.0
 EARTH_ALBEDO = 0.30
 
-# Newton's rule doubles the digits each time and begins within 100 K.
-_ROUNDS = 8
-_TOLERANCE_K = 1e-9
+_ROUNDS = 2
+_COMMON_LIGHT = 400.0  # [W/m2]
 
 
 class Surroundings(NamedTuple):
@@ -43,15 +41,12 @@ class Surroundings(NamedTuple):
 
     ``ambient_c``: temperature of the air [C]. ``convection``: of one face [W/(m2 K)].
     ``relative_pressure``: pressure over that at sea level [-]. ``albedo``: of the earth below [-].
-    ``share``: how much of the balance counts [-]; with 0 the modules have the temperature of the
-    air, or that of the model's own rule.
     """
 
     ambient_c: ArrayLike
     convection: ArrayLike
     relative_pressure: ArrayLike
     albedo: float = EARTH_ALBEDO
-    share: float = 1.0
 
 
 def long_wave_w_per_m2(relative_pressure: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -66,9 +61,8 @@ def long_wave_w_per_m2(relative_pressure: ArrayLike) -> tuple[FloatArray, FloatA
 
 def balanced_temperature_c(
     light_w_per_m2: ArrayLike,
+    level_light_w_per_m2: ArrayLike,
     electric_at_25_c: ArrayLike,
-    level_light: Irradiance,
-    cos_zenith: ArrayLike,
     cell: SolarCell,
     surroundings: Surroundings,
 ) -> FloatArray:
@@ -78,16 +72,14 @@ def balanced_temperature_c(
     ----------
     light_w_per_m2 : array_like
         Light on the modules [W/m2].
+    level_light_w_per_m2 : array_like
+        Light on a level surface [W/m2]; the earth reflects it.
     electric_at_25_c : array_like
         Electric power per area of the modules before the MPPT if they had 25 C [W/m2].
-    level_light : Irradiance
-        Direct normal and diffuse horizontal light [W/m2]; the earth reflects it.
-    cos_zenith : array_like
-        Cosine of the sun's zenith angle [-].
     cell : SolarCell
         With what its record says of heat.
     surroundings : Surroundings
-        Air and radiation; ``share`` plays no part.
+        Air and radiation.
 
     Returns
     -------
@@ -95,28 +87,44 @@ def balanced_temperature_c(
         Temperature [C], broadcast shape of the arguments.
     """
     thermal, around = cell.thermal, surroundings
-    faces = 1.0 + thermal.underside_share
+    share, per_k = thermal.underside_share, cell.temperature_coefficient_per_k
+    radiating = thermal.emissivity * (1.0 + share) * STEFAN_BOLTZMANN
+    convected = np.asarray(around.convection, float) * (1.0 + share)
+    air_c = np.asarray(around.ambient_c, float)
+    air_k = air_c + ZERO_CELSIUS_K
+    # Modules in common light, around whose temperature the radiation is a polynomial.
+    warmer_k = thermal.absorptance * _COMMON_LIGHT / (convected + 4.0 * radiating * air_k**3)
+    kelvin = air_k + warmer_k
     down, up = long_wave_w_per_m2(around.relative_pressure)
-    air_k = np.asarray(around.ambient_c, float) + ZERO_CELSIUS_K
-    reflected = around.albedo * global_horizontal(level_light, cos_zenith)
+    unlit = thermal.emissivity * (down + share * up) - radiating * kelvin**4 - convected * warmer_k
     electric = np.asarray(electric_at_25_c, float)
-    convected = np.asarray(around.convection, float) * faces
-    brought = (
-        thermal.absorptance * np.asarray(light_w_per_m2, float)
-        + thermal.underside_share * thermal.underside_absorptance * reflected
-        + thermal.emissivity * (down + thermal.underside_share * up)
-        + convected * air_k
-    )
-    radiating = thermal.emissivity * faces * STEFAN_BOLTZMANN
-    reference_k, per_k = STC_TEMPERATURE_C + ZERO_CELSIUS_K, cell.temperature_coefficient_per_k
-    kelvin = air_k + np.zeros(np.shape(brought - electric))
+    reflected = share * thermal.underside_absorptance * around.albedo
+    second, third, fourth = (radiating * c for c in (6.0 * kelvin**2, 4.0 * kelvin, 1.0))
+    # Heat that is left there, and what each kelvin takes of it. In place, as this is computed more
+    # often than most.
+    left = thermal.absorptance * np.asarray(light_w_per_m2, float) + unlit
+    left = left + reflected * np.asarray(level_light_w_per_m2, float)
+    left = left - cell.temperature_efficiency(air_c + warmer_k) * electric
+    root = (convected + 4.0 * radiating * kelvin**3) - per_k * electric
+    # The root of the parabola that stays finite without bend.
+    change = np.maximum(root * root + (4.0 * second) * left, 0.0)
+    change = 2.0 * left / (root + np.sqrt(change))
+    # And steps of Newton's rule, each point by itself.
     for _ in range(_ROUNDS):
-        power = electric * (1.0 - per_k * (kelvin - reference_k))
-        cubed = radiating * kelvin**3
-        step = (brought - power - cubed * kelvin - convected * kelvin) / (
-            4.0 * cubed + convected - electric * per_k
-        )
-        kelvin = kelvin + step
-        if np.max(np.abs(step), initial=0.0) <= _TOLERANCE_K:
-            break
-    return np.asarray(kelvin - ZERO_CELSIUS_K)
+        slope = (4.0 * fourth) * change
+        slope += 3.0 * third
+        slope *= change
+        slope += 2.0 * second
+        slope *= change
+        slope += root
+        lost = fourth * change
+        lost += third
+        lost *= change
+        lost += second
+        lost *= change
+        lost += root
+        lost *= change
+        lost -= left
+        lost /= slope
+        change -= lost
+    return np.asarray(change + (air_c + warmer_k))

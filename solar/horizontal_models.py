@@ -189,18 +189,20 @@ def in_surroundings(
 ) -> PowerModel:
     """Same model with modules as warm as light and surroundings make them.
 
-    ``cos_zenith``: that of the sun, of modules that are not horizontal.
+    ``convert``: CDM or CAM, whose power goes with the component efficiency of the temperature; the
+    temperature that is given plays no part. ``cos_zenith``: that of the sun, of modules that are
+    not horizontal.
     """
 
     def power(
         irradiance: Irradiance, cos_aoi: ArrayLike, cell: SolarCell, module_c: ArrayLike
     ) -> FloatArray:
+        at_25_c = convert(irradiance, cos_aoi, cell, STC_TEMPERATURE_C)
         light = global_horizontal(irradiance, cos_aoi)
-        electric = convert(irradiance, cos_aoi, cell, STC_TEMPERATURE_C) / cell.mppt_efficiency
-        zenith = cos_aoi if cos_zenith is None else cos_zenith
-        balanced = balanced_temperature_c(light, electric, irradiance, zenith, cell, around)
-        warmer_k = around.share * (balanced - np.asarray(around.ambient_c, float))
-        return convert(irradiance, cos_aoi, cell, np.asarray(module_c, float) + warmer_k)
+        level = light if cos_zenith is None else global_horizontal(irradiance, cos_zenith)
+        electric = at_25_c / cell.mppt_efficiency
+        balanced_c = balanced_temperature_c(light, level, electric, cell, around)
+        return at_25_c * cell.temperature_efficiency(balanced_c)
 
     return power
 

@@ -45,7 +45,8 @@ class AltitudeFlight:
     """Flight at one altitude in the scenario with the least excess time there.
 
     Power is electric; ``airspeed_m_per_s`` is NaN where unknown, and for an aircraft that cannot
-    carry itself all but altitude, air density and excess time (-24 h) is NaN. ``extrapolations``
+    carry itself all but altitude, air density and excess time (-24 h) is NaN. Module temperature is
+    what the mission gives, NaN where they find their own. ``extrapolations``
     tell what lies outside the range of a model. ``reason``: why it cannot fly there at all.
     ``maximum_altitude_m``: highest altitude of the day; None without climbs, of which all else but
     the cycle is at the night's floor.
@@ -187,6 +188,7 @@ def flight_at_altitude(
         )
     worst, cycle, design = result.worst_scenario(), result.cycle, result.design
     airspeed, highest_m = design.airspeed_m_per_s, result.maximum_altitude_m
+    given_c = there.air.module_temperature_c
     return AltitudeFlight(
         altitude_m=altitude_m,
         excess_time_h=float(cycle.excess_time_h[worst]),
@@ -196,7 +198,7 @@ def flight_at_altitude(
         load_energy_wh=float(cycle.energy_budget.load_wh[worst]),
         airspeed_m_per_s=nan if airspeed is None else float(airspeed),
         density_kg_per_m3=density_kg_per_m3,
-        module_temperature_c=there.module_temperature_c(),
+        module_temperature_c=nan if given_c is None else given_c,
         worst_scenario=worst,
         extrapolations=extrapolations(aircraft, result),
         maximum_altitude_m=None if highest_m is None else float(highest_m[worst]),

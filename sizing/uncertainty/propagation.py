@@ -8,6 +8,7 @@ once.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
 from sizing.mass_budget import design_of, lightest_mass_kg, measured_design
+from sizing.module_power import balances_heat
 from sizing.parameters import with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.part_load import PartLoad
@@ -355,8 +357,9 @@ class Propagation:
         clearness, ``c`` from the camber, ``f`` from the efficiency of diffuse light.
         """
         was, now = self.aircraft.modules, case.aircraft.modules
-        warm_was = was.temperature_efficiency(nominal.module_temperature_c())
-        warm = now.temperature_efficiency(drawn.module_temperature_c())
+        warmer_k = self._warmer_k
+        warm_was = was.temperature_efficiency(nominal.module_temperature_c() + warmer_k)
+        warm = now.temperature_efficiency(drawn.module_temperature_c() + warmer_k)
         k = (
             case.solar_factor
             * (now.efficiency_stc / was.efficiency_stc)
@@ -371,6 +374,22 @@ class Propagation:
         if camber.ndim == 0 and diffuse.ndim == 0:
             return np.asarray(k), None
         return np.asarray(k * diffuse), np.asarray(k * (camber - diffuse))
+
+    @cached_property
+    def _warmer_k(self) -> float:
+        """Modules above the air where they find their own temperature, weighted by power [K]."""
+        modules, mission = self.aircraft.modules, self.mission
+        if not balances_heat(mission) or not modules.temperature_coefficient_per_k:
+            return 0.0
+        air_c = mission.module_temperature_c()
+        air = mission.air.model_copy(update={"module_temperature_c": air_c})
+        as_cold = mission.model_copy(update={"air": air, "climb": None})
+        scenarios, step_h = self.day.scenarios, float(self.day.time_h[1])
+        cold = solar_day(self.aircraft, as_cold, self.solar, scenarios=scenarios, step_h=step_h)
+        warm_w, cold_w = (float(d.specific_power_w_per_m2.sum()) for d in (self.day, cold))
+        lost = 1.0 - warm_w / cold_w if cold_w > 0.0 else 0.0
+        at_air = float(modules.temperature_efficiency(air_c))
+        return lost * at_air / modules.temperature_coefficient_per_k
 
     def _direct_day(self) -> SolarDay:
         """Day with the direct part of the nominal specific power."""

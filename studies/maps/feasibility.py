@@ -262,8 +262,11 @@ def _flown_cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str,
 
 def _fly(configuration: MapConfiguration, cells: Scenarios) -> Performance:
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
-    sunlit = solar_day(aircraft, mission, solar, scenarios=cells)
-    return performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False)
+    design = design_of(aircraft, mission)
+    sunlit = solar_day(aircraft, mission, solar, scenarios=cells, design=design)
+    return performance(
+        aircraft, mission, solar, day=sunlit, keep_trajectory=False, design=design
+    )
 
 
 def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:

@@ -66,8 +66,11 @@ class Miss:
 
 
 def _air(trial: Trial, celsius: float) -> Trial:
-    update = {"ambient_temperature_c": celsius, "module_temperature_c": celsius}
-    return trial.with_mission(air=trial.mission.air.model_copy(update=update))
+    air = trial.mission.air
+    update = {"ambient_temperature_c": celsius}
+    if air.module_temperature_c is not None:
+        update["module_temperature_c"] = celsius
+    return trial.with_mission(air=air.model_copy(update=update))
 
 
 def _turbulence(trial: Trial, **keys: float) -> Trial:

@@ -35,7 +35,7 @@ class Condition:
 
 
 def _both_c(celsius: float) -> str:
-    return f"air={{ambient_temperature_c: {celsius}, module_temperature_c: {celsius}}}"
+    return f"air={{ambient_temperature_c: {celsius}}}"
 
 
 CONDITIONS = (
