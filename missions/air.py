@@ -134,13 +134,13 @@ def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
     )
 
 
-# Below the lower altitude measured models of the ground hold as they are; from the upper one on the
-# balance of heat has taken over. Published results are of lower flights; assumption.
+# Batteries of published flights had no heater below the lower altitude; from the upper one on it is
+# counted in full. Assumption.
 _GROUND_UP_TO_M, _THIN_FROM_M = 3000.0, 4000.0
 
 
 def thin_air_share(altitude_m: ArrayLike) -> FloatArray:
-    """How much the heat balances of thin air count: 0 up to 3 km, 1 from 4 km, without a kink."""
+    """How much of a battery's heater is assumed: 0 up to 3 km, 1 from 4 km, without a kink."""
     way = (np.asarray(altitude_m, float) - _GROUND_UP_TO_M) / (_THIN_FROM_M - _GROUND_UP_TO_M)
     way = np.clip(way, 0.0, 1.0)
     return np.asarray(way * way * (3.0 - 2.0 * way))

@@ -76,7 +76,7 @@ class Cooling(NamedTuple):
         growth = 6.0 * radiating * per_lost
         electric = power / (left * cell.mppt_efficiency)
         radiation = 4.0 * radiating * kelvin - 2.0 * growth * lost - per_k * electric / faces
-        convection = float(around.convection)
+        convection = float(np.asarray(around.convection))
         brought = lost * (convection + radiation + growth * lost)
         return cls(convection, lost, brought, radiation, growth, heat.transition_reynolds)
 

@@ -297,7 +297,9 @@ def performance(
     the scenarios.
     """
     flown = design_of(aircraft, mission) if design is None else design
-    sunlit = solar_day(aircraft, mission, solar, step_h=step_h, design=flown) if day is None else day
+    sunlit = (
+        solar_day(aircraft, mission, solar, step_h=step_h, design=flown) if day is None else day
+    )
     return _simulate(aircraft, mission, solar, flown, sunlit, keep_trajectory=keep_trajectory)
 
 

@@ -213,9 +213,9 @@ class Sunlight:
 
     Each model is evaluated once, however many days are asked of it; corrections only scale.
 
-    ``scenarios``: latitudes and days of the year; those of the mission by default. ``design``: whose
-    flow alone is asked for, else that of any design of the aircraft; with climbs it plays no part.
-    ``lowest``: sunlight at the lowest level of a mission with climbs.
+    ``scenarios``: latitudes and days of the year; those of the mission by default. ``design``: of
+    whose flow alone the power is, else of any design's; with climbs it plays no part. ``lowest``:
+    sunlight at the lowest level of a mission with climbs.
     """
 
     def __init__(

@@ -195,7 +195,7 @@ def shipped_curve(name: str) -> Curve:
 
 
 class ModuleHeat(Record):
-    """What heats and cools a module in thin air: see :mod:`solar.heat_balance`.
+    """What heats and cools a module: see :mod:`solar.heat_balance`.
 
     ``absorptance`` of light: Mermoud & Wittmer, PVsyst User's Manual, array thermal losses.
     ``emissivity``: Driesse, Stein & Theristis (2022), Improving common PV module temperature models
@@ -226,8 +226,9 @@ class SolarCell(Record):
     models use the former, the Full Model the latter. ``rated_power_w_per_m2`` is the power at which
     the modules are ``temperature_rise_k`` warmer than the air and to which the MPPT's load is
     related; left out it is that of AS-2 (265 W of 1.35 m2, 12 K) in proportion to the efficiency,
-    because modules heat up by the light, not by the power they make of it. High up a balance of
-    heat takes its place, with what ``thermal`` says.
+    because modules heat up by the light, not by the power they make of it. A balance of heat with
+    what ``thermal`` says takes the place of ``temperature_rise_k`` on missions that give no
+    temperature of the modules.
     """
 
     efficiency_stc: Annotated[Fraction, Field(le=HIGHEST_EFFICIENCY)] = 0.237

@@ -264,9 +264,7 @@ def _fly(configuration: MapConfiguration, cells: Scenarios) -> Performance:
     aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
     design = design_of(aircraft, mission)
     sunlit = solar_day(aircraft, mission, solar, scenarios=cells, design=design)
-    return performance(
-        aircraft, mission, solar, day=sunlit, keep_trajectory=False, design=design
-    )
+    return performance(aircraft, mission, solar, day=sunlit, keep_trajectory=False, design=design)
 
 
 def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:

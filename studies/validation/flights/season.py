@@ -34,7 +34,7 @@ class Condition:
     solar: SolarModel = UNCORRECTED_CAM
 
 
-def _both_c(celsius: float) -> str:
+def _air_c(celsius: float) -> str:
     return f"air={{ambient_temperature_c: {celsius}}}"
 
 
@@ -46,10 +46,10 @@ CONDITIONS = (
         Condition(f"{100 * k:g} % more propulsion power", (f"turbulence.all_day={k}",))
         for k in (0.1, 0.2, 0.3)
     ),
-    *(Condition(f"air and modules {c:g} °C", (_both_c(c),)) for c in (0.0, 10.0, 20.0)),
+    *(Condition(f"air {c:g} °C", (_air_c(c),)) for c in (0.0, 10.0, 20.0)),
     Condition("5 h of excess time required", ("required_excess_time_h=5",)),
     Condition("clearness 0.9, 10 % more power", ("clearness=0.9", "turbulence.all_day=0.1")),
-    Condition("the same at 10 °C", ("clearness=0.9", "turbulence.all_day=0.1", _both_c(10.0))),
+    Condition("the same at 10 °C", ("clearness=0.9", "turbulence.all_day=0.1", _air_c(10.0))),
 )
 
 
