@@ -10,6 +10,14 @@ Built on :mod:`solar` only.
 
 import lazy_loader
 
-from solar._version import __version__ as __version__
+try:
+    from solar._version import __version__ as __version__
+except ModuleNotFoundError as error:  # such as a script of that name beside the user's own
+    import solar
+
+    raise ImportError(
+        f"{solar.__file__} hides the package 'solar' of solar-uav-sizing: give that file another "
+        "name"
+    ) from error
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

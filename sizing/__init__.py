@@ -11,6 +11,6 @@ Built on :mod:`missions` and :mod:`solar`.
 
 import lazy_loader
 
-from solar._version import __version__ as __version__
+from missions import __version__ as __version__
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -16,6 +16,6 @@ The topmost layer and the only one that draws, prints or parses a command line. 
 
 import lazy_loader
 
-from solar._version import __version__ as __version__
+from sizing import __version__ as __version__
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -15,6 +15,7 @@ from sizing.altitude.best_climb import BestClimb, best_climb
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
+from sizing.design import Design
 from sizing.energy.endurance import Endurance, LimitedFlight
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance, performance_after_days
@@ -118,10 +119,18 @@ class Analysis(Result):
     solar_energy_wh = q.attribute_in_worst(q.SOLAR_ENERGY)
     load_energy_wh = q.attribute_in_worst(q.LOAD_ENERGY)
     curtailed_energy_wh = q.attribute_in_worst(q.CURTAILED_ENERGY)
+    wingspan_m = q.attribute_of_design(q.WINGSPAN)
+    battery_mass_kg = q.attribute_of_design(q.BATTERY_MASS)
+    module_area_m2 = q.attribute_of_design(q.MODULE_AREA)
     total_mass_kg = q.attribute_of_design(q.TOTAL_MASS)
     battery_energy_wh = q.attribute_of_design(q.BATTERY_ENERGY)
     propulsion_power_w = q.attribute_of_design(q.PROPULSION_POWER)
     airspeed_m_per_s = q.attribute_of_design(q.AIRSPEED)
+
+    @property
+    def design(self) -> Design:
+        """Masses and power of the aircraft."""
+        return self.performance.design
 
     @property
     def is_perpetual(self) -> bool:

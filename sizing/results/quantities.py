@@ -7,6 +7,7 @@ a design may also be bounded by is in :data:`sizing.limits.QUANTITIES` as well.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
@@ -79,11 +80,13 @@ def attribute_in_worst(one: Quantity) -> property:
 
 
 def attribute_of_design(one: Quantity) -> property:
-    """Attribute of an analysis: the quantity of its design."""
-    return property(
-        lambda analysis: design_record(analysis.performance.design, [one])[one.name],
-        doc=f"{one.meaning or one.label} [{one.unit}].",
-    )
+    """Attribute of an analysis or a sizing: the quantity of its design, NaN without one."""
+
+    def value(result: Any) -> float | None:
+        design = result.design
+        return math.nan if design is None else design_record(design, [one])[one.name]
+
+    return property(value, doc=f"{one.meaning or one.label} [{one.unit}].")
 
 
 def _of_design(key: str, form: str, path: str = "", meaning: str = "") -> Quantity:

@@ -12,6 +12,7 @@ from missions.dates import date_label
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.mass_budget import check_own_models
 from sizing.parameters import unit_text
 from sizing.results.tables import MISSING, UNLIMITED
 from solar.schema import Record
@@ -44,6 +45,8 @@ def check_subjects(aircraft: object, mission: object) -> None:
                 "reads one"
             )
         _check_copies(thing)
+    if isinstance(aircraft, Aircraft) and isinstance(mission, Mission):
+        check_own_models(aircraft, mission)
 
 
 def _check_copies(record: Record) -> None:

@@ -11,6 +11,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import DesignVariables
 from sizing.margins.probability import check_reliability, size_reliably
+from sizing.mass_budget import check_own_models
 from sizing.module_power import balances_heat
 from sizing.optimisation.altitudes import with_best_altitudes
 from sizing.optimisation.coverage import widest_range
@@ -182,6 +183,8 @@ def study_of(
 ) -> SizingStudy:
     """Sizing with its optimum under the model's error, and without the mission's margins."""
     given = (aircraft, mission, result, solar)
+    if result.design is not None:
+        check_own_models(aircraft, mission, result.design)
     low, high = _under_model_error(*given)
     plain = _without_margins_of(*given)
     return SizingStudy(

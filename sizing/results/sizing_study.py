@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -108,6 +109,17 @@ class SizingStudy(Result):
     builds: tuple[BuiltDesign, ...] = ()
 
     renderer = "sizing.results.sizing_summary"
+
+    wingspan_m = q.attribute_of_design(q.WINGSPAN)
+    battery_mass_kg = q.attribute_of_design(q.BATTERY_MASS)
+    module_area_m2 = q.attribute_of_design(q.MODULE_AREA)
+    total_mass_kg = q.attribute_of_design(q.TOTAL_MASS)
+
+    @property
+    def excess_time_h(self) -> float:
+        """Excess time of the optimum in its worst scenario [h]; NaN without one."""
+        flown = self.result.simulated
+        return math.nan if flown is None else float(np.min(flown.cycle.excess_time_h))
 
     @property
     def status(self) -> SizingStatus:

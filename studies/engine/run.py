@@ -82,17 +82,24 @@ class ComputationError(RuntimeError):
 
 
 def compute(
-    job: Job, workers: int | None = 1, progress: Progress | None = None, unit: str = "cells"
+    job: Job,
+    workers: int | None = 1,
+    progress: Progress | None = None,
+    unit: str = "cells",
+    scheduler: str | None = None,
 ) -> Outcome:
     """Compute a job in memory, for callers in Python.
 
     ``workers``: processes that compute: 1 starts none, None as many as there are cores where that
-    pays. ``progress``: called with the cells done and the cells in all. Returns a warning tells how
-    many cells failed, if any did.
+    pays. ``progress``: called with the cells done and the cells in all. ``scheduler``: that of
+    dask, with the workers that were started for it, or ``local-cluster``. A warning tells how many
+    cells failed, if any did.
     """
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, or None (got {workers})")
-    outcome = run(job, pool_of(workers), progress=progress)
+    if scheduler not in (None, "local-cluster") and "://" not in scheduler:
+        raise ValueError(f"scheduler must be tcp://HOST:PORT or local-cluster (got {scheduler!r})")
+    outcome = run(job, pool_of(workers, scheduler), progress=progress)
     trouble = outcome.trouble(unit)
     if outcome.all_failed:
         raise ComputationError(trouble)

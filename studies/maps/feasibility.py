@@ -15,7 +15,7 @@ from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.cycle import ENDS, Status
-from sizing.mass_budget import design_of
+from sizing.mass_budget import check_own_models, design_of
 from sizing.performance import Performance, performance
 from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from sizing.sunlight import SolarModel, solar_day
@@ -66,6 +66,7 @@ def feasibility_map(
     correction: CorrectionName = "none",
     endurance: bool = False,
     workers: int | None = 1,
+    scheduler: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Metrics of the repeated day in every cell of latitude and day.
@@ -93,6 +94,9 @@ def feasibility_map(
         Processes that compute: 1 starts none, None as many as there are cores where that pays. The
         result is the same to the last bit. A script that starts workers needs
         ``if __name__ == "__main__":``.
+    scheduler : str, optional
+        Dask's scheduler that computes instead, ``tcp://HOST:PORT`` with its own workers, or
+        ``local-cluster`` with ``workers`` of this machine.
     progress : callable, optional
         Called with the cells done and the cells in all.
 
@@ -112,7 +116,7 @@ def feasibility_map(
         If every cell failed.
     """
     study = prepare(aircraft, mission, latitudes, days, SolarModel(model, correction), endurance)
-    return study.dataset(compute(study.job, workers, progress))
+    return study.dataset(compute(study.job, workers, progress, scheduler=scheduler))
 
 
 def prepare(
@@ -124,6 +128,7 @@ def prepare(
     endurance: bool = False,
 ) -> GridStudy:
     """Check a map and divide it into chunks."""
+    check_own_models(aircraft, mission)
     climbs = mission.climb is not None
     grid = Grid.of(latitudes, days, slow=solar.needs_path or endurance or climbs)
     if solar.needs_path or mission.holds_station:

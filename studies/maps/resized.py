@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.mass_budget import check_own_models
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.sunlight import SolarModel
 from sizing.validity.extrapolations import with_worth
@@ -47,6 +48,7 @@ def resized_map(
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
     workers: int | None = 1,
+    scheduler: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Best design in every cell of latitude and day.
@@ -76,6 +78,9 @@ def resized_map(
         Processes that compute: 1 starts none, None as many as there are cores where that pays. The
         result is the same to the last bit. A script that starts workers needs
         ``if __name__ == "__main__":``.
+    scheduler : str, optional
+        Dask's scheduler that computes instead, ``tcp://HOST:PORT`` with its own workers, or
+        ``local-cluster`` with ``workers`` of this machine.
     progress : callable, optional
         Called with the cells done and the cells in all.
 
@@ -102,7 +107,7 @@ def resized_map(
         )
     solar = SolarModel(model, correction)
     study = prepare(aircraft, mission, objective, latitudes, days, solar)
-    return study.dataset(compute(study.job, workers, progress))
+    return study.dataset(compute(study.job, workers, progress, scheduler=scheduler))
 
 
 def prepare(
@@ -117,6 +122,7 @@ def prepare(
     goal = resize_objective(objective)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
+    check_own_models(aircraft, mission)
     grid = Grid.of(latitudes, days, slow=True)
     grid.check_winds(mission)
     numbers = grid.chunks(_SIZING_S + cell_time_s(aircraft, mission, solar))

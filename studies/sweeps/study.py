@@ -24,6 +24,7 @@ from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.energy.cycle import ENDS, Status
+from sizing.mass_budget import check_own_models
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.parameters import MISSION_PREFIX
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
@@ -95,6 +96,7 @@ def sweep(
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
     workers: int | None = 1,
+    scheduler: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Compute a trade study.
@@ -128,6 +130,9 @@ def sweep(
         Processes that compute: 1 starts none, None as many as there are cores where that pays. The
         result is the same to the last bit. A script that starts workers needs
         ``if __name__ == "__main__":``.
+    scheduler : str, optional
+        Dask's scheduler that computes instead, ``tcp://HOST:PORT`` with its own workers, or
+        ``local-cluster`` with ``workers`` of this machine.
     progress : callable, optional
         Called with the points done and the points in all.
 
@@ -159,7 +164,7 @@ def sweep(
         resize=resize,
         cover=cover,
     )
-    return dataset(study, compute(study.job, workers, progress, "points"))
+    return dataset(study, compute(study.job, workers, progress, "points", scheduler))
 
 
 def prepare(
@@ -184,6 +189,7 @@ def prepare(
     """
     if sample not in SAMPLE_NAMES:
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
+    check_own_models(aircraft, mission)
     objective = None if resize is None else resize_objective(resize)
     files = _Files(aircraft, mission, {axis.key: axis.names for axis in axes if axis.names})
     _check_request(files, axes, objective, cover, combined=sample != "one-at-a-time")

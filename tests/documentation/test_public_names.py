@@ -7,6 +7,7 @@ import inspect
 import pkgutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -36,3 +37,12 @@ def test_importing_the_packages_imports_nothing_heavy() -> None:
     code = f"import {', '.join(PACKAGES)}, sys; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"numpy", "casadi", "pandas", "xarray", "matplotlib"} & set(done.stdout.split())
+
+
+@pytest.mark.parametrize("package", ["missions", "sizing", "studies"])
+def test_a_file_of_the_users_that_hides_the_package_is_named(tmp_path: Path, package: str) -> None:
+    (tmp_path / "solar.py").write_text("power = 1\n", encoding="utf-8")
+    script = tmp_path / "mine.py"
+    script.write_text(f"import {package}\n", encoding="utf-8")
+    ran = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert f"ImportError: {tmp_path / 'solar.py'} hides the package 'solar'" in ran.stderr

@@ -10,6 +10,7 @@ import pytest
 
 import missions
 import sizing
+import studies
 from missions import InputError
 
 MISSION = missions.load_mission("central-europe-summer", {"required_excess_time_h": 3.0})
@@ -153,3 +154,48 @@ def test_a_name_that_nobody_registered_is_refused(key: str, value: Any) -> None:
 def test_a_name_is_taken_once() -> None:
     with pytest.raises(ValueError, match="there is a drag model own polar already"):
         sizing.register_drag("own polar", _drag)
+
+
+_BAD = {
+    "structure": (sizing.register_structure, "structure", lambda inputs: -1.0),
+    "structure of NaN": (sizing.register_structure, "structure", lambda inputs: float("nan")),
+    "drag": (sizing.register_drag, "aerodynamics", lambda lift, ratio, reynolds: -0.02),
+    "propulsion_mass": (sizing.register_propulsion_mass, "mass_model", lambda rated_w: -0.1),
+    "propulsion_efficiency": (
+        sizing.register_propulsion_efficiency,
+        "efficiency_model",
+        lambda power_w, airspeed, density: 62.0,  # per cent
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", _BAD)
+def test_functions_that_give_what_cannot_be_are_named(kind: str) -> None:
+    register, key, function = _BAD[kind]
+    name = f"bad {kind}"
+    register(name, function)
+    value: Any = {"model": "own", "name": name}
+    if key == "aerodynamics":
+        value |= {"lift_coefficient": 1.0, "maximum_lift_coefficient": 1.4}
+    key = f"propulsion.{key}" if key.endswith("model") else key
+    value = name if key.startswith("propulsion") else value
+    aircraft = sizing.load_aircraft(NAME, {f"airframe.{key}": value})
+    told = rf"function '{name}' of sizing\.{register.__name__} gives .* must be above 0"
+    for study in (
+        lambda: sizing.analyse(aircraft, MISSION),
+        lambda: sizing.size(aircraft, MISSION),
+        lambda: studies.sweep(aircraft, MISSION, {"battery_mass_kg": [2.0, 3.0]}),
+        lambda: studies.feasibility_map(aircraft, MISSION, latitudes=[45], days=[170]),
+    ):
+        with pytest.raises(ValueError, match=told):
+            study()
+
+
+def test_analyses_and_sizings_have_the_same_names_for_the_design() -> None:
+    found = sizing.size(sizing.load_aircraft(NAME), MISSION)
+    flown = sizing.analyse(found.sized_aircraft(), MISSION)
+    for name in ("wingspan_m", "battery_mass_kg", "module_area_m2", "total_mass_kg"):
+        assert getattr(found, name) == pytest.approx(getattr(flown, name), rel=1e-9)
+    assert found.excess_time_h == pytest.approx(flown.excess_time_h, abs=1e-6)
+    none = sizing.size(sizing.load_aircraft(NAME, {"modules.efficiency_stc": 0.005}), MISSION)
+    assert np.isnan([none.wingspan_m, none.total_mass_kg, none.excess_time_h]).all()
