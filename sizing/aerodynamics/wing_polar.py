@@ -79,6 +79,8 @@ class WingPolar(Record):
       length and wetted area with a form factor (Raymer, D. P., Aircraft Design, section 12.5).
     * Other: whatever the build-up misses, such as interference, gaps, antennas, sensors.
 
+    ``maximum_lift_factor`` is what gaps, roughness and cells leave of the section's greatest lift.
+
     A lift coefficient of null means the best one: least power of level flight at the design point,
     no slower than ``stall_margin`` times the stall speed. Like a given one it stays the same for
     whatever aircraft is sized. ``design_reynolds`` is the Reynolds number at ``C_L = 1``: at one
@@ -95,6 +97,7 @@ class WingPolar(Record):
     lift_coefficient: LiftCoefficient | None = None
     stall_margin: Annotated[float, Strict(), Field(ge=1.0, allow_inf_nan=False)] = 1.1
     section_lift_ratio: PositiveReal = 1.05
+    maximum_lift_factor: Fraction = 1.0
     span_efficiency: Fraction = 0.92
     tail_area_ratio: NonNegativeReal = (0.35 + 0.045) / 4.0
     tail_chord_ratio: PositiveReal = 0.57
@@ -192,7 +195,8 @@ class WingPolar(Record):
         # Maximum lift hardly changes with the Reynolds number, so that this settles at once.
         for _ in range(40):
             reynolds = self.design_reynolds / lift**0.5
-            lift = float(self.polar.maximum_lift(reynolds)) / self.section_lift_ratio
+            highest = self.maximum_lift_factor * float(self.polar.maximum_lift(reynolds))
+            lift = highest / self.section_lift_ratio
         return lift
 
     @property

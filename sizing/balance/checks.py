@@ -83,6 +83,12 @@ def check_balance(airframe: Any) -> None:
             raise wrong_value("tail", f"required key is missing: airframe.{key} needs it")
     if airframe.tail is not None:
         _check_structure(airframe.structure)
+        built_m2 = None if airframe.drag is None else airframe.drag.built_m2
+        key = "pod_wetted_area_ratio"
+        if built_m2 is not None and key in airframe.structure.model_fields_set:
+            value = getattr(airframe.structure, key)
+            text = f"follows from airframe.drag.pods; give one (got {value:g})"
+            raise wrong_value(f"structure.{key}", text)
     trimmed = balance is not None and balance.static_margin is not None
     polar = airframe.aerodynamics
     if polar.model == "own" and (airframe.drag is not None or trimmed):

@@ -7,6 +7,7 @@ A Conceptual Approach, eq. 12.24). Arithmetic only, for floats, arrays and symbo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import asin, pi
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ from solar.schema import (
     Record,
     UnitInterval,
     check_order,
+    wrong_value,
 )
 
 
@@ -47,35 +49,63 @@ def _body_form(slenderness: Value) -> Value:
     return 1.0 + 60.0 / slenderness**3 + slenderness / 400.0
 
 
+def _ellipsoid_m2(length_m: float, diameter_m: float) -> float:
+    """Surface of an ellipsoid of revolution that is longer than thick."""
+    slenderness = length_m / diameter_m
+    eccentricity = (1.0 - slenderness**-2) ** 0.5
+    stretched = slenderness / eccentricity * asin(eccentricity)
+    return float(pi / 2.0 * diameter_m**2 * (1.0 + stretched))
+
+
 class Pod(Record):
     """Pod or nacelle as an ellipsoid of revolution along the airspeed.
 
+    ``wetted_area_m2``: of one pod, in place of the diameter, which is then that of the ellipsoid
+    with this surface; the structure's pod has the surface of all pods, where one gives it.
     ``interference`` is 1.3 for a body on the wing (Raymer, section 12.5.5).
     """
 
     length_m: PositiveReal
-    diameter_m: PositiveReal
+    diameter_m: PositiveReal | None = None
+    wetted_area_m2: PositiveReal | None = None
     count: PositiveInteger = 1
     laminar_fraction: UnitInterval = 0.0
     interference: PositiveReal = 1.3
 
     @model_validator(mode="after")
     def _check_slender(self) -> Pod:
-        check_order(self, "diameter_m", "length_m")
+        if (self.diameter_m is None) == (self.wetted_area_m2 is None):
+            raise wrong_value("diameter_m", "give this or wetted_area_m2, one of them")
+        if self.diameter_m is not None:
+            check_order(self, "diameter_m", "length_m")
+        elif self.wetted_area_m2 is not None and self.wetted_area_m2 >= pi * self.length_m**2:
+            most = pi * self.length_m**2
+            text = f"must be below {most:.3g} m², that of a ball of this length"
+            raise wrong_value("wetted_area_m2", f"{text} (got {self.wetted_area_m2:g})")
         return self
+
+    @cached_property
+    def thick_m(self) -> float:
+        """Diameter, given or that of the surface [m]."""
+        if self.diameter_m is not None:
+            return self.diameter_m
+        assert self.wetted_area_m2 is not None
+        wanted, low_m, high_m = self.wetted_area_m2, 0.0, self.length_m
+        while high_m - low_m > 1e-12 * self.length_m:
+            middle_m = (low_m + high_m) / 2.0
+            small = _ellipsoid_m2(self.length_m, middle_m) < wanted
+            low_m, high_m = (middle_m, high_m) if small else (low_m, middle_m)
+        return low_m
 
     @property
     def volume_m3(self) -> float:
         """Volume of all of these pods [m3]."""
-        return float(self.count * pi / 6.0 * self.diameter_m**2 * self.length_m)
+        return float(self.count * pi / 6.0 * self.thick_m**2 * self.length_m)
 
     @property
     def wetted_m2(self) -> float:
         """Surface of all of these pods, that of ellipsoids [m2]."""
-        slenderness = self.length_m / self.diameter_m
-        eccentricity = (1.0 - slenderness**-2) ** 0.5
-        stretched = slenderness / eccentricity * asin(eccentricity)
-        return float(self.count * pi / 2.0 * self.diameter_m**2 * (1.0 + stretched))
+        return float(self.count * _ellipsoid_m2(self.length_m, self.thick_m))
 
 
 class DragComponents(Record):
@@ -96,6 +126,12 @@ class DragComponents(Record):
     def volume_m3(self) -> float:
         """Volume of all pods [m3]."""
         return sum(pod.volume_m3 for pod in self.pods)
+
+    @property
+    def built_m2(self) -> float | None:
+        """Surface of all pods for the structure; None where no pod gives one [m2]."""
+        given = any(pod.wetted_area_m2 is not None for pod in self.pods)
+        return sum(pod.wetted_m2 for pod in self.pods) if given else None
 
 
 class DragShares(NamedTuple):
@@ -214,12 +250,12 @@ class BuiltUpPolar:
             )
         )
         number, thick_m = self.booms
-        booms = number * pi * thick_m * planes.arm_m / area_m2 * it.boom_interference
-        booms = booms * _body_form(planes.arm_m / thick_m)
-        booms = booms * skin_friction(per_m * planes.arm_m, it.boom_laminar_fraction)
+        booms = number * pi * thick_m * planes.boom_m / area_m2 * it.boom_interference
+        booms = booms * _body_form(planes.boom_m / thick_m)
+        booms = booms * skin_friction(per_m * planes.boom_m, it.boom_laminar_fraction)
         pods = 0.0
         for pod in it.pods:
-            factor = _body_form(pod.length_m / pod.diameter_m) * pod.interference
+            factor = _body_form(pod.length_m / pod.thick_m) * pod.interference
             friction = skin_friction(per_m * pod.length_m, pod.laminar_fraction)
             pods = pods + friction * factor * pod.wetted_m2 / area_m2
         gaps = it.gaps_fraction * (profile + horizontal + vertical + booms + pods)

@@ -51,7 +51,11 @@ def structure_with_tail(
     if airframe.tail is None:
         return structure
     wing = wing_of(airframe.planform, wingspan_m, aspect_ratio)
-    changed = all_replaced(cast(Any, structure), airframe.tail.structure_keys(wing))
+    keys = airframe.tail.structure_keys(wing)
+    pods_m2 = None if airframe.drag is None else airframe.drag.built_m2
+    if pods_m2 is not None:
+        keys["pod_wetted_area_ratio"] = pods_m2 / wing.area_m2
+    changed = all_replaced(cast(Any, structure), keys)
     return cast(StructureModel, changed)
 
 
@@ -107,6 +111,10 @@ def _fixed_items(
     chords = airframe.balance.positions_chords
     places = {name: getattr(chords, name) * wing.mean_chord_m for name in type(chords).model_fields}
     tail_m = tail_mass_x_m(wing, planes.arm_m, planes.horizontal_chord_m)
+    if planes.vertical_arm_m is not planes.arm_m:
+        fins_m = tail_mass_x_m(wing, planes.vertical_arm_m, planes.fin_chord_m)
+        share = planes.vertical_m2 / (planes.horizontal_m2 + planes.vertical_m2)
+        tail_m = tail_m + share * (fins_m - tail_m)
     built = structure.breakdown(inputs)
     grown = type(built)(*((1.0 + airframe.mass_growth) * part for part in built))
     parts = wing_and_tail_items(grown, wing, tail_m, places["pod"])

@@ -160,7 +160,7 @@ def directional_stability(
     1.55 times their aspect ratio. Pods: ``-2 volume/(S b)`` as in pitch.
     """
     share = planes.vertical_m2 / wing.area_m2
-    arm_m = wing.quarter_m + planes.arm_m - gravity_x_m
+    arm_m = wing.quarter_m + planes.vertical_arm_m - gravity_x_m
     slope = lift_slope(_FIN_END_PLATE * tail.vertical_aspect_ratio) * share * arm_m
     slope = slope / wing.wingspan_m
     sidewash = _SIDEWASH + _SIDEWASH_AREA * share + _SIDEWASH_RATIO * wing.aspect_ratio

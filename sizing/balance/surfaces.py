@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 from pydantic import Field, Strict, model_validator
 
 from sizing.parameters import all_replaced
-from sizing.smooth import Value
+from sizing.smooth import Value, smooth_maximum
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Record, wrong_value
 
 QUARTER = 0.25  # aerodynamic centre of a thin section over its chord
@@ -91,11 +91,14 @@ def wing_of(planform: Planform | None, wingspan_m: Value, aspect_ratio: Value) -
 class TailPlanes(NamedTuple):
     """Tail planes of an aircraft; areas are those of both halves and of all fins.
 
-    ``arm_m``: from the quarter chord of the wing to that of both tail planes. ``fin_height_m``,
+    ``arm_m``, ``vertical_arm_m``: from the quarter chord of the wing to that of the horizontal tail
+    and of the fins. ``boom_m``: length of the booms, the longer of both. ``fin_height_m``,
     ``fin_chord_m``: of one fin.
     """
 
     arm_m: Value
+    vertical_arm_m: Value
+    boom_m: Value
     horizontal_m2: Value
     horizontal_span_m: Value
     horizontal_chord_m: Value
@@ -105,7 +108,7 @@ class TailPlanes(NamedTuple):
 
 
 class Tail(Record):
-    """Tail planes by their volume coefficients or areas; both have the same arm.
+    """Tail planes by their volume coefficients or areas; the fins may have an arm of their own.
 
     ``V_h = S_h l/(S c)`` with the mean aerodynamic chord, ``V_v = S_v l/(S b)`` (Raymer, eq. 6.26
     and 6.27). With an arm in chords and volume coefficients the tail grows with the wing.
@@ -113,6 +116,8 @@ class Tail(Record):
 
     arm_m: PositiveReal | None = None
     arm_chords: PositiveReal | None = None
+    vertical_arm_m: PositiveReal | None = None
+    vertical_arm_chords: PositiveReal | None = None
     horizontal_volume: PositiveReal | None = None
     horizontal_area_m2: PositiveReal | None = None
     vertical_volume: PositiveReal | None = None
@@ -141,6 +146,9 @@ class Tail(Record):
             if len(given) > 1:
                 text = f"give this or {one}, not both (got {getattr(self, other):g})"
                 raise wrong_value(other, text)
+        if self.vertical_arm_m is not None and self.vertical_arm_chords is not None:
+            text = f"give this or vertical_arm_m, not both (got {self.vertical_arm_chords:g})"
+            raise wrong_value("vertical_arm_chords", text)
         return self
 
     def with_volume(self, horizontal_volume: Value) -> Tail:
@@ -151,17 +159,24 @@ class Tail(Record):
     def planes(self, wing: Wing) -> TailPlanes:
         """Tail planes behind a wing."""
         arm_m = self.arm_m or wing.mean_chord_m * self.arm_chords
-        per_arm = wing.area_m2 / arm_m
+        own_m, boom_m = self.vertical_arm_m, arm_m
+        if self.vertical_arm_chords is not None:
+            own_m = wing.mean_chord_m * self.vertical_arm_chords
+        if own_m is not None:
+            boom_m = smooth_maximum(arm_m, own_m)
+        fins_m = arm_m if own_m is None else own_m
         horizontal = self.horizontal_area_m2
         if horizontal is None:
-            horizontal = self.horizontal_volume * per_arm * wing.aerodynamic_chord_m
+            horizontal = self.horizontal_volume * (wing.area_m2 / arm_m) * wing.aerodynamic_chord_m
         vertical = self.vertical_area_m2
         if vertical is None:
-            vertical = self.vertical_volume * per_arm * wing.wingspan_m
+            vertical = self.vertical_volume * (wing.area_m2 / fins_m) * wing.wingspan_m
         chord_m = (horizontal / self.horizontal_aspect_ratio) ** 0.5
         fin_m = (vertical / self.fins / self.vertical_aspect_ratio) ** 0.5
         return TailPlanes(
             arm_m=arm_m,
+            vertical_arm_m=fins_m,
+            boom_m=boom_m,
             horizontal_m2=horizontal,
             horizontal_span_m=self.horizontal_aspect_ratio * chord_m,
             horizontal_chord_m=chord_m,
@@ -173,9 +188,9 @@ class Tail(Record):
     def structure_keys(self, wing: Wing) -> dict[str, Value]:
         """What the structure's model has of the tail, by its own keys; both in mean chords."""
         planes = self.planes(wing)
-        volume = planes.arm_m / (wing.area_m2 * wing.mean_chord_m)
+        volume = planes.boom_m / (wing.area_m2 * wing.mean_chord_m)
         return {
-            "fuselage_chords": planes.arm_m / wing.mean_chord_m,
+            "fuselage_chords": planes.boom_m / wing.mean_chord_m,
             "horizontal_tail_ratio": planes.horizontal_m2 * volume,
             "vertical_tail_ratio": planes.vertical_m2 * volume,
         }

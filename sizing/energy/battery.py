@@ -172,7 +172,8 @@ class Battery(OfCatalogue):
     for a propulsion at its operating point. ``cell`` names an entry of the
     catalogue of batteries, which gives what the file does not; the specific energy of a cell counts
     for the share ``cell_mass_fraction`` of the pack's mass. ``pack`` makes it one of whole cells,
-    whose mass follows from their number.
+    whose mass follows from their number. Below ``minimum_state_of_charge`` nothing is drawn:
+    energies and states of charge count from it.
     """
 
     _entries: ClassVar[Mapping[str, Kind]] = {"cell": "batteries"}
@@ -184,6 +185,7 @@ class Battery(OfCatalogue):
     charge_efficiency: Fraction = 0.95
     discharge_efficiency: Fraction = 0.97
     charge_limit: ChargeLimit = NoChargeLimit()
+    minimum_state_of_charge: Annotated[float, Strict(), Field(ge=0.0, lt=1.0)] = 0.0
     temperature: BatteryTemperature | None = None
     resistance: InternalResistance | None = None
     ageing: Ageing | None = None
@@ -222,6 +224,9 @@ class Battery(OfCatalogue):
             raise wrong_value(
                 "cell_mass_fraction", "goes with cell, an entry of the catalogue of batteries"
             )
+        if self.minimum_state_of_charge and self.pack is not None and self.pack.usable < 1.0:
+            text = "goes without the states of charge of battery.pack: give one floor"
+            raise wrong_value("minimum_state_of_charge", text)
         return self
 
     @property
@@ -235,18 +240,18 @@ class Battery(OfCatalogue):
     def bus_voltage_v(self, state_of_charge: FloatArray) -> FloatArray:
         """Voltage of the bus at shares of the usable energy [V]; held where the table ends.
 
-        That energy is what lies between the ends of a pack's window, or all.
+        That energy is what lies above the floor, or between the ends of a pack's window.
         """
         assert self.voltage is not None
-        charge, table = state_of_charge, self.voltage.state_of_charge
-        if self.pack is not None:
-            least = self.pack.minimum_state_of_charge
-            charge = least + (self.pack.maximum_state_of_charge - least) * charge
+        table, least, most = self.voltage.state_of_charge, self.minimum_state_of_charge, 1.0
+        if self.pack is not None and not least:
+            least, most = self.pack.minimum_state_of_charge, self.pack.maximum_state_of_charge
+        charge = least + (most - least) * state_of_charge
         return self.voltage.voltage_v(np.clip(charge, table[0], table[-1]))
 
     @property
     def battery_energy_wh(self) -> float:
-        """Energy at full charge, new and warm [Wh]."""
+        """Energy at full charge, new and warm, floor included [Wh]."""
         return self.mass_kg * self.specific_energy_wh_per_kg
 
     @property
@@ -278,7 +283,7 @@ class Battery(OfCatalogue):
         return (HEATED_PACK, share) if np.any(share > 0.0) else (None, 0.0)
 
     def capacity_fraction(self, air_c: Value, altitude_m: Value = 0.0) -> Value:
-        """Capacity in air of a temperature, and at its age, over the new and warm one.
+        """Capacity above the floor, in air of a temperature and at its age, over the new and warm.
 
         Parameters
         ----------
@@ -298,7 +303,7 @@ class Battery(OfCatalogue):
                 fraction = 1.0 - share * (1.0 - fraction)
         if self.ageing is not None:
             fraction = fraction * self.ageing.capacity_fraction()
-        return fraction
+        return fraction * (1.0 - self.minimum_state_of_charge)
 
     def heater_w(
         self, air_c: Value, altitude_m: Value = 0.0, mass_kg: Value | None = None

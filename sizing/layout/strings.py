@@ -54,12 +54,15 @@ ModuleTemperature = Annotated[float, Strict(), Field(ge=-100.0, le=100.0, allow_
 class Strings(Record):
     """Cells in series, strings at an MPPT, and temperatures of the modules [C].
 
+    ``cells_in_series`` is one number for all strings, or that of each string in a list; those at
+    one MPPT are neighbours in it and equally long.
+
     Voltages and current are those of one cell at 1000 W/m2 and 25 C; without them those of the
     catalogue's entry. ``voltage_coefficient_per_k`` is their relative loss per kelvin; without it
     that of the power, which is larger: the current rises a little with the temperature.
     """
 
-    cells_in_series: CellCount
+    cells_in_series: CellCount | tuple[CellCount, ...]
     strings_per_mppt: CellCount = 1
     coldest_c: ModuleTemperature
     hottest_c: ModuleTemperature
@@ -76,7 +79,14 @@ class Strings(Record):
                 text = "required key is missing: modules.cell names no entry that has it"
                 raise wrong_value(key, text)
         check_order(self, "coldest_c", "hottest_c")
+        if self.cells_in_series == ():
+            raise wrong_value("cells_in_series", "must have a number for each string (got none)")
         return self
+
+    def lengths(self, cells: int) -> tuple[int, ...]:
+        """Cells in series of each string of so many cells."""
+        one = self.cells_in_series
+        return one if isinstance(one, tuple) else cells // one * (one,)
 
     def voltage_v(self, at_stc_v: float, temperature_c: float, loss_per_k: float) -> float:
         """Voltage of a cell at a temperature.
@@ -120,25 +130,34 @@ class Strings(Record):
 
     def mppts(self, cells: int) -> int:
         """MPPTs that so many cells need."""
-        return math.ceil(cells / self.cells_in_series / self.strings_per_mppt - _ROUNDING)
+        one = self.cells_in_series
+        strings = len(one) if isinstance(one, tuple) else cells / one
+        return math.ceil(strings / self.strings_per_mppt - _ROUNDING)
 
     def trouble(
         self, cells: int, loss_per_k: float, battery_v: tuple[float, float] | None
     ) -> tuple[str, str] | None:
         """Key and sentence of what is wrong with the strings of so many cells; None if nothing."""
-        if cells % self.cells_in_series:
-            return (
-                "cells_in_series",
-                f"must divide the {cells} cells into whole strings (got {self.cells_in_series})",
-            )
+        lengths, one = self.lengths(cells), self.cells_in_series
+        if sum(lengths) != cells:
+            if isinstance(one, tuple):
+                text = f"must be the {cells} cells in all (got {sum(lengths)})"
+            else:
+                text = f"must divide the {cells} cells into whole strings (got {one})"
+            return "cells_in_series", text
+        at_one = self.strings_per_mppt
+        if any(len(set(lengths[i : i + at_one])) > 1 for i in range(0, len(lengths), at_one)):
+            text = f"must be equal in each {at_one} strings, which share an MPPT"
+            return "cells_in_series", f"{text} (got {', '.join(map(str, lengths))})"
         window, current = self.window(loss_per_k, battery_v), self.mpp_current_a
-        if not window.least <= self.cells_in_series <= window.most:
+        wrong = [n for n in sorted(set(lengths)) if not window.least <= n <= window.most]
+        if wrong:
             allowed = (
                 f"must be from {window.least} to {window.most}"
                 if window.least <= window.most
                 else "no number of cells will do"
             )
-            return "cells_in_series", f"{allowed}: {window.why} (got {self.cells_in_series})"
+            return "cells_in_series", f"{allowed}: {window.why} (got {wrong[0]})"
         assert current is not None
         if self.strings_per_mppt * current > self.mppt.maximum_current_a * (1.0 + _ROUNDING):
             most = math.floor(self.mppt.maximum_current_a / current)

@@ -153,7 +153,7 @@ class CellDesigns:
         design = None if best is None else best[0].design
         neighbour = Neighbour(
             cells=cells,
-            strings=None if strings is None else cells // strings.cells_in_series,
+            strings=None if strings is None else len(strings.lengths(cells)),
             mppts=None if strings is None else strings.mppts(cells),
             cells_in_parallel=numbers.parallel,
             battery_cells=numbers.parallel * self.pack.cells_in_series,

@@ -158,15 +158,16 @@ def _strings_record(aircraft: Aircraft) -> dict[str, Any]:
     assert strings is not None
     assert strings.mpp_voltage_v is not None
     assert strings.open_circuit_voltage_v is not None
-    loss, series = aircraft.modules.temperature_coefficient_per_k, strings.cells_in_series
+    loss, lengths = aircraft.modules.temperature_coefficient_per_k, strings.lengths(layout.count)
     mpp, unloaded = strings.mpp_voltage_v, strings.open_circuit_voltage_v
+    shortest, longest = min(lengths), max(lengths)
     return {
-        "count": layout.count // series,
-        "cells_in_series": series,
+        "count": len(lengths),
+        "cells_in_series": longest if shortest == longest else list(lengths),
         "mppts": strings.mppts(layout.count),
-        "hottest_mpp_voltage_v": series * strings.voltage_v(mpp, strings.hottest_c, loss),
-        "coldest_mpp_voltage_v": series * strings.voltage_v(mpp, strings.coldest_c, loss),
-        "coldest_open_voltage_v": series * strings.voltage_v(unloaded, strings.coldest_c, loss),
+        "hottest_mpp_voltage_v": shortest * strings.voltage_v(mpp, strings.hottest_c, loss),
+        "coldest_mpp_voltage_v": longest * strings.voltage_v(mpp, strings.coldest_c, loss),
+        "coldest_open_voltage_v": longest * strings.voltage_v(unloaded, strings.coldest_c, loss),
     }
 
 
@@ -181,8 +182,10 @@ def cells_lines(record: Mapping[str, Any]) -> list[str]:
         if solar["tail_rows"]:
             text += f", the tail {rows_text(solar['tail_rows'])}"
         if strings is not None:
+            series = strings["cells_in_series"]
+            series = ", ".join(map(str, series)) if isinstance(series, list) else series
             text += (
-                f"; {_counted(strings['count'], 'string')} of {strings['cells_in_series']} on "
+                f"; {_counted(strings['count'], 'string')} of {series} on "
                 f"{_counted(strings['mppts'], 'MPPT')}, {strings['hottest_mpp_voltage_v']:.1f} to "
                 f"{strings['coldest_mpp_voltage_v']:.1f} V, "
                 f"{strings['coldest_open_voltage_v']:.1f} V unloaded"

@@ -70,7 +70,7 @@ class RibWingStructure(RibWingKeys):
             caps,
             web,
             self._covering_kg(area_m2),
-            self._ribs_kg(area_m2, wing.sheet_m),
+            self._ribs_kg(area_m2, chord_m, wing.sheet_m),
             self._edges_kg(area_m2, chord_m, wing.nose_sheet_m),
             (tail_ratio if self.booms else 0.0) * area_m2 * self.tail_kg_per_m2,
             self._boom_kg(area_m2, chord_m, wing.equivalent_airspeed_m_per_s),
@@ -114,7 +114,9 @@ class RibWingStructure(RibWingKeys):
         if self.torsion is not None:
             wing = wing._replace(nose_sheet_m=self._stiff_nose_sheet_m(wing))
         # The wing's own shell relieves the spar; the spar itself is left out, on the safe side.
-        spread = wing.relief_kg + self._covering_kg(area_m2) + self._ribs_kg(area_m2, sheet_m)
+        spread = (
+            wing.relief_kg + self._covering_kg(area_m2) + self._ribs_kg(area_m2, chord_m, sheet_m)
+        )
         spread = spread + self._edges_kg(area_m2, chord_m, wing.nose_sheet_m)
         # No more than the aircraft weighs: an assumed mass may be below that of its own wing.
         return wing._replace(relief_kg=smooth_minimum(spread, inputs.total_mass_kg))
@@ -409,22 +411,33 @@ class RibWingStructure(RibWingKeys):
     def _covering_kg(self, area_m2: Value) -> Value:
         return _PERIMETER * area_m2 * self.covering_kg_per_m2
 
-    def _ribs_kg(self, area_m2: Value, sheet_m: Value) -> Value:
+    def _ribs_kg(self, area_m2: Value, chord_m: Value, sheet_m: Value) -> Value:
+        """Ribs, or the core that fills the section."""
+        if self.core_density_kg_per_m3 is not None:
+            return (
+                self.core_density_kg_per_m3 * _SECTION_AREA * self.thickness_ratio * chord_m
+            ) * area_m2
         section = self.rib_solidity * _SECTION_AREA * self.thickness_ratio
         return self.sheet_density_kg_per_m3 * section * sheet_m * area_m2 / self.rib_spacing_chords
 
     def _edges_kg(self, area_m2: Value, chord_m: Value, sheet_m: Value) -> Value:
-        """Nose sheeted on both sides, and a solid wedge as trailing edge."""
+        """Nose sheeted on both sides, and a solid wedge as trailing edge, if no core has it."""
         nose_m = _PERIMETER * self.nose_chord_fraction * sheet_m
         wedge = self.trailing_edge_chord_fraction**2 * self.thickness_ratio / (2.0 * _TAPER_LENGTH)
+        wedge = wedge if self.core_density_kg_per_m3 is None else 0.0
         return self.sheet_density_kg_per_m3 * area_m2 * (nose_m + wedge * chord_m)
 
     def _boom_kg(self, area_m2: Value, chord_m: Value, equivalent_airspeed: Value) -> Value:
-        """Tubes that share the tail's largest lift at dive speed, no thinner than the gauge."""
+        """Tubes as bought, or sized for the tail's largest lift at dive speed and a least gauge."""
         if self.booms == 0:
             return 0.0
         length_m = self.fuselage_chords * chord_m
         diameter_m = self.boom_diameter_chords * chord_m
+        known = self.boom_kg_per_m
+        if self.boom_thickness_m is not None:
+            known = self.laminate_density_kg_per_m3 * pi * diameter_m * self.boom_thickness_m
+        if known is not None:
+            return self.booms * known * length_m / self.mass_factor
         dive = self.dive_speed_ratio * equivalent_airspeed
         tail_m2 = self.horizontal_tail_ratio / self.fuselage_chords * area_m2
         tail_n = self.tail_lift_coefficient * 0.5 * SEA_LEVEL_DENSITY_KG_PER_M3 * dive**2 * tail_m2

@@ -242,6 +242,8 @@ class RibWingKeys(BuiltStructure):
     rib_spacing_chords: PositiveReal = 0.2
     rib_solidity: Fraction = 0.6
     nose_chord_fraction: Fraction = 0.25
+    # Solid core of foam in place of ribs and trailing edge; none: built up.
+    core_density_kg_per_m3: PositiveReal | None = None
     trailing_edge_chord_fraction: Fraction = 0.05
     # Tails, boom, pod, joints.
     fuselage_chords: PositiveReal = 4.0
@@ -252,6 +254,9 @@ class RibWingKeys(BuiltStructure):
     booms: Annotated[int, Strict(), Field(ge=0, le=2)] = 1
     boom_diameter_chords: PositiveReal = 0.1
     minimum_boom_thickness_m: PositiveReal = 0.5e-3
+    # Tubes as bought, by one of these: neither calibration nor build multiplies them.
+    boom_kg_per_m: PositiveReal | None = None
+    boom_thickness_m: PositiveReal | None = None
     pod_wetted_area_ratio: NonNegativeReal = 0.08
     pod_kg_per_m2: NonNegativeReal = 0.4
     pod_battery_mount_fraction: NonNegativeReal = 0.0
@@ -262,4 +267,7 @@ class RibWingKeys(BuiltStructure):
         key = "spar_battery_density_kg_per_m3"
         if self.narrow_caps and getattr(self, key) is not None:
             raise wrong_value(key, "leave it out: a spar with narrow_caps has no room for cells")
+        if self.boom_kg_per_m is not None and self.boom_thickness_m is not None:
+            text = f"give this or boom_kg_per_m, not both (got {self.boom_thickness_m:g})"
+            raise wrong_value("boom_thickness_m", text)
         return self

@@ -328,16 +328,16 @@ def balanced_surfaces(airframe: MeasuredAirframe | ParametricAirframe) -> Balanc
 
 
 def _tail_geometry(tail: Tail, wing: Wing) -> TailGeometry:
-    """Tail planes as rectangles with their quarter chords at the arm; fins upwards."""
+    """Tail planes as rectangles with their quarter chords at their arms; fins upwards."""
     planes = tail.planes(wing)
-    aft_m = float(wing.quarter_m + planes.arm_m)
+    aft_m, fins_m = (float(wing.quarter_m + arm) for arm in (planes.arm_m, planes.vertical_arm_m))
     return TailGeometry(
         horizontal_span_m=float(planes.horizontal_span_m),
         horizontal_chord_m=float(planes.horizontal_chord_m),
         horizontal_aft_m=aft_m - QUARTER * float(planes.horizontal_chord_m),
         vertical_height_m=float(planes.fin_height_m),
         vertical_chord_m=float(planes.fin_chord_m),
-        vertical_aft_m=aft_m - QUARTER * float(planes.fin_chord_m),
+        vertical_aft_m=fins_m - QUARTER * float(planes.fin_chord_m),
         horizontal_height_m=float(tail.horizontal_height_m),
     )
 

@@ -415,6 +415,12 @@ def test_wide_stall_margin_sets_the_best_lift() -> None:
     assert ratio**0.5 == pytest.approx(1.4)
 
 
+def test_a_wing_may_stall_before_its_section() -> None:
+    clean, rough = (_wing(maximum_lift_factor=one).maximum_lift_coefficient for one in (1.0, 0.85))
+    # The greatest lift of a section hardly changes with the Reynolds number, that of slower flight.
+    assert rough == pytest.approx(0.85 * clean, rel=0.03)
+
+
 def test_lift_beyond_the_stall_margin_is_refused() -> None:
     highest = _wing().highest_lift_coefficient
     assert _wing(lift_coefficient=highest - 1e-6).flight_lift_coefficient == highest - 1e-6

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 from builders import aircraft, shipped_mission
 
+from missions.files.errors import InputError
 from sizing.balance.assessment import drag_shares
 from sizing.balance.drag import Pod, skin_friction
+from sizing.balance.in_design import structure_with_tail
 from sizing.design import FlightConditions
+from sizing.library import load_aircraft
 from sizing.limits import DesignInFlight
 from sizing.mass_budget import design_of
 
@@ -83,6 +86,28 @@ def test_a_tail_by_hand() -> None:
     expected = friction * form * 1.05 * wetted / (5.65 * chord)
     assert shares.horizontal_tail == pytest.approx(expected, rel=1e-9)
     assert shares.gaps == 0.0
+
+
+def test_a_pod_by_its_surface_is_that_of_its_diameter_and_has_the_mass_of_the_pod() -> None:
+    thick = Pod(length_m=0.9, diameter_m=0.13)
+    pod = {"length_m": 0.9, "wetted_area_m2": thick.wetted_m2}
+    assert Pod(**pod).thick_m == pytest.approx(0.13)
+    plain, built = (
+        load_aircraft("twin-boom-design", {"airframe.drag.pods": [one]})
+        for one in ({"length_m": 0.9, "diameter_m": 0.13}, pod)
+    )
+    masses = []
+    for one in (plain, built):
+        design = design_of(one, MISSION)
+        keys = structure_with_tail(one.parametric, one.parametric.wingspan_m, 15.0)
+        masses.append((design, keys.pod_wetted_area_ratio))  # type: ignore[attr-defined]
+    assert masses[0][1] == 0.08
+    area_m2 = built.parametric.wingspan_m**2 / 15.0
+    assert masses[1][1] == pytest.approx(thick.wetted_m2 / area_m2)
+    assert masses[1][0].masses.structure > masses[0][0].masses.structure
+    twice = {"airframe.drag.pods": [pod], "airframe.structure.pod_wetted_area_ratio": 0.1}
+    with pytest.raises(InputError, match="give one"):
+        load_aircraft("twin-boom-design", twice)
 
 
 def test_constants_that_the_file_gives_stay() -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 
+from missions.library import load_mission
 from sizing.energy.battery import (
     Battery,
     ChargeClock,
@@ -22,6 +23,8 @@ from sizing.energy.battery import (
     TableChargeLimit,
     charge_rate_per_h,
 )
+from sizing.library import load_aircraft
+from sizing.mass_budget import design_of
 
 # The pack of AtlantikSolar AS-2, measured at 25 V: 732 Wh.
 MEASURED_SOC = (0.78, 0.82, 0.86, 0.89, 0.90, 0.92, 0.93, 0.94, 0.95, 0.96, 0.97, 0.98, 0.99)
@@ -263,3 +266,26 @@ def test_charging_adds_the_constant_power_of_the_limit() -> None:
     assert found == pytest.approx([240.0, 340.0], rel=1e-12)
     # Less than that is stored as it comes, at the charge efficiency.
     assert store.charged(np.array([100.0]), np.array([50.0]), 1.5) == pytest.approx([145.0])
+
+
+def test_below_the_floor_nothing_is_drawn() -> None:
+    keys = {"mass_kg": 2.0, "specific_energy_wh_per_kg": 250.0}
+    volts = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0, 4.0]}
+    floor = Battery.model_validate({**keys, "minimum_state_of_charge": 0.2, "voltage": volts})
+    assert floor.capacity_fraction(20.0) == pytest.approx(0.8)
+    assert floor.ends_v == pytest.approx((6 * 3.2, 6 * 4.0))
+    pack = {"cell": "samsung-50e", "minimum_state_of_charge": 0.2}
+    window = {"cells_in_series": 6, "cells_in_parallel": 4, "minimum_state_of_charge": 0.1}
+    with pytest.raises(ValidationError, match="give one floor"):
+        Battery.model_validate({**pack, "pack": window})
+    whole = {"cell": "amprius-sa03-pack", "mass_kg": 2.556, "minimum_state_of_charge": 0.2}
+    assert Battery.model_validate(whole).capacity_fraction(20.0) == pytest.approx(0.8)
+
+
+def test_a_flight_has_the_energy_above_the_floor() -> None:
+    mission = load_mission("rafz-july")
+    whole, kept = (
+        design_of(load_aircraft("atlantiksolar-as2", changes), mission).battery_energy_wh
+        for changes in ({}, {"battery.minimum_state_of_charge": 0.15})
+    )
+    assert kept == pytest.approx(0.85 * whole)

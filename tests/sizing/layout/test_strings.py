@@ -15,7 +15,7 @@ LOSS_PER_K = 0.003
 BATTERY_V = (18.0, 25.2)
 
 
-def strings(series: int = 30, conversion: str = "any", **changes: Any) -> Strings:
+def strings(series: int | tuple[int, ...] = 30, conversion: str = "any", **changes: Any) -> Strings:
     mppt = {"minimum_voltage_v": 8.0, "maximum_voltage_v": 40.0, "maximum_current_a": 7.0}
     return Strings.model_validate(
         {
@@ -113,3 +113,17 @@ def test_cells_without_a_voltage_fit_no_mppt(conversion: str) -> None:
 def test_a_string_beyond_the_current_of_the_mppt_is_told_at_the_mppt() -> None:
     trouble = strings(30, mpp_current_a=7.1).trouble(90, LOSS_PER_K, None)
     assert trouble == ("mppt", "takes 7 A, less than the 7.1 A of a string")
+
+
+def test_strings_may_be_of_unequal_length() -> None:
+    lengths = (30, 30, 24)
+    assert strings(lengths).trouble(84, LOSS_PER_K, None) is None
+    assert strings(lengths).mppts(84) == 3
+    for wrong, changes, message in (
+        ((30, 30), {}, "must be the 84 cells in all"),
+        ((30, 44, 10), {}, "(got 10)"),
+        ((30, 24, 30), {"strings_per_mppt": 2}, "must be equal in each 2 strings"),
+    ):
+        found = strings(wrong, **changes).trouble(84, LOSS_PER_K, None)
+        assert found is not None
+        assert message in found[1]
