@@ -75,7 +75,8 @@ def team_designs_table() -> Table:
     )
     rows = []
     for one in team_designs().values():
-        known, every = one["published"], {"of `init`": {}, "its own": one.get("own_parts")}
+        known: Mapping[str, Any] = one["published"]
+        every: dict[str, Any] = {"of `init`": {}, "its own": one.get("own_parts")}
         for name, parts in every.items():
             if parts is None:
                 continue
