@@ -27,7 +27,6 @@ from benchmarks.map_scaling import (
 from benchmarks.own_sizing import sizing
 from benchmarks.report import duration, markdown, measured_before, plain, remember, this_machine
 from benchmarks.solar_power import module_power
-from benchmarks.weather_year import weather_year
 
 # In the order of the page.
 PARTS: tuple[Callable[[], list[dict[str, Any]]], ...] = (
@@ -45,7 +44,6 @@ PARTS: tuple[Callable[[], list[dict[str, Any]]], ...] = (
     map_memory,
     map_sizes,
     large_maps,
-    weather_year,
 )
 
 

@@ -14,6 +14,11 @@ from pathlib import Path
 
 from benchmarks.validation import altitude_tables, clear_sky_comparison, found_designs
 from benchmarks.validation.large_wings import large_wings_table
+from benchmarks.validation.loiter_correction import transfer_table, transferred_errors
+from benchmarks.validation.published import published_table
+from benchmarks.validation.published_flights import facts_table
+from benchmarks.validation.season import seasons_table
+from benchmarks.validation.single_inputs import explain, explanations_table
 from benchmarks.validation.slender_wings import aspect_ratio_table, structure_table
 from benchmarks.validation.structure_comparison import gust_table, structure_tables
 from benchmarks.validation.structures import qualities_table, structures_table
@@ -32,13 +37,8 @@ from sizing.results.tables import Column, Table
 from sizing.results.weather_sizing import size_in_weather
 from sizing.validity.ranges import ranges
 from studies.models.comparison import compare
-from studies.models.transfer import transfer_table, transferred_errors
+from studies.models.report_reproduction import reference, reproduce
 from studies.output.catalogues import catalogue_table
-from studies.validation.flights.published_flights import facts_table
-from studies.validation.flights.season import seasons
-from studies.validation.flights.single_inputs import explain
-from studies.validation.published import published
-from studies.validation.report_reproduction import reference, reproduce
 
 
 def _markdown(*tables: Table) -> str:
@@ -180,10 +180,10 @@ def _catalogue_sources(kind: Kind) -> Table:
 
 
 TABLES: dict[str, tuple[str, Callable[[], str]]] = {
-    "published": ("validation.md", lambda: _markdown(published().table())),
+    "published": ("validation.md", lambda: _markdown(published_table())),
     "flights": ("validation.md", lambda: _markdown(facts_table())),
-    "single-inputs": ("validation.md", lambda: _markdown(explain().page())),
-    "season": ("validation.md", lambda: _markdown(seasons().table())),
+    "single-inputs": ("validation.md", lambda: _markdown(explanations_table(explain()))),
+    "season": ("validation.md", lambda: _markdown(seasons_table())),
     "clear-sky": ("validation.md", _clear_sky),
     "clear-sky-rafz": ("solar.md", partial(_clear_sky, (clear_sky_comparison.RAFZ,))),
     "found-designs": ("validation.md", lambda: _markdown(found_designs.found_table())),

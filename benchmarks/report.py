@@ -86,25 +86,12 @@ of a limit.""",
     "sizing, with simulation": """A whole call of `size_aircraft` for nine scenarios and the spar
 structure, with the charge limit of the aircraft file.""",
     "sizing, solver alone": """The part of it that the solver takes.""",
-    "map": """Feasibility map of AtlantikSolar AS-2 by CAM with 5 min steps, all metrics. The C loop
-does the same arithmetic in one thread and double precision, compiled where a compiler is found, and
-its numbers are checked against ours. The map is faster than a plain march because it does work only
-once (the half of a day that mirrors the other, sums that several metrics need, deficits of the
-night in one step) and because blocks of cells fit the processor's cache. Results are the same to
-the last bit for any block. The difference from the C loop is the memory traffic between NumPy's
-operations, which is largest if memory is slow or shared. A compiled kernel could save at most this
-difference, a tenth of the command that writes the map, so none is shipped. The other lines give the
+    "map": """Feasibility map of AtlantikSolar AS-2 by CAM with 5 min steps, all metrics. The map is
+faster than a plain march because it does work only once (the half of a day that mirrors the other,
+sums that several metrics need, deficits of the night in one step) and because blocks of cells fit
+the processor's cache. Results are the same to the last bit for any block. The other lines give the
 cost against the number of cells, a process pool of two, the memory, and the map with the longest
 flight of every cell with limited flight.""",
-    "weather year": """AtlantikSolar AS-2 through the shipped year. Both loops have the same power
-at the same nodes and compute the same results: dawns, the charge carried over, the charge limit,
-days that close, and a flight from every dawn; in all three, flights with equal energy are joined.
-The run fails if a day closes in one and not in another, or an endurance differs by more than 1e-6
-h. Ours marches all days at once and repeats the few whose start is not known before; a compiled
-loop does not need that. The lines without a peer are whole runs from the record.""",
-    "uncertain inputs": """The mass budget, the day and its metrics of every draw, all at once. The
-peer builds each draw's aircraft and calls `sizing.analyse`, which also prepares what is printed;
-excess times agree to 1e-6 h.""",
 }
 
 

@@ -5,9 +5,7 @@ The topmost layer and the only one that draws, prints or parses a command line. 
 :mod:`sizing`, :mod:`missions` and :mod:`solar`.
 
 * ``compare``: all solar power models side by side, and what each would have built
-* ``verify``: the models against a flight log; ``fit_flight``: an aircraft fitted to some
-* ``evaluate_bench``: values of an aircraft from bench tests
-* ``calibrate_aircraft``: a parametric aircraft of a measured one
+* ``verify``: the models against a flight log
 * ``perpetual_ceiling``: how high an aircraft flies perpetually
 * ``feasibility_map``, ``resized_map``: where and when it does, and which design would
 * ``sweep``: trade studies; ``to_table``: these and maps with a row for each cell

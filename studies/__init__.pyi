@@ -1,20 +1,9 @@
-from .bench.result import BenchTests as BenchTests
-from .bench.result import evaluate_bench as evaluate_bench
 from .ceiling import Ceiling as Ceiling
 from .ceiling import perpetual_ceiling as perpetual_ceiling
 from .ceiling import plot_ceiling as plot_ceiling
 from .exchange.airplane import to_aerosandbox as to_aerosandbox
-from .exchange.difference import DesignDifference as DesignDifference
-from .exchange.difference import compare_designs as compare_designs
 from .exchange.files import export_design as export_design
-from .exchange.openmdao_component import to_openmdao as to_openmdao
 from .exchange.schema import file_schema as file_schema
-from .fitting.calibration import Calibration as Calibration
-from .fitting.calibration import calibrate_aircraft as calibrate_aircraft
-from .fitting.flight import FlightFit as FlightFit
-from .fitting.flight import fit_flight as fit_flight
-from .fitting.plots import plot_fit as plot_fit
-from .fitting.prediction import predict_flight as predict_flight
 from .flight_logs.verification import Verification as Verification
 from .flight_logs.verification import verify as verify
 from .maps.feasibility import feasibility_map as feasibility_map
@@ -25,7 +14,6 @@ from .maps.resized import resized_map as resized_map
 from .models.comparison import Comparison as Comparison
 from .models.comparison import compare as compare
 from .models.component_efficiencies import component_efficiencies as component_efficiencies
-from .models.component_efficiencies import plot_efficiencies as plot_efficiencies
 from .models.plots import plot_comparison as plot_comparison
 from .output.cycle_plots import plot_cycle as plot_cycle
 from .output.cycle_plots import plot_flight as plot_flight
@@ -40,8 +28,6 @@ from .sweeps.plots import plot_pareto as plot_pareto
 from .sweeps.plots import plot_sweep as plot_sweep
 from .sweeps.study import sweep as sweep
 from .uncertainty import plot_uncertainty as plot_uncertainty
-from .weather.battery_map import battery_map as battery_map
-from .weather.battery_map import plot_battery_map as plot_battery_map
 from .weather.plots import plot_weather as plot_weather
 
 __version__: str

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from benchmarks.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, BuiltAircraft
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
@@ -18,7 +19,6 @@ from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.results.tables import Column, Table
-from studies.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, BuiltAircraft
 
 
 @dataclass(frozen=True)

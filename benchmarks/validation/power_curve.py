@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from benchmarks.validation.built_aircraft import ATLANTIKSOLAR
 from benchmarks.validation.figure_script import write_figure
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aerodynamics.polar_table import shipped_airfoils
@@ -33,7 +34,6 @@ from studies.output.figures.drawing import (
     to_bytes,
 )
 from studies.output.figures.options import DEFAULT, FigureOptions
-from studies.validation.built_aircraft import ATLANTIKSOLAR
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

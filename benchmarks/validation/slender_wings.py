@@ -9,6 +9,12 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass, replace
 from typing import Any
 
+from benchmarks.validation.built_aircraft import (
+    ATLANTIKSOLAR,
+    SKY_SAILOR,
+    BuiltAircraft,
+    calibrated_rib_wing,
+)
 from benchmarks.validation.found_designs import CASES
 from missions.library import load_mission
 from missions.mission import Mission
@@ -20,12 +26,6 @@ from sizing.results.tables import Column, Table
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import assess
 from studies.output.terminal import show
-from studies.validation.built_aircraft import (
-    ATLANTIKSOLAR,
-    SKY_SAILOR,
-    BuiltAircraft,
-    calibrated_rib_wing,
-)
 
 # AC Propulsion's SoLong, flown 48 h in June 2005: 4.75 m, 28 lb, 44 % of it battery (The Engineer,
 # July 2005). Assumptions: 1.5 m2 of wing (76 cells alone are 1.2 m2), battery in the fuselage,

@@ -13,6 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.validation.built_aircraft import (
+    ATLANTIKSOLAR,
+    SKY_SAILOR,
+    BuiltAircraft,
+    calibrated_rib_wing,
+)
 from benchmarks.validation.figure_script import write_figure
 from missions.air import standard_air
 from sizing.results.tables import Column, Table
@@ -39,12 +45,6 @@ from studies.output.figures.drawing import (
     to_bytes,
 )
 from studies.output.figures.options import DEFAULT, FigureOptions
-from studies.validation.built_aircraft import (
-    ATLANTIKSOLAR,
-    SKY_SAILOR,
-    BuiltAircraft,
-    calibrated_rib_wing,
-)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

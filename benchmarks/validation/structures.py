@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from benchmarks.validation.built_aircraft import calibrated_rib_wing
 from missions.air import GRAVITY_M_PER_S2, standard_air
 from sizing.results.tables import Column, Table
 from sizing.structures.build import build_qualities
@@ -19,7 +20,6 @@ from sizing.structures.loads import StructureInputs, gust_speed_fraction
 from sizing.structures.models import SPAR_CALIBRATION, SparStructure, StructureModel
 from sizing.structures.rib_wing import RibWingStructure
 from solar.types import FloatArray
-from studies.validation.built_aircraft import calibrated_rib_wing
 
 _CARRIED = ("battery", "modules", "propulsion", "systems")
 # The mass of an aircraft that cannot carry itself grows beyond this multiple of the published one.

@@ -11,7 +11,6 @@ import warnings
 from typing import NamedTuple, TextIO
 
 import click
-from click.shell_completion import CompletionItem
 
 from missions.files.errors import InputError
 from solar._version import __version__
@@ -51,20 +50,11 @@ _COMMANDS = {
         "uncertainty", "How likely it flies perpetually when inputs scatter.", "Analyse"
     ),
     "export": _Lazy("exchange", "A design for other tools, papers and sheets.", "Design"),
-    "diff": _Lazy("exchange", "Two designs side by side.", "Design"),
     "report": _Lazy("report", "A page on a design, to be read or printed.", "Analyse"),
     "compare": _Lazy("compare", "All solar power models side by side.", "Verify"),
     "verify": _Lazy("verify", "The solar power models against a flight log.", "Verify"),
-    "fit": _Lazy("fit", "Parameters of an aircraft, fitted to flight logs.", "Verify"),
-    "bench": _Lazy("bench", "Values of an aircraft from bench tests.", "Verify"),
-    "calibrate": _Lazy("fit", "A measured aircraft made parametric.", "Design"),
-    "efficiencies": _Lazy("validation", "What drives the power of the Full Model.", "Verify"),
-    "loiter-correction": _Lazy(
-        "validation", "Errors of CDM and CAM by latitude, season and wind.", "Verify"
-    ),
-    "published": _Lazy("validation", "Published beside computed numbers.", "Verify"),
     "reproduce-report": _Lazy(
-        "validation", "The four models on the morning they were published with.", "Verify"
+        "reproduce", "The four models on the morning they were published with.", "Verify"
     ),
 }
 
@@ -91,12 +81,6 @@ class _LazyGroup(click.Group):
         module = importlib.import_module(f"studies.cli.commands.{_COMMANDS[name].module}")
         commands = (one for one in vars(module).values() if isinstance(one, Command))
         return next(one for one in commands if one.name == name)
-
-    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[str]]:
-        """Commands with their summaries, and options; no command is imported."""
-        some = {name: one for name, one in _COMMANDS.items() if name.startswith(incomplete)}
-        items = [CompletionItem(name, help=one.summary) for name, one in some.items()]
-        return [*items, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands by what they are for."""
@@ -129,10 +113,6 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _tell_warning
-    if "_SOLAR_UAV_COMPLETE" in os.environ:
-        from studies.cli.completion import prepare
-
-        prepare()
     signals, code = Signals(), 0
     try:
         with interruptible() as signals:

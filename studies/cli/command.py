@@ -1,6 +1,6 @@
 """A command: a data class that declares its options, and a function that is given one.
 
-The class stands in ``studies.cli.commands``, and is all that help and completion need; the function
+The class stands in ``studies.cli.commands``, and is all that help needs; the function
 in ``studies.cli.bodies``, imported with everything heavy once the options go together.
 """
 
@@ -355,14 +355,3 @@ class RealRange(click.FloatRange):
         if math.isnan(number):
             self.fail(f"must be a number of {self.unit}", param, ctx)
         return number
-
-
-def completes(name: str) -> Callable[[click.Context, click.Parameter, str], Any]:
-    """What completes an argument or option on the command line, imported when a shell asks."""
-
-    def values(ctx: click.Context, param: click.Parameter, incomplete: str) -> Any:
-        from studies.cli.completion import values_for
-
-        return values_for(name, incomplete)
-
-    return values

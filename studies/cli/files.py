@@ -316,7 +316,6 @@ def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
 
 # Why a study cannot fly climbs.
 IN_WINDS = "the percentiles of the winds at several heights have none in common"
-OFFLINE = "its page has the light of one altitude"
 
 
 def refuse_climb(case: Case, command: str, why: str) -> None:
@@ -332,13 +331,6 @@ def refuse_chosen_altitudes(case: Case, command: str) -> None:
     if climb is not None and climb.design_space.ranges():
         message = f"size alone chooses altitudes, {command} keeps them; leave it out"
         raise located_error(case.mission_file.document, ("climb", "design_space"), message)
-
-
-def refuse_held_station(case: Case, command: str) -> None:
-    """Refuse a mission that holds its place where one power is flown in all scenarios."""
-    if case.mission.holds_station:
-        message = f"{command} has one power of level flight for all places and days; leave it out"
-        raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
 
 
 def require_climber(case: Case) -> None:

@@ -10,8 +10,9 @@ from missions.files.shipped import shipped_names
 from missions.logs.columns import ColumnMap, read_column_map
 from missions.logs.csv import read_flight_log
 from missions.logs.table import FlightLog
-from studies.cli.completion import LOGS, YAML
 from studies.cli.options import LogOptions
+
+_YAML, _LOGS = (".yaml", ".yml"), (".csv", ".ulg", ".bin")
 
 
 def read_log(options: LogOptions) -> FlightLog:
@@ -26,5 +27,5 @@ def read_log(options: LogOptions) -> FlightLog:
 def refuse_swapped_log(aircraft: str, log_file: str, verb: str) -> None:
     """Refuse a log where the aircraft is meant, and the reverse."""
     named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
-    if aircraft.lower().endswith(LOGS) and (named or log_file.lower().endswith(YAML)):
+    if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
         raise click.UsageError(f"the aircraft comes first: {verb} {log_file} {aircraft}")

@@ -15,7 +15,6 @@ from studies.cli.command import (
     Parsed,
     RealRange,
     argument,
-    completes,
     group,
     option,
 )
@@ -54,7 +53,7 @@ def aircraft_argument(default: str | None = None) -> Any:
     """Argument ``AIRCRAFT``: name, file or folder; required without a default."""
     # A default of None is one, by click's rules: the argument would be missing without a word.
     given = {} if default is None else {"default": default}
-    return argument(required=default is None, shell_complete=completes("aircraft"), **given)
+    return argument(required=default is None, type=click.Path(), metavar="AIRCRAFT", **given)
 
 
 def mission_option(default: str | None) -> Any:
@@ -65,7 +64,8 @@ def mission_option(default: str | None) -> Any:
         "-m",
         default=default,
         show_default=True,
-        shell_complete=completes("mission"),
+        type=click.Path(),
+        metavar="TEXT",
         help=f"Name or file.{needed}",
     )
 
@@ -116,7 +116,6 @@ def case_options(
             "--set",
             metavar="KEY=VALUE",
             multiple=True,
-            shell_complete=completes("overrides"),
             help="Override a key of the aircraft file, e.g. power.avionics_w=8 or wingspan_m=5, or "
             "of the mission with the prefix 'mission.', e.g. mission.clearness=0.8. May be "
             "repeated.",
@@ -324,7 +323,6 @@ def weather_option(text: str) -> Any:
     """Option ``--weather FILE``."""
     return option(
         "--weather",
-        shell_complete=completes("weather_file"),
         type=click.Path(),
         metavar="FILE",
         help=text,
@@ -393,7 +391,7 @@ def log_options() -> Any:
     """Argument ``LOG``, and options that say how it is written."""
     return group(
         LogOptions,
-        log_file=argument(metavar="LOG", shell_complete=completes("log_file")),
+        log_file=argument(metavar="LOG", type=click.Path()),
         columns_file=option(
             "--columns",
             type=click.Path(),

@@ -96,7 +96,7 @@ class Guard:
         hosts, origins = headers.get(b"host", []), headers.get(b"origin", [])
         if len(hosts) != 1 or hosts[0].lower() not in self._hosts:
             allowed = ", ".join(sorted(h.decode() for h in self._hosts))
-            instead = "solar-uav explore --static FILE writes a page for other computers"
+            instead = "solar-uav report --out FILE writes a page for other computers"
             return 403, "host", f"this server answers to {allowed} alone; {instead}"
         reads = scope["method"] in ("GET", "HEAD")
         if len(origins) > 1 or any(o.lower() not in self._origins for o in origins):

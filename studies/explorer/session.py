@@ -132,7 +132,6 @@ class Session:
             ],
             "objectives": objectives,
             "season_scale": page_scale(),
-            "offline": False,
             "cannot_size": (
                 "a measured airframe cannot be sized: its mass does not follow from its geometry"
                 if self.measured

@@ -1,4 +1,4 @@
-"""What drives the power of the Full Model over the day: component efficiencies and a figure."""
+"""What drives the power of the Full Model over the day: component efficiencies."""
 
 from __future__ import annotations
 
@@ -11,37 +11,14 @@ from missions.loiter_power import Daylight, FlownModules, module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.module_power import own_surroundings
-from sizing.results.records import clock_label
-from sizing.results.tables import Column, Table
 from sizing.sunlight import day_axis_h
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
 from solar.versions import software_record
-from studies.output.figures.drawing import (
-    BLUE,
-    GREEN,
-    PURPLE,
-    VERMILLION,
-    Canvas,
-    new_figure,
-    styled,
-)
-from studies.output.figures.options import DEFAULT
 from studies.output.gridded import dataset
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
-
-_LABELS = {
-    "incidence_efficiency": ("angle of incidence", VERMILLION),
-    "low_light_efficiency": ("low light", BLUE),
-    "temperature_efficiency": ("temperature", PURPLE),
-    "mppt_efficiency": ("MPPT", GREEN),
-}
-_DASHES = ("-", "--", "-.", ":")
-# Narrower ranges are no more than a thick line.
-_VISIBLE = 0.02
 
 
 def component_efficiencies(
@@ -130,63 +107,3 @@ def _variables(power: ModulePower, weights: FloatArray) -> dict[str, Any]:
         dimensions = ("time", "surface")[: mean.ndim]
         result[name] = (dimensions, mean, {"units": units, "long_name": long_name})
     return result
-
-
-def efficiency_table(data: xr.Dataset) -> Table:
-    """Component efficiencies at every full hour of the lit day, mean of the surfaces."""
-    means = data.mean("surface")
-    hours = data["time"].to_numpy()
-    rows = [
-        (clock_label(hour), *(float(means[column.name][index]) for column in _COLUMNS[1:]))
-        for index, hour in enumerate(hours)
-        if abs(hour - round(hour)) <= 1e-6
-    ]
-    subject = f"{data.attrs['aircraft']} on {data.attrs['mission']}, {data.attrs['scenario']}"
-    return Table(f"{subject}: component efficiencies of FM", _COLUMNS, tuple(rows))
-
-
-_COLUMNS = (
-    Column("time_solar", "solar time"),
-    Column("specific_power", "power", "W/m2", ".1f"),
-    Column("module_efficiency", "module", form=".3f"),
-    Column("incidence_efficiency", "incidence", form=".3f"),
-    Column("low_light_efficiency", "low light", form=".3f"),
-    Column("temperature_efficiency", "temperature", form=".3f"),
-    Column("mppt_efficiency", "MPPT", form=".3f"),
-)
-
-
-@styled
-def plot_efficiencies(data: xr.Dataset, *, figure: Canvas = DEFAULT) -> Figure:
-    """Component efficiencies over solar time; their range over the surfaces around the mean.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of :func:`component_efficiencies`.
-    figure : FigureOptions or Figure
-        How the figure looks, or one that is drawn on.
-
-    Returns
-    -------
-    Figure
-    """
-    about = data.attrs
-    drawn, (axes,) = new_figure(
-        canvas=figure,
-        title=f"{about['aircraft']} on {about['mission']}, {about['scenario']}",
-        notes=("FM, uncorrected",),
-    )
-    time_h = data["time"].to_numpy()
-    for (name, (label, colour)), dashes in zip(_LABELS.items(), _DASHES, strict=True):
-        values = data[name].to_numpy()
-        if values.ndim == 2:
-            low, high = values.min(axis=1), values.max(axis=1)
-            visible = float(np.max(high - low)) > _VISIBLE
-            spread = f"{label}, range over the surfaces" if visible else None
-            axes.fill_between(time_h, low, high, color=colour, alpha=0.2, linewidth=0, label=spread)
-            values = values.mean(axis=1)
-        axes.plot(time_h, values, color=colour, linestyle=dashes, label=label)
-    axes.set(xlabel="solar time [h]", ylabel="component efficiency [-]", ylim=(0, 1.05))
-    axes.legend(loc="lower center", ncols=2)
-    return drawn

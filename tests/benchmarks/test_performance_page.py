@@ -21,6 +21,7 @@ def test_commands_and_gallery_are_on_the_page() -> None:
         " ".join(work.split()[:2]) for work in told
     }
     scripts = sorted(f"examples/{path.name}" for path in Path(ROOT, "examples").glob("*.py"))
+    scripts.remove("examples/openmdao_component.py")  # needs an extra
     assert [work for work in told if work.startswith("examples/")] == scripts
 
 

@@ -28,7 +28,7 @@ FEWER = {
     "climb_gain.py": ("np.arange(1, 366, 14)", "np.arange(1, 366, 91)"),
     "span_for_a_season.py": ("SHARES = (0.5, 0.7, 0.8, 0.9, 0.95, 0.99)", "SHARES = (0.5, 0.95)"),
 }
-COUPLED = "coupled_drag_model.py"  # needs OpenMDAO
+COUPLED = "openmdao_component.py"  # needs OpenMDAO
 # Studies that draw a figure into a file if they are given one.
 DRAWING = [
     ("compare_models.py", r"Sized with uncorrected CDM, .* \(sized with corrected FM: a span of "),
@@ -136,9 +136,7 @@ def test_study_prints_its_result_and_draws(
 def test_example_that_couples_models_prints_its_result(run_script: Script) -> None:
     pytest.importorskip("openmdao.api")
     printed = run_script(EXAMPLES / COUPLED)
-    spans = [float(found) for found in re.findall(r"span (\d\.\d\d) m", printed)]
-    assert spans == pytest.approx([5.06, 5.18], abs=0.02), printed
-    assert printed.count("worst excess time 3.0") == 2
+    assert re.search(r"battery 2\.\d+ kg, excess time 3\.00 h\n", printed), printed
 
 
 def test_every_example_is_tested() -> None:

@@ -195,8 +195,8 @@ def test_keys_of_the_json_are_those_of_the_page(
     command: str, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # The keys of what explains a difference are the same however roughly it is found.
-    monkeypatch.setattr("studies.validation.flights.single_inputs._SCAN", 2)
-    monkeypatch.setattr("studies.validation.flights.single_inputs._HALVINGS", 1)
+    monkeypatch.setattr("benchmarks.validation.single_inputs._SCAN", 2)
+    monkeypatch.setattr("benchmarks.validation.single_inputs._HALVINGS", 1)
     page, calls, elsewhere = CASES[command]
     printed: set[str] = set()
     verb, _, option = command.partition(" --")

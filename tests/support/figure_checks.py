@@ -269,14 +269,14 @@ def _power_curve(figure: Canvas) -> Figure:
 
 
 def _report(figure: Canvas) -> Figure:
-    from studies.validation import report_reproduction as study
+    from studies.models import report_reproduction as study
 
     return study.reproduction_figure(_reproduced(), figure=figure)
 
 
 @cache
 def _reproduced() -> Any:
-    from studies.validation import report_reproduction as study
+    from studies.models import report_reproduction as study
 
     return study.reproduce(_aircraft("atlantiksolar-as2"), _mission("rafz-loiter"), vary=False)
 

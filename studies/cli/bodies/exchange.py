@@ -1,22 +1,20 @@
-"""What ``solar-uav export``, ``diff`` and ``schema`` do."""
+"""What ``solar-uav export`` and ``schema`` do."""
 
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 
 import click
 
 from missions.files.writing import to_json, write_bytes_atomically, write_text_atomically
 from sizing.results.analysis import Analysis, analyse
 from studies.cli.command import check_outputs
-from studies.cli.commands.exchange import Diff, Export, Schema
+from studies.cli.commands.exchange import Export, Schema
 from studies.cli.files import load, require_climber, require_path
 from studies.cli.options import EXIT_FAILED, CaseOptions, check_format
-from studies.cli.outputs import answer, print_json, table_of, write_results
+from studies.cli.outputs import print_json
 from studies.cli.telling import tell_error
 from studies.exchange import files
-from studies.exchange.difference import compare_designs
 from studies.exchange.schema import file_schema
 from studies.output.terminal import tell_line
 
@@ -56,15 +54,6 @@ def export(options: Export) -> None:
         tell_error(f"solar-uav: {path} is not written: {reason}")
     if troubles:
         sys.exit(EXIT_FAILED)
-
-
-def diff(options: Diff) -> None:
-    """Put two designs side by side."""
-    first, second = options.case, replace(options.case, aircraft=options.other)
-    difference = compare_designs(_analysed(first), _analysed(second))
-    write_results({options.table_file: table_of(difference.to_frame, "designs")})
-    files = (options.table_file,)
-    answer(difference.to_dict(), difference, files, as_json=options.case.as_json)
 
 
 def _analysed(options: CaseOptions) -> Analysis:

@@ -38,11 +38,6 @@ def map_(options: Map) -> None:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
         require_climb_power(case)
         refuse_chosen_altitudes(case, "map --resize")
-    if options.weather_file is not None:
-        from studies.cli.bodies.weather import map_in_weather
-
-        map_in_weather(case, options, options.weather_file)
-        return
     study = _prepared(case, options)
     record = results.designs_record if resized else results.seasons_record
     table = results.designs_table if resized else results.seasons_table

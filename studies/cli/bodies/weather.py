@@ -1,4 +1,4 @@
-"""What ``solar-uav analyse`` and ``map`` do with a weather record."""
+"""What ``solar-uav analyse`` does with a weather record."""
 
 from __future__ import annotations
 
@@ -8,11 +8,8 @@ from missions.weather.files import load_weather
 from sizing.results import analysis
 from sizing.results.weather import analyse_weather
 from studies.cli.commands.analyse import Analyse
-from studies.cli.commands.map import Map
 from studies.cli.files import Case
 from studies.cli.outputs import deliver, figure_of, table_of
-from studies.output.gridded import to_netcdf_bytes
-from studies.weather import battery_map as maps
 from studies.weather.plots import plot_weather
 
 
@@ -36,21 +33,3 @@ def analyse_in_weather(case: Case, options: Analyse, weather_file: str) -> None:
         options.plot_file: figure_of(lambda: plot_weather(result, figure=options.figure)),
     }
     deliver(case, case.named(record), result, files)
-
-
-def map_in_weather(case: Case, options: Map, weather_file: str) -> None:
-    """Map the days of a record that close, and tell it."""
-    data = maps.battery_map(
-        case.aircraft,
-        case.mission,
-        load_weather(weather_file, case.mission),
-        options.batteries,
-        solar=case.solar,
-        mission_chosen=not case.mission_is_default,
-    )
-    files = {
-        options.out_file: lambda _: to_netcdf_bytes(data),
-        options.plot_file: figure_of(lambda: maps.plot_battery_map(data, figure=options.figure)),
-    }
-    record = case.named({"days_in_weather": maps.battery_map_record(data)})
-    deliver(case, record, lambda: maps.battery_map_table(data), files)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import click
-from click.shell_completion import CompletionItem
 
 from sizing.optimisation.objectives import RESIZE_NAMES
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
@@ -32,14 +31,6 @@ class Names(ParamType["tuple[str, ...]"]):
 
     def __init__(self, allowed: tuple[str, ...]) -> None:
         self.allowed = allowed
-
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem[str]]:
-        """Names that may follow the last comma."""
-        head, comma, tail = incomplete.rpartition(",")
-        some = (name for name in self.allowed if name.lower().startswith(tail.lower()))
-        return [CompletionItem(f"{head}{comma}{name}") for name in some]
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None

@@ -1,4 +1,4 @@
-"""Commands for other tools: ``solar-uav export``, ``diff`` and ``schema``."""
+"""Commands for other tools: ``solar-uav export`` and ``schema``."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Literal
 
 import click
 
-from studies.cli.command import Command, OutputFile, argument, completes, option
-from studies.cli.options import CaseOptions, case_options, table_option
+from studies.cli.command import Command, OutputFile, argument, option
+from studies.cli.options import CaseOptions, case_options
 
 
 @dataclass(frozen=True)
@@ -28,18 +28,6 @@ class Export:
 
 
 @dataclass(frozen=True)
-class Diff:
-    """Put AIRCRAFT and OTHER (names, files or folders) side by side: results, and keys that differ.
-
-    Folders of --out bring their own missions; --set applies to both.
-    """
-
-    case: CaseOptions = case_options()
-    other: str = argument(metavar="OTHER", shell_complete=completes("aircraft"))
-    table_file: str | None = table_option("the quantities of both")
-
-
-@dataclass(frozen=True)
 class Schema:
     """Print the JSON Schema of aircraft or mission files, for completion in an editor."""
 
@@ -55,13 +43,6 @@ export = Command(
     "exchange:export",
     "solar-uav export atlantiksolar-design --out wing.avl",
     "solar-uav export sized -m rafz-july --out design.tex --out design.xlsx",
-)
-diff = Command(
-    "diff",
-    Diff,
-    "exchange:diff",
-    "solar-uav diff atlantiksolar-design sized",
-    "solar-uav diff atlantiksolar-design atlantiksolar-as2 -m rafz-july --table diff.xlsx",
 )
 schema = Command(
     "schema", Schema, "exchange:schema", "solar-uav schema aircraft --out aircraft.schema.json"

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 import click
 
-from studies.cli.command import Command, OutputFile, option
+from studies.cli.command import Command, option
 from studies.cli.options import CaseOptions, case_options
 
 _SERVER = ("starlette", "uvicorn")  # of the extra ``explore``
@@ -26,24 +26,13 @@ class Explore:
         help="Port on this machine; 0 for any that is free.",
     )
     no_browser: bool = option("--no-browser", is_flag=True, help="Only print the address.")
-    static_file: str | None = option(
-        "--static",
-        type=OutputFile(),
-        metavar="FILE",
-        help="Write an HTML page that needs no server and no network, instead of serving one.",
-    )
 
     def __post_init__(self) -> None:
-        """Refuse what does not go together, and what is not installed."""
-        if self.static_file is None:
-            missing = next((name for name in _SERVER if find_spec(name) is None), None)
-            if missing is not None:
-                raise click.UsageError(
-                    f"explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
-                )
-        elif self.port or self.no_browser:
+        """Refuse to start without what the page is served by."""
+        missing = next((name for name in _SERVER if find_spec(name) is None), None)
+        if missing is not None:
             raise click.UsageError(
-                "--static serves nothing: give it without --port and --no-browser"
+                f"explore needs {missing}: pip install 'solar-uav-sizing[explore]'"
             )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from studies.cli.command import Command, argument, completes, option
+from studies.cli.command import Command, argument, option
 from studies.cli.options import json_option
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Show:
     It is one to start your own from.
     """
 
-    name: str = argument(shell_complete=completes("shipped"))
+    name: str = argument()
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Init:
 class Validate:
     """Check aircraft and mission FILES and say everything that is wrong with them."""
 
-    files: tuple[str, ...] = argument(nargs=-1, required=True, shell_complete=completes("files"))
+    files: tuple[str, ...] = argument(nargs=-1, required=True, type=click.Path())
 
 
 list_ = Command("list", List, "shipped:list_", "solar-uav list")

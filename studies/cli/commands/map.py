@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import click
-from click.core import ParameterSource
 
 from sizing.optimisation.objectives import RESIZE_NAMES
 from studies.cli.command import Command, Grid, option
@@ -20,19 +19,6 @@ from studies.cli.options import (
     work_options,
 )
 from studies.output.figures.options import FigureOptions
-from studies.output.formats import grid_format
-
-# Options of a map over latitudes, and those of one in a weather record.
-_OF_LATITUDES = {
-    "latitudes": "a weather record has its own site",
-    "days": "all days of the record are flown",
-    "endurance": "solar-uav analyse --weather gives the endurance of each day's launch",
-    "objective": "solar-uav size --weather --survive finds the smallest design of a season",
-    "workers": "a record is flown in seconds, by one process",
-    "scheduler": "a record is flown in seconds, by one process",
-    "work_dir": "a record is flown in seconds, there are no parts to keep",
-    "keep_parts": "a record is flown in seconds, there are no parts to keep",
-}
 
 
 @dataclass(frozen=True)
@@ -68,44 +54,15 @@ class Map:
         type=click.Choice(RESIZE_NAMES),
         help="Size the aircraft anew in every cell for it.",
     )
-    weather_file: str | None = option(
-        "--weather",
-        type=click.Path(),
-        metavar="FILE",
-        help="Map the days of a weather record that close instead: half months against batteries.",
-    )
-    batteries: list[float] = option(
-        "--batteries",
-        type=Grid(0.01, 100.0),
-        default="0.5:2:0.125",
-        show_default=True,
-        help="With --weather: batteries, as multiples of the aircraft's own.",
-    )
     out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw the map")
     work: WorkOptions = work_options()
     figure: FigureOptions = figure_options()
 
     def __post_init__(self) -> None:
-        """Refuse what does not go together, and what means nothing with or without a record."""
+        """Refuse what does not go together."""
         if self.objective is not None and self.endurance:
             raise click.UsageError("--endurance is of a fixed aircraft; not with --resize")
-        context = click.get_current_context()
-        given = {
-            str(one.name): one.opts[0]
-            for one in context.command.params
-            if context.get_parameter_source(str(one.name)) is not ParameterSource.DEFAULT
-        }
-        if self.weather_file is None:
-            if "batteries" in given:
-                raise click.UsageError("--batteries needs --weather as well")
-            return
-        for name, reason in _OF_LATITUDES.items():
-            if name in given:
-                raise click.UsageError(f"{given[name]} does not go with --weather: {reason}")
-        if self.out_file is not None and grid_format(self.out_file) != "nc":
-            message = f"{self.out_file!r} must end in .nc with --weather: days and half months"
-            raise click.BadParameter(message, param_hint="--out")
 
 
 map_ = Command(

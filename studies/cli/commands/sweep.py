@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sizing.optimisation.objectives import RESIZE_NAMES
-from studies.cli.command import Command, Parsed, completes, option
+from studies.cli.command import Command, Parsed, option
 from studies.cli.options import (
     CaseOptions,
     WorkOptions,
@@ -43,7 +43,6 @@ class Sweep:
         type=Parsed("key=values", "studies.sweeps.axes:parse_axis", stepped=True),
         multiple=True,
         required=True,
-        shell_complete=completes("axes"),
         help="KEY=first:last:step (last is met where the steps lead to it) or KEY=v1,v2,...; a key "
         "as of --set, or wingspan_m, aspect_ratio, battery_mass_kg, module_area_m2. May be "
         "repeated.",
@@ -83,14 +82,12 @@ class Sweep:
         "--pareto",
         nargs=2,
         metavar="X Y",
-        shell_complete=completes("pareto"),
         help="Only the front of two results or varied keys, e.g. wingspan payload_mass: the points "
         "for which no other is better in both.",
     )
     sort: str | None = option(
         "--sort",
         metavar="KEY",
-        shell_complete=completes("sort"),
         help="Sort the table by a result or varied key, the least first; by -KEY the largest "
         "first.  [default: from best to worst]",
     )

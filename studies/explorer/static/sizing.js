@@ -69,7 +69,6 @@ export class Sizing {
     this.cannot = why;
     if (why) {
       for (const input of [this.objective, this.scenarios, this.go]) input.disabled = true;
-      this.ask.disabled = session.offline; // where no way out of a limited flight is computed
       result.append(element("p", {}, `${why[0].toUpperCase()}${why.slice(1)}.`));
     } else this.recall();
   }

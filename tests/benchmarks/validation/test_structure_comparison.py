@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, calibrated_rib_wing
 from benchmarks.validation.structure_comparison import (
     BUILT,
     family,
@@ -26,7 +27,6 @@ from sizing.mass_budget import closed_design, design_of
 from sizing.sized_structure import structure_parts
 from sizing.structures.models import AllPowerLawStructure
 from sizing.structures.torsion import WingTorsion
-from studies.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, calibrated_rib_wing
 
 DESIGN = "atlantiksolar-design"
 

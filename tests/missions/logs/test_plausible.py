@@ -21,7 +21,6 @@ from missions.logs.csv import read_csv
 from missions.logs.plausible import codes
 from missions.logs.table import FlightLog, log_from_table
 from sizing.library import load_aircraft
-from studies.fitting.synthetic import Flight, fly
 from studies.flight_logs.synthetic import Settings, synthetic_log
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
@@ -158,7 +157,9 @@ def tables() -> dict[str, pd.DataFrame]:
     return independent | {
         "own": synthetic_log(aircraft, mission, Settings(rate_hz=0.25)).table,
         "own, calm": synthetic_log(aircraft, mission, calm).table,
-        "own, with a night": fly(aircraft, mission, Flight()).table,
+        "own, with a night": synthetic_log(
+            aircraft, mission, Settings(duration_h=28.35, rate_hz=1 / 30)
+        ).table,
     }
 
 

@@ -591,8 +591,8 @@ STOPPED = {
         (("size", DESIGN, "-m", "rafz-july", "--out", "a"), "sizing.results.sizing", "size_aircraft"),  # noqa: E501
         (("compare", AS2, "--no-design", "--out", "a"), "studies.models.comparison", "compare"),
         (("ceiling", AS2, "--csv", "a.csv"), "studies.ceiling", "highest_perpetual_altitude"),
-        (("published", "--markdown", "a.md"), "studies.validation.published", "published"),
-        (("reproduce-report", "--out", "a"), "studies.validation.report_reproduction", "reproduce"),
+        (("published", "--markdown", "a.md"), "benchmarks.validation.published", "published"),
+        (("reproduce-report", "--out", "a"), "studies.models.report_reproduction", "reproduce"),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )  # fmt: skip
@@ -637,7 +637,7 @@ def test_a_signal_ends_a_process_with_one_line(tmp_path: Path, name: str) -> Non
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_signal_that_a_library_swallows_still_ends_the_command(tmp_path: Path) -> None:
-    target = "studies.validation.published:published"
+    target = "benchmarks.validation.published:published"
     done = stopped(tmp_path, ("published",), target, "swallow()")
     assert done.returncode == 130
     assert "Traceback" not in done.stderr
@@ -646,7 +646,7 @@ def test_a_signal_that_a_library_swallows_still_ends_the_command(tmp_path: Path)
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_swallowed_signal_is_repeated(tmp_path: Path) -> None:
-    target = "studies.validation.published:published"
+    target = "benchmarks.validation.published:published"
     done = stopped(tmp_path, ("published",), target, "[swallow(), time.sleep(60)]")
     assert (done.returncode, done.stdout) == (130, "")
     assert done.stderr.strip() == STOPPED["SIGINT"]
@@ -654,7 +654,7 @@ def test_a_swallowed_signal_is_repeated(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
-    target = "studies.validation.published:published"
+    target = "benchmarks.validation.published:published"
     done = stopped(tmp_path, ("published",), target, "stubborn()")
     assert done.returncode == -signal.SIGINT
     assert "Traceback" not in done.stderr

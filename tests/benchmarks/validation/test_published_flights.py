@@ -1,0 +1,143 @@
+"""What solar aircraft did, as published, from the files that ship with the package."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from builders import AS2, shipped_mission
+
+from benchmarks.validation import flight_inputs as inputs
+from benchmarks.validation import published_flights as study
+from missions.dates import day_of_year
+from sizing.performance import performance, perpetual_days
+from sizing.replay import calendar_run
+from sizing.sunlight import SolarModel
+
+
+def test_cycle_of_the_81_hour_flight() -> None:
+    cycle = performance(AS2, shipped_mission("rafz-july"), SolarModel("CAM", "none")).cycle
+    assert bool(cycle.perpetual[0])
+    # Published with the flight: 39 %, 6.8 h, 6.2 h. The tool behind them flew two days on the
+    # calendar and had its own losses and load; papers differ by 4 % in the battery's energy alone
+    # (705 and 732 Wh), which is 0.6 h of the night, 0.5 h of charging and 3 points of charge.
+    assert cycle.minimum_state_of_charge[0] == pytest.approx(0.39, abs=0.03)
+    assert cycle.excess_time_h[0] == pytest.approx(6.8, abs=0.6)
+    assert cycle.charge_margin_h[0] == pytest.approx(6.2, abs=0.5)
+
+
+def test_perpetual_season_is_the_published_half_year() -> None:
+    days = perpetual_days(AS2, shipped_mission("rafz-july"), 47.6)
+    # One window, without gaps.
+    assert np.all(np.diff(days) == 1)
+    # "A 6-month window around June 21st": 183 days. At the window's ends the day's excess energy
+    # changes by 1 % in a day and a half, and the published tool was uncertain by 5 % in its solar
+    # power and more in the load (43 W flown against 42 W here); clear sky without any reserve
+    # stands at the long end. Five to seven and a half months.
+    assert 150 <= len(days) <= 228
+    # Centred on 21 June within ten days: the air's turbidity is not symmetric about it.
+    assert abs((days[0] + days[-1]) / 2.0 - day_of_year("06-21")) <= 10.0
+    corrected = perpetual_days(AS2, shipped_mission("rafz-july"), 47.6, SolarModel("CAM", "report"))
+    # With the published error of the model taken off, the season is nearer to the half-year.
+    assert abs(len(corrected) - 183) < abs(len(days) - 183)
+
+
+def test_28_hour_flight() -> None:
+    run = calendar_run(AS2, shipped_mission("rafz-28h"))
+    assert run.empty_clock_h is None
+    assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(28.35, abs=1e-9)
+    # Flown: full at 14:08 CEST, from 57.7 % at 11:14. The taper makes the end of charging flat and
+    # haze and the wind's attitude are not modelled: 40 min of the 3 h of charging.
+    assert run.full_charge_clock_h[0] == pytest.approx(14.0 + 8.0 / 60.0, abs=40.0 / 60.0)
+    # Flown: about 35 % in the night, at a mean of 43 W against 42 W here, and with papers that
+    # differ by 4 % in the battery's energy: 6 points.
+    assert run.minimum_state_of_charge == pytest.approx(0.35, abs=0.06)
+    night = run.clock_h[np.argmin(run.state_of_charge)]
+    # The least charge is at equal power in the morning after, between 06:00 and 08:00 CEST.
+    assert 24.0 + 6.0 <= night <= 24.0 + 8.0
+    # Flown: mean night power 43 W.
+    assert run.load_w.mean() == pytest.approx(43.0, rel=0.05)
+
+
+def test_81_hour_flight_stays_up() -> None:
+    run = calendar_run(AS2, shipped_mission("rafz-81h"))
+    assert run.empty_clock_h is None
+    assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(81.4, abs=1e-9)
+    # Full on each of its four days, as the flight was.
+    assert len(run.full_charge_clock_h) == 4
+    # Published 39 %, with the tolerance of the repeated day.
+    assert run.minimum_state_of_charge == pytest.approx(0.39, abs=0.03)
+
+
+def test_load_of_a_trial_is_the_one_asked_for() -> None:
+    trial = study.FLIGHTS["sky-sailor-27h"].trial()
+    assert trial.load_w == pytest.approx(16.0, abs=0.02)  # published, all consumers
+    changed = trial.with_load(20.0)
+    assert changed.load_w == pytest.approx(20.0, rel=1e-12)
+    assert changed.aircraft.power == trial.aircraft.power
+
+
+def test_battery_is_nearly_full_before_it_is_full() -> None:
+    full_h = study.FLIGHTS["as2-28h"].quantity("full charge on the first day (CEST)").compute
+    trial = study.FLIGHTS["as2-28h"].trial()
+    instants = [full_h(replace(trial, full_charge=c)) for c in (0.98, 0.99, 0.999, 1.0)]
+    assert instants == sorted(instants)
+    assert instants[-1] == pytest.approx(trial.replay().full_charge_clock_h[0], abs=1e-3)
+    # The last per cent at the measured 0.8 and 0.6 A of 25 V: 7.32 Wh take 0.37 to 0.49 h.
+    assert 0.37 <= instants[-1] - instants[1] <= 0.52
+
+
+def test_full_charge_that_is_not_reached_is_the_end_of_the_day() -> None:
+    full_h = study.FLIGHTS["as2-81h-clock"].quantity("full charge on the second day (CEST)").compute
+    dim = study.FLIGHTS["as2-81h-clock"].trial().with_mission(clearness=0.2)
+    assert full_h(dim) == full_h(replace(dim, full_charge=0.99)) == 24.0
+
+
+def test_27_hour_flight() -> None:
+    run = study.FLIGHTS["sky-sailor-27h"].trial().replay()
+    assert run.empty_clock_h is None
+    # Flown: full on the first afternoon, and at the landing on the second.
+    assert 24.0 > run.full_charge_clock_h[0] > 12.55
+    assert run.state_of_charge[-1] == pytest.approx(1.0)
+    # By hand: 16 W, from 18:00 to 6:00 solar time and half of it in the hours beside, drawn at 95 %
+    # from 254 Wh. Half an hour of the night is 3 points.
+    night = 1.0 - 16.0 * 11.0 / 0.95 / 254.4
+    assert run.minimum_state_of_charge == pytest.approx(night, abs=0.03)
+
+
+def test_solong_draws_more_than_its_modules_bring_in_a_day() -> None:
+    trial = study.FLIGHTS["solong-48h"].trial()
+    day = performance(trial.aircraft, trial.mission)
+    brought_wh = float(day.cycle.energy_budget.solar_wh[0])
+    # Published: 225 W, at 1000 W/m2. Of 8 kWh/m2 on a clear day in June some 10 % are lost.
+    assert brought_wh == pytest.approx(0.225 * 8000.0 * 0.9, rel=0.1)
+    assert brought_wh < 0.8 * 24.0 * trial.load_w
+
+
+def test_every_fact_has_a_source() -> None:
+    for flight in study.FLIGHTS.values():
+        for fact in flight.facts:
+            assert fact.source or fact.text.startswith("not found"), fact
+    assert len(study.facts_table().rows) == sum(len(f.facts) for f in study.FLIGHTS.values())
+
+
+def test_numbers_of_the_words_on_the_flights() -> None:
+    """What ``docs/validation.md`` says of combinations that no table has."""
+    of_28h, of_48h = study.FLIGHTS["as2-28h"].trial(), study.FLIGHTS["solong-48h"].trial()
+    charge = study.FLIGHTS["as2-28h"].quantity("minimum state of charge").compute
+    assert charge(of_28h.with_load(43.0)) == pytest.approx(37.1, abs=0.05)
+    for flight, name, clock_h in (
+        (study.FLIGHTS["as2-28h"], "full charge on the first day (CEST)", 14.0 + 5.0 / 60.0),
+        (study.FLIGHTS["as2-81h-clock"], "full charge on the second day (CEST)", 13.0 + 5.0 / 60.0),
+    ):
+        nearly = replace(flight.trial(), full_charge=0.99)
+        assert flight.quantity(name).compute(nearly) == pytest.approx(clock_h, abs=0.5 / 60.0)
+    flown = study.FLIGHTS["solong-48h"].quantity("time flown").compute
+    assert flown(inputs.INPUTS["thermals"].change(of_48h, 0.85)) < 40.0
+    assert flown(inputs.INPUTS["thermals"].change(of_48h.with_load(90.0), 0.85)) == pytest.approx(
+        48.27
+    )
+    with_payload = shipped_mission("rafz-july", payload={"power_w": 6.5})
+    lowest = performance(AS2, with_payload).cycle.minimum_state_of_charge[0]
+    assert lowest == pytest.approx(0.26, abs=0.005)
