@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.records record FOLDER`` runs the command line of the tree it is started in,
 in two processes: two full maps, a re-optimised map, sweeps, three hundred random sizings,
-reliability, survival, uncertainty, a year of weather, the published table, every command with
+reliability, survival, uncertainty, a year of weather, every command with
 ``--json`` and as text for all shipped aircraft, the help of every command, and figures.
 ``python -m benchmarks.records compare OLD NEW`` holds two such folders against each other: maps to
 the last bit, optima to a relative difference of 1e-6, verdicts and exit codes exactly, figures by
@@ -49,9 +49,7 @@ def recorded_commands() -> Commands:
             *("map", "atlantiksolar-design", "--resize", "min_wingspan", "--workers", "1"),
             *("--latitudes", "-70:70:10", "--days", "1:365:15"),
         ],
-        "published": ["published"],
         "reproduce-report": ["reproduce-report"],
-        "loiter-correction": ["loiter-correction"],
         "sweep": [
             *("sweep", "atlantiksolar-design", "--workers", "1"),
             *("--vary", "wingspan_m=3:8:1", "--vary", "battery_mass_kg=1:8:1"),
@@ -121,7 +119,6 @@ def _with_weather_and_chance() -> Commands:
     design, weather = "atlantiksolar-design", ["--weather", "colorado-2023"]
     return {
         "weather-year": ["analyse", "atlantiksolar-as2", *weather],
-        "weather-map": ["map", "atlantiksolar-as2", *weather],
         "uncertainty": ["uncertainty", design, "-m", "rafz-july"],
         "uncertainty-figure.png": ["uncertainty", design, "-m", "rafz-july"],
         "reliability": [

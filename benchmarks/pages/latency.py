@@ -109,17 +109,11 @@ def summary(times: dict[str, list[dict[str, float]]]) -> list[dict[str, Any]]:
 
 @click.command()
 @click.argument("aircraft", default="atlantiksolar-design")
-@click.option("--static", "page", help="File of an offline page, instead of an explorer.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def main(aircraft: str, page: str | None, as_json: bool) -> None:
+def main(aircraft: str, as_json: bool) -> None:
     """Measure the explorer of AIRCRAFT, and print a table in Markdown, or JSON."""
-    if page is not None:
-        from pathlib import Path
-
-        rows = summary(measured(Path(page).resolve().as_uri()))
-    else:
-        with explorer(aircraft) as address:
-            rows = summary(measured(address))
+    with explorer(aircraft) as address:
+        rows = summary(measured(address))
     if as_json:
         click.echo(json.dumps(rows, indent=2))
         return

@@ -1,4 +1,4 @@
-"""What tests read on the explorer's page, served or offline."""
+"""What tests read on the explorer's page."""
 
 from __future__ import annotations
 

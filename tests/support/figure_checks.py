@@ -63,11 +63,9 @@ def drawings() -> dict[str, Draw]:
         "weather": lambda **kw: studies.plot_weather(_weather(40), **kw),
         "weather-years": lambda **kw: studies.plot_weather(_weather(800), **kw),
         "compare": lambda **kw: studies.plot_comparison(_compared(), **kw),
-        "efficiencies": lambda **kw: studies.plot_efficiencies(_efficiencies(), **kw),
         "ceiling": lambda **kw: studies.plot_ceiling(_ceiling(), **kw),
         "verify-window": _window,
         "verify-day": _day,
-        "fit": _fit,
         "structure": _structure,
         "power-curve": _power_curve,
         "report": _report,
@@ -196,11 +194,6 @@ def _compared() -> Any:
 
 
 @cache
-def _efficiencies() -> Any:
-    return studies.component_efficiencies(_aircraft("atlantiksolar-as2"), _mission("rafz-loiter"))
-
-
-@cache
 def _ceiling() -> Any:
     aircraft = _aircraft("atlantiksolar-as2")
     return studies.perpetual_ceiling(aircraft, _mission(), highest_m=9000.0, step_m=1000.0)
@@ -236,19 +229,6 @@ def _day(figure: Canvas) -> Figure:
     result = _verified()
     ((_, mask),) = day_masks(result.samples)
     return day_figure(result, result.days[0], mask, figure=figure)
-
-
-@cache
-def _fitted() -> studies.FlightFit:
-    from studies.fitting.synthetic import Flight, fly
-
-    aircraft, flight = _aircraft("atlantiksolar-as2"), Flight(duration_h=26.0, step_s=60.0)
-    log = fly(aircraft, _mission("rafz-28h"), flight).log()
-    return studies.fit_flight(aircraft, log, _mission("rafz-28h"))
-
-
-def _fit(figure: Canvas) -> Figure:
-    return studies.plot_fit(_fitted(), figure=figure)
 
 
 def _structure(figure: Canvas) -> Figure:

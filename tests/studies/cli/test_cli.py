@@ -209,10 +209,7 @@ def test_a_mission_key_without_its_prefix_is_named(run: Run) -> None:
         ("compare", AS2),
         ("ceiling", AS2),
         ("station", DESIGN),
-        ("efficiencies", AS2),
-        ("loiter-correction", AS2),
         ("verify", AS2, "log.csv"),
-        ("fit", AS2, "log.csv"),
     ],
     ids=lambda command: command[0],
 )
@@ -223,12 +220,6 @@ def test_every_command_that_reads_files_takes_overrides(run: Run, command: tuple
         "--set power.avionic_w: unknown key; did you mean 'avionics_w'?",
         "--set mission.clearnes: unknown key; did you mean 'clearness'?",
     ]
-
-
-def test_efficiencies_of_a_changed_mission(run: Run) -> None:
-    calm = run("efficiencies", AS2, "--set", "mission.wind_m_per_s=0")
-    assert calm.code == 0
-    assert calm.out != run("efficiencies", AS2).out
 
 
 def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
@@ -591,7 +582,6 @@ STOPPED = {
         (("size", DESIGN, "-m", "rafz-july", "--out", "a"), "sizing.results.sizing", "size_aircraft"),  # noqa: E501
         (("compare", AS2, "--no-design", "--out", "a"), "studies.models.comparison", "compare"),
         (("ceiling", AS2, "--csv", "a.csv"), "studies.ceiling", "highest_perpetual_altitude"),
-        (("published", "--markdown", "a.md"), "benchmarks.validation.published", "published"),
         (("reproduce-report", "--out", "a"), "studies.models.report_reproduction", "reproduce"),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
@@ -637,8 +627,8 @@ def test_a_signal_ends_a_process_with_one_line(tmp_path: Path, name: str) -> Non
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_signal_that_a_library_swallows_still_ends_the_command(tmp_path: Path) -> None:
-    target = "benchmarks.validation.published:published"
-    done = stopped(tmp_path, ("published",), target, "swallow()")
+    target = "studies.models.report_reproduction:reproduce"
+    done = stopped(tmp_path, ("reproduce-report",), target, "swallow()")
     assert done.returncode == 130
     assert "Traceback" not in done.stderr
 
@@ -646,16 +636,16 @@ def test_a_signal_that_a_library_swallows_still_ends_the_command(tmp_path: Path)
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_swallowed_signal_is_repeated(tmp_path: Path) -> None:
-    target = "benchmarks.validation.published:published"
-    done = stopped(tmp_path, ("published",), target, "[swallow(), time.sleep(60)]")
+    target = "studies.models.report_reproduction:reproduce"
+    done = stopped(tmp_path, ("reproduce-report",), target, "[swallow(), time.sleep(60)]")
     assert (done.returncode, done.stdout) == (130, "")
     assert done.stderr.strip() == STOPPED["SIGINT"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
-    target = "benchmarks.validation.published:published"
-    done = stopped(tmp_path, ("published",), target, "stubborn()")
+    target = "studies.models.report_reproduction:reproduce"
+    done = stopped(tmp_path, ("reproduce-report",), target, "stubborn()")
     assert done.returncode == -signal.SIGINT
     assert "Traceback" not in done.stderr
 

@@ -1,4 +1,4 @@
-"""Tests of ``solar-uav export``, ``diff`` and ``schema``, and of tables in other formats."""
+"""Tests of ``solar-uav export`` and ``schema``, and of tables in other formats."""
 
 from __future__ import annotations
 
@@ -83,10 +83,7 @@ def test_export_for_avl(run: Run, tmp_path: Path) -> None:
         (("export", AS2, "--out", "d.doc"), "must end in .avl, .vspscript, .py, .tex"),
         (("export", AS2, "--out", ""), "needs the name of a file"),
         (("export", AS2), "Missing option '--out'"),
-        (("diff", AS2), "Missing argument 'OTHER'"),
         (("schema",), "\n  aircraft,\n  mission"),
-        (("diff", AS2, "nothing.yaml"), "nothing.yaml"),
-        (("diff", AS2, DESIGN, "--table", "a.doc"), "must end in .csv, .parquet, .xlsx"),
         (("schema", "weather"), "'weather' is not one of 'aircraft', 'mission'"),
     ],
 )
@@ -122,19 +119,6 @@ def test_libraries_that_are_missing_are_named(
     assert done.code == 2
     assert f"pip install {library}" in done.err
     assert files(tmp_path) == set()
-
-
-@pytest.mark.long
-def test_difference_of_a_sized_design(run: Run, tmp_path: Path) -> None:
-    assert run("size", DESIGN, "-m", "rafz-july", "--out", "sized").code == 0
-    done = run("diff", DESIGN, "sized", "--json", "--table", "d.csv")
-    assert (done.code, done.err) == (0, "")
-    record = done.json()
-    assert {"a", "b", "quantities", "keys"} == record.keys()
-    changed = {one["key"] for one in record["keys"]}
-    assert {"airframe.wingspan_m", "battery.mass_kg", "modules.area_m2"} <= changed
-    assert len(pd.read_csv(tmp_path / "d.csv")) == len(record["quantities"])
-    assert run("diff", "sized", "sized").out.endswith("No key of the files differs.\n")
 
 
 def test_schema_is_printed_and_written(run: Run, tmp_path: Path) -> None:

@@ -24,9 +24,7 @@ FORMS = [
     ("ceiling", AS2, "--highest", "5000", "--step", "2000"),
     ("uncertainty", DESIGN, "-m", "rafz-july", "--samples", "64"),
     ("compare", AS2, "--models", "CAM", "--corrections", "none"),
-    ("efficiencies", AS2),
     ("reproduce-report",),
-    ("published", "--season"),
 ]
 
 
