@@ -172,6 +172,7 @@ def test_calls_within_the_text_name_commands_and_options_that_exist(page: Path) 
 
 # Options of other programs that the pages name.
 FOREIGN = {
+    "upgrade.md": {"--explain", "--season", "--static", "--batteries"},  # of versions before
     "CONTRIBUTING.md": {
         "--airfoil",
         "--out",
@@ -186,11 +187,8 @@ FOREIGN = {
         "--rows",
     },
     "performance.md": {"--markdown", "--json", "--only"},
-    "fit.md": {"--count", "--independent"},
     "maps.md": {"--long"},
-    "reliability.md": {"--markdown", "--count", "--seed", "--only", "--keep", "--rows", "--again"},
     "scale.md": {"--scheduler"},
-    "upgrade.md": {"--certify"},
     "validation.md": {"--count", "--rows", "--cases"},
 }
 
