@@ -77,6 +77,8 @@ def summary(analysis: Analysis) -> Summary:
         blocks.append(Line(slow, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
     blocks += catalogue_blocks(analysis.aircraft)
+    if analysis.excess_time_h < 0.0:
+        blocks.append(Line(q.BELOW_ZERO, "faint"))
     error = uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
     blocks.append(Line(error, "faint"))
     return Summary(tuple(blocks))

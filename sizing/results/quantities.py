@@ -187,6 +187,11 @@ MINIMUM_CHARGE = _of_cycle(
     unit="",
     form=".1%",
 )
+# Where a negative one is shown.
+BELOW_ZERO = (
+    "An excess time below 0 is the time of the day without enough power, one above 0 the time to "
+    "spare: it jumps at 0."
+)
 ENDURANCE = Quantity(
     *("endurance_h", "endurance", "h", ".2f"),
     of=attrgetter("endurance_h"),

@@ -63,6 +63,8 @@ def summary(study: SizingStudy) -> Summary:
     blocks: list[Any] = [Line(f"{title}: {study.status.label}", "strong")]
     if study.design is None:
         return Summary((*blocks, *_without_design(study), *_builds(study)))
+    if study.coverage is not None and study.coverage.first is not None:
+        blocks.append(_range_text(study.coverage))
     at_bounds = [name for name in study.result.active_constraints if " at its " in name]
     if at_bounds:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
@@ -84,8 +86,6 @@ def summary(study: SizingStudy) -> Summary:
         blocks.append(reliability_text(study.reliability, study))
     if study.survival is not None:
         blocks += survival_blocks(study.survival, study)
-    if study.coverage is not None and study.coverage.first is not None:
-        blocks.append(_range_text(study.coverage))
     if study.sensitivities is not None:
         blocks.append(sensitivity_table(study.sensitivities, study.objective))
     if study.multipliers:
@@ -131,8 +131,16 @@ def _without_design(study: SizingStudy) -> list[Any]:
     if study.status is not SizingStatus.infeasible or study.coverage is not None:
         return blocks
     if not study.relaxations:
-        return [*blocks, "no single parameter that was tried would make it feasible"]
+        return [*blocks, _NONE_ALONE.format(study.objective.value)]
     return [*blocks, relaxation_table(study.relaxations)]
+
+
+_NONE_ALONE = (
+    "no single one makes it feasible of: technology parameters to the ends of their ranges, less "
+    "payload, bounds and limits in the way, wind, latitude, required excess time. Where and when "
+    "there is a design: solar-uav map --resize {0}; with two changes at once: solar-uav sweep "
+    "--resize {0}"
+)
 
 
 def _nearest_design(study: SizingStudy) -> list[Any]:
@@ -348,8 +356,9 @@ def _range_text(widest: WidestRange) -> str:
     assert last is not None
     if widest.sizing.objective is Objective.longest_season:
         ends = " to ".join(date_label(int(day)) for day in (first, last))
-        return f"season: {ends}, {int(extent)} days"
-    return f"latitudes: {latitude_label(first)} to {latitude_label(last)}, {extent:g} degrees"
+        return f"season: {ends}, {int(extent)} days; the mission's own dates play no part"
+    ends = f"{latitude_label(first)} to {latitude_label(last)}"
+    return f"latitudes: {ends}, {extent:g} degrees; the mission's own latitude plays no part"
 
 
 def sensitivity_table(sensitivities: list[Sensitivity], objective: Objective) -> Table:

@@ -12,7 +12,7 @@ from typing import NamedTuple, TextIO
 
 import click
 
-from missions.files.errors import InputError
+from missions.files.errors import InputError, did_you_mean
 from solar._version import __version__
 from solar.versions import DeprecatedKeyWarning
 from studies.cli.command import Command
@@ -81,6 +81,16 @@ class _LazyGroup(click.Group):
         module = importlib.import_module(f"studies.cli.commands.{_COMMANDS[name].module}")
         commands = (one for one in vars(module).values() if isinstance(one, Command))
         return next(one for one in commands if one.name == name)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Command of the first argument; one that is misspelt is refused with the one meant."""
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            meant = did_you_mean(args[0], _COMMANDS)
+            raise click.UsageError(f"{error.message.rstrip('.')}{meant}", ctx) from None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands by what they are for."""

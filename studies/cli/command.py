@@ -280,7 +280,7 @@ def latitude_deg(text: str) -> float:
 
 
 class Grid(ParamType["list[float]"]):
-    """Numbers ``first:last:step``: first, and steps from there that do not lead beyond last.
+    """Numbers ``first:last:step``, or one: first, and steps from there that do not go beyond last.
 
     Where they do not lead to ``last`` itself, a note on standard error says where they end.
     """
@@ -302,11 +302,15 @@ class Grid(ParamType["list[float]"]):
         """
         try:
             parts: list[Any] = str(value).split(":")
+            if len(parts) == 1:
+                parts = [*parts, *parts, "1"]
             if self.latitudes:  # whose ends may be written as 40N and 20S
                 parts[:2] = map(latitude_deg, parts[:2])
             first, last, step = map(float, parts)
         except ValueError:
-            self.fail(f"{value!r} is not first:last:step, for example -70:70:2", param, ctx)
+            self.fail(
+                f"{value!r} is no number and not first:last:step, for example -70:70:2", param, ctx
+            )
         # NaN is no number that rises, and a step without end none that could be added.
         if not (self.lowest <= first <= last <= self.highest and 0.0 < step < math.inf):
             self.fail(
@@ -351,7 +355,12 @@ class RealRange(click.FloatRange):
 
         Returns in :attr:`unit`, within the range.
         """
-        number = float(super().convert(value, param, ctx))
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
         if math.isnan(number):
-            self.fail(f"must be a number of {self.unit}", param, ctx)
+            text = f"must be a number of {self.unit}, written without a unit (got {value})"
+            self.fail(text, param, ctx)
+        super().convert(number, param, ctx)
         return number

@@ -18,7 +18,14 @@ import click
 from click.core import ParameterSource
 
 from missions.dates import date_code
-from missions.files.errors import OVERRIDE, InputError, Problem, file_error, printable
+from missions.files.errors import (
+    OVERRIDE,
+    InputError,
+    Problem,
+    did_you_mean,
+    file_error,
+    printable,
+)
 from missions.files.overrides import with_overrides
 from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
 from missions.files.validation import located_error, validate
@@ -235,6 +242,10 @@ def load(
             mission, is_default = folder.mission, False
         model = folder.model if _is_default("model") else model
         correction = folder.correction if _is_default("correction") else correction
+    beside = mission_beside(aircraft)
+    if mission is None and beside is not None:
+        mission, is_default = beside, False
+        tell_error(f"solar-uav: flown is the mission beside it, -m {beside}")
     if mission is None:
         raise click.UsageError("Missing option '--mission' / '-m'.")
     of_aircraft, of_mission = split_overrides(options.overrides)
@@ -249,13 +260,18 @@ def load(
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
         raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
-    beside = Path(aircraft).with_name(f"{Path(aircraft).stem}-mission.yaml")
-    if is_default and os.path.isfile(beside):  # noqa: PTH113 - takes any text for a path
+    if is_default and mission != beside and beside is not None:
         tell_error(f"solar-uav: the default mission is flown; beside it lies -m {beside}")
     case = case if place is None else case.at(place)
     if required_excess_time_h is not None:
         case = case.with_mission(required_excess_time_h=required_excess_time_h)
     return case if total_mass_kg is None else case.with_total_mass(total_mass_kg)
+
+
+def mission_beside(aircraft: str) -> str | None:
+    """Mission file that ``init`` writes beside an aircraft's; None where there is none."""
+    beside = f"{os.path.splitext(aircraft)[0]}-mission.yaml"  # noqa: PTH122 - takes any text
+    return beside if os.path.isfile(beside) else None  # noqa: PTH113
 
 
 def _attempt(read: Callable[[], T], errors: list[InputError]) -> T | None:
@@ -302,13 +318,18 @@ def _checksum(kind: Kind, name_or_path: str) -> str | None:
 
 
 def _refuse_keys_of_missions(overrides: Sequence[str]) -> None:
-    """Tell a key of the mission that lacks its prefix from one that is misspelt."""
+    """Tell a key of the mission that lacks its prefix, and a short name that is misspelt."""
     of_missions = Mission.model_fields.keys() - Aircraft.model_fields.keys()
     problems = []
     for override in overrides:
         key = override.partition("=")[0].strip()
+        message = ""
         if key.partition(".")[0] in of_missions:
             message = f"is a key of the mission: write {MISSION_PREFIX}{key}"
+        elif "." not in key and key not in {*Aircraft.model_fields, *Aircraft.explained_keys}:
+            meant = did_you_mean(key, [*design_keys(), *Aircraft.model_fields])
+            message = f"unknown key{meant}" if meant else ""
+        if message:
             problems.append(Problem(f"{OVERRIDE}{key}", None, None, "", message))
     if problems:
         raise InputError(problems)

@@ -18,7 +18,7 @@ from missions.files.errors import printable
 from missions.files.writing import to_json, write_files_atomically
 from sizing.results.tables import Line, Result, Summary, Table
 from studies.cli.command import check_outputs
-from studies.cli.files import DEFAULT_MISSION, Case
+from studies.cli.files import DEFAULT_MISSION, Case, mission_beside
 from studies.cli.telling import tell_error
 from studies.output.figures.drawing import to_bytes
 from studies.output.formats import image_format, table_bytes
@@ -98,8 +98,10 @@ def call(verb: str, *others: str) -> str:
     """Call of another command on the aircraft and mission of this one, as it is typed."""
     context = click.get_current_context()
     words = ["solar-uav", verb, context.params["aircraft"]]
-    mission = context.params["mission"]
+    mission = given = context.params["mission"]
     chosen = context.get_parameter_source("mission") is ParameterSource.COMMANDLINE
+    if given is None:
+        mission, chosen = mission_beside(context.params["aircraft"]), True
     if mission is not None and (chosen or verb == "size"):  # size has no mission by default
         words += ["-m", mission]
     return shlex.join([*words, *others])

@@ -18,6 +18,7 @@ from sizing.energy.cycle import Status
 from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.quantities import (
+    BELOW_ZERO,
     EXCESS_TIME,
     PAYLOAD_MASS,
     PAYLOAD_POWER,
@@ -88,7 +89,10 @@ def seasons_table(data: OnGrid) -> Table:
             (*row, _range(*(math.nan if end is None else end for end in both)))
             for row, both in zip(rows, ends, strict=True)
         ]
-    return _table(data, f"{_subject(data)}: seasons of perpetual flight", record, columns, rows)
+    title = f"{_subject(data)}: seasons of perpetual flight"
+    table = _table(data, title, record, columns, rows)
+    negative = any(value < 0.0 for value in most)
+    return replace(table, notes=(*table.notes, BELOW_ZERO)) if negative else table
 
 
 def season_text(days: IntArray, perpetual: BoolArray) -> str:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import parameter
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
-from sizing.results.quantities import BATTERY_MASS, PAYLOAD_MASS, WINGSPAN
+from sizing.results.quantities import BATTERY_MASS, BELOW_ZERO, PAYLOAD_MASS, WINGSPAN
 from sizing.results.records import finite_values
 from sizing.results.tables import Column, Line, Summary, Table
 from studies.output.gridded import CLIMB, extrapolations_of, reasons_without_result, to_table
@@ -99,6 +99,8 @@ def points_summary(
     if count > 1:
         blocks.append(what)
     blocks.append(table)
+    if (rows["excess_time"].head(top) < 0.0).any():
+        blocks.append(Line(BELOW_ZERO, "faint"))
     if len(rows) > top:
         blocks.append(f"{len(rows) - top} more not shown: --top N shows more, --out FILE has all")
     if CLIMB in data.attrs:

@@ -78,7 +78,8 @@ class Size:
         metavar="PERCENTILE",
         help="Fly as fast as this percentile of the wind of each latitude and month, for instance "
         "95: it holds its place for at least that share of the time. Short for the mission's "
-        "wind: {percentile: 95, hold_station: true}.",
+        "wind: {percentile: 95, hold_station: true}. The shipped table of winds has the 95th "
+        "alone; others come from a file of the mission's wind.",
     )
     weather_file: str | None = weather_option(
         "Size for the days of a weather record on the mission's dates, instead of clear ones; "

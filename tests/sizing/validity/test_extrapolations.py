@@ -230,6 +230,13 @@ def test_shipped_aircraft_on_shipped_missions_are_inside(aircraft: Aircraft, whe
     assert extrapolations(aircraft, performance(aircraft, shipped_mission(where))) == ()
 
 
+def test_the_page_names_the_shipped_aircraft_that_have_a_note() -> None:
+    where = shipped_mission("rafz-july")
+    every = map(shipped_aircraft, shipped_names("aircraft"))
+    noted = [one.name for one in every if extrapolations(one, performance(one, where))]
+    assert noted == ["stratosphere-design", "twin-boom-design"]  # docs/validity.md
+
+
 def test_the_stratospheric_aircraft_is_inside_but_for_the_error_of_the_sun() -> None:
     aircraft, where = shipped_aircraft("stratosphere-design"), "stratosphere-mission"
     found = extrapolations(aircraft, performance(aircraft, shipped_mission(where)))

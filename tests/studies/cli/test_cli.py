@@ -228,6 +228,64 @@ def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
     assert "'rafz-july' is one of the missions" in outcome.err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("anaylse", AS2), "No such command 'anaylse'; did you mean 'analyse'?"),
+        (("analyse", AS2, "--set", "wingspan=3"), "unknown key; did you mean 'wingspan_m'?"),
+        (("analyse", AS2, "--mass", "4kg"), "must be a number of kilograms, written without a"),
+        (("map", AS2, "--latitudes", "45N:"), "is no number and not first:last:step"),
+    ],
+)
+def test_slips_are_answered_with_what_is_meant(
+    run: Run, arguments: tuple[str, ...], said: str
+) -> None:
+    outcome = run(*arguments)
+    assert outcome.code == 2
+    assert said in outcome.err
+
+
+def test_a_single_latitude_is_a_grid_of_one(run: Run) -> None:
+    record = run("map", AS2, "--latitudes", "45N", "--days", "172", "--json").json()
+    assert (record["latitude_deg"], record["days"]) == ([45.0], [172])
+
+
+def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run: Run) -> None:
+    assert run("init", "heron").code == 0
+    known = run("size", "heron.yaml", "-m", "heron-mission.yaml", "--json")
+    found = run("size", "heron.yaml", "--json")
+    assert found.err == "solar-uav: flown is the mission beside it, -m heron-mission.yaml\n"
+    keys = ("mission", "mission_is_default", "status", "wingspan_m")
+    assert [found.json()[key] for key in keys] == [known.json()[key] for key in keys]
+    assert "Missing option '--mission'" in run("size", DESIGN).err
+
+
+def test_the_answer_to_a_range_is_the_second_line(run: Run) -> None:
+    season = run("size", DESIGN, "-m", "rafz-july", "--objective", "longest_season").out
+    assert season.splitlines()[1].startswith("season: ")
+
+
+def test_where_nothing_helps_alone_the_map_is_named(run: Run) -> None:
+    impossible = ("--latitude", "60", "--date", "12-21")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *impossible)
+    assert outcome.code == 1
+    said = " ".join(outcome.out.split())
+    assert "no single one makes it feasible of: technology" in said
+    assert "solar-uav map --resize min_mass" in said
+
+
+def test_a_negative_excess_time_is_explained_where_it_stands(run: Run) -> None:
+    winter = ("--latitude", "50", "--date", "12-21")
+    said = "time of the day without enough power"
+    assert said in " ".join(run("analyse", AS2, *winter).out.split())
+    assert said not in " ".join(run("analyse", AS2).out.split())
+    there = ("--set", "mission.latitude_deg=50", "--set", "mission.dates={on: 12-21}")
+    sweep = run("sweep", AS2, *there, "--vary", "battery_mass_kg=2,3").out
+    assert said in " ".join(sweep.split())
+    grid = run("map", AS2, "--latitudes", "60", "--days", "350").out
+    assert said in " ".join(grid.split())
+
+
 def test_places_and_dates_as_they_are_printed(run: Run) -> None:
     usual = run("analyse", AS2, "--latitude", "-33.9", "--date", "12-21", "--json").json()
     assert run("analyze", AS2, "--latitude", "33.9 S", "--date", "21 Dec", "--json").json() == usual
