@@ -1,0 +1,152 @@
+"""Variables and rows of the sizing program, as data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from enum import Enum, auto
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd, Range
+from sizing.parameters import catalogue, parameter_value, unit
+from solar.types import FloatArray
+
+TOTAL_MASS = "total_mass_kg"
+WORST_EXCESS = "worst_excess_time_h"
+# Technology to which the power of the modules is proportional.
+SOLAR_TECHNOLOGY = "modules.efficiency_stc"
+WIND = "mission.wind_m_per_s"
+OWN = "own_objective"  # what the user's own objective is, where there is one
+
+
+class Role(Enum):
+    """What a variable of the program is."""
+
+    design = auto()
+    payload = auto()  # held at the mission's value unless it is freed
+    technology = auto()  # relative to the aircraft's own value, held there unless it is freed
+    limit = auto()  # of the design space, likewise
+    objective = auto()  # equal to the user's own, where there is one
+    wind = auto()  # held at the mission's value unless it is freed
+
+
+class Variable(NamedTuple):
+    """A variable of the program: a value over a scale, or the logarithm of that.
+
+    The scale is the value of the design that the program is built around, but at least ``least``.
+    Battery and modules enter masses and energies in proportion: as values they leave the day of a
+    program nearly linear. Span and mass have powers: their logarithm has even steps.
+    """
+
+    name: str
+    unit: str
+    minimum: float
+    maximum: float
+    role: Role = Role.design
+    linear: bool = False
+    least: float = 1e-9
+
+    def from_program(self, x: Any, scale: Any) -> Any:
+        """Value in its unit; number or symbol."""
+        return scale * (x if self.linear else ca.exp(x))
+
+    def to_program(self, value: float, scale: float) -> float:
+        """Value in the program; of a bound that may be zero or infinite as well."""
+        if self.linear:
+            return value / scale
+        return math.log(value / scale) if value > 0.0 else -math.inf
+
+
+class Constraint(NamedTuple):
+    """A requirement ``value >= 0`` of the program, or ``value = 0``.
+
+    ``block``: scenario block that it belongs to; None for the design itself.
+    """
+
+    name: str
+    block: int | None = None
+    equation: bool = False
+
+
+def scales_of(variables: Sequence[Variable], values: Mapping[str, float]) -> FloatArray:
+    """Scale of every variable around a design."""
+    return np.array([max(abs(values[v.name]), v.least) for v in variables])
+
+
+def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variable, ...]:
+    """Every variable of the design that may be freed, with the widest bounds it has.
+
+    ``eased``: with technology, limits and wind.
+    """
+    space = aircraft.design_space
+    assert isinstance(aircraft.airframe, ParametricAirframe)
+    # No bound that nobody has set: mass and payload end where the mass budget or the sun ends them.
+    heaviest = space.maximum_total_mass_kg or math.inf
+    ranges = {
+        "wingspan_m": space.wingspan_m,
+        "battery_mass_kg": space.battery_mass_kg,
+        "module_area_m2": space.module_area_m2,
+        TOTAL_MASS: Range.model_construct(
+            minimum=space.battery_mass_kg.minimum, maximum=heaviest
+        ),
+        **space.requested_ranges(),
+    }
+    linear = ("battery_mass_kg", "module_area_m2")
+    always = [
+        Variable(name, unit(name), ends.minimum, ends.maximum, linear=name in linear)
+        for name, ends in ranges.items()
+    ]
+    always += [
+        Variable(name, unit(name), 0.0, math.inf, Role.payload, linear=True, least=least)
+        for name, least in (
+            ("payload_mass_kg", _payload_scale_kg(space)),
+            ("payload_power_w", _payload_scale_w(space)),
+        )
+    ]
+    own = getattr(space, "own_objective", None)
+    if own is not None:
+        ends = -math.inf, math.inf
+        always.append(Variable(OWN, "1", *ends, Role.objective, linear=True, least=own.scale))
+    if not eased:
+        return tuple(always)
+    always += [
+        Variable(key, "1", 1e-3, 1e3, Role.technology)
+        for key, row in catalogue().items()
+        if row.kind == "technology" and row.relaxable and parameter_value(aircraft, None, key)
+    ]
+    always += [Variable(name, "1", 1e-3, 1e3, Role.limit) for name in limit_rows(aircraft)]
+    always.append(Variable(WIND, unit(WIND), 0.0, math.inf, Role.wind, linear=True, least=10.0))
+    return tuple(always)
+
+
+def limit_rows(aircraft: Aircraft) -> dict[str, tuple[LimitedQuantity, LimitEnd]]:
+    """Limits of the design space, quantity and end, by the names of their rows and variables."""
+    ends: tuple[LimitEnd, ...] = ("minimum", "maximum")
+    limits = aircraft.design_space.all_limits()
+    return {
+        f"{quantity}_{end}": (quantity, end)
+        for quantity, limit in limits.items()
+        for end in ends
+        if getattr(limit, end) is not None
+    }
+
+
+def eased_row(value: Any, end: LimitEnd, relative: Any) -> Any:
+    """Row of a limit, relative to it, where the limit is multiplied by a factor."""
+    if end == "minimum":
+        return (value + 1.0) / relative - 1.0
+    return 1.0 - (1.0 - value) / relative
+
+
+def _payload_scale_kg(space: DesignSpace) -> float:
+    """Payload mass that counts as one: 1 kg for batteries of up to 25 kg, else in proportion."""
+    return max(1.0, space.battery_mass_kg.maximum / 25.0)
+
+
+def _payload_scale_w(space: DesignSpace) -> float:
+    """Payload power that counts as one: 10 W for modules of up to 8 m2, else in proportion."""
+    return max(10.0, 10.0 * space.module_area_m2.maximum / 8.0)
