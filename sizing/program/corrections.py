@@ -9,6 +9,9 @@ the flow that cools the modules, the operating point of the propulsion.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -16,10 +19,22 @@ import numpy as np
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
 from sizing.energy.power_balance import PowerBalance
-from sizing.program.transcription import INTERVALS
+from sizing.performance import Performance
+from sizing.program.task import SizingTask, Values
+from sizing.program.transcription import INTERVALS, RESERVE_SCALE_H, BlockData
+from sizing.program.variables import scales_of
 from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
+# By how much more charge a day must return than its night takes, relative, to begin with: a day
+# that returns any less lets the battery run empty over many days.
+FIRST_MARGIN = 2e-4
+FIRST_DAWN_CHARGE = 0.3  # of a design that no repeated day is known of
+_INSIDE = (0.01, 0.99)  # where the state of charge starts: interior points start inside bounds
+_STEEPEST = 3.0  # slope of a logarithm; more is one of a neighbour that hardly flies
+_NEAR = 13  # steps of an hour around those in which the charge limit holds back
+_FAR = 0.2  # weight of a step of light away from those
+_DARK = 1e-3  # weight of a step of night
 
 
 class Day(NamedTuple):
@@ -28,6 +43,7 @@ class Day(NamedTuple):
     time_h: FloatArray
     solar_w: FloatArray
     load_w: FloatArray
+    first: int
 
     @classmethod
     def of(cls, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray) -> Day:
@@ -40,7 +56,7 @@ class Day(NamedTuple):
         at = (first + np.arange(steps + 1)) % steps
         hours = np.diff(time_h)[at[:-1]]
         clock = time_h[first] + np.concatenate([[0.0], np.cumsum(hours)])
-        return cls(clock, solar_w[:, at], load_w[:, at])
+        return cls(clock, solar_w[:, at], load_w[:, at], first)
 
     def path(self, store: Store, soc: float) -> FloatArray:
         """State of charge of the first of the batch over the day, from one at its begin."""
@@ -56,9 +72,7 @@ def equal_power_step(day: Day, nominal_w: float) -> int:
     return int(np.argmax(carried)) if carried.any() and not carried.all() else 0
 
 
-def nodes_of(
-    day: Day, path: FloatArray, into: float, full_wh: float, nominal_w: float
-) -> IntArray:
+def nodes_of(day: Day, path: FloatArray, into: float, full_wh: float, nominal_w: float) -> IntArray:
     """Ends of the intervals on the time axis of a day.
 
     They lie where light begins and ends, where power is equal, and where the charge limit begins
@@ -78,8 +92,8 @@ def nodes_of(
         if len(nodes) + len(some) <= INTERVALS // 2:
             nodes |= {int(one) for one in some}
     ends = sorted(nodes)
-    near = np.convolve(held, np.ones(13), "same") > 0.0  # within half an hour
-    weight = np.where(light, np.where(near, 1.0, 0.2), 1e-3) if light.any() else np.ones(steps)
+    near = np.convolve(held, np.ones(_NEAR), "same") > 0.0
+    weight = np.where(light, np.where(near, 1.0, _FAR), _DARK) if light.any() else np.ones(steps)
     length = np.concatenate([[0.0], np.cumsum(weight)])
     while len(ends) < INTERVALS + 1:
         spans = np.where(np.diff(ends) > 1, np.diff(length[ends]), -1.0)
@@ -107,14 +121,8 @@ class DayMeans(NamedTuple):
     load_w: FloatArray
 
 
-def day_means(
-    day: Day, nodes: IntArray, path: FloatArray, full_wh: float, into: float, out_of: float
-) -> DayMeans:
-    """Means over intervals.
-
-    Where the charge limit holds back a part of an interval, or a full battery, what is stored is
-    that of the ``path``; where it does so all the time the program's own row says it.
-    """
+def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans:
+    """Means over the intervals of a day."""
     h = np.diff(day.time_h)
     net, solar = day.solar_w - day.load_w, day.solar_w
     surplus = _positive_part(net[:, :-1], net[:, 1:])
@@ -125,3 +133,143 @@ def day_means(
     hours = np.diff(day.time_h[nodes])
     equal = np.where(gain > 0.0, gain / into, gain * out_of)
     return DayMeans(hours, sun / hours, (sun - equal) / hours)
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Light and load of a simulated design in the blocks of a program, with their derivatives.
+
+    ``values``: of the design. ``charge``: of every block at its nodes, to start from.
+    ``load_w``: nominal load that charges count in. ``mass_kg``: of the design.
+    """
+
+    values: dict[str, float]
+    scenarios: tuple[int, ...]
+    blocks: tuple[BlockData, ...]
+    charge: tuple[FloatArray, ...]
+    load_w: float
+    mass_kg: float
+
+
+@dataclass
+class Scenario:
+    """What a search knows of a scenario.
+
+    ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
+    more a night takes, relative. ``dawn_charge``: of the last solution. ``nodes``: of its
+    intervals; None where they are to be laid anew.
+    """
+
+    shift_h: float = 0.0
+    margin: float = FIRST_MARGIN
+    dawn_charge: float = FIRST_DAWN_CHARGE
+    nodes: IntArray | None = None
+
+
+def neighbours(task: SizingTask, values: Values) -> list[Values]:
+    """A design, and one for each variable that is moved by a step."""
+    scales = dict(zip(task.names, scales_of(task.variables, values), strict=True))
+    designs = [values]
+    for v in task.variables:
+        if v.name in task.moved:
+            x = v.to_program(values[v.name], scales[v.name]) + STEP
+            designs.append({**values, v.name: float(v.from_program(x, scales[v.name]))})
+    return designs
+
+
+def linearised(
+    task: SizingTask, values: Values, perf: Performance, known: Mapping[int, Scenario]
+) -> Linearisation:
+    """Light and load of a design in some scenarios, from its flight and its neighbours'.
+
+    Parameters
+    ----------
+    task : SizingTask
+    values : mapping
+        Design.
+    perf : Performance
+        Of :func:`neighbours`, in all scenarios of the task.
+    known : mapping
+        What is known of the scenarios that make the blocks, in their order.
+
+    Returns
+    -------
+    Linearisation
+    """
+    nominal_w = np.asarray(perf.nominal_load_w)
+    nominal_w = np.broadcast_to(nominal_w, (nominal_w.shape[0], task.count))
+    load_w = float(np.median(nominal_w[0]))
+    full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
+    blocks, charges = [], []
+    for number, scenario in known.items():
+        block, path = _block(task, perf, number, scenario, nominal_w[:, number])
+        blocks.append(block)
+        charges.append(np.clip(path, *_INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
+    mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
+    return Linearisation(dict(values), tuple(known), tuple(blocks), tuple(charges), load_w, mass_kg)
+
+
+def _block(
+    task: SizingTask, perf: Performance, number: int, scenario: Scenario, nominal_w: FloatArray
+) -> tuple[BlockData, FloatArray]:
+    """Data of one scenario, and the state of charge at its nodes."""
+    battery, time_h = task.aircraft.battery, task.day.time_h
+    into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
+    shape = (len(nominal_w), task.count, len(time_h))
+    powers = (np.broadcast_to(one, shape)[:, number] for one in (perf.solar_power_w, perf.load_w))
+    day = Day.of(time_h, *powers)
+    path = _path(perf, day, number, scenario, shape)
+    full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
+    if scenario.nodes is None:
+        scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0])
+    means = day_means(day, scenario.nodes, into, out_of)
+    area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
+    level_w = np.asarray(perf.design.load_in_turbulence_w(task.mission.turbulence.all_day))
+    lowest = day.solar_w.min(axis=-1, keepdims=True) / area
+    light = np.hstack([means.light_w / area, lowest])
+    load = np.hstack([means.load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
+    dawn = equal_power_step(day, nominal_w[0])
+    first_light = np.arange(INTERVALS + 1) <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
+    block = BlockData(
+        hours=means.hours,
+        light_w_per_m2=light[0, :-1],
+        load=load[0, :-1],
+        nominal=load[0, -1],
+        light_slope=_slopes(task, light),
+        load_slope=_slopes(task, load),
+        shift_h=scenario.shift_h,
+        reserve=first_light.astype(float),
+        margin=scenario.margin,
+        continuous=float(task.continuous),
+        lowest_w_per_m2=task.continuous * light[0, -1],
+        repeated=1.0,
+    )
+    return block, path[scenario.nodes]
+
+
+def _path(
+    perf: Performance, day: Day, number: int, scenario: Scenario, shape: tuple[int, ...]
+) -> FloatArray:
+    """State of charge over a day: of the repeated one, or of one from the last dawn's charge."""
+    excess_h = float(np.broadcast_to(perf.cycle.excess_time_h, shape[:2])[0, number])
+    store = perf.store.flat(shape[:2]).select(np.array([0]))
+    if not (math.isfinite(excess_h) and excess_h > 0.0):
+        return day.path(store, scenario.dawn_charge)
+    charge = np.broadcast_to(perf.cycle.energy_wh, shape)[0, number]
+    steps = shape[-1] - 1
+    at = (day.first + np.arange(steps + 1)) % steps
+    return np.asarray(charge[at] / float(store.battery_energy_wh[0]))
+
+
+def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:
+    """Derivative of the logarithm of some values by every variable, column by column.
+
+    ``values``: of a design and its neighbours. Zero where there is nothing, or no neighbour flies.
+    """
+    slopes = np.zeros((values.shape[1], len(task.variables)))
+    positive = (values > 0.0).all(axis=0)
+    logarithm = np.log(np.where(positive, values, 1.0))
+    places = [task.names.index(name) for name in task.moved]
+    found = (logarithm[1:] - logarithm[0]) / STEP
+    slopes[:, places] = np.clip(np.nan_to_num(found), -_STEEPEST, _STEEPEST).T
+    return slopes.ravel(order="F")

@@ -1,18 +1,29 @@
-"""Solving the program: IPOPT from a simulated start, and what its solution says."""
+"""Solving the program of a task: IPOPT from a simulated design, and what its solution says."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from sizing.program.transcription import INTERVALS, BlockData, Program
+from sizing.parameters import parameter_value
+from sizing.program.corrections import Linearisation
+from sizing.program.task import SizingTask
+from sizing.program.transcription import RESERVE_SCALE_H, Program, build_program
+from sizing.program.variables import WORST_EXCESS, scales_of
 from solar.types import FloatArray
 
+# Cost of missing a requirement by all of it, or of lacking the whole load all day: far above any
+# multiplier of a cost of order one, so that none is missed for a gain.
 PRICE = 100.0
-IPOPT: dict[str, Any] = {
+LACKING = 1e-4  # relative: less is what the solver leaves
+_PAYLOAD_SHARE = 0.1  # of mass or load: a smaller payload counts as this in the cost
+_LONGEST_H = 1e4  # of an excess time that is as long as possible
+_FIRST_SLACK = 0.01  # where missed requirements start: inside their bounds
+
+_COMMON: dict[str, Any] = {
     "print_time": False,
     "show_eval_warnings": False,
     "error_on_fail": False,
@@ -21,62 +32,218 @@ IPOPT: dict[str, Any] = {
     "ipopt.sb": "yes",
     "ipopt.tol": 1e-7,
     "ipopt.acceptable_tol": 1e-5,
-    "ipopt.max_iter": 100,
     "ipopt.mu_strategy": "adaptive",
-    "ipopt.mu_max": 1e-3,
 }
-ELASTIC = IPOPT | {"ipopt.max_iter": 300, "ipopt.mu_max": 1e-1}
+# Costs and rows are of order one, and the start is a simulated design: a barrier that begins high
+# sends it away and back.
+OPTIONS = {
+    "firm": _COMMON | {"ipopt.max_iter": 100, "ipopt.mu_max": 1e-3},
+    "elastic": _COMMON | {"ipopt.max_iter": 300, "ipopt.mu_max": 1e-1},
+}
 
 
 @dataclass(frozen=True)
 class Solution:
+    """Solution of the program of a task.
+
+    ``values``: of its variables, in their units. ``scenarios``: in the program's blocks. ``x``,
+    ``parameters``, ``row_multipliers``, ``bound_multipliers``: of the program; positive where a
+    row or an upper bound holds back... the sign is CasADi's: the gradient of the cost plus that of
+    rows and bounds, each times its multiplier, is zero.
+    """
+
+    task: SizingTask
     program: Program
+    linearisation: Linearisation
+    values: dict[str, float]
     x: FloatArray
-    cost: float
-    lam_x: FloatArray
-    lam_g: FloatArray
+    parameters: FloatArray
+    row_multipliers: FloatArray
+    bound_multipliers: FloatArray
     converged: bool
     iterations: int
-    status: str
-
-    def part(self, name: str) -> FloatArray:
-        return self.x[self.program.parts[name]]
+    message: str
 
     @property
-    def lack(self) -> float:
-        return float(max(self.part("missed").max(initial=0.0), self.part("lack").max(initial=0.0)))
+    def scenarios(self) -> tuple[int, ...]:
+        """Scenarios in the blocks of the program."""
+        return self.linearisation.scenarios
+
+    @property
+    def excess_time_h(self) -> float:
+        """Worst excess time [h]."""
+        return float(self.x[self.program.parts["excess"]][0])
+
+    @property
+    def lack(self) -> FloatArray:
+        """Power that every block lacks, relative to the load of the design before."""
+        return self.x[self.program.parts["lack"]]
+
+    @property
+    def missed(self) -> dict[str, float]:
+        """Requirements on the design that are missed, and by how much, relative."""
+        slacks = self.x[self.program.parts["missed"]]
+        names = self.program.requirements
+        return {n: float(s) for n, s in zip(names, slacks, strict=True) if s > LACKING}
+
+    @property
+    def violation(self) -> float:
+        """Largest part by which anything is missed."""
+        return float(max(self.lack.max(), max(self.missed.values(), default=0.0)))
+
+    def charge(self, block: int) -> FloatArray:
+        """Charge at the nodes of a block, over the energy of a full battery."""
+        charge = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)[block]
+        return charge / max(float(charge.max()), 1e-9)
+
+    def multiplier(self, name: str, block: int | None) -> float:
+        """Sum of the multipliers of the rows of a name."""
+        pairs = zip(self.program.constraints, self.row_multipliers, strict=True)
+        return float(sum(abs(m) for c, m in pairs if c.name == name and c.block == block))
+
+    def cost_of_hour(self) -> float:
+        """What an hour of required excess time costs, relative to the objective."""
+        blocks = range(self.program.blocks)
+        by_row = sum(self.multiplier("excess_time", block) for block in blocks)
+        payload = self.task.objective.payload_key is not None
+        whole = abs(self.cost) if payload else 1.0
+        return by_row / RESERVE_SCALE_H / max(whole, 1e-3)
+
+    @property
+    def cost(self) -> float:
+        """Cost without that of what is missed."""
+        count = len(self.task.variables)
+        weights = self.parameters[: count + 1]
+        unknowns = np.append(self.x[self.program.parts["design"]], self.excess_time_h)
+        return float(weights @ unknowns)
 
 
 def solve(
-    program: Program,
-    *,
-    parameters: FloatArray,
-    bounds: tuple[FloatArray, FloatArray],
-    start: FloatArray,
-    elastic: bool,
+    task: SizingTask, point: Linearisation, blocks: int, *, excess_h: float, elastic: bool
 ) -> Solution:
-    low, high = (np.array(one) for one in bounds)
+    """Solve the program of a task around a simulated design.
+
+    Parameters
+    ----------
+    task : SizingTask
+    point : Linearisation
+        Light and load of the design, and where the search starts.
+    blocks : int
+        Number of scenarios in the program.
+    excess_h : float
+        Worst excess time to start from [h].
+    elastic : bool
+        Whether requirements may be missed at a price from the outset; else only where the program
+        finds no design that meets all of them.
+
+    Returns
+    -------
+    Solution
+    """
+    program = build_program(task.aircraft, blocks, eased=bool(task.freed))
+    scales = scales_of(task.variables, point.values)
+    centre = np.array(
+        [v.to_program(point.values[v.name], s) for v, s in zip(task.variables, scales, strict=True)]
+    )
+    parameters = _parameters(task, program, point, scales, centre)
+    low, high = _bounds(task, program, scales)
+    parts = program.parts
+    start = np.zeros(parts["charge"].stop)
+    start[parts["design"]], start[parts["excess"]] = centre, excess_h
+    start[parts["missed"]] = start[parts["lack"]] = _FIRST_SLACK
+    start[parts["charge"]] = np.concatenate(point.charge)
     equation = np.array([c.equation for c in program.constraints])
-    if not elastic:
-        for part in ("missed", "lack"):
-            high[program.parts[part]] = 0.0
-    solver = program.solver("elastic" if elastic else "firm", ELASTIC if elastic else IPOPT)
-    answer = solver(
-        x0=np.clip(start, low, high),
-        lbx=low,
-        ubx=high,
-        lbg=np.zeros(len(equation)),
-        ubg=np.where(equation, 0.0, np.inf),
-        p=parameters,
-    )
-    stats = solver.stats()
+    iterations = 0
+    for name in ("elastic",) if elastic else ("firm", "elastic"):
+        most = high.copy()
+        if name == "firm":
+            most[parts["missed"]] = most[parts["lack"]] = 0.0
+        with program.lock:
+            solver = program.solver(name, OPTIONS[name])
+            answer = solver(
+                x0=np.clip(start, low, most),
+                lbx=low,
+                ubx=most,
+                lbg=0.0,
+                ubg=np.where(equation, 0.0, np.inf),
+                p=parameters,
+            )
+            stats = solver.stats()
+        iterations += int(stats["iter_count"])
+        if stats["success"]:
+            break
+    x = np.asarray(answer["x"]).ravel()
+    values = {
+        v.name: float(v.from_program(one, scale))
+        for v, one, scale in zip(task.variables, x[parts["design"]], scales, strict=True)
+    }
     return Solution(
-        program,
-        np.asarray(answer["x"]).ravel(),
-        float(answer["f"]),
-        np.asarray(answer["lam_x"]).ravel(),
-        np.asarray(answer["lam_g"]).ravel(),
-        bool(stats["success"]),
-        int(stats["iter_count"]),
-        str(stats["return_status"]),
+        task=task,
+        program=program,
+        linearisation=point,
+        values=task.within_bounds(values),
+        x=x,
+        parameters=parameters,
+        row_multipliers=np.asarray(answer["lam_g"]).ravel(),
+        bound_multipliers=np.asarray(answer["lam_x"]).ravel(),
+        converged=bool(stats["success"]),
+        iterations=iterations,
+        message=str(stats["return_status"]),
     )
+
+
+def _parameters(
+    task: SizingTask,
+    program: Program,
+    point: Linearisation,
+    scales: FloatArray,
+    centre: FloatArray,
+) -> FloatArray:
+    """Parameter vector of the program, in the order of its symbols."""
+    technology = [parameter_value(task.aircraft, None, key) for key in program.technology]
+    battery = task.aircraft.battery
+    efficiencies = [battery.mean_charge_efficiency, battery.mean_discharge_efficiency]
+    vectors: Sequence[Any] = (
+        _weights(task, point, scales),
+        np.array(task.conditions, float),
+        np.array(technology, float),
+        np.array(efficiencies, float),
+        scales,
+        centre,
+        [point.load_w, PRICE],
+        *(np.ravel(value) for block in point.blocks for value in block),
+    )
+    return np.concatenate(vectors)
+
+
+def _weights(task: SizingTask, point: Linearisation, scales: FloatArray) -> FloatArray:
+    """Cost per unit of the design's variables and of the excess time.
+
+    A payload counts in parts of itself, or where it is small of the mass or the load it is in.
+    """
+    weights = np.zeros(len(task.variables) + 1)
+    wholes = {"payload_mass_kg": point.mass_kg, "payload_power_w": point.load_w}
+    for name, weight in task.cost.items():
+        if name == WORST_EXCESS:
+            weights[-1] = weight
+            continue
+        place = task.names.index(name)
+        least = _PAYLOAD_SHARE * wholes.get(name, 0.0)
+        weights[place] = weight * scales[place] / max(scales[place], least)
+    return weights
+
+
+def _bounds(
+    task: SizingTask, program: Program, scales: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Bounds of the decision vector."""
+    parts = program.parts
+    low, high = np.zeros(parts["charge"].stop), np.full(parts["charge"].stop, np.inf)
+    for ends, name in ((low, "minimum"), (high, "maximum")):
+        ends[parts["design"]] = [
+            v.to_program(getattr(v, name), scale)
+            for v, scale in zip(task.variables, scales, strict=True)
+        ]
+    low[parts["excess"]] = task.goal_h
+    high[parts["excess"]] = _LONGEST_H if task.maximises_excess else task.goal_h
+    return low, high

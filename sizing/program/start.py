@@ -4,18 +4,33 @@ from __future__ import annotations
 
 import numpy as np
 
-from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, FlightConditions
+from sizing.design import Design, DesignVariables
 from sizing.limits import EQUATIONS, design_requirements
 from sizing.mass_budget import closed_design
-from sizing.sunlight import SolarDay
+from sizing.program.objectives import Objective
+from sizing.program.task import SizingTask
 from solar.types import FloatArray
 
 # Points of span, battery and modules each, by the number of other free variables.
 _GRID_POINTS = (9, 7, 6)
 _FEW_POINTS = 3
-_HOUR = 12  # steps of the day that are one here
+_EACH_HOUR = 12  # steps of the day that are one here
+
+
+def most_promising(task: SizingTask) -> DesignVariables:
+    """Design of the grid that misses least; of those that miss nothing the best one."""
+    grid = grid_of(task.aircraft)
+    with np.errstate(all="ignore"):
+        design = closed_design(task.aircraft, task.conditions, grid)
+        missed = missed_by(task, design)
+        ranks = {
+            Objective.min_mass.variable: design.total_mass_kg,
+            Objective.min_wingspan.variable: grid.wingspan_m,
+        }
+        rank = np.asarray(ranks.get(task.objective.variable, missed))
+    best = int(np.lexsort((rank, missed))[0])
+    return grid.mapped(lambda v: float(np.asarray(v)[best]))
 
 
 def grid_of(aircraft: Aircraft) -> DesignVariables:
@@ -38,41 +53,29 @@ def grid_of(aircraft: Aircraft) -> DesignVariables:
     return DesignVariables(span, aspect, battery, area, *rest)
 
 
-def most_promising(
-    aircraft: Aircraft, mission: Mission, day: SolarDay, required_h: float, rank: FloatArray | None
-) -> DesignVariables:
-    """Design of the grid that misses least of an energy balance and its requirements.
+def missed_by(task: SizingTask, design: Design) -> FloatArray:
+    """What closed designs miss of a day's energy and their requirements, relative.
 
-    Of those that miss nothing the one of the least ``rank``.
+    The battery must hold the night and the required excess time, the day return the night.
     """
-    grid = grid_of(aircraft)
-    design = closed_design(aircraft, mission, grid)
-    missed = missed_by(aircraft, mission, day, required_h, grid, design)
-    best = int(np.argmin(missed)) if rank is None else int(np.lexsort((rank(design), missed))[0])
-    return grid.mapped(lambda v: float(np.asarray(v)[best]))
-
-
-def missed_by(aircraft, mission, day, required_h, grid, design) -> FloatArray:
-    """What closed designs miss, relative: the night's charge, the day's return, requirements."""
-    battery = aircraft.battery
-    into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
-    with np.errstate(all="ignore"):
-        load_w = np.asarray(design.nominal_load_w(mission))[:, np.newaxis, np.newaxis]
-        light = day.specific_power_w_per_m2[:, ::_HOUR]
-        step_h = float(day.time_h[_HOUR] - day.time_h[0])
-        net = np.asarray(grid.module_area_m2)[:, np.newaxis, np.newaxis] * light[..., :-1] - load_w
-        surplus = np.maximum(net, 0.0).sum(axis=-1) * step_h
-        deficit = np.maximum(-net, 0.0).sum(axis=-1) * step_h
-        load_w = load_w[..., 0]
-        full = np.asarray(design.battery_energy_wh)[:, np.newaxis]
-        night = (deficit + required_h * load_w * (deficit > 0.0)) / (out_of * full)
-        returned = (deficit / out_of) / np.maximum(into * surplus, 1e-9)
-        missed = np.max(np.maximum(np.maximum(night, returned) - 1.0, 0.0), axis=-1)
-        heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
-        mass = np.asarray(design.total_mass_kg)
-        missed = missed + np.maximum(mass / heaviest - 1.0, 0.0)
-        conditions = FlightConditions.of(mission, aircraft)
-        for row in design_requirements(aircraft, design, conditions.with_payload_of(grid)):
-            if row.name not in EQUATIONS:
-                missed = missed + np.maximum(-np.asarray(row.value), 0.0)
+    aircraft, day, battery = task.aircraft, task.day, task.aircraft.battery
+    load_w = np.asarray(design.nominal_load_w(task.mission))[:, np.newaxis, np.newaxis]
+    light = day.specific_power_w_per_m2[:, :: min(_EACH_HOUR, len(day.time_h) - 1)]
+    step_h = 24.0 / (light.shape[-1] - 1)
+    area = np.asarray(design.variables.module_area_m2)[:, np.newaxis, np.newaxis]
+    net = area * light[..., :-1] - load_w
+    surplus = battery.mean_charge_efficiency * np.maximum(net, 0.0).sum(axis=-1) * step_h
+    deficit = np.maximum(-net, 0.0).sum(axis=-1) * step_h
+    reserve = np.where(deficit > 0.0, task.goal_h, 0.0) * load_w[..., 0]
+    out_of = battery.mean_discharge_efficiency
+    capacity = out_of * np.asarray(design.battery_energy_wh)[:, np.newaxis]
+    short = np.maximum((deficit + reserve) / capacity, deficit / out_of / (surplus + 1e-9)) - 1.0
+    missed = np.maximum(short, 0.0).max(axis=-1)
+    mass = np.asarray(design.total_mass_kg)
+    heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
+    missed = missed + np.maximum(mass / heaviest - 1.0, 0.0)
+    conditions = task.conditions.with_payload_of(design.variables)
+    for row in design_requirements(aircraft, design, conditions):
+        if row.name not in EQUATIONS:
+            missed = missed + np.maximum(-np.asarray(row.value), 0.0)
     return np.where(np.isfinite(missed) & np.isfinite(mass), missed, np.inf)

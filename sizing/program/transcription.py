@@ -18,7 +18,6 @@ requirement may be missed at a price, so that one solution is the optimum or say
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from threading import RLock
@@ -29,7 +28,13 @@ import numpy as np
 
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, parametric_design
-from sizing.energy.battery import ChargeLimit, NoChargeLimit, RuleChargeLimit, TableChargeLimit, charge_rate_per_h
+from sizing.energy.battery import (
+    ChargeLimit,
+    NoChargeLimit,
+    RuleChargeLimit,
+    TableChargeLimit,
+    charge_rate_per_h,
+)
 from sizing.limits import EQUATIONS, DesignInFlight, design_requirements
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.program.variables import (
@@ -43,7 +48,6 @@ from sizing.program.variables import (
     eased_row,
     limit_rows,
 )
-from solar.types import FloatArray
 
 INTERVALS = 22
 RESERVE_SCALE_H = 10.0  # excess time that counts as one in a row
@@ -75,7 +79,6 @@ class BlockData(NamedTuple):
     light_slope: Any
     load_slope: Any
     shift_h: Any
-    shift_slope_h: Any
     reserve: Any
     margin: Any
     continuous: Any
@@ -228,8 +231,12 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
             slower = block.hours - (clock[1:] - clock[:-1])
             rows.append((Constraint("charge_limit", i), slower))
         rows.append((Constraint("battery_capacity", i), full - charge[:, i]))
-        reserve = charge[:, i] * out_of - block.reserve * (worst_h + block.shift_h + ca.dot(block.shift_slope_h, moved)) * nominal_w / unit_wh
-        sun = (area * brighter * block.lowest_w_per_m2 - (1.0 + CONTINUOUS_MARGIN) * nominal_w) / reference_w
+        reserve = (
+            charge[:, i] * out_of - block.reserve * (worst_h + block.shift_h) * nominal_w / unit_wh
+        )
+        sun = (
+            area * brighter * block.lowest_w_per_m2 - (1.0 + CONTINUOUS_MARGIN) * nominal_w
+        ) / reference_w
         sun = sun + lack[i]
         rows.append((Constraint("excess_time", i), reserve + block.continuous * 1e3))
         rows.append((Constraint("continuous", i), sun + (1.0 - block.continuous) * 1e3))
@@ -242,7 +249,14 @@ def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) 
     symbols = {
         "x": ca.vertcat(x, worst_h, missed, lack, ca.vec(charge)),
         "p": ca.vertcat(
-            weights, conditions, numbers, efficiencies, scales, centre, reference_w, price,
+            weights,
+            conditions,
+            numbers,
+            efficiencies,
+            scales,
+            centre,
+            reference_w,
+            price,
             *(ca.vertcat(*block) for block in data),
         ),
         "f": cost,
@@ -255,7 +269,7 @@ def _block_symbols(count: int) -> BlockData:
     sizes = dict.fromkeys(BlockData._fields, 1)
     sizes |= dict.fromkeys(("hours", "light_w_per_m2", "load"), INTERVALS)
     sizes |= dict.fromkeys(("light_slope", "load_slope"), (INTERVALS + 1) * count)
-    sizes |= {"shift_slope_h": count, "reserve": INTERVALS + 1}
+    sizes |= {"reserve": INTERVALS + 1}
     return BlockData(**{name: ca.SX.sym(name, size) for name, size in sizes.items()})
 
 

@@ -90,9 +90,7 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variab
         "wingspan_m": space.wingspan_m,
         "battery_mass_kg": space.battery_mass_kg,
         "module_area_m2": space.module_area_m2,
-        TOTAL_MASS: Range.model_construct(
-            minimum=space.battery_mass_kg.minimum, maximum=heaviest
-        ),
+        TOTAL_MASS: Range.model_construct(minimum=space.battery_mass_kg.minimum, maximum=heaviest),
         **space.requested_ranges(),
     }
     linear = ("battery_mass_kg", "module_area_m2")

@@ -1,0 +1,233 @@
+"""An objective and constraints of the user's own, from functions of the quantities of a design.
+
+A function is called once, with symbols under the names of :data:`NAMES`; program and simulator
+both evaluate the expression that it returns. They travel with the design space, so that whatever
+sizes the aircraft again knows them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Any, ClassVar
+
+import casadi as ca
+import numpy as np
+from pydantic import Field
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import Design, FlightConditions, Masses, parametric_design, variables_of
+from sizing.design_space import DesignSpace
+from sizing.limits import QUANTITIES, DesignInFlight, Requirement, design_requirements
+from sizing.mass_budget import closed_design
+from sizing.parameters import replaced
+from sizing.performance import Performance
+from sizing.program.variables import OWN
+from sizing.smooth import Value
+
+OwnFunction = Callable[[Any], Any]
+
+_ENERGY = (
+    "battery_capacity",
+    "energy_balance",
+    "excess_time",
+    "height",
+)  # requirements of the cycle
+
+# Quantities of a design that a function may use, by the names that results have.
+NAMES: dict[str, Callable[[DesignInFlight], Value]] = {
+    "wingspan_m": lambda it: it.design.variables.wingspan_m,
+    "aspect_ratio": lambda it: it.design.variables.aspect_ratio,
+    "module_area_m2": lambda it: it.design.variables.module_area_m2,
+    "payload_power_w": lambda it: it.conditions.payload_power_w,
+    "power_out_w": lambda it: it.load_w,
+    **{f"{item}_mass_kg": attrgetter(f"design.masses.{item}") for item in Masses._fields},
+    **{str(name): of for name, of in QUANTITIES.items()},
+}
+
+
+class _Symbols:
+    """Design whose quantities are symbols; a wrong name is answered with those that there are."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in NAMES:
+            raise AttributeError(f"a design has no {name}; it has {', '.join(NAMES)}")
+        return ca.SX.sym(name)
+
+    def __dir__(self) -> list[str]:
+        return list(NAMES)
+
+
+def _expression(function: OwnFunction, what: str) -> Any:
+    """Expression that a function returns, each quantity one symbol."""
+    try:
+        expression = function(_Symbols())
+    except AttributeError as error:
+        raise ValueError(f"{what}: {error}") from error
+    except Exception as error:
+        raise ValueError(
+            f"{what} is called with symbols: arithmetic, NumPy's and CasADi's functions "
+            f"(casadi.fmax, casadi.if_else) take them, if, max and float do not ({error})"
+        ) from error
+    if not isinstance(expression, ca.SX) or not expression.is_scalar() or not ca.symvar(expression):
+        shown = " ".join(str(expression).split())[:60]
+        raise ValueError(f"{what} must return one number that depends on the design (got {shown})")
+    return expression
+
+
+@dataclass(frozen=True, eq=False)
+class _Term:
+    """An expression of quantities of a design, for numbers, arrays and symbols."""
+
+    names: tuple[str, ...]
+    function: ca.Function
+
+    @classmethod
+    def of(cls, expression: Any) -> _Term:
+        symbols = ca.symvar(expression)
+        names = tuple(dict.fromkeys(one.name() for one in symbols))
+        every = ca.SX.sym("quantities", len(names))
+        own = [every[names.index(one.name())] for one in symbols]
+        (value,) = ca.substitute([expression], symbols, own)
+        return cls(names, ca.Function("own", [every], [value]))
+
+    def __call__(self, it: DesignInFlight) -> Value:
+        values = [NAMES[name](it) for name in self.names]
+        if any(isinstance(value, ca.SX) for value in values):
+            return self.function(ca.vertcat(*values))
+        arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in values))
+        if arrays[0].size == 0:
+            return np.zeros(arrays[0].shape)
+        evaluated = self.function(np.stack([one.ravel() for one in arrays]))
+        return np.asarray(evaluated).reshape(arrays[0].shape)
+
+
+@dataclass(frozen=True, eq=False)
+class OwnObjective:
+    """What the user makes as small as possible; it answers as an ``Objective`` does.
+
+    ``scale``: of the order of its values. ``first``: value of the design that the search starts
+    from. ``aircraft``: whose technology the designs have.
+    """
+
+    value: str
+    term: _Term
+    scale: float
+    first: float
+    aircraft: Aircraft
+
+    variable: ClassVar[str] = OWN
+    label: ClassVar[str] = "objective"
+    unit: ClassVar[str] = ""
+    maximised: ClassVar[bool] = False
+    of_range: ClassVar[bool] = False
+    payload_key: ClassVar[None] = None
+
+    @property
+    def cost(self) -> dict[str, float]:
+        """Weights of the program's variables in what it minimises."""
+        return {OWN: 1.0}
+
+    def of_flight(self, perf: Performance) -> Value:
+        """Value of simulated designs."""
+        conditions = FlightConditions.of(perf.mission, self.aircraft)
+        carried = conditions.with_payload_of(perf.design.variables)
+        return self.term(DesignInFlight(self.aircraft, perf.design, carried))
+
+    def row(self, it: DesignInFlight, variable: Value) -> Requirement:
+        """Equation that makes a variable of the program the objective."""
+        return Requirement(OWN, (variable - self.term(it)) / self.scale, "")
+
+
+@dataclass(frozen=True, eq=False)
+class _OwnConstraint:
+    """A requirement of the user's own: ``term`` is at least zero where it is kept."""
+
+    name: str
+    term: _Term
+
+    def row(self, it: DesignInFlight) -> Requirement:
+        return Requirement(self.name, self.term(it), f"{self.name} is missed by {{missed}}")
+
+
+class _OwnDesignSpace(DesignSpace):
+    """Design space with terms that no file can hold."""
+
+    own_objective: Any = Field(default=None, exclude=True)
+    own_constraints: tuple[Any, ...] = Field(default=(), exclude=True)
+
+    __hash__ = DesignSpace.__hash__
+
+    def own_requirements(self, it: Any) -> list[Any]:
+        return [one.row(it) for one in self.own_constraints]
+
+
+def with_own_terms(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: OwnFunction | None,
+    constraints: Sequence[OwnFunction],
+) -> tuple[Aircraft, OwnObjective | None]:
+    """Aircraft whose design space has an objective and constraints of the user's own.
+
+    Returns the objective as well; None where none is given.
+    """
+    start = _start(aircraft, mission)
+    own = None if objective is None else _objective(objective, start)
+    rows = tuple(_constraint(one, start) for one in constraints)
+    taken = {*_ENERGY, OWN, *(row.name for row in design_requirements(*start))}
+    for one in rows:
+        if one.name in taken:
+            raise ValueError(f"a constraint needs a name of its own: there is a {one.name} already")
+        taken.add(one.name)
+    space = aircraft.design_space
+    fields: dict[str, Any] = {name: getattr(space, name) for name in DesignSpace.model_fields}
+    fields |= {"own_objective": own, "own_constraints": rows}
+    changed = _OwnDesignSpace.model_construct(set(space.model_fields_set), **fields)
+    return replaced(aircraft, ["design_space"], changed), own
+
+
+def _start(aircraft: Aircraft, mission: Mission) -> DesignInFlight:
+    """Design that scales refer to: the aircraft's own, or where that has no mass one of a guess."""
+    variables, conditions = variables_of(aircraft), FlightConditions.of(mission, aircraft)
+    design: Design = closed_design(aircraft, conditions, variables)
+    if not np.isfinite(design.total_mass_kg):
+        mass_kg = 3.0 * variables.battery_mass_kg
+        design = parametric_design(aircraft, conditions, variables, mass_kg)
+    return DesignInFlight(aircraft, design, conditions)
+
+
+def _objective(function: OwnFunction, start: DesignInFlight) -> OwnObjective:
+    expression = _expression(function, "the objective")
+    if expression.is_op(ca.OP_LE) or expression.is_op(ca.OP_LT) or expression.is_op(ca.OP_EQ):
+        raise ValueError("the objective is a comparison: those are constraints")
+    term = _Term.of(expression)
+    first = float(term(start))
+    if not np.isfinite(first):
+        raise ValueError(f"the objective is {first} for the design that the search starts from")
+    name = _name(function, expression)
+    return OwnObjective(name, term, abs(first) or 1.0, first, start.aircraft)
+
+
+def _constraint(function: OwnFunction, start: DesignInFlight) -> _OwnConstraint:
+    """Constraint of a comparison, relative to its right-hand side, or the larger one at first."""
+    expression = _expression(function, "a constraint")
+    if not (expression.is_op(ca.OP_LE) or expression.is_op(ca.OP_LT)):
+        raise ValueError(
+            "a constraint must be one comparison by <= or >=, of quantities or numbers"
+        )
+    small, large = expression.dep(0), expression.dep(1)
+    sizes = [abs(float(_Term.of(one)(start) if ca.symvar(one) else one)) for one in (small, large)]
+    # A number is the limit; of two quantities the larger one.
+    numbers = [s for s, one in zip(sizes, (small, large), strict=True) if not ca.symvar(one)]
+    scale = next(iter(numbers), max(sizes)) or max(sizes) or 1.0
+    name = _name(function, expression).removeprefix("(").removesuffix(")")
+    return _OwnConstraint(name, _Term.of((large - small) / scale))
+
+
+def _name(function: OwnFunction, expression: Any) -> str:
+    """Name of a function, or of a lambda what it says."""
+    name = getattr(function, "__name__", "<lambda>")
+    return "".join(str(expression).split()) if name == "<lambda>" else str(name)

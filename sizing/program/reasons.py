@@ -1,0 +1,6 @@
+def violations_of(*a):
+    return ()
+
+
+def unlifted(*a):
+    return 0

@@ -1,0 +1,190 @@
+"""What is to be sized: aircraft, mission, objective, light, and the simulator that judges designs."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables, FlightConditions
+from sizing.limits import meets_requirements
+from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import objective_value
+from sizing.program.variables import OWN, TOTAL_MASS, Role, Variable, chosen_variables
+from sizing.sunlight import SolarDay, SolarModel
+from solar.types import FloatArray
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class SizingTask:
+    """A sizing, before its program.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        A parametric one.
+    mission : Mission
+    objective : Objective
+        Or one of the user's own, which answers as an objective does.
+    solar : SolarModel
+    day : SolarDay
+        Light in the scenarios of the mission.
+    required_h : float
+        Excess time that every scenario must have [h].
+    continuous : bool
+        Whether the sun must carry the nominal load at all times, instead of the battery.
+    bounds : mapping
+        Bounds of variables, in their unit, that replace their own.
+    freed : collection of str
+        Technology, limits or the wind that are free besides the design.
+    cost : mapping, optional
+        Weights of variables in what is minimised, instead of the objective's.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    objective: Objective
+    solar: SolarModel
+    day: SolarDay
+    required_h: float
+    continuous: bool = False
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    freed: Collection[str] = ()
+    own_cost: Mapping[str, float] | None = None
+
+    @property
+    def count(self) -> int:
+        """Number of scenarios."""
+        return len(self.day.scenarios)
+
+    @cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """Variables of the program, with the bounds of this task."""
+        every = chosen_variables(self.aircraft, eased=bool(self.freed))
+        return tuple(self._bounded(v) for v in every)
+
+    def _bounded(self, variable: Variable) -> Variable:
+        if variable.name in self.bounds:
+            low, high = self.bounds[variable.name]
+        elif variable.role in (Role.design, Role.objective) or variable.name in self.free_names:
+            return variable
+        else:
+            low = high = self.held[variable.name]
+        return variable._replace(minimum=low, maximum=high)
+
+    @cached_property
+    def free_names(self) -> frozenset[str]:
+        """Names of what is free besides the variables of the design."""
+        payload = () if self.objective.payload_key is None else (self.objective.variable,)
+        return frozenset((*payload, *self.freed))
+
+    @cached_property
+    def held(self) -> dict[str, float]:
+        """Values of variables that are not free."""
+        mission = self.mission
+        wind = mission.wind_to_beat_m_per_s(mission.strongest_wind_m_per_s)
+        eased = chosen_variables(self.aircraft, eased=bool(self.freed))
+        relative = {v.name: 1.0 for v in eased if v.role in (Role.technology, Role.limit)}
+        return relative | {
+            "payload_mass_kg": mission.payload.mass_kg,
+            "payload_power_w": mission.payload.power_w,
+            "mission.wind_m_per_s": float(wind),
+        }
+
+    @cached_property
+    def names(self) -> list[str]:
+        """Names of the variables, in the order of the program."""
+        return [v.name for v in self.variables]
+
+    @cached_property
+    def moved(self) -> list[str]:
+        """Names of the design variables that the simulator is asked to move."""
+        return [
+            v.name
+            for v in self.variables
+            if v.name in DesignVariables._fields
+            and v.minimum < v.maximum
+            and (v.role is Role.design or v.name in self.free_names)
+        ]
+
+    @cached_property
+    def conditions(self) -> FlightConditions:
+        """Air, payload and wind of the mission."""
+        return FlightConditions.of(self.mission, self.aircraft)
+
+    @property
+    def maximises_excess(self) -> bool:
+        """Whether the excess time itself is to be as long as possible."""
+        longest = self.objective is Objective.max_excess_time and self.own_cost is None
+        return longest and not self.continuous
+
+    @property
+    def goal_h(self) -> float:
+        """Excess time that the program requires [h]; continuous solar power needs none."""
+        return 0.0 if self.continuous else self.required_h
+
+    @cached_property
+    def cost(self) -> Mapping[str, float]:
+        """Weights of the program's variables in what it minimises.
+
+        Excess time is unlimited with continuous solar power: the lightest design is as good as any.
+        """
+        if self.own_cost is not None:
+            return self.own_cost
+        longest = self.objective is Objective.max_excess_time
+        return (Objective.min_mass if longest and self.continuous else self.objective).cost
+
+    def with_values(self, **changes: object) -> SizingTask:
+        """The same task with some fields replaced."""
+        return replace(self, **changes)  # type: ignore[arg-type]  # names are those of fields
+
+    # --- simulator ------------------------------------------------------------------------------
+
+    def design_variables(self, values: Values) -> DesignVariables:
+        """Design variables of a design, of which a payload is one only where it is free."""
+        chosen = {"aspect_ratio": self.aircraft.airframe.aspect_ratio}
+        for v in self.variables:
+            if v.name not in DesignVariables._fields:
+                continue
+            if v.role is not Role.payload or v.name in self.free_names:
+                chosen[v.name] = values[v.name]
+        return DesignVariables(**chosen)
+
+    def within_bounds(self, values: Values) -> dict[str, float]:
+        """Values of a design, each within its bounds: the solver may step slightly over."""
+        return {
+            v.name: min(max(float(values[v.name]), v.minimum), v.maximum) for v in self.variables
+        }
+
+    def simulate(self, designs: list[Values]) -> Performance:
+        """Simulate some designs in all scenarios."""
+        chosen = [self.design_variables(values).chosen() for values in designs]
+        stacked = {name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
+        return performance_of_designs(
+            self.aircraft, self.mission, DesignVariables(**stacked), self.solar, day=self.day
+        )
+
+    def first_values(self, variables: DesignVariables) -> dict[str, float]:
+        """Values of a design at whatever mass closes its budget, or a guess of it."""
+        chosen = {name: float(value) for name, value in variables.chosen().items()}
+        values: dict[str, float] = {OWN: 0.0, TOTAL_MASS: 1.0} | self.held
+        values |= {v.name: chosen[v.name] for v in self.variables if v.name in chosen}
+        values |= {v.name: v.minimum for v in self.variables if v.name not in values}
+        return self.within_bounds(values)
+
+    def merit(self, perf: Performance) -> FloatArray:
+        """Objective of simulated designs, the larger the better."""
+        value = objective_value(self.objective, perf)
+        return value if self.objective.maximised else -value
+
+    def meets(self, perf: Performance) -> bool:
+        """Whether a design keeps every requirement on itself (of a batch the first one)."""
+        met = meets_requirements(self.aircraft, self.mission, perf.design)
+        return bool(np.ravel(met)[0])
