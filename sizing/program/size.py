@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import NO_FLIGHT_W, DesignVariables
-from sizing.performance import Performance
+from sizing.performance import Performance, performance_of_designs
 from sizing.program.corrections import Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
@@ -247,6 +247,20 @@ def size_aircraft(
     if not (task.maximises_excess and unlimited):
         searches.append(Search(task, start, stop_at_merit).run())
     best = max(searches, key=lambda one: -math.inf if one.best is None else one.best.merit)
-    if best.best is None:
-        best = searches[-1]
-    return best
+    return _result(best if best.best is not None else searches[-1], required_h)
+
+
+def _result(search: Search, required_h: float) -> SizingResult:
+    """Outcome of a search."""
+    empty = SizingResult(
+        status=search.status,
+        objective=search.task.objective,
+        required_excess_time_h=required_h,
+        solver=search.report,
+    )
+    if search.best is None:
+        return empty
+    design = search.task.design_variables(search.best.values)
+    task = search.task
+    perf = performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
+    return replace(empty.with_design(perf), optimum=search.best.solution)
