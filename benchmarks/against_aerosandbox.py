@@ -23,8 +23,8 @@ from benchmarks.shared_sizing import (
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems, forget_programs
+from sizing.program.objectives import Objective
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 

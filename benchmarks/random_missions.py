@@ -23,10 +23,10 @@ from sizing.design_space import Range
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
 from sizing.optimisation.cross_check import cross_check, design_grid
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
 from sizing.sunlight import solar_day
 
 _OBJECTIVES = [o for o in Objective if not o.of_range]

@@ -18,9 +18,9 @@ from missions.mission import Scenarios
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import design_requirements, meets_requirements
 from sizing.optimisation.coverage import DAYS, LATITUDES_DEG
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import objective_value
 from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import objective_value
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, solar_day
 from solar.types import BoolArray, FloatArray
 

@@ -15,7 +15,7 @@ from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.objectives import Objective
+from sizing.program.objectives import Objective
 from sizing.sunlight import SolarModel
 
 _SINGLE = [o for o in Objective if not o.of_range]

@@ -13,8 +13,8 @@ from sizing.altitude.climb_cycle import climb_performance
 from sizing.library import load_aircraft
 from sizing.module_power import convection_in_flight
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.objectives import Objective
 from sizing.performance import performance
+from sizing.program.objectives import Objective
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
 from solar.modules import STC_TEMPERATURE_C

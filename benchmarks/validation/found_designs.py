@@ -14,10 +14,10 @@ from benchmarks.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, Buil
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult
 from sizing.results.tables import Column, Table
 
 

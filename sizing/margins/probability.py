@@ -28,11 +28,11 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables, variable_keys
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.margins.search import MarginSearch, Trial
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.sunlight import SolarModel, solar_day
 from sizing.uncertainty.inputs import (
     SOLAR_MODEL,

@@ -20,12 +20,12 @@ from sizing.design import Design, DesignVariables
 from sizing.design_space import LimitedQuantity
 from sizing.limits import meets_requirements
 from sizing.optimisation.infeasibility import least_mission
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, SolverReport, merit_of
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import MISSION_PREFIX, with_parameter
 from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SolverReport, merit_of
 from sizing.sunlight import SolarDay, SolarModel
 from solar.types import BoolArray, FloatArray, IntArray
 

@@ -22,7 +22,7 @@ from sizing.design import Design
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import carried_over, dawns_of
 from sizing.energy.power_balance import PowerBalance
-from sizing.optimisation.result import SizingStatus
+from sizing.program.result import SizingStatus
 from sizing.sunlight import SolarModel
 from sizing.weather_days import Aloft
 from sizing.weather_run import WeatherDays

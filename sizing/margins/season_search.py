@@ -21,8 +21,8 @@ from sizing.aircraft import Aircraft
 from sizing.design import Design
 from sizing.margins.search import Count, MarginSearch, Trial, fitted, least_income, least_step
 from sizing.margins.season_flights import Powers, SeasonFlights
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
+from sizing.program.objectives import Objective
 from sizing.sunlight import SolarModel, solar_day
 from solar.types import FloatArray, IntArray
 

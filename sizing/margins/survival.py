@@ -15,13 +15,13 @@ from sizing.margins.search import Trial, least_step
 from sizing.margins.season_flights import Powers, SeasonDays, SeasonFlights, Survival
 from sizing.margins.season_search import SeasonSearch, Steps
 from sizing.optimisation.infeasibility import least_mission
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.relaxations import MINIMAL, bisected, relaxations
-from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import catalogue, parameter_value, with_parameter
 from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.relaxed_flight import Relaxation, rounded
 from sizing.sunlight import SolarModel
 from solar.types import FloatArray

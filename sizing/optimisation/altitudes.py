@@ -20,9 +20,9 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.optimisation.coverage import widest_range
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
 from sizing.optimisation.result import SizingResult
+from sizing.program.objectives import Objective
 from sizing.sunlight import SolarModel
 
 _FLOORS, _CEILINGS = 5, 3  # of the grid

@@ -29,7 +29,6 @@ from sizing.limits import Requirement, design_requirements, meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
 from sizing.optimisation.infeasibility import percent, texts_of_requirements
 from sizing.optimisation.loop import PENALTY, Search, Simulated, run
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
@@ -45,6 +44,7 @@ from sizing.optimisation.solver import ProgramSolver
 from sizing.optimisation.solver_options import Effort
 from sizing.optimisation.variables import Role
 from sizing.performance import Performance, performance_of_pairs
+from sizing.program.objectives import Objective
 from sizing.smooth import Value
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray

@@ -22,11 +22,11 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
 from sizing.optimisation.infeasibility import violations
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import SizingResult, SizingStatus, limiting_rows
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray, IntArray
 

@@ -19,7 +19,6 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
 from sizing.limits import ROW_TOLERANCE, meets_requirements
 from sizing.optimisation.energy_constraints import growing_lit_sets, lowest_power
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     ABSOLUTE_TOLERANCE_H,
@@ -30,6 +29,7 @@ from sizing.optimisation.result import (
 from sizing.optimisation.search import size_aircraft, size_branch
 from sizing.optimisation.solver import ProgramSolver
 from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective
 from sizing.sunlight import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 

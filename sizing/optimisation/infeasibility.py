@@ -19,11 +19,11 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import Requirement, design_requirements
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.result import SizingResult, SizingStatus, Violation
 from sizing.optimisation.solver import ProgramSolver
 from sizing.parameters import with_parameter
 from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective
 from solar.types import FloatArray
 
 # Points of span, battery and modules each, by the number of other free variables.

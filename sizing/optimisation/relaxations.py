@@ -31,7 +31,6 @@ from sizing.optimisation.loop import (
     spare_sun,
     telling_scenarios,
 )
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     GOAL_CUSHION_H,
@@ -52,6 +51,7 @@ from sizing.optimisation.variables import (
 )
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
 from sizing.relaxed_flight import Direction, Relaxation, rounded
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray

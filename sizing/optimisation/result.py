@@ -5,16 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
-from sizing.design import Design, DesignVariables
+from sizing.design import DesignVariables
 from sizing.limits import ROW_TOLERANCE
-from sizing.mass_budget import plain_design
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.objectives import SizingStatus as SizingStatus
-from sizing.optimisation.own_terms import OwnObjective
 from sizing.optimisation.variables import (
     HEIGHT,
     OWN,
@@ -24,20 +19,35 @@ from sizing.optimisation.variables import (
     Role,
     Variable,
 )
-from sizing.performance import Performance
+from sizing.program.objectives import Objective, SizingStatus
+from sizing.program.result import (
+    ABSOLUTE_TOLERANCE_H,
+    RELATIVE_TOLERANCE,
+    SizingResult,
+    SolverReport,
+    Violation,
+    merit_of,
+    objective_value,
+)
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 
-# A design that is better than an optimum by less than this is within what the time steps and
-# tolerances allow; relative, and for excess times in hours.
-RELATIVE_TOLERANCE = 0.005
-ABSOLUTE_TOLERANCE_H = 0.01
 # A requirement limits an optimum if its multiplier is at least this fraction of the largest one:
 # easing it by one per cent then gains a thousandth of what easing the hardest one does. The
 # interior-point method leaves multipliers on requirements that are merely close, its barrier over
 # the distance: below 0.0007 of the largest in 60 random sizings. Those that limit were above 0.01.
 LIMITING_FRACTION = 1e-3
 
+__all__ = [
+    "ABSOLUTE_TOLERANCE_H",
+    "RELATIVE_TOLERANCE",
+    "SizingResult",
+    "SizingStatus",
+    "SolverReport",
+    "Violation",
+    "merit_of",
+    "objective_value",
+]
 FIRST_MARGIN = 1e-3  # of the recharge, to begin with
 # The goal is a little more than what is required [h]: the program's time step flatters a design by
 # up to 0.003 h, the simulator's by another 0.002.
@@ -240,138 +250,6 @@ class Solution:
             for v, multiplier in zip(self.variables, self.bound_multipliers, strict=True)
             if v.role is Role.design or v.name in self.instance.freed
         }
-
-
-@dataclass(frozen=True)
-class SolverReport:
-    """What the solver did: iterations and time over all starts and rounds."""
-
-    iterations: int = 0
-    time_s: float = 0.0
-    build_time_s: float = 0.0
-    solves: int = 0
-    message: str = ""
-
-    def __add__(self, more: SolverReport) -> SolverReport:
-        return SolverReport(
-            iterations=self.iterations + more.iterations,
-            time_s=self.time_s + more.time_s,
-            build_time_s=self.build_time_s + more.build_time_s,
-            solves=self.solves + more.solves,
-            message=more.message or self.message,
-        )
-
-
-@dataclass(frozen=True)
-class Violation:
-    """A requirement that no design within its bounds can meet.
-
-    ``shortfall`` is relative to the limit; for the energy requirements to the battery's capacity,
-    for the excess time in hours.
-    """
-
-    requirement: str
-    shortfall: float
-    text: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class SizingResult:
-    """Outcome of a sizing: an optimum, or the requirements that cannot be met.
-
-    ``status`` is ``optimal``, ``infeasible`` or ``not_converged``. Design, simulated performance
-    and objective value (the simulator's number) exist for an optimum alone. ``nearest`` is the
-    simulated design that comes closest where none is feasible, and ``active_constraints`` then name
-    what holds it back. ``optimum`` is the program's solution.
-    """
-
-    status: SizingStatus
-    objective: Objective
-    required_excess_time_h: float
-    solver: SolverReport
-    objective_value: float | None = None
-    design: Design | None = None
-    simulated: Performance | None = None
-    nearest: Performance | None = None
-    active_constraints: tuple[str, ...] = ()
-    violations: tuple[Violation, ...] = ()
-    optimum: Solution | None = None
-
-    @property
-    def merit(self) -> float:
-        """Objective, the larger the better; minus infinity without a design."""
-        if self.objective_value is None:
-            return -math.inf
-        return self.objective_value if self.objective.maximised else -self.objective_value
-
-    def with_design(self, perf: Performance) -> SizingResult:
-        """The same with a design that the simulator has judged, and its objective."""
-        return replace(
-            self,
-            status=SizingStatus.optimal,
-            objective_value=float(objective_value(self.objective, perf)),
-            design=plain_design(perf.design),
-            simulated=perf,
-        )
-
-    def without_design(
-        self, status: SizingStatus, nearest: Performance | None, *violations: Violation
-    ) -> SizingResult:
-        """The same without a design.
-
-        Parameters
-        ----------
-        status : SizingStatus
-            How it ends.
-        nearest : Performance or None
-            Design that comes closest, simulated.
-        *violations : Violation
-            What that one misses.
-
-        Returns
-        -------
-        SizingResult
-        """
-        return replace(
-            self,
-            status=status,
-            objective_value=None,
-            design=None,
-            simulated=None,
-            nearest=nearest,
-            violations=violations,
-            optimum=None,
-        )
-
-    @property
-    def feasible(self) -> bool:
-        """Whether an optimum was found."""
-        return self.status.sized
-
-
-def objective_value(objective: Objective | OwnObjective, perf: Performance) -> FloatArray:
-    """Objective of simulated designs.
-
-    ``perf``: of one design, or of a batch; the scenarios are the last axis. Returns of the shape of
-    the batch, in the objective's unit.
-    """
-    if objective.of_range:
-        raise ValueError(f"{objective.value} is no number of a single simulation")
-    worst = np.min(perf.cycle.excess_time_h, axis=-1)
-    value: Any
-    if isinstance(objective, OwnObjective):
-        value = objective.of_flight(perf)
-    else:
-        value = objective.value_of(perf.design) if objective.of_design else worst
-    if value is None:  # the payload is not a variable: the mission's
-        value = perf.mission.payload.power_w
-    return np.array(np.broadcast_to(np.asarray(value, float), worst.shape))
-
-
-def merit_of(objective: Objective, perf: Performance) -> FloatArray:
-    """Objective of simulated designs as :func:`objective_value` has it, the larger the better."""
-    value = objective_value(objective, perf)
-    return value if objective.maximised else -value
 
 
 def limiting_rows(solution: Solution) -> list[Constraint]:

@@ -33,7 +33,6 @@ from sizing.optimisation.loop import (
     spare_sun,
     telling_scenarios,
 )
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.result import (
     RELATIVE_TOLERANCE,
@@ -49,6 +48,7 @@ from sizing.optimisation.solver import ProgramSolver
 from sizing.optimisation.solver_options import Effort
 from sizing.parameters import with_parameter
 from sizing.performance import Performance
+from sizing.program.objectives import Objective
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
 # Scenarios that a program starts with; others join when the simulator finds them worse.

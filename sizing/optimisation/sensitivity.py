@@ -21,12 +21,12 @@ from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions, variable_keys
 from sizing.optimisation.climb_constraints import aloft_parameters, block_winds_m_per_s
 from sizing.optimisation.energy_constraints import sun_parameters
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblem, build_problem
 from sizing.optimisation.result import SizingResult, Solution
 from sizing.optimisation.variables import HEIGHT, RELATIVE_STEP, Role
 from sizing.parameters import catalogue, is_doubled, parameter_value, with_parameter
 from sizing.performance import Performance
+from sizing.program.objectives import Objective
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
 

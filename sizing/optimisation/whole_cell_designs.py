@@ -20,10 +20,10 @@ from sizing.design_space import Limit, Range
 from sizing.energy.battery_pack import BatteryPack
 from sizing.layout.cells import CellLayout, Wing
 from sizing.layout.strings import Strings
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
+from sizing.program.objectives import Objective
 from sizing.smooth_propulsion import put_parts_in
 from sizing.sunlight import SolarModel
 from solar.modules import STC_IRRADIANCE_W_PER_M2

@@ -1,0 +1,8 @@
+"""The best design for a mission, or why there is none.
+
+* ``variables``, ``transcription``, ``objectives``, ``own_terms``: the nonlinear program as data
+* ``task``, ``corrections``, ``start``, ``solve``, ``size``: solved until the simulator confirms it
+* ``reasons``, ``relaxations``: what is missed where there is no design, and what would change that
+* ``sensitivity``: how an optimum changes
+* ``result``: how a sizing ended
+"""

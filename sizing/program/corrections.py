@@ -63,7 +63,7 @@ class Day(NamedTuple):
         full = np.asarray(store.battery_energy_wh, float).reshape(1)
         balance = PowerBalance.of(self.time_h, self.solar_w[:1], self.load_w[:1])
         run = ChargingDay.of(balance).run(store, soc * full)
-        return run.energy_at_nodes_wh()[:, 0] / full[0]
+        return np.asarray(run.energy_at_nodes_wh()[:, 0] / full[0])
 
 
 def equal_power_step(day: Day, nominal_w: float) -> int:
@@ -106,7 +106,7 @@ def _positive_part(left: FloatArray, right: FloatArray) -> FloatArray:
     """Mean positive part of what is linear over a step."""
     up = np.maximum(left, 0.0) + np.maximum(right, 0.0)
     both = np.abs(left) + np.abs(right)
-    return up * up / np.where(both > 0.0, 2.0 * both, 1.0)
+    return np.asarray(up * up / np.where(both > 0.0, 2.0 * both, 1.0))
 
 
 class DayMeans(NamedTuple):

@@ -17,7 +17,7 @@ from sizing.program.own_terms import OwnObjective
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
-    from sizing.program.solve import Solution
+    pass
 
 # A design that is better than an optimum by less than this is within what the time steps and
 # tolerances allow; relative, and for excess times in hours.
@@ -78,7 +78,7 @@ class SizingResult:
     nearest: Performance | None = None
     active_constraints: tuple[str, ...] = ()
     violations: tuple[Violation, ...] = ()
-    optimum: Solution | None = None
+    optimum: Any = None
 
     @property
     def merit(self) -> float:

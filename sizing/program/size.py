@@ -157,9 +157,9 @@ class Search:
             return False
         near = _moved_by(task, solution) < _NEAR
         waste_h = float(judged.excess_h.min()) - task.required_h
-        if near and judged.worst in self._known and not task.maximises_excess:
-            if task.continuous or waste_h * solution.cost_of_hour() < _WASTE:
-                return True
+        known = near and judged.worst in self._known and not task.maximises_excess
+        if known and (task.continuous or waste_h * solution.cost_of_hour() < _WASTE):
+            return True
         return self._settled >= 2
 
     @property

@@ -94,7 +94,7 @@ class Solution:
     def charge(self, block: int) -> FloatArray:
         """Charge at the nodes of a block, over the energy of a full battery."""
         charge = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)[block]
-        return charge / max(float(charge.max()), 1e-9)
+        return np.asarray(charge / max(float(charge.max()), 1e-9))
 
     def multiplier(self, name: str, block: int | None) -> float:
         """Sum of the multipliers of the rows of a name."""

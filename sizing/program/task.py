@@ -1,4 +1,4 @@
-"""What is to be sized: aircraft, mission, objective, light, and the simulator that judges designs."""
+"""What is to be sized: aircraft, mission, objective, light, and the simulator as judge."""
 
 from __future__ import annotations
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from threading import RLock
 from typing import Any, NamedTuple
 
@@ -284,7 +285,7 @@ def charge_clock(limit: ChargeLimit, state_of_charge: Any) -> Any:
         return (soc + slower) / rate
     assert isinstance(limit, TableChargeLimit)
     knots = np.asarray(limit.state_of_charge)
-    knots = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in zip(knots, knots[1:])]))
+    knots = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(knots)]))
     hours = 1.0 / charge_rate_per_h(limit, knots)
     slopes = np.diff(np.concatenate([[0.0], np.diff(hours) / np.diff(knots), [0.0]]))
     return hours[0] * soc + sum(

@@ -16,7 +16,7 @@ from solar.types import FloatArray
 
 if TYPE_CHECKING:
     from sizing.altitude.climb_cycle import ClimbPerformance
-    from sizing.optimisation.result import SizingResult
+    from sizing.program.result import SizingResult
 
 
 def battery_record(

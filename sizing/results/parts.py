@@ -12,8 +12,8 @@ from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
 from sizing.design import Design
 from sizing.layout.cells import rows_text
-from sizing.optimisation.objectives import Objective
 from sizing.parameters import parameter
+from sizing.program.objectives import Objective
 from sizing.results.quantities import CHOSEN, TOTAL_MASS
 from sizing.results.records import finite_values, with_unit
 from sizing.results.tables import UNLIMITED, Column, Line, Table

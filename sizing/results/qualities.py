@@ -10,10 +10,10 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design
 from sizing.mass_budget import ImpossibleDesignError
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
-from sizing.optimisation.result import SizingResult
 from sizing.parameters import all_replaced
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult
 from sizing.results import quantities as q
 from sizing.results.records import finite, with_unit
 from sizing.results.tables import Column, Table

@@ -21,8 +21,8 @@ from solar.types import FloatArray
 if TYPE_CHECKING:
     from sizing.altitude.best_climb import BestClimb
     from sizing.altitude.climb_cycle import ClimbPerformance
-    from sizing.optimisation.objectives import Objective
     from sizing.performance import Performance
+    from sizing.program.objectives import Objective
     from sizing.replay import CalendarRun
 
 # What is smaller, in its unit, is nothing: a solver leaves such payloads, and no change is relative

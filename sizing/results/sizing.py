@@ -16,12 +16,9 @@ from sizing.module_power import balances_heat
 from sizing.optimisation.altitudes import with_best_altitudes
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.cross_check import cross_check
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.own_terms import with_own_terms
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
 from sizing.optimisation.relaxations import relaxations
-from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
     altitude_multipliers,
@@ -30,6 +27,9 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.optimisation.whole_cells import size_whole_cells
 from sizing.performance import Performance, performance, performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.own_terms import with_own_terms
+from sizing.program.result import SizingResult, SizingStatus
 from sizing.relaxed_flight import Relaxation
 from sizing.results.qualities import designs_by_build
 from sizing.results.records import check_subjects

@@ -22,11 +22,11 @@ from sizing.margins.probability import Reliability
 from sizing.margins.season_flights import Survival
 from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.cross_check import CrossCheck
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.optimisation.whole_cells import WholeCells
 from sizing.performance import Performance
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus
 from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
 from sizing.results.conditions import battery_record, climbs_record, level_record, wind_record

@@ -14,11 +14,12 @@ from sizing.margins.probability import Reliability
 from sizing.margins.season_flights import Survival
 from sizing.optimisation.coverage import WidestRange
 from sizing.optimisation.cross_check import CrossCheck
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import LIMITING_FRACTION, RELATIVE_TOLERANCE, SizingStatus
+from sizing.optimisation.result import LIMITING_FRACTION
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.parameters import unit_text
 from sizing.performance import Performance
+from sizing.program.objectives import Objective
+from sizing.program.result import RELATIVE_TOLERANCE, SizingStatus
 from sizing.results.conditions import battery_line, battery_record, climb_lines, wind_rows
 from sizing.results.notes import (
     catalogue_blocks,

@@ -10,8 +10,8 @@ from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.margins.survival import check_survival, in_the_record, size_surviving
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import with_smooth_chain
+from sizing.program.objectives import Objective
 from sizing.results.records import check_subjects
 from sizing.results.sizing import checked_objective, study_of
 from sizing.results.sizing_study import SizingStudy

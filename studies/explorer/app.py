@@ -18,7 +18,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from missions.files.writing import to_json
-from sizing.optimisation.objectives import Objective
+from sizing.program.objectives import Objective
 from studies.explorer.security import BodyTooLongError, BodyTooSlowError, Guard, error_body
 from studies.explorer.session import Session
 from studies.explorer.settings import Refusal, RefusedError, shown

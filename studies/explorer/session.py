@@ -25,8 +25,8 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import Design
 from sizing.mass_budget import ImpossibleDesignError
-from sizing.optimisation.objectives import Objective
 from sizing.parameters import MISSION_PREFIX
+from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.analysis_summary import settling_line
 from sizing.results.records import finite

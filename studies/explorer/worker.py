@@ -19,9 +19,9 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import variable_keys
 from sizing.mass_budget import ImpossibleDesignError
-from sizing.optimisation.objectives import Objective
 from sizing.parameters import MISSION_PREFIX, label, with_parameter
 from sizing.performance import performance
+from sizing.program.objectives import Objective
 from sizing.results.requirements import constraint_words
 from sizing.sunlight import SolarModel
 from studies.output.figures.options import ignore_settings_of_folder

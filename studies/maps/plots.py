@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from missions.dates import MONTH_NAMES, MONTH_STARTS, date_label
 from missions.mission import latitude_label
-from sizing.optimisation.objectives import Objective
+from sizing.program.objectives import Objective
 from sizing.results.notes import extrapolation_caption
 from studies.output.cells import (
     cell_edges,

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.mass_budget import check_own_models
-from sizing.optimisation.objectives import Objective, SizingStatus
+from sizing.program.objectives import Objective, SizingStatus
 from sizing.sunlight import SolarModel
 from sizing.validity.extrapolations import with_worth
 from sizing.validity.ranges import Extrapolation
@@ -88,7 +88,7 @@ def resized_map(
     -------
     xarray.Dataset
         On the dimensions ``latitude`` and ``day``, with CF attributes. Numbers of cells without a
-        design are NaN; ``status`` (:class:`sizing.optimisation.objectives.SizingStatus`),
+        design are NaN; ``status`` (:class:`sizing.program.objectives.SizingStatus`),
         ``violated_requirement`` and ``message`` tell why. Cells that could not be computed have
         the status ``failed``; the attribute ``failed_cells`` lists them, and a warning counts them.
 

@@ -15,7 +15,7 @@ from missions.dates import date_label
 from missions.mission import latitude_label
 from missions.weather.record import runs_of
 from sizing.energy.cycle import Status
-from sizing.optimisation.objectives import Objective, SizingStatus
+from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.quantities import (
     BELOW_ZERO,

@@ -17,11 +17,11 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.mass_budget import design_of
-from sizing.optimisation.objectives import RESIZE_NAMES, Objective
 from sizing.optimisation.propulsion import with_smooth_chain
-from sizing.optimisation.result import SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance, performance_of_designs
+from sizing.program.objectives import RESIZE_NAMES, Objective
+from sizing.program.result import SizingStatus
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.tables import Column, Line, Result, Summary, Table

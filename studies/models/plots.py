@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from missions.dates import MONTH_NAMES, MONTH_STARTS
-from sizing.optimisation.objectives import Objective
+from sizing.program.objectives import Objective
 from sizing.results.notes import extrapolation_caption
 from studies.maps.season import Season
 from studies.models.comparison import Comparison

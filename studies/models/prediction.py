@@ -12,9 +12,9 @@ from missions.dates import date_code
 from sizing.design import DesignVariables
 from sizing.energy.cycle import Cycle, Status
 from sizing.energy.endurance import Endurance
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
 from sizing.performance import Performance
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus, objective_value
 from sizing.results.quantities import TOTAL_MASS
 from sizing.results.records import finite, finite_values
 from sizing.sunlight import SolarDay, SolarModel

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sizing.aircraft import Aircraft
-from sizing.optimisation.objectives import Objective
 from sizing.parameters import label, unit_text
+from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
 from sizing.results.notes import extrapolation_caption
 from sizing.results.parts import cells_lines, cells_record

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.optimisation.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.parameters import label
+from sizing.program.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from sizing.results.tables import data_frame
 from sizing.sunlight import SolarModel

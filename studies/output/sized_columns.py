@@ -17,11 +17,11 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, parametric_design
 from sizing.optimisation import cells as cell_sizing
 from sizing.optimisation.cells import CellSizings
-from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.propulsion import with_smooth_chain
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance_of_designs
+from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, PAYLOAD_MASS, REACHED
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (

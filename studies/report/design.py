@@ -10,8 +10,8 @@ from sizing.balance.in_design import with_horizontal_tail
 from sizing.design import Design, FlightConditions
 from sizing.limits import DesignInFlight
 from sizing.optimisation.cross_check import CrossCheck
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
+from sizing.program.objectives import Objective
 from sizing.results import quantities as q
 from sizing.results.conditions import wind_rows
 from sizing.results.parts import (

@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from sizing.energy.cycle import ENDS
-from sizing.optimisation.objectives import Objective
+from sizing.program.objectives import Objective
 from sizing.results.notes import extrapolation_caption
 from studies.output.cells import (
     draw_cells,

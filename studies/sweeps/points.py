@@ -30,9 +30,9 @@ from sizing.mass_budget import (
     operating_trouble,
     with_total_mass,
 )
-from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.parameters import MISSION_PREFIX, all_replaced
 from sizing.performance import Performance, performance
+from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import (
     CHOSEN,
     ENDURANCE,

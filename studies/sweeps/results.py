@@ -12,8 +12,8 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from sizing.optimisation.objectives import Objective
 from sizing.parameters import parameter
+from sizing.program.objectives import Objective
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import BATTERY_MASS, BELOW_ZERO, PAYLOAD_MASS, WINGSPAN
 from sizing.results.records import finite_values

@@ -25,8 +25,8 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.energy.cycle import ENDS, Status
 from sizing.mass_budget import check_own_models
-from sizing.optimisation.objectives import Objective, SizingStatus
 from sizing.parameters import MISSION_PREFIX
+from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from sizing.optimisation.objectives import RESIZE_NAMES
+from sizing.program.objectives import RESIZE_NAMES
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from studies.cli.command import Command, ParamType, option
 from studies.cli.options import (

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import click
 
-from sizing.optimisation.objectives import RESIZE_NAMES
+from sizing.program.objectives import RESIZE_NAMES
 from studies.cli.command import Command, Grid, option
 from studies.cli.options import (
     CaseOptions,

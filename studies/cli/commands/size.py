@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import click
 
-from sizing.optimisation.objectives import OBJECTIVE_NAMES, Objective
+from sizing.program.objectives import OBJECTIVE_NAMES, Objective
 from studies.cli.command import Command, RealRange, option
 from studies.cli.options import (
     CaseOptions,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sizing.optimisation.objectives import RESIZE_NAMES
+from sizing.program.objectives import RESIZE_NAMES
 from studies.cli.command import Command, Parsed, option
 from studies.cli.options import (
     CaseOptions,

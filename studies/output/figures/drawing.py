@@ -14,7 +14,7 @@ from itertools import cycle
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias
 
 from missions.files.writing import write_bytes_atomically
-from sizing.optimisation.objectives import Objective
+from sizing.program.objectives import Objective
 from solar.names import MODEL_NAMES
 from studies.output.figures.options import (
     DEFAULT,

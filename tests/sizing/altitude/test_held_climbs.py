@@ -22,12 +22,12 @@ from sizing.altitude.climb_levels import flight_levels
 from sizing.design import DesignVariables, variables_of
 from sizing.limits import meets_requirements
 from sizing.mass_budget import ImpossibleDesignError, design_of
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import sized_in_own_flow
 from sizing.optimisation.search import size_aircraft, unjudged_optimum
 from sizing.optimisation.variables import WORST_EXCESS
 from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import performance, performance_of_designs
+from sizing.program.objectives import Objective
 from sizing.sunlight import UNCORRECTED_CAM, solar_day
 from sizing.uncertainty.propagation import Propagation
 

@@ -13,9 +13,9 @@ from missions.mission import Mission
 from sizing import size
 from sizing.aircraft import Aircraft
 from sizing.optimisation.altitudes import with_best_altitudes
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import altitude_multipliers
+from sizing.program.objectives import Objective
 from sizing.sunlight import UNCORRECTED_CAM
 
 

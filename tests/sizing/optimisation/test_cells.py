@@ -11,12 +11,12 @@ from missions.mission import Dates, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.optimisation.cells import CellSizings, size_cells
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.propulsion import sized_in_own_flow
-from sizing.optimisation.result import SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingStatus
 from sizing.sunlight import UNCORRECTED_CAM
 
 pytestmark = pytest.mark.slow

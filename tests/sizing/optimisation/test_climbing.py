@@ -34,12 +34,12 @@ from sizing.optimisation.energy_constraints import (
     spline_coefficients,
     sun_parameters,
 )
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import sized_in_own_flow
-from sizing.optimisation.result import SizingResult, SizingStatus, merit_of
 from sizing.optimisation.search import size_aircraft, unjudged_optimum
 from sizing.optimisation.variables import WORST_EXCESS
 from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus, merit_of
 from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import solar_day
 

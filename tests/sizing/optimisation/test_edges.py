@@ -11,10 +11,10 @@ import pytest
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus
 
 pytestmark = pytest.mark.slow
 

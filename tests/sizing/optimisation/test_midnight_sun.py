@@ -18,12 +18,12 @@ from sizing.mass_budget import plain_design
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.energy_constraints import growing_lit_sets
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.result import SizingResult, SizingStatus, objective_value
 from sizing.optimisation.search import size_aircraft, size_branch
 from sizing.optimisation.solver import ProgramSolver
 from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus, objective_value
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 # A structure as heavy as AtlantikSolar's at its size, by a formula that known designs can rely on.

@@ -13,7 +13,7 @@ import pytest
 import missions
 import sizing
 from sizing.aircraft import Aircraft
-from sizing.optimisation.own_terms import NAMES
+from sizing.program.own_terms import NAMES
 
 REQUIRED_H = 3.0
 MISSION = missions.load_mission("central-europe-summer", {"required_excess_time_h": REQUIRED_H})

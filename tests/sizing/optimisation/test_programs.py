@@ -17,7 +17,6 @@ from sizing.design import DesignVariables, FlightConditions, parametric_design, 
 from sizing.library import load_aircraft
 from sizing.limits import design_requirements
 from sizing.optimisation.energy_constraints import cycle_function, sun_parameters
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.problem import (
     SizingProblem,
     SizingProblems,
@@ -32,6 +31,7 @@ from sizing.optimisation.solver import ProgramSolver
 from sizing.optimisation.variables import SOLAR_TECHNOLOGY, WIND, WORST_EXCESS, Role
 from sizing.parameters import all_replaced, parameter_value
 from sizing.performance import performance
+from sizing.program.objectives import Objective
 from sizing.sunlight import UNCORRECTED_CAM, solar_day
 
 STEP_H = 0.5

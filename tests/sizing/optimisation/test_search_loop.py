@@ -10,8 +10,9 @@ import pytest
 
 from sizing.design import DesignVariables
 from sizing.optimisation.loop import Search, Simulated, run
-from sizing.optimisation.objectives import Objective
-from sizing.optimisation.result import GOAL_CUSHION_H, ProblemInstance, SizingStatus, Solution
+from sizing.optimisation.result import GOAL_CUSHION_H, ProblemInstance, Solution
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingStatus
 
 
 @dataclass(frozen=True)

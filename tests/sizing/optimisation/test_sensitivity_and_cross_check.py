@@ -10,9 +10,7 @@ from missions.library import load_mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.optimisation.cross_check import CrossCheck, _elsewhere, _Judge, cross_check
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.propulsion import sized_in_own_flow
-from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
     Sensitivity,
@@ -21,6 +19,8 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult
 from sizing.results.sizing_summary import cross_check_line
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from studies.output.design_plots import plot_sensitivities

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 from command_line import Run
 
-from sizing.optimisation.objectives import SizingStatus
+from sizing.program.objectives import SizingStatus
 
 DESIGN = "atlantiksolar-design"
 GOOD = (

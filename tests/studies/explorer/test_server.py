@@ -474,7 +474,7 @@ def test_sizing_without_sun_is_refused_in_words(server: Server) -> None:
 
 def test_one_sizing_at_a_time_and_a_cancelled_one_is_ended(server: Server) -> None:
     made = server.explorer.session.inputs(server.explorer.session.settings())
-    from sizing.optimisation.objectives import Objective
+    from sizing.program.objectives import Objective
 
     task = SizingTask(made.aircraft, made.mission, Objective.min_mass, made.solar)
     worker, outcome = Worker(), []

@@ -25,8 +25,8 @@ from missions.library import load_mission
 from missions.mission import Dates
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
+from sizing.program.objectives import Objective
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli
 from studies.engine.run import ComputationError, compute

@@ -25,9 +25,9 @@ from sizing.aircraft import Aircraft
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
 from sizing.mass_budget import design_of
-from sizing.optimisation.objectives import Objective
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
+from sizing.program.objectives import Objective
 from sizing.results.tables import Table
 from sizing.sunlight import SolarModel
 from studies.cli.__main__ import cli

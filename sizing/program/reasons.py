@@ -1,6 +1,0 @@
-def violations_of(*a):
-    return ()
-
-
-def unlifted(*a):
-    return 0
