@@ -147,6 +147,8 @@ class Linearisation:
     scenarios: tuple[int, ...]
     blocks: tuple[BlockData, ...]
     charge: tuple[FloatArray, ...]
+    height: tuple[FloatArray, ...]
+    speed: tuple[FloatArray, ...]
     load_w: float
     mass_kg: float
 
@@ -206,7 +208,23 @@ def linearised(
         blocks.append(block)
         charges.append(np.clip(path, *_INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
     mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
-    return Linearisation(dict(values), tuple(known), tuple(blocks), tuple(charges), load_w, mass_kg)
+    form = task.form(len(known))
+    return Linearisation(
+        dict(values),
+        tuple(known),
+        tuple(blocks),
+        charge=tuple(charges),
+        height=tuple(np.zeros(form.heights) for _ in known),
+        speed=tuple(np.full(form.speeds, _speed(task, perf, number)) for number in known),
+        load_w=load_w,
+        mass_kg=mass_kg,
+    )
+
+
+def _speed(task: SizingTask, perf: Performance, number: int) -> float:
+    """Logarithm of the airspeed that holds the place at the floor, over the design's."""
+    own = float(np.ravel(perf.design.airspeed_m_per_s)[0])
+    return math.log(max(float(task.winds_m_per_s[number, 0]) / own, 1.0))
 
 
 def _block(
@@ -225,6 +243,8 @@ def _block(
     means = day_means(day, scenario.nodes, into, out_of)
     area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
     level_w = np.asarray(perf.design.load_in_turbulence_w(task.mission.turbulence.all_day))
+    if task.mission.holds_station:
+        level_w = nominal_w  # as fast as the wind of the scenario
     lowest = day.solar_w.min(axis=-1, keepdims=True) / area
     light = np.hstack([means.light_w / area, lowest])
     load = np.hstack([means.load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
@@ -243,6 +263,7 @@ def _block(
         continuous=float(task.continuous),
         lowest_w_per_m2=task.continuous * light[0, -1],
         repeated=1.0,
+        wind_m_per_s=task.winds_m_per_s[number],
     )
     return block, path[scenario.nodes]
 

@@ -11,7 +11,7 @@ import numpy as np
 from sizing.parameters import parameter_value
 from sizing.program.corrections import Linearisation
 from sizing.program.task import SizingTask
-from sizing.program.transcription import RESERVE_SCALE_H, Program, build_program
+from sizing.program.transcription import FASTEST, RESERVE_SCALE_H, Program, build_program
 from sizing.program.variables import WORST_EXCESS, scales_of
 from solar.types import FloatArray
 
@@ -140,7 +140,7 @@ def solve(
     -------
     Solution
     """
-    program = build_program(task.aircraft, blocks, eased=bool(task.freed))
+    program = build_program(task.aircraft, task.form(blocks))
     scales = scales_of(task.variables, point.values)
     centre = np.array(
         [v.to_program(point.values[v.name], s) for v, s in zip(task.variables, scales, strict=True)]
@@ -148,10 +148,11 @@ def solve(
     parameters = _parameters(task, program, point, scales, centre)
     low, high = _bounds(task, program, scales)
     parts = program.parts
-    start = np.zeros(parts["charge"].stop)
+    start = np.zeros(parts["speed"].stop)
     start[parts["design"]], start[parts["excess"]] = centre, excess_h
     start[parts["missed"]] = start[parts["lack"]] = _FIRST_SLACK
-    start[parts["charge"]] = np.concatenate(point.charge)
+    for name, rows in (("charge", point.charge), ("height", point.height), ("speed", point.speed)):
+        start[parts[name]] = np.concatenate(rows)
     equation = np.array([c.equation for c in program.constraints])
     iterations = 0
     for name in ("elastic",) if elastic else ("firm", "elastic"):
@@ -205,12 +206,12 @@ def _parameters(
     efficiencies = [battery.mean_charge_efficiency, battery.mean_discharge_efficiency]
     vectors: Sequence[Any] = (
         _weights(task, point, scales),
-        np.array(task.conditions, float),
+        np.ravel([np.array(air, float) for air in task.airs]),
         np.array(technology, float),
         np.array(efficiencies, float),
         scales,
         centre,
-        [point.load_w, PRICE],
+        [point.load_w, PRICE, task.climb_height_m],
         *(np.ravel(value) for block in point.blocks for value in block),
     )
     return np.concatenate(vectors)
@@ -238,12 +239,13 @@ def _bounds(
 ) -> tuple[FloatArray, FloatArray]:
     """Bounds of the decision vector."""
     parts = program.parts
-    low, high = np.zeros(parts["charge"].stop), np.full(parts["charge"].stop, np.inf)
+    low, high = np.zeros(parts["speed"].stop), np.full(parts["speed"].stop, np.inf)
     for ends, name in ((low, "minimum"), (high, "maximum")):
         ends[parts["design"]] = [
             v.to_program(getattr(v, name), scale)
             for v, scale in zip(task.variables, scales, strict=True)
         ]
+    high[parts["height"]], high[parts["speed"]] = 1.0, FASTEST
     low[parts["excess"]] = task.goal_h
     high[parts["excess"]] = _LONGEST_H if task.maximises_excess else task.goal_h
     return low, high

@@ -1,4 +1,4 @@
-"""What is to be sized: aircraft, mission, objective, light, and the simulator as judge."""
+"""What is to be sized: aircraft, mission, objective and light, and what judges its designs."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import objective_value
+from sizing.program.transcription import LEVELS, Form
 from sizing.program.variables import OWN, TOTAL_MASS, Role, Variable, chosen_variables
 from sizing.sunlight import SolarDay, SolarModel
 from solar.types import FloatArray
@@ -118,6 +119,39 @@ class SizingTask:
     def conditions(self) -> FlightConditions:
         """Air, payload and wind of the mission."""
         return FlightConditions.of(self.mission, self.aircraft)
+
+    def form(self, blocks: int) -> Form:
+        """Form of the program with some scenarios."""
+        mission = self.mission
+        return Form(blocks, bool(self.freed), mission.holds_station, mission.climb is not None)
+
+    @cached_property
+    def heights(self) -> tuple[Mission, ...]:
+        """The mission at the floor, and with climbs at evenly spaced heights up to the ceiling."""
+        climb, floor_m = self.mission.climb, self.mission.altitude_m
+        if climb is None:
+            return (self.mission,)
+        levels_m = np.linspace(floor_m, climb.ceiling_m, LEVELS)
+        return tuple(self.mission.at_altitude(float(level_m)) for level_m in levels_m)
+
+    @cached_property
+    def airs(self) -> tuple[FlightConditions, ...]:
+        """Air at these heights."""
+        return tuple(FlightConditions.of(there, self.aircraft) for there in self.heights)
+
+    @property
+    def climb_height_m(self) -> float:
+        """Height of the ceiling above the floor [m]."""
+        climb = self.mission.climb
+        return 0.0 if climb is None else climb.ceiling_m - self.mission.altitude_m
+
+    @cached_property
+    def winds_m_per_s(self) -> FloatArray:
+        """Wind to hold the place against, ``(scenario, height)``; zero where none is held."""
+        if not self.mission.holds_station:
+            return np.zeros((self.count, len(self.heights)))
+        winds = [there.scenario_winds_m_per_s(self.day.scenarios) for there in self.heights]
+        return np.stack(winds, axis=-1)
 
     @property
     def maximises_excess(self) -> bool:

@@ -18,6 +18,7 @@ requirement may be missed at a price, so that one solution is the optimum or say
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -27,8 +28,15 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
+from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables, FlightConditions, parametric_design
+from sizing.design import (
+    Design,
+    DesignVariables,
+    FlightConditions,
+    level_flight,
+    parametric_design,
+)
 from sizing.energy.battery import (
     ChargeLimit,
     NoChargeLimit,
@@ -36,6 +44,7 @@ from sizing.energy.battery import (
     TableChargeLimit,
     charge_rate_per_h,
 )
+from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import EQUATIONS, DesignInFlight, design_requirements
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.program.variables import (
@@ -54,6 +63,12 @@ INTERVALS = 22
 RESERVE_SCALE_H = 10.0  # excess time that counts as one in a row
 CONTINUOUS_MARGIN = 1e-5  # of the load: at equality rounding decides whether the battery is needed
 _PROGRAMS_KEPT = 32
+LEVELS = 5  # heights, from the floor to the ceiling, through which light and power are polynomials
+RATIOS = 4  # airspeeds likewise, from the design's own to the fastest
+FASTEST = math.log(3.0)  # airspeed over the design's own: rated powers end long before
+_OFF = 1e3  # beyond any row of order one: a row that is not asked for
+_BUDGET = 10.0  # of the price, for requirements on the design: next to none can be missed
+_FULLER = 1e-6  # of the cost: charges that nothing holds are as high as they can be
 
 _NUMBERS_OF_A_KIND = (
     "airframe.structure.cruise_gust_m_per_s",
@@ -70,7 +85,9 @@ class BlockData(NamedTuple):
     ``load_slope``: derivative of the logarithm of light and load by the design variables.
     ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
     more a night takes, relative. ``continuous``: 1 where the sun must carry the nominal load at all
-    times, with ``lowest_w_per_m2``. ``repeated``: 1 where the day repeats itself.
+    times, with ``lowest_w_per_m2``. ``repeated``: 1 where the day repeats itself; else it begins
+    with a full battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the place
+    is held. Light is by heights as well, fastest.
     """
 
     hours: Any
@@ -85,6 +102,38 @@ class BlockData(NamedTuple):
     continuous: Any
     lowest_w_per_m2: Any
     repeated: Any
+    wind_m_per_s: Any
+
+
+Rows = list[tuple[Constraint, Any]]
+
+
+class Form(NamedTuple):
+    """What a program of a kind of aircraft has.
+
+    ``blocks``: scenarios. ``eased``: whether technology, limits and wind are variables. ``holds``:
+    whether the place is held against the wind. ``climbs``: whether the height varies.
+    """
+
+    blocks: int
+    eased: bool = False
+    holds: bool = False
+    climbs: bool = False
+
+    @property
+    def levels(self) -> int:
+        """Heights at which light and power are known."""
+        return LEVELS if self.climbs else 1
+
+    @property
+    def speeds(self) -> int:
+        """Airspeeds of a block that are free: faster flight than that of the design."""
+        return (INTERVALS if self.climbs else 1) if self.holds else 0
+
+    @property
+    def heights(self) -> int:
+        """Heights of a block that are free: at the nodes."""
+        return INTERVALS + 1 if self.climbs else 0
 
 
 @dataclass(frozen=True)
@@ -94,7 +143,7 @@ class Program:
     names: tuple[str, ...]
     technology: tuple[str, ...]
     constraints: tuple[Constraint, ...]
-    blocks: int
+    form: Form
     symbols: dict[str, Any]
     lock: RLock = field(default_factory=RLock)
     _solvers: dict[str, ca.Function] = field(default_factory=dict)
@@ -104,6 +153,11 @@ class Program:
         if name not in self._solvers:
             self._solvers[name] = ca.nlpsol("sizing", "ipopt", self.symbols, options)
         return self._solvers[name]
+
+    @property
+    def blocks(self) -> int:
+        """Number of scenarios."""
+        return self.form.blocks
 
     @cached_property
     def requirements(self) -> tuple[str, ...]:
@@ -119,6 +173,8 @@ class Program:
             "missed": len(self.requirements),
             "lack": self.blocks,
             "charge": self.blocks * (INTERVALS + 1),
+            "height": self.blocks * self.form.heights,
+            "speed": self.blocks * self.form.speeds,
         }
         ends = np.cumsum([0, *sizes.values()])
         return {n: slice(int(a), int(b)) for n, a, b in zip(sizes, ends, ends[1:], strict=False)}
@@ -148,127 +204,292 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
     return all_replaced(aircraft, values | {"name": "kind", "description": ""})
 
 
-def build_program(aircraft: Aircraft, blocks: int, *, eased: bool = False) -> Program:
-    """Program of an aircraft with some scenarios, unless one of its kind was built before."""
-    return _program(kind_of(aircraft), tuple(limit_rows(aircraft)), blocks, eased)
+def build_program(aircraft: Aircraft, form: Form) -> Program:
+    """Program of an aircraft in some form, unless one of its kind was built before."""
+    return _program(kind_of(aircraft), tuple(limit_rows(aircraft)), form)
 
 
 @lru_cache(maxsize=_PROGRAMS_KEPT)
-def _program(kind: Aircraft, limits: tuple[str, ...], blocks: int, eased: bool) -> Program:
-    chosen, technology = chosen_variables(kind, eased=eased), numbers_taken_out(kind)
-    x = ca.SX.sym("design", len(chosen))
-    worst_h = ca.SX.sym("excess_time")
-    charge = ca.SX.sym("charge", INTERVALS + 1, blocks)
-    lack = ca.SX.sym("lack", blocks)
-    weights = ca.SX.sym("weights", len(chosen) + 1)
-    conditions = ca.SX.sym("conditions", len(FlightConditions._fields))
-    numbers = ca.SX.sym("technology", len(technology))
-    efficiencies = ca.SX.sym("efficiencies", 2)
-    scales = ca.SX.sym("scales", len(chosen))
-    centre = ca.SX.sym("centre", len(chosen))
-    reference_w = ca.SX.sym("reference_load")
-    price = ca.SX.sym("price")
-
-    # --- design -------------------------------------------------------------------------------
-    values = {v.name: v.from_program(x[i], scales[i]) for i, v in enumerate(chosen)}
-    relative = {v.name: values[v.name] for v in chosen if v.role is Role.technology}
-    flown = all_replaced(
-        kind, {key: numbers[i] * relative.get(key, 1.0) for i, key in enumerate(technology)}
+def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
+    """Program of a kind of aircraft; ``limits`` is the order of its limits."""
+    chosen, technology = chosen_variables(kind, eased=form.eased), numbers_taken_out(kind)
+    sizes = {
+        "weights": len(chosen) + 1,
+        "conditions": len(FlightConditions._fields) * form.levels,
+        "technology": len(technology),
+        "efficiencies": 2,
+        "scales": len(chosen),
+        "centre": len(chosen),
+        "reference_w": 1,
+        "price": 1,
+        "ceiling_m": 1,
+    }
+    data = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
+    blocks = [_block_symbols(len(chosen), form) for _ in range(form.blocks)]
+    x, worst_h, lack = (
+        ca.SX.sym(name, size)
+        for name, size in (("design", len(chosen)), ("excess_time", 1), ("lack", form.blocks))
     )
-    named = {"aspect_ratio": flown.airframe.aspect_ratio} | values
-    variables = DesignVariables(
-        **{name: v for name, v in named.items() if name in DesignVariables._fields}
+    charge, height, speed = (
+        ca.SX.sym(name, size, form.blocks)
+        for name, size in (
+            ("charge", INTERVALS + 1),
+            ("height", form.heights),
+            ("speed", form.speeds),
+        )
     )
-    air = FlightConditions(*(conditions[i] for i in range(conditions.shape[0])))
-    air = air.with_payload_of(variables)
-    if WIND in values:
-        air = air._replace(wind_m_per_s=values[WIND])
-    design = parametric_design(flown, air, variables, values[TOTAL_MASS])
-    bounds = limit_rows(kind)
-    requirements = [
-        row._replace(value=eased_row(row.value, bounds[row.name][1], values[row.name]))
-        if row.name in bounds and row.name in values
-        else row
-        for row in design_requirements(flown, design, air)
-    ]
-    if OWN in values:
-        space: Any = kind.design_space
-        it = DesignInFlight(flown, design, air)
-        requirements.append(space.own_objective.row(it, values[OWN]))
+    design, requirements = _design_symbols(kind, form, x, data)
     missed = ca.SX.sym("missed", len(requirements))
-    rows: list[tuple[Constraint, Any]] = [
-        (
-            Constraint(one.name, equation=one.name in (*EQUATIONS, OWN)),
-            one.value + missed[i],
-        )
-        for i, one in enumerate(requirements)
-    ]
-
-    # --- day ----------------------------------------------------------------------------------
-    area = variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0)
-    unit_wh = RESERVE_SCALE_H * reference_w
-    full_wh, level_w = design.battery_energy_wh, design.load_in_turbulence_w(air.turbulence)
-    data = []
-    full = full_wh / unit_wh
-    for i in range(blocks):
-        block = _block_symbols(len(chosen))
-        data.append(block)
-        moved = x - centre
-        light_slope = ca.reshape(block.light_slope, INTERVALS + 1, len(chosen))
-        load_slope = ca.reshape(block.load_slope, INTERVALS + 1, len(chosen))
-        light = block.light_w_per_m2 * ca.exp(light_slope[:-1, :] @ moved)
-        brighter = ca.exp(light_slope[-1, :] @ moved)
-        load_w = level_w * block.load * ca.exp(load_slope[:-1, :] @ moved)
-        nominal_w = block.nominal * level_w * ca.exp(load_slope[-1, :] @ moved)
-        net_w = area * light - load_w + lack[i] * reference_w
-        net = net_w * block.hours / unit_wh
-        before, after = charge[:-1, i], charge[1:, i]
-        gain = after - before
-        into, out_of = efficiencies[0], efficiencies[1]
-        rows.append((Constraint("charge", i), into * net - gain))
-        rows.append((Constraint("discharge", i), (1.0 + block.margin) * net / out_of - gain))
-        if not isinstance(kind.battery.charge_limit, NoChargeLimit):
-            clock = charge_clock(kind.battery.charge_limit, charge[:, i] / full)
-            slower = block.hours - (clock[1:] - clock[:-1])
-            rows.append((Constraint("charge_limit", i), slower))
-        rows.append((Constraint("battery_capacity", i), full - charge[:, i]))
-        reserve = (
-            charge[:, i] * out_of - block.reserve * (worst_h + block.shift_h) * nominal_w / unit_wh
-        )
-        sun = (
-            area * brighter * block.lowest_w_per_m2 - (1.0 + CONTINUOUS_MARGIN) * nominal_w
-        ) / reference_w
-        sun = sun + lack[i]
-        rows.append((Constraint("excess_time", i), reserve + block.continuous * 1e3))
-        rows.append((Constraint("continuous", i), sun + (1.0 - block.continuous) * 1e3))
-        back = charge[-1, i] - charge[0, i] + 20.0 * (1.0 - block.repeated)
-        rows.append((Constraint("energy_balance", i), back))
-    constraints = tuple(c for c, value in rows for _ in range(value.shape[0]))
-    cost = ca.dot(weights, ca.vertcat(x, worst_h))
-    cost = cost + price * (ca.sum1(lack) + 10.0 * ca.sum1(missed))
-    cost = cost - 1e-6 * ca.sum1(ca.sum2(charge)) / blocks
+    rows: Rows = [(Constraint(c.name, equation=c.equation), value) for c, value in requirements]
+    rows = [(c, value + missed[i]) for i, (c, value) in enumerate(rows)]
+    for i, block in enumerate(blocks):
+        unknown = Unknowns(worst_h, lack[i], charge[:, i], height[:, i], speed[:, i])
+        day = _day_rows(kind.battery.charge_limit, form, design, block, unknown, x, data)
+        rows += [(c._replace(block=i), value) for c, value in day]
+    cost = ca.dot(data["weights"], ca.vertcat(x, worst_h))
+    cost += data["price"] * (ca.sum1(lack) + _BUDGET * ca.sum1(missed))
+    cost -= _FULLER * ca.sum1(ca.vec(charge)) / form.blocks
     symbols = {
-        "x": ca.vertcat(x, worst_h, missed, lack, ca.vec(charge)),
-        "p": ca.vertcat(
-            weights,
-            conditions,
-            numbers,
-            efficiencies,
-            scales,
-            centre,
-            reference_w,
-            price,
-            *(ca.vertcat(*block) for block in data),
-        ),
+        "x": ca.vertcat(x, worst_h, missed, lack, *(ca.vec(v) for v in (charge, height, speed))),
+        "p": ca.vertcat(*data.values(), *(ca.vertcat(*block) for block in blocks)),
         "f": cost,
         "g": ca.vertcat(*(value for _, value in rows)),
     }
-    return Program(tuple(v.name for v in chosen), technology, constraints, blocks, symbols)
+    constraints = tuple(c for c, value in rows for _ in range(value.shape[0]))
+    return Program(tuple(v.name for v in chosen), technology, constraints, form, symbols)
 
 
-def _block_symbols(count: int) -> BlockData:
+# --- the design -----------------------------------------------------------------------------------
+
+
+class DesignSymbols(NamedTuple):
+    """What a day needs of a design; symbols.
+
+    ``area_m2``: of the modules, in proportion to their efficiency. ``log_power_w``: logarithm of
+    the propulsion power of level flight, by heights and airspeeds. ``airspeed_m_per_s``: by
+    heights. ``steady``: factor of the turbulence of all hours. ``weight_n``: take-off weight.
+    """
+
+    area_m2: Any
+    full_wh: Any
+    log_power_w: Any
+    airspeed_m_per_s: Any
+    constant_w: Any
+    steady: Any
+    rated_w: Any
+    efficiency: Any
+    weight_n: Any
+
+
+def _design_symbols(
+    kind: Aircraft, form: Form, x: Any, data: dict[str, Any]
+) -> tuple[DesignSymbols, Rows]:
+    """Design of symbols, and the requirements on it."""
+    chosen, technology = chosen_variables(kind, eased=form.eased), numbers_taken_out(kind)
+    values = {v.name: v.from_program(x[i], data["scales"][i]) for i, v in enumerate(chosen)}
+    relative = {v.name: values[v.name] for v in chosen if v.role is Role.technology}
+    numbers = enumerate(technology)
+    flown = all_replaced(
+        kind, {key: data["technology"][i] * relative.get(key, 1.0) for i, key in numbers}
+    )
+    named = {"aspect_ratio": flown.airframe.aspect_ratio} | values
+    fields = DesignVariables._fields
+    variables = DesignVariables(**{name: v for name, v in named.items() if name in fields})
+    airs = []
+    for level in ca.horzsplit(ca.reshape(data["conditions"], -1, form.levels)):
+        air = FlightConditions(*ca.vertsplit(level)).with_payload_of(variables)
+        airs.append(air._replace(wind_m_per_s=values.get(WIND, air.wind_m_per_s)))
+    design = parametric_design(flown, airs[0], variables, values[TOTAL_MASS])
+    bounds = limit_rows(kind)
+    rows: Rows = []
+    for one in design_requirements(flown, design, airs[0]):
+        value = one.value
+        if one.name in bounds and one.name in values:
+            value = eased_row(value, bounds[one.name][1], values[one.name])
+        rows.append((Constraint(one.name, equation=one.name in EQUATIONS), value))
+    if OWN in values:
+        space: Any = kind.design_space
+        it = DesignInFlight(flown, design, airs[0])
+        own = space.own_objective.row(it, values[OWN])
+        rows.append((Constraint(OWN, equation=True), own.value))
+    powers, speeds = _power_surface(flown, form, airs, variables, design)
+    assert design.chain is not None
+    symbols = DesignSymbols(
+        area_m2=variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0),
+        full_wh=design.battery_energy_wh,
+        log_power_w=ca.log(powers),
+        airspeed_m_per_s=speeds,
+        constant_w=design.constant_power_w,
+        steady=1.0 + airs[0].turbulence,
+        rated_w=design.rated_power_w,
+        efficiency=design.chain.efficiency,
+        weight_n=design.total_mass_kg * GRAVITY_M_PER_S2,
+    )
+    return symbols, rows
+
+
+def _power_surface(
+    aircraft: Aircraft,
+    form: Form,
+    airs: Sequence[FlightConditions],
+    variables: DesignVariables,
+    design: Design,
+) -> tuple[Any, Any]:
+    """Power of level flight by heights (rows) and airspeeds, and the design's airspeed by heights.
+
+    Faster flight has a lower lift coefficient, ``C_L / ratio**2``.
+    """
+    own = DesignInFlight(aircraft, design, airs[0]).lift_coefficient
+    ratios = [math.exp(place * FASTEST) for place in _places(RATIOS)] if form.holds else [1.0]
+    powers, speeds = [], []
+    for air in airs:
+        row = []
+        for ratio in ratios:
+            faster = variables
+            if ratio != 1.0:
+                faster = variables._replace(lift_coefficient=own / ratio**2)
+            _, power_w, speed = level_flight(aircraft, air, faster, design.total_mass_kg)
+            row.append(power_w)
+            if ratio == 1.0:
+                speeds.append(speed)
+        powers.append(ca.horzcat(*row))
+    return ca.vertcat(*powers), ca.vertcat(*speeds)
+
+
+# --- the day --------------------------------------------------------------------------------------
+
+
+class Unknowns(NamedTuple):
+    """What is unknown of a day besides the design; symbols.
+
+    ``lack``: missing power over the load that charges count in. ``charge``: energy at the nodes
+    over that load for ``RESERVE_SCALE_H``. ``height``: at the nodes, over the way to the ceiling.
+    ``speed``: logarithm of the airspeed over the design's.
+    """
+
+    excess_h: Any
+    lack: Any
+    charge: Any
+    height: Any
+    speed: Any
+
+
+def _day_rows(
+    limit: ChargeLimit,
+    form: Form,
+    design: DesignSymbols,
+    block: BlockData,
+    unknown: Unknowns,
+    x: Any,
+    data: dict[str, Any],
+) -> Rows:
+    """Rows of one scenario."""
+    moved, reference_w = x - data["centre"], data["reference_w"]
+    unit_wh = RESERVE_SCALE_H * reference_w
+    light_slope = ca.reshape(block.light_slope, INTERVALS + 1, x.shape[0])
+    load_slope = ca.reshape(block.load_slope, INTERVALS + 1, x.shape[0])
+    brighter, heavier = ca.exp(light_slope @ moved), ca.exp(load_slope @ moved)
+    motion, rows = _motion(form, design, block, unknown, data["ceiling_m"])
+    level_w = motion.floor_w * design.steady + design.constant_w
+    light = ca.reshape(block.light_w_per_m2, form.levels, INTERVALS)
+    light = ca.sum1(light * motion.weights).T * brighter[:-1]
+    load_w = level_w * block.load * heavier[:-1] + motion.beyond_w
+    nominal_w = block.nominal * level_w * heavier[-1]
+    net_w = design.area_m2 * light - load_w + unknown.lack * reference_w
+    net, charge, full = net_w * block.hours / unit_wh, unknown.charge, design.full_wh / unit_wh
+    into, out_of = data["efficiencies"][0], data["efficiencies"][1]
+    gain = charge[1:] - charge[:-1]
+    rows.append((Constraint("charge"), into * net - gain))
+    rows.append((Constraint("discharge"), (1.0 + block.margin) * net / out_of - gain))
+    if not isinstance(limit, NoChargeLimit):
+        clock = charge_clock(limit, charge / full)
+        rows.append((Constraint("charge_limit"), block.hours - (clock[1:] - clock[:-1])))
+    rows.append((Constraint("battery_capacity"), full - charge))
+    wanted = block.reserve * (unknown.excess_h + block.shift_h) * nominal_w / unit_wh
+    sun_w = design.area_m2 * brighter[-1] * block.lowest_w_per_m2
+    sun = (sun_w - (1.0 + CONTINUOUS_MARGIN) * nominal_w) / reference_w + unknown.lack
+    rows.append((Constraint("excess_time"), charge * out_of - wanted + _OFF * block.continuous))
+    rows.append((Constraint("continuous"), sun + _OFF * (1.0 - block.continuous)))
+    once = _OFF * (1.0 - block.repeated)
+    rows.append((Constraint("energy_balance"), charge[-1] - charge[0] + once))
+    rows.append((Constraint("launch"), charge[0] - full + _OFF * block.repeated))
+    return rows
+
+
+class Motion(NamedTuple):
+    """Flight along a day; symbols.
+
+    ``weights``: of the levels in every interval. ``floor_w``: propulsion power at the floor.
+    ``beyond_w``: load above that of level flight at the floor, in every interval.
+    """
+
+    weights: Any
+    floor_w: Any
+    beyond_w: Any
+
+
+def _motion(
+    form: Form, design: DesignSymbols, block: BlockData, unknown: Unknowns, ceiling_m: Any
+) -> tuple[Motion, Rows]:
+    """Power of flight at the heights and airspeeds of a day, and the rows that hold them.
+
+    The wind's is the airspeed at least; the propulsion gives no less than nothing and no more than
+    its rated power; a climb takes ``m g dz/dt`` over the efficiency.
+    """
+    rows: Rows = []
+    height, speed = unknown.height, unknown.speed
+    middle = (height[1:] + height[:-1]) / 2.0 if form.climbs else ca.DM.zeros(1)
+    weights = ca.horzcat(*(_lagrange(z, form.levels) for z in ca.vertsplit(middle)))
+    ratios = RATIOS if form.holds else 1
+    fast = speed if form.holds else ca.DM.zeros(middle.shape[0])
+    faster = ca.horzcat(*(_lagrange(u / FASTEST, ratios) for u in ca.vertsplit(fast)))
+    # At the floor the airspeed is that of the first interval, which begins there.
+    floor = ca.exp((design.log_power_w[0, :] @ faster[:, 0])[0])
+    power_w = ca.exp(ca.sum1(weights * (design.log_power_w @ faster)).T)
+    if form.holds:
+        own = ca.exp(ca.sum1(weights * ca.log(design.airspeed_m_per_s)).T + fast)
+        wind = ca.sum1(weights * block.wind_m_per_s).T
+        rows.append(
+            (Constraint("airspeed_against_wind"), (own - wind) / design.airspeed_m_per_s[0])
+        )
+    beyond_w: Any = ca.DM.zeros(INTERVALS)
+    if form.climbs:
+        rate = (height[1:] - height[:-1]) * ceiling_m / (3600.0 * block.hours)
+        climb_w = design.weight_n * rate / design.efficiency
+        motor_w = power_w * design.steady + climb_w
+        rows.append((Constraint("glide"), motor_w / design.rated_w))
+        rows.append((Constraint("height", equation=True), height[-1] - height[0]))
+        beyond_w = motor_w - floor * design.steady
+        power_w = motor_w
+    if form.holds or form.climbs:
+        spare = 1.0 - power_w / design.rated_w + unknown.lack
+        rows.append((Constraint(POWER_AGAINST_WIND), spare))
+    if not form.climbs:
+        weights = ca.repmat(weights, 1, INTERVALS)
+    return Motion(weights, floor, beyond_w), rows
+
+
+def _places(count: int) -> list[float]:
+    return [i / (count - 1) for i in range(count)] if count > 1 else [0.0]
+
+
+def _lagrange(place: Any, count: int) -> Any:
+    """Weights of evenly spaced nodes from 0 to 1 in the polynomial through them."""
+    nodes = _places(count)
+    return ca.vertcat(
+        *(
+            math.prod(
+                ((place - other) / (own - other) for other in nodes if other != own), start=1.0
+            )
+            for own in nodes
+        )
+    )
+
+
+def _block_symbols(count: int, form: Form) -> BlockData:
     sizes = dict.fromkeys(BlockData._fields, 1)
-    sizes |= dict.fromkeys(("hours", "light_w_per_m2", "load"), INTERVALS)
+    sizes |= dict.fromkeys(("hours", "load"), INTERVALS)
+    sizes |= {"light_w_per_m2": INTERVALS * form.levels, "wind_m_per_s": form.levels}
     sizes |= dict.fromkeys(("light_slope", "load_slope"), (INTERVALS + 1) * count)
     sizes |= {"reserve": INTERVALS + 1}
     return BlockData(**{name: ca.SX.sym(name, size) for name, size in sizes.items()})
