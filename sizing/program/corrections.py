@@ -16,12 +16,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sizing.altitude.climb_levels import FlightLevels
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
 from sizing.energy.power_balance import PowerBalance
 from sizing.performance import Performance
+from sizing.program.climbing import Profile, lagrange, light_at_heights, power_beyond_floor
 from sizing.program.task import SizingTask, Values
-from sizing.program.transcription import INTERVALS, RESERVE_SCALE_H, BlockData
+from sizing.program.transcription import RESERVE_SCALE_H, BlockData, Form
 from sizing.program.variables import scales_of
 from solar.types import FloatArray, IntArray
 
@@ -35,6 +37,7 @@ _STEEPEST = 3.0  # slope of a logarithm; more is one of a neighbour that hardly 
 _NEAR = 13  # steps of an hour around those in which the charge limit holds back
 _FAR = 0.2  # weight of a step of light away from those
 _DARK = 1e-3  # weight of a step of night
+_FIRST_HEIGHT = 0.3  # of climbs: between floor and ceiling
 
 
 class Day(NamedTuple):
@@ -46,13 +49,19 @@ class Day(NamedTuple):
     first: int
 
     @classmethod
-    def of(cls, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray) -> Day:
-        """The same day, begun at sunrise; without a night where the sun is lowest."""
+    def of(
+        cls, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray, first: int | None = None
+    ) -> Day:
+        """The same day, begun at sunrise; without a night where the sun is lowest.
+
+        ``first``: step that it begins with instead.
+        """
         steps = len(time_h) - 1
         lit = (solar_w[0, :-1] > 0.0) | (solar_w[0, 1:] > 0.0)
-        first = int(np.argmin(solar_w[0, :-1]))
-        if lit.any() and not lit.all():
-            first = int(np.flatnonzero(lit & ~np.roll(lit, 1))[0])
+        if first is None:
+            first = int(np.argmin(solar_w[0, :-1]))
+            if lit.any() and not lit.all():
+                first = int(np.flatnonzero(lit & ~np.roll(lit, 1))[0])
         at = (first + np.arange(steps + 1)) % steps
         hours = np.diff(time_h)[at[:-1]]
         clock = time_h[first] + np.concatenate([[0.0], np.cumsum(hours)])
@@ -72,11 +81,19 @@ def equal_power_step(day: Day, nominal_w: float) -> int:
     return int(np.argmax(carried)) if carried.any() and not carried.all() else 0
 
 
-def nodes_of(day: Day, path: FloatArray, into: float, full_wh: float, nominal_w: float) -> IntArray:
+def nodes_of(
+    day: Day,
+    path: FloatArray,
+    into: float,
+    full_wh: float,
+    nominal_w: float,
+    form: Form,
+) -> IntArray:
     """Ends of the intervals on the time axis of a day.
 
     They lie where light begins and ends, where power is equal, and where the charge limit begins
-    to hold back; the rest halve the longest interval of light, again and again.
+    to hold back; the rest halve the longest interval of light, again and again, of climbs
+    those of night as well.
     """
     steps = len(day.time_h) - 1
     net, solar = day.solar_w[0] - day.load_w[0], day.solar_w[0]
@@ -89,13 +106,17 @@ def nodes_of(day: Day, path: FloatArray, into: float, full_wh: float, nominal_w:
     edges = np.flatnonzero(light[1:] != light[:-1]) + 1
     nodes = {0, steps, equal_power_step(day, nominal_w)}
     for some in (edges, turns, throttled):
-        if len(nodes) + len(some) <= INTERVALS // 2:
+        if len(nodes) + len(some) <= form.intervals // 2:
             nodes |= {int(one) for one in some}
     ends = sorted(nodes)
     near = np.convolve(held, np.ones(_NEAR), "same") > 0.0
-    weight = np.where(light, np.where(near, 1.0, _FAR), _DARK) if light.any() else np.ones(steps)
+    weight = (
+        np.where(light, np.where(near, 1.0, _FAR), _FAR if form.climbs else _DARK)
+        if light.any()
+        else np.ones(steps)
+    )
     length = np.concatenate([[0.0], np.cumsum(weight)])
-    while len(ends) < INTERVALS + 1:
+    while len(ends) < form.intervals + 1:
         spans = np.where(np.diff(ends) > 1, np.diff(length[ends]), -1.0)
         i = int(np.argmax(spans))
         ends.insert(i + 1, (ends[i] + ends[i + 1]) // 2)
@@ -159,13 +180,17 @@ class Scenario:
 
     ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
     more a night takes, relative. ``dawn_charge``: of the last solution. ``nodes``: of its
-    intervals; None where they are to be laid anew.
+    intervals; None where they are to be laid anew. ``clock_h``: of
+    these. ``profile``: heights that are flown.
     """
 
     shift_h: float = 0.0
     margin: float = FIRST_MARGIN
     dawn_charge: float = FIRST_DAWN_CHARGE
     nodes: IntArray | None = None
+    clock_h: FloatArray | None = None
+    first: int = 0
+    profile: Profile | None = None
 
 
 def neighbours(task: SizingTask, values: Values) -> list[Values]:
@@ -180,7 +205,11 @@ def neighbours(task: SizingTask, values: Values) -> list[Values]:
 
 
 def linearised(
-    task: SizingTask, values: Values, perf: Performance, known: Mapping[int, Scenario]
+    task: SizingTask,
+    values: Values,
+    perf: Performance,
+    known: Mapping[int, Scenario],
+    levels: FlightLevels | None = None,
 ) -> Linearisation:
     """Light and load of a design in some scenarios, from its flight and its neighbours'.
 
@@ -193,6 +222,8 @@ def linearised(
         Of :func:`neighbours`, in all scenarios of the task.
     known : mapping
         What is known of the scenarios that make the blocks, in their order.
+    levels : FlightLevels, optional
+        Light and power of the design at all heights, on missions with climbs.
 
     Returns
     -------
@@ -205,6 +236,8 @@ def linearised(
     blocks, charges = [], []
     for number, scenario in known.items():
         block, path = _block(task, perf, number, scenario, nominal_w[:, number])
+        if levels is not None:
+            block = _at_heights(task, perf, number, scenario, block, levels)
         blocks.append(block)
         charges.append(np.clip(path, *_INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
     mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
@@ -214,10 +247,53 @@ def linearised(
         tuple(known),
         tuple(blocks),
         charge=tuple(charges),
-        height=tuple(np.zeros(form.heights) for _ in known),
+        height=tuple(_heights(form, scenario) for scenario in known.values()),
         speed=tuple(np.full(form.speeds, _speed(task, perf, number)) for number in known),
         load_w=load_w,
         mass_kg=mass_kg,
+    )
+
+
+def _heights(form: Form, scenario: Scenario) -> FloatArray:
+    """Heights at the nodes to start from."""
+    if not form.heights:
+        return np.zeros(0)
+    if scenario.profile is None:
+        return np.full(form.heights, _FIRST_HEIGHT)
+    assert scenario.clock_h is not None
+    return np.clip(scenario.profile.at(scenario.clock_h), *_INSIDE)
+
+
+def _at_heights(
+    task: SizingTask,
+    perf: Performance,
+    number: int,
+    scenario: Scenario,
+    block: BlockData,
+    levels: FlightLevels,
+) -> BlockData:
+    """Data of a scenario with the light at all heights of the program.
+
+    At the heights flown, light and load are those of the simulator: what the program makes of its
+    own heights there is taken out.
+    """
+    assert scenario.clock_h is not None
+    assert scenario.nodes is not None
+    share = np.zeros(len(scenario.nodes))
+    if scenario.profile is not None:
+        share = scenario.profile.at(scenario.clock_h)
+    rows = light_at_heights(levels, number)
+    day = Day.of(task.day.time_h, rows, np.zeros_like(rows), scenario.first)
+    light = day_means(day, scenario.nodes, 1.0, 1.0).light_w
+    weights = lagrange((share[1:] + share[:-1]) / 2.0, len(light))
+    own = np.sum(weights * light, axis=0)
+    lit = own > 0.0
+    factor = np.where(lit, block.light_w_per_m2 / np.where(lit, own, 1.0), 1.0)
+    beyond_w, _ = power_beyond_floor(task, perf.design, number, share, block.hours)
+    level_w = float(np.ravel(perf.nominal_load_w[0, number])[0])
+    return block._replace(
+        light_w_per_m2=(light * factor).ravel(order="F"),
+        load=block.load - beyond_w / level_w,
     )
 
 
@@ -239,17 +315,18 @@ def _block(
     path = _path(perf, day, number, scenario, shape)
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:
-        scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0])
+        scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
+    scenario.clock_h, scenario.first = day.time_h[scenario.nodes], day.first
     means = day_means(day, scenario.nodes, into, out_of)
     area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
     level_w = np.asarray(perf.design.load_in_turbulence_w(task.mission.turbulence.all_day))
-    if task.mission.holds_station:
+    if task.mission.holds_station or task.mission.climb is not None:
         level_w = nominal_w  # as fast as the wind of the scenario
     lowest = day.solar_w.min(axis=-1, keepdims=True) / area
     light = np.hstack([means.light_w / area, lowest])
     load = np.hstack([means.load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     dawn = equal_power_step(day, nominal_w[0])
-    first_light = np.arange(INTERVALS + 1) <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
+    first_light = np.arange(len(scenario.nodes)) <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
     block = BlockData(
         hours=means.hours,
         light_w_per_m2=light[0, :-1],
@@ -288,6 +365,8 @@ def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:
     ``values``: of a design and its neighbours. Zero where there is nothing, or no neighbour flies.
     """
     slopes = np.zeros((values.shape[1], len(task.variables)))
+    if len(values) == 1:
+        return slopes.ravel(order="F")
     positive = (values > 0.0).all(axis=0)
     logarithm = np.log(np.where(positive, values, 1.0))
     places = [task.names.index(name) for name in task.moved]

@@ -16,8 +16,10 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import NO_FLIGHT_W, DesignVariables
 from sizing.performance import Performance, performance_of_designs
+from sizing.program.climbing import Profile, climbing_performance
 from sizing.program.corrections import Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
@@ -54,6 +56,7 @@ class Judged:
     merit: float
     accepted: bool
     solution: Solution | None
+    levels: FlightLevels | None = None
 
     @property
     def worst(self) -> int:
@@ -73,6 +76,7 @@ class Search:
     status: SizingStatus = SizingStatus.not_converged
     report: SolverReport = field(default_factory=SolverReport)
     _known: dict[int, Scenario] = field(default_factory=dict)
+    _profiles: dict[int, Profile] = field(default_factory=dict)
     _settled: int = 0
 
     def run(self) -> Search:
@@ -83,7 +87,7 @@ class Search:
             if self._ends(judged, number):
                 break
             self._take_in(judged)
-            point = linearised(self.task, judged.values, judged.perf, self._chosen)
+            point = linearised(self.task, judged.values, judged.perf, self._chosen, judged.levels)
             elastic = not judged.accepted and (solution is None or solution.violation > LACKING)
             worst_h = float(judged.excess_h.min())
             goal_h = self.task.goal_h
@@ -99,6 +103,9 @@ class Search:
                 message=solution.message,
             )
             for block, scenario in enumerate(self._chosen.values()):
+                if self.task.mission.climb is not None and scenario.clock_h is not None:
+                    scenario.profile = Profile(scenario.clock_h, solution.heights(block))
+                    self._profiles[list(self._chosen)[block]] = scenario.profile
                 scenario.dawn_charge = float(np.clip(solution.charge(block)[0], 0.01, 1.0))
             values = solution.values
         if self.best is not None:
@@ -117,7 +124,11 @@ class Search:
     def _judge(self, values: dict[str, float], solution: Solution | None) -> Judged:
         """Simulate a design and its neighbours."""
         task = self.task
-        perf = task.simulate(neighbours(task, values))
+        levels = None
+        if task.mission.climb is None:
+            perf = task.simulate(neighbours(task, values))
+        else:
+            perf, levels = climbing_performance(task, values, self._profiles)
         excess_h = np.array(np.asarray(perf.cycle.excess_time_h, float)[0])
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):
@@ -125,7 +136,7 @@ class Search:
         worst_h = float(excess_h.min())
         accepted = worst_h > 0.0 and worst_h >= task.required_h and task.meets(perf)
         judged = Judged(
-            values, perf, excess_h, float(np.ravel(task.merit(perf))[0]), accepted, solution
+            values, perf, excess_h, float(np.ravel(task.merit(perf))[0]), accepted, solution, levels
         )
         if accepted and (self.best is None or judged.merit > self.best.merit):
             before = -math.inf if self.best is None else self.best.merit
@@ -179,7 +190,7 @@ class Search:
         elif judged.worst not in self._known:
             easiest = max(self._known, key=lambda number: float(judged.excess_h[number]))
             del self._known[easiest]
-            self._known[judged.worst] = Scenario()
+            self._known[judged.worst] = Scenario(profile=self._profiles.get(judged.worst))
 
     def _correct(
         self, judged: Judged, solution: Solution, block: int, number: int, scenario: Scenario
@@ -189,7 +200,7 @@ class Search:
         if task.continuous:
             return
         goal_h = solution.excess_time_h
-        if abs(goal_h - simulated_h) > _OTHER_H:
+        if abs(goal_h - simulated_h) > _OTHER_H and scenario.profile is None:
             scenario.nodes = None
         if simulated_h > 0.0 and math.isfinite(simulated_h):
             if task.maximises_excess and simulated_h >= task.required_h:

@@ -96,6 +96,11 @@ class Solution:
         charge = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)[block]
         return np.asarray(charge / max(float(charge.max()), 1e-9))
 
+    def heights(self, block: int) -> FloatArray:
+        """Heights at the nodes of a block, over the way to the ceiling."""
+        heights = self.x[self.program.parts["height"]]
+        return np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0)
+
     def multiplier(self, name: str, block: int | None) -> float:
         """Sum of the multipliers of the rows of a name."""
         pairs = zip(self.program.constraints, self.row_multipliers, strict=True)

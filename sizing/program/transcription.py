@@ -59,7 +59,8 @@ from sizing.program.variables import (
     limit_rows,
 )
 
-INTERVALS = 22
+INTERVALS = 22  # of a day at one height: the charge bends at few places, where nodes lie
+CLIMBING_INTERVALS = 40  # of heights, which change all day
 RESERVE_SCALE_H = 10.0  # excess time that counts as one in a row
 CONTINUOUS_MARGIN = 1e-5  # of the load: at equality rounding decides whether the battery is needed
 _PROGRAMS_KEPT = 32
@@ -121,6 +122,11 @@ class Form(NamedTuple):
     climbs: bool = False
 
     @property
+    def intervals(self) -> int:
+        """Intervals of a day."""
+        return CLIMBING_INTERVALS if self.climbs else INTERVALS
+
+    @property
     def levels(self) -> int:
         """Heights at which light and power are known."""
         return LEVELS if self.climbs else 1
@@ -128,12 +134,12 @@ class Form(NamedTuple):
     @property
     def speeds(self) -> int:
         """Airspeeds of a block that are free: faster flight than that of the design."""
-        return (INTERVALS if self.climbs else 1) if self.holds else 0
+        return (self.intervals if self.climbs else 1) if self.holds else 0
 
     @property
     def heights(self) -> int:
         """Heights of a block that are free: at the nodes."""
-        return INTERVALS + 1 if self.climbs else 0
+        return self.intervals + 1 if self.climbs else 0
 
 
 @dataclass(frozen=True)
@@ -172,7 +178,7 @@ class Program:
             "excess": 1,
             "missed": len(self.requirements),
             "lack": self.blocks,
-            "charge": self.blocks * (INTERVALS + 1),
+            "charge": self.blocks * (self.form.intervals + 1),
             "height": self.blocks * self.form.heights,
             "speed": self.blocks * self.form.speeds,
         }
@@ -233,7 +239,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
     charge, height, speed = (
         ca.SX.sym(name, size, form.blocks)
         for name, size in (
-            ("charge", INTERVALS + 1),
+            ("charge", form.intervals + 1),
             ("height", form.heights),
             ("speed", form.speeds),
         )
@@ -386,12 +392,12 @@ def _day_rows(
     """Rows of one scenario."""
     moved, reference_w = x - data["centre"], data["reference_w"]
     unit_wh = RESERVE_SCALE_H * reference_w
-    light_slope = ca.reshape(block.light_slope, INTERVALS + 1, x.shape[0])
-    load_slope = ca.reshape(block.load_slope, INTERVALS + 1, x.shape[0])
+    light_slope = ca.reshape(block.light_slope, form.intervals + 1, x.shape[0])
+    load_slope = ca.reshape(block.load_slope, form.intervals + 1, x.shape[0])
     brighter, heavier = ca.exp(light_slope @ moved), ca.exp(load_slope @ moved)
     motion, rows = _motion(form, design, block, unknown, data["ceiling_m"])
     level_w = motion.floor_w * design.steady + design.constant_w
-    light = ca.reshape(block.light_w_per_m2, form.levels, INTERVALS)
+    light = ca.reshape(block.light_w_per_m2, form.levels, form.intervals)
     light = ca.sum1(light * motion.weights).T * brighter[:-1]
     load_w = level_w * block.load * heavier[:-1] + motion.beyond_w
     nominal_w = block.nominal * level_w * heavier[-1]
@@ -452,7 +458,7 @@ def _motion(
         rows.append(
             (Constraint("airspeed_against_wind"), (own - wind) / design.airspeed_m_per_s[0])
         )
-    beyond_w: Any = ca.DM.zeros(INTERVALS)
+    beyond_w: Any = ca.DM.zeros(form.intervals)
     if form.climbs:
         rate = (height[1:] - height[:-1]) * ceiling_m / (3600.0 * block.hours)
         climb_w = design.weight_n * rate / design.efficiency
@@ -465,7 +471,7 @@ def _motion(
         spare = 1.0 - power_w / design.rated_w + unknown.lack
         rows.append((Constraint(POWER_AGAINST_WIND), spare))
     if not form.climbs:
-        weights = ca.repmat(weights, 1, INTERVALS)
+        weights = ca.repmat(weights, 1, form.intervals)
     return Motion(weights, floor, beyond_w), rows
 
 
@@ -488,10 +494,10 @@ def _lagrange(place: Any, count: int) -> Any:
 
 def _block_symbols(count: int, form: Form) -> BlockData:
     sizes = dict.fromkeys(BlockData._fields, 1)
-    sizes |= dict.fromkeys(("hours", "load"), INTERVALS)
-    sizes |= {"light_w_per_m2": INTERVALS * form.levels, "wind_m_per_s": form.levels}
-    sizes |= dict.fromkeys(("light_slope", "load_slope"), (INTERVALS + 1) * count)
-    sizes |= {"reserve": INTERVALS + 1}
+    sizes |= dict.fromkeys(("hours", "load"), form.intervals)
+    sizes |= {"light_w_per_m2": form.intervals * form.levels, "wind_m_per_s": form.levels}
+    sizes |= dict.fromkeys(("light_slope", "load_slope"), (form.intervals + 1) * count)
+    sizes |= {"reserve": form.intervals + 1}
     return BlockData(**{name: ca.SX.sym(name, size) for name, size in sizes.items()})
 
 
