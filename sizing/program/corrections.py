@@ -310,8 +310,10 @@ def _block(
     battery, time_h = task.aircraft.battery, task.day.time_h
     into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
     shape = (len(nominal_w), task.count, len(time_h))
-    powers = (np.broadcast_to(one, shape)[:, number] for one in (perf.solar_power_w, perf.load_w))
-    day = Day.of(time_h, *powers)
+    solar_w, load_w = (
+        np.broadcast_to(one, shape)[:, number] for one in (perf.solar_power_w, perf.load_w)
+    )
+    day = Day.of(time_h, solar_w, load_w)
     path = _path(perf, day, number, scenario, shape)
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:

@@ -99,7 +99,7 @@ class Solution:
     def heights(self, block: int) -> FloatArray:
         """Heights at the nodes of a block, over the way to the ceiling."""
         heights = self.x[self.program.parts["height"]]
-        return np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0)
+        return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
 
     def multiplier(self, name: str, block: int | None) -> float:
         """Sum of the multipliers of the rows of a name."""
