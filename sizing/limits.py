@@ -16,8 +16,9 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.balance.in_design import balance_rows
 from sizing.design import Design, FlightConditions, balance_inputs, bus_voltage_v, flown_at
-from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
+from sizing.design_space import LimitedQuantity
 from sizing.parameters import label, unit
+from sizing.propulsion.shafts import shares_of_limits
 from sizing.smooth import Value
 
 MASS_BUDGET, STATIC_MARGIN = "mass_budget", "static_margin"
@@ -131,7 +132,8 @@ _OF_MARGIN = {
     STATIC_MARGIN: "the static margin is off by {missed} of a chord with the horizontal tail at an "
     "end of its volume coefficients",
 }
-# Limits of the propulsion's parts.
+# Limits of the propulsion's parts, and what they are kept by: more than a solver misses them by.
+_CUSHION = 1e-4
 _OF_PROPULSION = {
     "bus_voltage": "the empty battery's voltage falls short of the motor's need by {missed}",
     "tip_mach": "the propeller's tips exceed their Mach number by {missed}",
@@ -141,16 +143,18 @@ _OF_PROPULSION = {
 
 
 def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
-    """How far a propulsion by formulas is from the limits of its parts; empty for others."""
-    propulsion, design = it.aircraft.propulsion_by_parts, it.design
-    if propulsion is None or propulsion.is_exact:
-        return {}
-    from sizing.propulsion.smooth_chain import SmoothPropulsion
+    """How far a propulsion is from limits of its parts that do not refuse its flight by themselves.
 
-    assert isinstance(propulsion, SmoothPropulsion)
+    Relative; empty for others.
+    """
+    propulsion, design = it.aircraft.propulsion_by_parts, it.design
+    if propulsion is None or (propulsion.is_exact and propulsion.is_limited):
+        return {}
     own = propulsion.sized(*design.variables.of_propulsion)
-    speed, bus_v = design.airspeed_m_per_s, bus_voltage_v(it.aircraft)
-    return own.margins(design.thrust_power_w, speed, it.conditions.air, bus_v)
+    flight = design.airspeed_m_per_s, it.conditions.air
+    turns, shaft_w, _ = own.propeller_state(design.thrust_power_w, *flight)
+    used = shares_of_limits(own, turns, shaft_w, *flight, bus_voltage_v(it.aircraft)[0])
+    return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
 
 def design_requirements(
@@ -193,9 +197,8 @@ def design_requirements(
     if balance is not None and balance.static_margin is not None:
         margin = balance_rows(*balance_inputs(aircraft, conditions, design))
         rows += [Requirement(name, value, _OF_MARGIN[name]) for name, value in margin.items()]
-    if aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES):
-        margins = _propulsion_margins(it)
-        rows += [Requirement(name, one, _OF_PROPULSION[name]) for name, one in margins.items()]
+    margins = _propulsion_margins(it)
+    rows += [Requirement(name, one, _OF_PROPULSION[name]) for name, one in margins.items()]
     return [*rows, *aircraft.design_space.own_requirements(it)]
 
 

@@ -17,17 +17,27 @@ from typing import NamedTuple
 import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
+from sizing.design_space import PROPULSION_VARIABLES
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
 from sizing.energy.power_balance import PowerBalance
+from sizing.limits import design_requirements
 from sizing.performance import Performance
 from sizing.program.climbing import Profile, lagrange, light_at_heights, power_beyond_floor
 from sizing.program.task import SizingTask, Values
-from sizing.program.transcription import RESERVE_SCALE_H, BlockData, Form
+from sizing.program.transcription import (
+    RESERVE_SCALE_H,
+    BlockData,
+    Form,
+    PartsData,
+    limits_of_parts,
+)
 from sizing.program.variables import scales_of
 from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
+# To both sides, for a curvature: the square of it is far above what root finders leave.
+_WIDE_STEP = 0.02
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
 # that returns any less lets the battery run empty over many days.
 FIRST_MARGIN = 2e-4
@@ -161,7 +171,8 @@ class Linearisation:
     """Light and load of a simulated design in the blocks of a program, with their derivatives.
 
     ``values``: of the design. ``charge``: of every block at its nodes, to start from.
-    ``load_w``: nominal load that charges count in. ``mass_kg``: of the design.
+    ``load_w``: nominal load that charges count in. ``mass_kg``: of the design. ``parts``: of a
+    propulsion at its operating point.
     """
 
     values: dict[str, float]
@@ -172,6 +183,7 @@ class Linearisation:
     speed: tuple[FloatArray, ...]
     load_w: float
     mass_kg: float
+    parts: PartsData | None
 
 
 @dataclass
@@ -194,14 +206,26 @@ class Scenario:
 
 
 def neighbours(task: SizingTask, values: Values) -> list[Values]:
-    """A design, and one for each variable that is moved by a step."""
+    """A design, one for each variable that is moved by a step, and those on the other side."""
     scales = dict(zip(task.names, scales_of(task.variables, values), strict=True))
-    designs = [values]
-    for v in task.variables:
-        if v.name in task.moved:
-            x = v.to_program(values[v.name], scales[v.name]) + STEP
-            designs.append({**values, v.name: float(v.from_program(x, scales[v.name]))})
-    return designs
+
+    def moved(name: str, step: float) -> Values:
+        v = task.variables[task.names.index(name)]
+        x = v.to_program(values[name], scales[name]) + step
+        return {**values, name: float(v.from_program(x, scales[name]))}
+
+    steps = [moved(name, step) for name, step in zip(task.moved, _steps(task), strict=True)]
+    return [values, *steps, *(moved(name, -_WIDE_STEP) for name in _curved(task))]
+
+
+def _curved(task: SizingTask) -> list[str]:
+    """Variables that need a curvature: the best of a propulsion lies where nothing changes."""
+    return [name for name in task.moved if name in PROPULSION_VARIABLES]
+
+
+def _steps(task: SizingTask) -> FloatArray:
+    """Steps of the variables that are moved."""
+    return np.array([_WIDE_STEP if name in _curved(task) else STEP for name in task.moved])
 
 
 def linearised(
@@ -251,6 +275,7 @@ def linearised(
         speed=tuple(np.full(form.speeds, _speed(task, perf, number)) for number in known),
         load_w=load_w,
         mass_kg=mass_kg,
+        parts=_parts(task, perf),
     )
 
 
@@ -301,6 +326,30 @@ def _speed(task: SizingTask, perf: Performance, number: int) -> float:
     """Logarithm of the airspeed that holds the place at the floor, over the design's."""
     own = float(np.ravel(perf.design.airspeed_m_per_s)[0])
     return math.log(max(float(task.winds_m_per_s[number, 0]) / own, 1.0))
+
+
+def _parts(task: SizingTask, perf: Performance) -> PartsData | None:
+    """What is known of a propulsion at its operating point."""
+    names = limits_of_parts(task.aircraft)
+    if not names:
+        return None
+    design, count = perf.design, len(task.variables)
+    assert design.chain is not None
+    rows = design_requirements(task.flown, design, task.conditions.with_payload_of(design.variables))
+    limits = {row.name: row.value for row in rows}
+    every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
+    found = np.log(np.stack([np.broadcast_to(one, len(design.total_mass_kg)) for one in every], 1))
+    bend = np.zeros((count, count))
+    ahead, behind = found[1 : 1 + len(task.moved)], found[1 + len(task.moved) :]
+    slopes = (ahead - found[0]) / _steps(task)[:, np.newaxis]
+    for name, back in zip(_curved(task), behind, strict=True):
+        place, at = task.names.index(name), task.moved.index(name)
+        slopes[at] = (ahead[at] - back) / (2.0 * _WIDE_STEP)
+        second = (ahead[at, 0] - 2.0 * found[0, 0] + back[0]) / _WIDE_STEP**2
+        bend[place, place] = min(np.nan_to_num(second), 0.0)
+    slope = np.zeros((found.shape[1], count))
+    slope[:, [task.names.index(n) for n in task.moved]] = np.where(np.isfinite(slopes), slopes, 0.0).T
+    return PartsData(found[0], slope.ravel(order="F"), bend.ravel())
 
 
 def _block(
@@ -372,6 +421,6 @@ def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:
     positive = (values > 0.0).all(axis=0)
     logarithm = np.log(np.where(positive, values, 1.0))
     places = [task.names.index(name) for name in task.moved]
-    found = (logarithm[1:] - logarithm[0]) / STEP
+    found = (logarithm[1 : 1 + len(places)] - logarithm[0]) / _steps(task)[:, np.newaxis]
     slopes[:, places] = np.clip(np.nan_to_num(found), -_STEEPEST, _STEEPEST).T
     return slopes.ravel(order="F")

@@ -217,6 +217,7 @@ def _parameters(
         scales,
         centre,
         [point.load_w, PRICE, task.climb_height_m],
+        *(point.parts or ()),
         *(np.ravel(value) for block in point.blocks for value in block),
     )
     return np.concatenate(vectors)

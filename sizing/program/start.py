@@ -7,7 +7,7 @@ import numpy as np
 from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables
 from sizing.limits import EQUATIONS, design_requirements
-from sizing.mass_budget import closed_design
+from sizing.mass_budget import closed_design, first_chain
 from sizing.program.objectives import Objective
 from sizing.program.task import SizingTask
 from solar.types import FloatArray
@@ -21,8 +21,11 @@ _EACH_HOUR = 12  # steps of the day that are one here
 def most_promising(task: SizingTask) -> DesignVariables:
     """Design of the grid that misses least; of those that miss nothing the best one."""
     grid = grid_of(task.aircraft)
+    aircraft = task.aircraft
+    if (parts := aircraft.propulsion_by_parts) is not None:
+        aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
     with np.errstate(all="ignore"):
-        design = closed_design(task.aircraft, task.conditions, grid)
+        design = closed_design(aircraft, task.conditions, grid)
         missed = missed_by(task, design)
         ranks = {
             Objective.min_mass.variable: design.total_mass_kg,

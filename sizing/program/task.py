@@ -17,6 +17,7 @@ from sizing.program.objectives import Objective
 from sizing.program.result import objective_value
 from sizing.program.transcription import LEVELS, Form
 from sizing.program.variables import OWN, TOTAL_MASS, Role, Variable, chosen_variables
+from sizing.propulsion.chain import UnlimitedPropulsion
 from sizing.sunlight import SolarDay, SolarModel
 from solar.types import FloatArray
 
@@ -153,6 +154,14 @@ class SizingTask:
         winds = [there.scenario_winds_m_per_s(self.day.scenarios) for there in self.heights]
         return np.stack(winds, axis=-1)
 
+    @cached_property
+    def flown(self) -> Aircraft:
+        """Aircraft that designs are simulated with: limits of propulsion parts are rows."""
+        parts = self.aircraft.propulsion_by_parts
+        if parts is None:
+            return self.aircraft
+        return self.aircraft.with_airframe(propulsion=UnlimitedPropulsion.of(parts))
+
     @property
     def maximises_excess(self) -> bool:
         """Whether the excess time itself is to be as long as possible."""
@@ -202,7 +211,7 @@ class SizingTask:
         chosen = [self.design_variables(values).chosen() for values in designs]
         stacked = {name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
         return performance_of_designs(
-            self.aircraft, self.mission, DesignVariables(**stacked), self.solar, day=self.day
+            self.flown, self.mission, DesignVariables(**stacked), self.solar, day=self.day
         )
 
     def first_values(self, variables: DesignVariables) -> dict[str, float]:
@@ -220,5 +229,5 @@ class SizingTask:
 
     def meets(self, perf: Performance) -> bool:
         """Whether a design keeps every requirement on itself (of a batch the first one)."""
-        met = meets_requirements(self.aircraft, self.mission, perf.design)
+        met = meets_requirements(self.flown, self.mission, perf.design)
         return bool(np.ravel(met)[0])

@@ -47,6 +47,7 @@ from sizing.energy.battery import (
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import EQUATIONS, DesignInFlight, design_requirements
 from sizing.parameters import all_replaced, catalogue, parameter_value
+from sizing.propulsion.chain import Propulsion, chain_of_numbers
 from sizing.program.variables import (
     OWN,
     SOLAR_TECHNOLOGY,
@@ -76,6 +77,7 @@ _NUMBERS_OF_A_KIND = (
     "airframe.propulsion.motor.speed_constant_rpm_per_v",
 )
 _POLAR = "airframe.aerodynamics."
+_EFFICIENCY_FACTOR = "airframe.propulsion.efficiency_factor"
 
 
 class BlockData(NamedTuple):
@@ -104,6 +106,18 @@ class BlockData(NamedTuple):
     lowest_w_per_m2: Any
     repeated: Any
     wind_m_per_s: Any
+
+
+class PartsData(NamedTuple):
+    """Data of a propulsion at its operating point, as logarithms.
+
+    ``value``: of efficiency, mass [kg] and what its parts do over each of their limits.
+    ``slope``: their derivatives by the design variables. ``bend``: second ones of the efficiency.
+    """
+
+    value: Any
+    slope: Any
+    bend: Any
 
 
 Rows = list[tuple[Constraint, Any]]
@@ -210,6 +224,15 @@ def kind_of(aircraft: Aircraft) -> Aircraft:
     return all_replaced(aircraft, values | {"name": "kind", "description": ""})
 
 
+def limits_of_parts(aircraft: Aircraft) -> tuple[str, ...]:
+    """Names of the limits that the parts of a propulsion at its operating point have."""
+    if (parts := aircraft.propulsion_by_parts) is None:
+        return ()
+    motor = parts.own_motor
+    own = {"motor_current": motor.maximum_current_a, "motor_power": motor.maximum_power_w}
+    return ("bus_voltage", "tip_mach", *(name for name, most in own.items() if most is not None))
+
+
 def build_program(aircraft: Aircraft, form: Form) -> Program:
     """Program of an aircraft in some form, unless one of its kind was built before."""
     return _program(kind_of(aircraft), tuple(limit_rows(aircraft)), form)
@@ -230,6 +253,10 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
         "price": 1,
         "ceiling_m": 1,
     }
+    if kind.propulsion_by_parts is not None:
+        found = 2 + len(limits_of_parts(kind))
+        every = found, found * len(chosen), len(chosen) ** 2
+        sizes |= dict(zip(PartsData._fields, every, strict=True))
     data = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
     blocks = [_block_symbols(len(chosen), form) for _ in range(form.blocks)]
     x, worst_h, lack = (
@@ -305,9 +332,9 @@ def _design_symbols(
     for level in ca.horzsplit(ca.reshape(data["conditions"], -1, form.levels)):
         air = FlightConditions(*ca.vertsplit(level)).with_payload_of(variables)
         airs.append(air._replace(wind_m_per_s=values.get(WIND, air.wind_m_per_s)))
-    design = parametric_design(flown, airs[0], variables, values[TOTAL_MASS])
+    chain, rows = _parts_symbols(kind, x, relative, data)
+    design = parametric_design(flown, airs[0], variables, values[TOTAL_MASS], chain)
     bounds = limit_rows(kind)
-    rows: Rows = []
     for one in design_requirements(flown, design, airs[0]):
         value = one.value
         if one.name in bounds and one.name in values:
@@ -334,6 +361,21 @@ def _design_symbols(
     return symbols, rows
 
 
+def _parts_symbols(
+    kind: Aircraft, x: Any, relative: dict[str, Any], data: dict[str, Any]
+) -> tuple[Propulsion | None, Rows]:
+    """Chain of a propulsion at its operating point, and rows of the limits of its parts."""
+    if (parts := kind.propulsion_by_parts) is None:
+        return None, []
+    moved = x - data["centre"]
+    found = ca.exp(data["value"] + ca.reshape(data["slope"], -1, x.shape[0]) @ moved)
+    bent = ca.bilin(ca.reshape(data["bend"], x.shape[0], -1), moved, moved) / 2.0
+    efficiency = found[0] * ca.exp(bent) * relative.get(_EFFICIENCY_FACTOR, 1.0)
+    used = zip(limits_of_parts(kind), ca.vertsplit(found[2:]), strict=True)
+    rows = [(Constraint(name), 1.0 - share) for name, share in used]
+    return chain_of_numbers(parts, efficiency, found[1]), rows
+
+
 def _power_surface(
     aircraft: Aircraft,
     form: Form,
@@ -354,7 +396,9 @@ def _power_surface(
             faster = variables
             if ratio != 1.0:
                 faster = variables._replace(lift_coefficient=own / ratio**2)
-            _, power_w, speed = level_flight(aircraft, air, faster, design.total_mass_kg)
+            _, power_w, speed = level_flight(
+                aircraft, air, faster, design.total_mass_kg, design.chain
+            )
             row.append(power_w)
             if ratio == 1.0:
                 speeds.append(speed)

@@ -175,6 +175,8 @@ class OperatingPointPropulsion(Record):
 
     # Whether a batch of designs is too dear to have its operating points at every step.
     is_exact: ClassVar[bool] = True
+    # Whether the limits of its parts refuse a flight.
+    is_limited: ClassVar[bool] = True
 
     kind: Literal["operating_point"]
     propulsors: PositiveInteger = 1
@@ -243,6 +245,7 @@ class OperatingPointPropulsion(Record):
             gear=self.gear,
             wiring_resistance_ohm=self.wiring_resistance_ohm,
             maximum_tip_mach=self.maximum_tip_mach,
+            limited=self.is_limited,
         )
 
     def taken(self) -> list[Taken]:
@@ -389,6 +392,32 @@ class OperatingPointPropulsion(Record):
             mass_model=self.mass_model,
             gear_kg=unwrapped(gear_kg / level_w**_GEAR_BY_POWER),
         )
+
+
+class UnlimitedPropulsion(OperatingPointPropulsion):
+    """Parts that fly beyond their limits: those are rows of a program. No file has it."""
+
+    is_limited = False
+
+    @classmethod
+    def of(cls, parts: OperatingPointPropulsion) -> UnlimitedPropulsion:
+        """These parts without their limits."""
+        fields = {name: getattr(parts, name) for name in OperatingPointPropulsion.model_fields}
+        return cls.model_construct(**fields)
+
+
+def chain_of_numbers(
+    parts: OperatingPointPropulsion, efficiency: Value, mass_kg: Value
+) -> Propulsion:
+    """Chain of parts of which efficiency and mass are known, as one link."""
+    links: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
+    return Propulsion.model_construct(
+        **links | {"propeller_efficiency": efficiency},
+        fixed_mass_kg=mass_kg,
+        mass_kg_per_w=0.0,
+        climb_power_ratio=parts.climb_power_ratio,
+        climb_rate_m_per_s=parts.climb_rate_m_per_s,
+    )
 
 
 class ChainOfParts(Propulsion):

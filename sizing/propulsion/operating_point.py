@@ -37,6 +37,8 @@ class Propulsor:
         From the bus to the controller and back [ohm].
     maximum_tip_mach : float
         Largest Mach number of the tips [-]; the models know no compressible flow.
+    limited : bool
+        Whether limits of the parts refuse what the propeller's data have.
 
     Raises
     ------
@@ -50,6 +52,7 @@ class Propulsor:
     gear: Gear = Gear()  # noqa: RUF009 (frozen)
     wiring_resistance_ohm: float = 0.0
     maximum_tip_mach: float = 0.7
+    limited: bool = True
 
     def __post_init__(self) -> None:
         """Refuse a wiring that gives power and tips that stand still."""
@@ -286,7 +289,7 @@ def _at(
         _over(propulsor.motor.maximum_current_a, motor.current_a, "motor current", "A"),
         _over(propulsor.motor.maximum_power_w, motor_w, "motor power", "W"),
     ):
-        for place in np.flatnonzero(wrong & (reason == "")):
+        for place in np.flatnonzero(wrong & (reason == "") & propulsor.limited):
             reason[place] = text.format(*(one[place] for one in values))
     good = np.where(reason == "", 1.0, np.nan)
     thrust_w = thrust * v

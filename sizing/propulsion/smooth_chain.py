@@ -22,7 +22,7 @@ from pydantic import Field
 from missions.air import Air
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.chain import LINKS, OperatingPointPropulsion, Propulsion
-from sizing.propulsion.shafts import inlet, motor_state, power_of_shafts_w, shares_of_limits
+from sizing.propulsion.shafts import inlet, motor_state, power_of_shafts_w
 from sizing.smooth import Value, chebyshev_series, smooth_maximum
 from solar.schema import Record
 from solar.types import FloatArray
@@ -36,8 +36,6 @@ _ADVANCE_OVER_PITCH = np.linspace(0.08, 1.4, 34)
 _REACH, _END = 1.15, 1.3
 # Exponent that stands for a logarithm, and width of the corner at the interval's ends.
 _ROOT, _CORNER = 0.1, 0.1
-# Limits of the parts are kept by this, which a solver may miss them by.
-_CUSHION = 1e-4
 # Of the powers with an empty and a full battery: rounds the corner where they are equal.
 _BLEND = 1e-5
 _Coefficients = tuple[tuple[tuple[float, ...], ...], ...]
@@ -224,18 +222,6 @@ class SmoothPropulsion(OperatingPointPropulsion):
         """As of the exact chain, also of symbols."""
         rotation, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
         return power_of_shafts_w(self, rotation, shaft_w, bus_v)
-
-    def margins(
-        self,
-        thrust_power_w: Value,
-        airspeed_m_per_s: Value,
-        air: Air,
-        bus_voltage_v: tuple[float, float],
-    ) -> dict[str, Value]:
-        """How far what the parts do is from their limits, relative; of those that have one."""
-        rotation, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
-        used = shares_of_limits(self, rotation, shaft_w, airspeed_m_per_s, air, bus_voltage_v[0])
-        return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
     def propeller_state(
         self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air
