@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
+from sizing.design import Design
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
@@ -31,6 +32,7 @@ from sizing.program.transcription import (
     Form,
     PartsData,
     limits_of_parts,
+    power_surface,
 )
 from sizing.program.variables import scales_of
 from solar.types import FloatArray, IntArray
@@ -349,7 +351,19 @@ def _parts(task: SizingTask, perf: Performance) -> PartsData | None:
         bend[place, place] = min(np.nan_to_num(second), 0.0)
     slope = np.zeros((found.shape[1], count))
     slope[:, [task.names.index(n) for n in task.moved]] = np.where(np.isfinite(slopes), slopes, 0.0).T
-    return PartsData(found[0], slope.ravel(order="F"), bend.ravel())
+    surface = _surface(task, design.mapped(lambda v: float(np.ravel(v)[0])))
+    return PartsData(found[0], slope.ravel(order="F"), bend.ravel(), surface)
+
+
+def _surface(task: SizingTask, design: Design) -> FloatArray:
+    """Power of a design's parts by heights and airspeeds over that with its chain, logarithm."""
+    form, variables = task.form(1), design.variables
+    airs = [air.with_payload_of(variables) for air in task.airs]
+    by_parts, by_chain = (
+        np.array(power_surface(task.flown, form, airs, variables, one)[0], float)
+        for one in (design._replace(chain=None), design)
+    )
+    return np.nan_to_num(np.log(by_parts / by_chain)).ravel(order="F")
 
 
 def _block(

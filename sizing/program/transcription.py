@@ -113,11 +113,13 @@ class PartsData(NamedTuple):
 
     ``value``: of efficiency, mass [kg] and what its parts do over each of their limits.
     ``slope``: their derivatives by the design variables. ``bend``: second ones of the efficiency.
+    ``surface``: power by heights and airspeeds over that with the efficiency of level flight.
     """
 
     value: Any
     slope: Any
     bend: Any
+    surface: Any
 
 
 Rows = list[tuple[Constraint, Any]]
@@ -144,6 +146,11 @@ class Form(NamedTuple):
     def levels(self) -> int:
         """Heights at which light and power are known."""
         return LEVELS if self.climbs else 1
+
+    @property
+    def ratios(self) -> int:
+        """Airspeeds at which power is known."""
+        return RATIOS if self.holds else 1
 
     @property
     def speeds(self) -> int:
@@ -255,7 +262,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
     }
     if kind.propulsion_by_parts is not None:
         found = 2 + len(limits_of_parts(kind))
-        every = found, found * len(chosen), len(chosen) ** 2
+        every = found, found * len(chosen), len(chosen) ** 2, form.levels * form.ratios
         sizes |= dict(zip(PartsData._fields, every, strict=True))
     data = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
     blocks = [_block_symbols(len(chosen), form) for _ in range(form.blocks)]
@@ -345,12 +352,13 @@ def _design_symbols(
         it = DesignInFlight(flown, design, airs[0])
         own = space.own_objective.row(it, values[OWN])
         rows.append((Constraint(OWN, equation=True), own.value))
-    powers, speeds = _power_surface(flown, form, airs, variables, design)
+    powers, speeds = power_surface(flown, form, airs, variables, design)
+    surface = ca.reshape(data["surface"], form.levels, -1) if chain is not None else 0.0
     assert design.chain is not None
     symbols = DesignSymbols(
         area_m2=variables.module_area_m2 * relative.get(SOLAR_TECHNOLOGY, 1.0),
         full_wh=design.battery_energy_wh,
-        log_power_w=ca.log(powers),
+        log_power_w=ca.log(powers) + surface,
         airspeed_m_per_s=speeds,
         constant_w=design.constant_power_w,
         steady=1.0 + airs[0].turbulence,
@@ -376,7 +384,7 @@ def _parts_symbols(
     return chain_of_numbers(parts, efficiency, found[1]), rows
 
 
-def _power_surface(
+def power_surface(
     aircraft: Aircraft,
     form: Form,
     airs: Sequence[FlightConditions],
@@ -388,7 +396,7 @@ def _power_surface(
     Faster flight has a lower lift coefficient, ``C_L / ratio**2``.
     """
     own = DesignInFlight(aircraft, design, airs[0]).lift_coefficient
-    ratios = [math.exp(place * FASTEST) for place in _places(RATIOS)] if form.holds else [1.0]
+    ratios = [math.exp(place * FASTEST) for place in _places(form.ratios)]
     powers, speeds = [], []
     for air in airs:
         row = []
@@ -490,9 +498,8 @@ def _motion(
     height, speed = unknown.height, unknown.speed
     middle = (height[1:] + height[:-1]) / 2.0 if form.climbs else ca.DM.zeros(1)
     weights = ca.horzcat(*(_lagrange(z, form.levels) for z in ca.vertsplit(middle)))
-    ratios = RATIOS if form.holds else 1
     fast = speed if form.holds else ca.DM.zeros(middle.shape[0])
-    faster = ca.horzcat(*(_lagrange(u / FASTEST, ratios) for u in ca.vertsplit(fast)))
+    faster = ca.horzcat(*(_lagrange(u / FASTEST, form.ratios) for u in ca.vertsplit(fast)))
     # At the floor the airspeed is that of the first interval, which begins there.
     floor = ca.exp((design.log_power_w[0, :] @ faster[:, 0])[0])
     power_w = ca.exp(ca.sum1(weights * (design.log_power_w @ faster)).T)
