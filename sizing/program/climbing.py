@@ -40,8 +40,8 @@ def climbing_performance(
 ) -> tuple[Performance, FlightLevels]:
     """Fly a design in all scenarios along their profiles, at the floor where there is none."""
     chosen = task.design_variables(values).mapped(lambda v: np.array([float(v)]))
-    design = closed_design(task.aircraft, task.mission, chosen)
-    levels = flight_levels(task.aircraft, task.mission, design, task.day)
+    design = closed_design(task.flown, task.mission, chosen)
+    levels = flight_levels(task.flown, task.mission, design, task.day)
     time_h, count = task.day.time_h, task.count
     share = np.zeros((count, len(time_h)))
     for number, profile in profiles.items():
@@ -116,7 +116,7 @@ def power_beyond_floor(
     weights = lagrange(middle, LEVELS)
     variables = design.variables
     flown = [
-        parametric_design(task.aircraft, air, variables, design.total_mass_kg) for air in task.airs
+        parametric_design(task.flown, air, variables, design.total_mass_kg) for air in task.airs
     ]
     speeds = np.array([float(np.ravel(one.airspeed_m_per_s)[0]) for one in flown])
     faster = np.zeros(len(middle))
@@ -125,7 +125,7 @@ def power_beyond_floor(
         wind = weights.T @ task.winds_m_per_s[number]
         faster = np.log(np.maximum(wind / own, 1.0))
         powers = [
-            np.ravel(flown_faster(task.aircraft, air, one, np.exp(faster)).propulsion_power_w)
+            np.ravel(flown_faster(task.flown, air, one, np.exp(faster)).propulsion_power_w)
             for air, one in zip(task.airs, flown, strict=True)
         ]
         table = np.log(np.stack(powers))

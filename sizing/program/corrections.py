@@ -337,7 +337,9 @@ def _parts(task: SizingTask, perf: Performance) -> PartsData | None:
         return None
     design, count = perf.design, len(task.variables)
     assert design.chain is not None
-    rows = design_requirements(task.flown, design, task.conditions.with_payload_of(design.variables))
+    rows = design_requirements(
+        task.flown, design, task.conditions.with_payload_of(design.variables)
+    )
     limits = {row.name: row.value for row in rows}
     every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
     found = np.log(np.stack([np.broadcast_to(one, len(design.total_mass_kg)) for one in every], 1))
@@ -350,7 +352,9 @@ def _parts(task: SizingTask, perf: Performance) -> PartsData | None:
         second = (ahead[at, 0] - 2.0 * found[0, 0] + back[0]) / _WIDE_STEP**2
         bend[place, place] = min(np.nan_to_num(second), 0.0)
     slope = np.zeros((found.shape[1], count))
-    slope[:, [task.names.index(n) for n in task.moved]] = np.where(np.isfinite(slopes), slopes, 0.0).T
+    slope[:, [task.names.index(n) for n in task.moved]] = np.where(
+        np.isfinite(slopes), slopes, 0.0
+    ).T
     surface = _surface(task, design.mapped(lambda v: float(np.ravel(v)[0])))
     return PartsData(found[0], slope.ravel(order="F"), bend.ravel(), surface)
 
@@ -363,7 +367,7 @@ def _surface(task: SizingTask, design: Design) -> FloatArray:
         np.array(power_surface(task.flown, form, airs, variables, one)[0], float)
         for one in (design._replace(chain=None), design)
     )
-    return np.nan_to_num(np.log(by_parts / by_chain)).ravel(order="F")
+    return np.asarray(np.nan_to_num(np.log(by_parts / by_chain)).ravel(order="F"))
 
 
 def _block(

@@ -47,7 +47,6 @@ from sizing.energy.battery import (
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import EQUATIONS, DesignInFlight, design_requirements
 from sizing.parameters import all_replaced, catalogue, parameter_value
-from sizing.propulsion.chain import Propulsion, chain_of_numbers
 from sizing.program.variables import (
     OWN,
     SOLAR_TECHNOLOGY,
@@ -59,6 +58,7 @@ from sizing.program.variables import (
     eased_row,
     limit_rows,
 )
+from sizing.propulsion.chain import Propulsion, chain_of_numbers
 
 INTERVALS = 22  # of a day at one height: the charge bends at few places, where nodes lie
 CLIMBING_INTERVALS = 40  # of heights, which change all day
