@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,7 +20,7 @@ from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import NO_FLIGHT_W, DesignVariables
 from sizing.performance import Performance, performance_of_designs
-from sizing.program.climbing import Profile, climbing_performance
+from sizing.program.climbing import Profile, alone, climbing_performance
 from sizing.program.corrections import Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
@@ -57,6 +58,7 @@ class Judged:
     accepted: bool
     solution: Solution | None
     levels: FlightLevels | None = None
+    profiles: Mapping[int, Profile] = field(default_factory=dict)
 
     @property
     def worst(self) -> int:
@@ -136,7 +138,14 @@ class Search:
         worst_h = float(excess_h.min())
         accepted = worst_h > 0.0 and worst_h >= task.required_h and task.meets(perf)
         judged = Judged(
-            values, perf, excess_h, float(np.ravel(task.merit(perf))[0]), accepted, solution, levels
+            values,
+            perf,
+            excess_h,
+            float(np.ravel(task.merit(perf))[0]),
+            accepted,
+            solution,
+            levels,
+            dict(self._profiles),
         )
         if accepted and (self.best is None or judged.merit > self.best.merit):
             before = -math.inf if self.best is None else self.best.merit
@@ -271,7 +280,10 @@ def _result(search: Search, required_h: float) -> SizingResult:
     )
     if search.best is None:
         return empty
-    design = search.task.design_variables(search.best.values)
-    task = search.task
+    design, task = search.task.design_variables(search.best.values), search.task
+    if task.mission.climb is not None:
+        profiles = search.best.profiles
+        perf = alone(climbing_performance(task, search.best.values, profiles)[0])
+        return replace(empty.with_design(perf), optimum=search.best.solution)
     perf = performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
     return replace(empty.with_design(perf), optimum=search.best.solution)
