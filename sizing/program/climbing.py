@@ -6,7 +6,7 @@ of the moment, linear between levels at most 500 m apart, and ``m g dz/dt`` over
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
-from sizing.design import Design, parametric_design
+from sizing.design import Design, DesignVariables, parametric_design
 from sizing.energy.battery import Store
 from sizing.energy.cycle import simulate_cycle
 from sizing.held_station import flown_faster
@@ -37,38 +37,42 @@ class Profile(NamedTuple):
 
 
 def climbing_performance(
-    task: SizingTask, values: Values, profiles: Mapping[int, Profile]
+    task: SizingTask, designs: Sequence[Values], profiles: Mapping[int, Profile]
 ) -> tuple[Performance, FlightLevels]:
-    """Fly a design in all scenarios along their profiles, at the floor where there is none."""
-    chosen = task.design_variables(values).mapped(lambda v: np.array([float(v)]))
-    design = closed_design(task.flown, task.mission, chosen)
+    """Fly designs in all scenarios along their profiles, at the floor where there is none."""
+    chosen = [task.design_variables(values).chosen() for values in designs]
+    stacked = {name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
+    design = closed_design(task.flown, task.mission, DesignVariables(**stacked))
     levels = flight_levels(task.flown, task.mission, design, task.day)
     time_h, count = task.day.time_h, task.count
+    shape = len(designs), count, len(time_h)
     share = np.zeros((count, len(time_h)))
     for number, profile in profiles.items():
         share[number] = profile.at(time_h)
     height_m = levels.altitude_m - levels.altitude_m[0]
     place = share * height_m[-1]
+    places = place[levels.scenario]
     light = _light(levels)
     power = np.broadcast_to(levels.propulsion_power_w[..., np.newaxis], light.shape)
     solar, motor = (
-        np.stack([_interpolated(place[i], height_m, rows[:, i]) for i in range(count)])
+        np.stack([_interpolated(at, height_m, rows[:, i]) for i, at in enumerate(places)])
         for rows in (light, power)
     )
-    mass_kg, efficiency = float(np.ravel(design.total_mass_kg)[0]), levels.efficiency[0]
-    rate = np.diff(place, axis=-1) / (3600.0 * np.diff(time_h))
-    climb_w = mass_kg * GRAVITY_M_PER_S2 * rate / efficiency
-    at_nodes = np.empty_like(place)
-    at_nodes[:, 1:-1] = (climb_w[:, 1:] + climb_w[:, :-1]) / 2.0
-    at_nodes[:, 0] = at_nodes[:, -1] = (climb_w[:, 0] + climb_w[:, -1]) / 2.0
-    load = motor * levels.turbulence_factor + at_nodes + levels.constant_power_w[:, np.newaxis]
+    weight_n = np.repeat(np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2, count)
+    rate = np.diff(places, axis=-1) / (3600.0 * np.diff(time_h))
+    climb_w = (weight_n / levels.efficiency)[:, np.newaxis] * rate
+    ends = np.concatenate([climb_w[:, -1:], climb_w, climb_w[:, :1]], axis=-1)
+    at_nodes = (ends[:, 1:] + ends[:, :-1]) / 2.0  # the day repeats itself
+    factor = levels.turbulence_factor[levels.scenario]
+    load = motor * factor + at_nodes + levels.constant_power_w[:, np.newaxis]
     solar = solar * levels.module_area_m2[:, np.newaxis]
-    store = Store.of(task.aircraft.battery, np.reshape(design.battery_energy_wh, (1, 1)))
-    powers = solar[np.newaxis], load[np.newaxis], levels.nominal_load_w[np.newaxis]
-    cycle = simulate_cycle(time_h, *powers[:2], store, nominal_load_w=powers[2])
+    store = Store.of(task.aircraft.battery, np.asarray(design.battery_energy_wh)[:, np.newaxis])
+    nominal = levels.nominal_load_w.reshape(shape[:2])
+    powers = solar.reshape(shape), load.reshape(shape)
+    cycle = simulate_cycle(time_h, *powers, store, nominal_load_w=nominal)
     perf = Performance(
-        *(design, task.mission, task.solar, task.day, *powers, store, cycle),
-        maximum_altitude_m=(levels.altitude_m[0] + place.max(axis=-1))[np.newaxis],
+        *(design, task.mission, task.solar, task.day, *powers, nominal, store, cycle),
+        maximum_altitude_m=np.broadcast_to(levels.altitude_m[0] + place.max(-1), shape[:2]),
     )
     return perf, levels
 
@@ -100,9 +104,9 @@ def alone(perf: Performance) -> Performance:
 
 
 def _light(levels: FlightLevels) -> FloatArray:
-    """Specific power at all levels in the design's own flow, ``(level, scenario, time)``."""
+    """Specific power at all levels in the designs' own flow, ``(level, element, time)``."""
     factors = [levels.cooling_factor(n) for n in range(len(levels.altitude_m))]
-    pairs = zip(levels.specific_power_w_per_m2, factors, strict=True)
+    pairs = zip(levels.specific_power_w_per_m2[:, levels.scenario], factors, strict=True)
     return np.stack([power if f is None else power * f for power, f in pairs])
 
 
@@ -115,7 +119,7 @@ def _interpolated(place: FloatArray, known: FloatArray, rows: FloatArray) -> Flo
 
 
 def light_at_heights(levels: FlightLevels, scenario: int) -> FloatArray:
-    """Specific power of a scenario at the heights of the program, ``(height, time)``."""
+    """Specific power of the first design at the program's heights, ``(height, time)``."""
     light, known = _light(levels)[:, scenario], levels.altitude_m
     heights = np.linspace(known[0], known[-1], LEVELS)
     return np.stack([_interpolated(np.full(light.shape[-1], h), known, light) for h in heights])
@@ -133,36 +137,36 @@ def lagrange(place: FloatArray, count: int) -> FloatArray:
 
 def power_beyond_floor(
     task: SizingTask, design: Design, number: int, heights: FloatArray, hours: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Load above that of level flight at the floor in every interval, as the program has it [W].
+) -> FloatArray:
+    """Load above that of level flight at the floor, as the program has it [W].
 
-    Also the logarithm of the airspeed over the design's own that holds the place.
+    ``design``: a batch. ``heights``: at the nodes, over the way to the ceiling. Returns of shape
+    ``(design, interval)``.
     """
-    steady = 1.0 + task.mission.turbulence.all_day
-    middle = (heights[1:] + heights[:-1]) / 2.0
-    weights = lagrange(middle, LEVELS)
-    variables = design.variables
+    weights = lagrange((heights[1:] + heights[:-1]) / 2.0, LEVELS)[:, np.newaxis]
     flown = [
-        parametric_design(task.flown, air, variables, design.total_mass_kg) for air in task.airs
+        parametric_design(task.flown, air, design.variables, design.total_mass_kg)
+        for air in task.airs
     ]
-    speeds = np.array([float(np.ravel(one.airspeed_m_per_s)[0]) for one in flown])
-    faster = np.zeros(len(middle))
+    powers = [np.asarray(one.propulsion_power_w)[:, np.newaxis] for one in flown]
     if task.mission.holds_station:
-        own = np.exp(weights.T @ np.log(speeds))
-        wind = weights.T @ task.winds_m_per_s[number]
-        faster = np.log(np.maximum(wind / own, 1.0))
+        speeds = np.stack([np.asarray(one.airspeed_m_per_s)[:, np.newaxis] for one in flown])
+        wind = np.sum(weights[:, 0] * task.winds_m_per_s[number][:, np.newaxis], axis=0)
+        ratio = np.maximum(wind / np.exp(np.sum(weights * np.log(speeds), axis=0)), 1.0)
         powers = [
-            np.ravel(flown_faster(task.flown, air, one, np.exp(faster)).propulsion_power_w)
+            flown_faster(task.flown, air, _spread(one), ratio).propulsion_power_w
             for air, one in zip(task.airs, flown, strict=True)
         ]
-        table = np.log(np.stack(powers))
-    else:
-        level_w = [float(np.ravel(one.propulsion_power_w)[0]) for one in flown]
-        table = np.repeat(np.log(level_w)[:, np.newaxis], len(middle), axis=1)
-    power_w = np.exp(np.sum(weights * table, axis=0))
-    floor_w = np.exp(table[0, 0])
+    table = np.log(np.stack(np.broadcast_arrays(*powers)))
+    power_w, floor_w = np.exp(np.sum(weights * table, axis=0)), np.exp(table[0, :, :1])
     assert flown[0].chain is not None
-    weight_n = float(np.ravel(design.total_mass_kg)[0]) * GRAVITY_M_PER_S2
+    weight_n = np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2
     rate = np.diff(heights) * task.climb_height_m / (3600.0 * hours)
-    climb_w = weight_n * rate / float(np.ravel(flown[0].chain.efficiency)[0])
-    return power_w * steady + climb_w - floor_w * steady, faster
+    climb_w = (weight_n / flown[0].chain.efficiency)[:, np.newaxis] * rate
+    steady = 1.0 + task.mission.turbulence.all_day
+    return np.asarray((power_w - floor_w) * steady + climb_w)
+
+
+def _spread(design: Design) -> Design:
+    """Designs with an axis for the intervals."""
+    return design.mapped(lambda value: np.asarray(value)[..., np.newaxis])

@@ -206,6 +206,12 @@ class Scenario:
     first: int = 0
     profile: Profile | None = None
 
+    def share(self) -> FloatArray:
+        """Heights flown at the nodes, over the way to the ceiling."""
+        assert self.clock_h is not None
+        level = np.zeros(len(self.clock_h))
+        return level if self.profile is None else self.profile.at(self.clock_h)
+
 
 def neighbours(task: SizingTask, values: Values) -> list[Values]:
     """A design, one for each variable that is moved by a step, and those on the other side."""
@@ -261,9 +267,7 @@ def linearised(
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     blocks, charges = [], []
     for number, scenario in known.items():
-        block, path = _block(task, perf, number, scenario, nominal_w[:, number])
-        if levels is not None:
-            block = _at_heights(task, perf, number, scenario, block, levels)
+        block, path = _block(task, perf, number, scenario, nominal_w[:, number], levels)
         blocks.append(block)
         charges.append(np.clip(path, *_INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
     mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
@@ -287,41 +291,23 @@ def _heights(form: Form, scenario: Scenario) -> FloatArray:
         return np.zeros(0)
     if scenario.profile is None:
         return np.full(form.heights, _FIRST_HEIGHT)
-    assert scenario.clock_h is not None
-    return np.clip(scenario.profile.at(scenario.clock_h), *_INSIDE)
+    return np.clip(scenario.share(), *_INSIDE)
 
 
-def _at_heights(
-    task: SizingTask,
-    perf: Performance,
-    number: int,
-    scenario: Scenario,
-    block: BlockData,
-    levels: FlightLevels,
-) -> BlockData:
-    """Data of a scenario with the light at all heights of the program.
+def _light_at_heights(
+    task: SizingTask, number: int, scenario: Scenario, light: FloatArray, levels: FlightLevels
+) -> FloatArray:
+    """Light of a scenario at all heights of the program, ``(height, interval)``.
 
-    At the heights flown, light and load are those of the simulator: what the program makes of its
-    own heights there is taken out.
+    ``light``: at the heights flown, which it agrees with.
     """
-    assert scenario.clock_h is not None
     assert scenario.nodes is not None
-    share = np.zeros(len(scenario.nodes))
-    if scenario.profile is not None:
-        share = scenario.profile.at(scenario.clock_h)
     rows = light_at_heights(levels, number)
     day = Day.of(task.day.time_h, rows, np.zeros_like(rows), scenario.first)
-    light = day_means(day, scenario.nodes, 1.0, 1.0).light_w
-    weights = lagrange((share[1:] + share[:-1]) / 2.0, len(light))
-    own = np.sum(weights * light, axis=0)
-    lit = own > 0.0
-    factor = np.where(lit, block.light_w_per_m2 / np.where(lit, own, 1.0), 1.0)
-    beyond_w, _ = power_beyond_floor(task, perf.design, number, share, block.hours)
-    level_w = float(np.ravel(perf.nominal_load_w[0, number])[0])
-    return block._replace(
-        light_w_per_m2=(light * factor).ravel(order="F"),
-        load=block.load - beyond_w / level_w,
-    )
+    known = day_means(day, scenario.nodes, 1.0, 1.0).light_w
+    share = scenario.share()
+    own = np.sum(lagrange((share[1:] + share[:-1]) / 2.0, len(known)) * known, axis=0)
+    return np.asarray(known * np.where(own > 0.0, light / np.where(own > 0.0, own, 1.0), 1.0))
 
 
 def _speed(task: SizingTask, perf: Performance, number: int) -> float:
@@ -371,7 +357,12 @@ def _surface(task: SizingTask, design: Design) -> FloatArray:
 
 
 def _block(
-    task: SizingTask, perf: Performance, number: int, scenario: Scenario, nominal_w: FloatArray
+    task: SizingTask,
+    perf: Performance,
+    number: int,
+    scenario: Scenario,
+    nominal_w: FloatArray,
+    levels: FlightLevels | None,
 ) -> tuple[BlockData, FloatArray]:
     """Data of one scenario, and the state of charge at its nodes."""
     battery, time_h = task.aircraft.battery, task.day.time_h
@@ -393,12 +384,18 @@ def _block(
         level_w = nominal_w  # as fast as the wind of the scenario
     lowest = day.solar_w.min(axis=-1, keepdims=True) / area
     light = np.hstack([means.light_w / area, lowest])
-    load = np.hstack([means.load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
+    load_w, flown = means.load_w, light[0, :-1]
+    if levels is not None:
+        load_w = load_w - power_beyond_floor(
+            task, perf.design, number, scenario.share(), means.hours
+        )
+        flown = _light_at_heights(task, number, scenario, flown, levels).ravel(order="F")
+    load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     dawn = equal_power_step(day, nominal_w[0])
     first_light = np.arange(len(scenario.nodes)) <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
     block = BlockData(
         hours=means.hours,
-        light_w_per_m2=light[0, :-1],
+        light_w_per_m2=flown,
         load=load[0, :-1],
         nominal=load[0, -1],
         light_slope=_slopes(task, light),
@@ -434,8 +431,6 @@ def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:
     ``values``: of a design and its neighbours. Zero where there is nothing, or no neighbour flies.
     """
     slopes = np.zeros((values.shape[1], len(task.variables)))
-    if len(values) == 1:
-        return slopes.ravel(order="F")
     positive = (values > 0.0).all(axis=0)
     logarithm = np.log(np.where(positive, values, 1.0))
     places = [task.names.index(name) for name in task.moved]

@@ -130,7 +130,7 @@ class Search:
         if task.mission.climb is None:
             perf = task.simulate(neighbours(task, values))
         else:
-            perf, levels = climbing_performance(task, values, self._profiles)
+            perf, levels = climbing_performance(task, neighbours(task, values), self._profiles)
         excess_h = np.array(np.asarray(perf.cycle.excess_time_h, float)[0])
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):
@@ -283,7 +283,7 @@ def _result(search: Search, required_h: float) -> SizingResult:
     design, task = search.task.design_variables(search.best.values), search.task
     if task.mission.climb is not None:
         profiles = search.best.profiles
-        perf = alone(climbing_performance(task, search.best.values, profiles)[0])
+        perf = alone(climbing_performance(task, [search.best.values], profiles)[0])
         return replace(empty.with_design(perf), optimum=search.best.solution)
     perf = performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
     return replace(empty.with_design(perf), optimum=search.best.solution)
