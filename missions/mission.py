@@ -36,7 +36,7 @@ from solar.schema import (
     check_below,
     wrong_value,
 )
-from solar.sun import declination, sun_times
+from solar.sun import HOURS_PER_DAY, NOON_H, declination, solar_time_h, sun_times
 from solar.systematic_errors import correction
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -225,15 +225,59 @@ class Launch(Record):
     @field_validator("time_local")
     @classmethod
     def _check_time(cls, value: str) -> str:
-        if re.fullmatch(r"([01]?\d|2[0-3]):[0-5]\d", value) is None:
-            raise ValueError(f"must be a time HH:MM, for instance 11:14 (got {value!r})")
-        return value
+        return _clock_time(value)
 
     @property
     def clock_h(self) -> float:
         """Local clock time of the launch [h]."""
-        hours, minutes = self.time_local.split(":")
-        return int(hours) + int(minutes) / 60.0
+        return _clock_h(self.time_local)
+
+
+def _clock_time(value: str, others: str = "") -> str:
+    if re.fullmatch(r"([01]?\d|2[0-3]):[0-5]\d", value) is None:
+        raise ValueError(f"must be {others}a time HH:MM, for instance 11:14 (got {value!r})")
+    return value
+
+
+def _clock_h(value: str) -> float:
+    hours, minutes = value.split(":")
+    return int(hours) + int(minutes) / 60.0
+
+
+class Flight(Record):
+    """Flight from a launch with a full battery to a landing, which need not survive a night.
+
+    ``launch``: ``sunrise`` or HH:MM, of solar time, or with ``utc_offset_h`` of the local clock.
+    It ends at ``land: sunset`` or after ``hours``, and ``reserve_h`` is for how long what is left
+    then must last.
+    """
+
+    launch: Text = "sunrise"
+    land: Literal["sunset"] | None = None
+    hours: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 30)] | None = None
+    reserve_h: ExcessTime = 0.0
+    utc_offset_h: UtcOffset | None = None
+
+    @field_validator("launch")
+    @classmethod
+    def _check_launch(cls, value: str) -> str:
+        return value if value == "sunrise" else _clock_time(value, "sunrise or ")
+
+    @model_validator(mode="after")
+    def _check_end(self) -> Flight:
+        if (self.land is None) == (self.hours is None):
+            given = "neither" if self.land is None else "both"
+            raise ValueError(f"give either 'land: sunset' or 'hours: 14' (got {given})")
+        if self.launch == "sunrise" and self.utc_offset_h is not None:
+            raise wrong_value("utc_offset_h", "is that of a launch HH:MM by the local clock")
+        return self
+
+    @property
+    def days(self) -> int:
+        """Days whose light it may see, from the midnight before its launch."""
+        latest_h = NOON_H if self.launch == "sunrise" else HOURS_PER_DAY
+        end_h = latest_h + (NOON_H if self.hours is None else self.hours)
+        return max(int(np.ceil(end_h / HOURS_PER_DAY)), 1)
 
 
 class AltitudeRange(Record):
@@ -313,6 +357,7 @@ class Mission(FileRecord):
     flight_path: FlightPath | None = None
     required_excess_time_h: ExcessTime = 0.0
     launch: Launch | None = None
+    flight: Flight | None = None
     climb: Climb | None = None
     uncertainty: Uncertainty | None = None
 
@@ -413,6 +458,56 @@ class Mission(FileRecord):
         if isinstance(self.latitude_deg, LatitudeRange):
             raise wrong_value("latitude_deg", "a launch needs a single latitude")
         return self
+
+    @model_validator(mode="after")
+    def _check_flight(self) -> Mission:
+        """The reserve of a flight is the excess time that it requires."""
+        flight = self.flight
+        if flight is None:
+            return self
+        for name, other in (("launch", self.launch), ("climb", self.climb)):
+            if other is not None:
+                raise wrong_value("flight", f"give flight or {name}, not both")
+        if flight.utc_offset_h is not None and self.longitude_deg is None:
+            raise wrong_value("flight.utc_offset_h", "needs longitude_deg on the mission")
+        if self.required_excess_time_h not in (0.0, flight.reserve_h):
+            raise wrong_value(
+                "required_excess_time_h",
+                f"is flight.reserve_h on a flight: give that alone (got "
+                f"{self.required_excess_time_h:g} and {flight.reserve_h:g})",
+            )
+        object.__setattr__(self, "required_excess_time_h", flight.reserve_h)
+        self.model_fields_set.discard("required_excess_time_h")
+        return self
+
+    @property
+    def days_of_light(self) -> int:
+        """Days of the time axis: one that repeats itself, or all that a flight may see."""
+        return 1 if self.flight is None else self.flight.days
+
+    def flight_window_h(self, scenarios: Scenarios) -> tuple[FloatArray, FloatArray] | None:
+        """Solar time of launch and landing in every scenario [h]; None where a day is repeated.
+
+        Counted from the midnight before the launch. A flight to a sunset that has passed lands at
+        the next one.
+        """
+        flight = self.flight
+        if flight is None:
+            return None
+        times = sun_times(scenarios.latitude_deg, declination(scenarios.noon_day))
+        if flight.launch == "sunrise":
+            launch_h = np.asarray(times.sunrise_h)
+        else:
+            launch_h = np.full(len(scenarios), _clock_h(flight.launch))
+            if flight.utc_offset_h is not None:
+                assert self.longitude_deg is not None
+                utc_h = launch_h - flight.utc_offset_h
+                launch_h = solar_time_h(utc_h, scenarios.noon_day, self.longitude_deg)
+            launch_h = launch_h % HOURS_PER_DAY
+        if flight.hours is not None:
+            return launch_h, launch_h + flight.hours
+        sunset_h = np.asarray(times.sunset_h)
+        return launch_h, np.where(sunset_h < launch_h, sunset_h + HOURS_PER_DAY, sunset_h)
 
     @model_validator(mode="after")
     def _check_scenario_count(self) -> Mission:

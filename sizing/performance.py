@@ -173,7 +173,7 @@ class Performance:
         if climbing is not None:
             return climbing.hours(np.zeros(len(launches), int), launches)
         one = slice(scenario, scenario + 1)
-        balance = PowerBalance.of(self.day.time_h, self.solar_power_w[one], self.load_w[one])
+        balance = PowerBalance.of(*self._one_day(self.solar_power_w[one], self.load_w[one]))
         store = self.store.flat(self.cycle.status.shape).select(one)
         return flight_time_h(balance, store, launches[:, np.newaxis])[:, 0]
 
@@ -215,14 +215,12 @@ class Performance:
         climbing = self._climbing([scenario])
         if climbing is not None:
             return climbing.course(0, launch_h, hours)
-        end_h, day_h = launch_h + hours, self.day.time_h
+        end_h = launch_h + hours
+        day_h, *powers = self._one_day(self.solar_power_w, self.load_w)
         days = [day_h + 24.0 * day for day in range(ceil(end_h / 24.0))]
         clock_h = np.unique(np.concatenate([[launch_h, end_h], *days]))
         clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
-        solar, load = (
-            np.interp(clock_h % 24.0, day_h, power[scenario])
-            for power in (self.solar_power_w, self.load_w)
-        )
+        solar, load = (np.interp(clock_h % 24.0, day_h, power[scenario]) for power in powers)
         store = self.store.flat(self.cycle.status.shape).select(slice(scenario, scenario + 1))
         full_wh = np.broadcast_to(np.asarray(store.battery_energy_wh, float), (1,))
         balance = PowerBalance.of(clock_h, solar[np.newaxis], load[np.newaxis])
@@ -254,21 +252,24 @@ class Performance:
         which = np.flatnonzero(~self.cycle.perpetual if limited is None else limited)
         store = self.store.flat(shape)
         hours, launch = np.full((2, self.cycle.status.size), np.inf)
-        solar, load = (
-            np.broadcast_to(power, (*shape, np.shape(power)[-1]))
-            for power in (self.solar_power_w, self.load_w)
-        )
+        time_h, *powers = self._one_day(self.solar_power_w, self.load_w)
+        solar, load = (np.broadcast_to(power, (*shape, len(time_h))) for power in powers)
         for block in blocks(len(which), _SCENARIOS_AT_ONCE):
             some = which[block]
             at = np.unravel_index(some, shape)
             climbing = self._climbing(some) if len(some) else None
             flights = (
-                longest_flight(self.day.time_h, solar[at], load[at], store.select(some))
+                longest_flight(time_h, solar[at], load[at], store.select(some))
                 if climbing is None
                 else climbing.longest()
             )
             hours[some], launch[some] = flights.endurance_h, flights.launch_h
         return Endurance(hours.reshape(shape), launch.reshape(shape))
+
+    def _one_day(self, *powers: FloatArray) -> tuple[FloatArray, ...]:
+        """Time axis and powers of the first day, of which longest flights are made."""
+        nodes = slice((len(self.day.time_h) - 1) // self.mission.days_of_light + 1)
+        return self.day.time_h[nodes], *(power[..., nodes] for power in powers)
 
     def _climbing(self, some: ArrayLike) -> ClimbFlights | None:
         """Flights with climbs of some of all elements; None for a mission without."""

@@ -153,6 +153,19 @@ class SolarDay:
         )
         return first, tuple(aloft)
 
+    def over_days(self, count: int) -> SolarDay:
+        """Same day, repeated; its nodes of time go on over the midnights."""
+        steps = len(self.time_h) - 1
+        at = np.arange(count * steps + 1) % steps
+        time_h = np.concatenate([self.time_h[:-1] + 24.0 * k for k in range(count)])
+        cooling, aloft = self._cooling_at((..., at))
+        return replace(
+            self._with(lambda power: power[..., at]),
+            time_h=np.append(time_h, 24.0 * count),
+            cooling=cooling,
+            aloft_cooling=aloft,
+        )
+
     def _with(self, changed: Callable[[FloatArray], FloatArray]) -> SolarDay:
         """Same day with another power, at all its levels."""
         aloft = self.aloft_w_per_m2
@@ -313,6 +326,8 @@ class Sunlight:
             *(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h),
             self._cooling_of(solar.model),
         )
+        if self.mission.flight is not None:
+            return lowest.over_days(self.mission.days_of_light)
         if self.mission.climb is None:
             return lowest
         levels = [lowest, *(level.day(solar) for level in self._levels)]

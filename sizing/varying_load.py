@@ -21,13 +21,14 @@ from sizing.aircraft import Aircraft
 from sizing.design import NO_FLIGHT_W, Design, FlightConditions, bus_voltage_v
 from sizing.energy.battery import Battery, Store
 from sizing.energy.battery_voltage import CHARGE_SHARES, FIRST_CHARGE
-from sizing.energy.cycle import Cycle, simulate_cycle
+from sizing.energy.cycle import Cycle, simulate_cycle, simulate_flight
 from sizing.held_station import flight_against_wind
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.smooth import Value
 from sizing.sunlight import SolarDay
+from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray
 
 # A day is marched again until load and nominal load stay within this, relative, which is 1e-5 h of
@@ -292,6 +293,8 @@ def flown_cycle(
 ) -> tuple[Cycle, FloatArray, FloatArray]:
     """Cycle, load and nominal load [W]; of a sequence stacked on a first axis.
 
+    Of a mission with a flight from launch to landing the cycle is that flight's.
+
     A load that follows the voltage has that of its own charge. Its nominal load, by which a battery
     lasts for the excess time, is the mean over the voltages from the charge at the morning's equal
     power down to the empty battery.
@@ -306,11 +309,13 @@ def flown_cycle(
         return zip(variants, parts, strict=True)
 
     time_h, solar_w = variants[0].day.time_h, joined([one.solar_w for one in variants])
+    window_h = variants[0].mission.flight_window_h(variants[0].day.scenarios)
 
     def flown(load_w: FloatArray, nominal_w: FloatArray, *, keep: bool) -> Cycle:
-        return simulate_cycle(
-            time_h, solar_w, load_w, store, nominal_load_w=nominal_w, keep_trajectory=keep
-        )
+        powers = time_h, solar_w, load_w, store
+        if window_h is None:
+            return simulate_cycle(*powers, nominal_load_w=nominal_w, keep_trajectory=keep)
+        return simulate_flight(*powers, window_h, nominal_load_w=nominal_w, keep_trajectory=keep)
 
     if not any(one.follows_voltage for one in variants):
         load_w = joined([one.load_w() for one in variants])
@@ -390,6 +395,6 @@ def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) 
     """
     rise = np.asarray(sunrise_h, float)[..., np.newaxis]
     half = (np.asarray(sunset_h, float)[..., np.newaxis] - rise) / 2.0
-    distance = np.abs(np.asarray(time_h, float) - (rise + half))
+    distance = np.abs(np.asarray(time_h, float) % HOURS_PER_DAY - (rise + half))
     sunlit = half > 0.0
     return np.where(sunlit, np.maximum(1.0 - distance / np.where(sunlit, half, 1.0), 0.0), 0.0)

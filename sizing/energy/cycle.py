@@ -11,12 +11,15 @@ Definitions (times in solar hours):
 * ``minimum_state_of_charge``: of the converged cycle; 0 where the battery runs empty.
 * ``charge_margin_h``: from the first full charge to the last instant of full charge; 0 where full
   charge is not reached.
+
+A flight from a launch with a full battery to a landing has the same metrics: its excess time is how
+long what is left at the landing would last, or minus the hours without enough power.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -41,19 +44,22 @@ from sizing.energy.power_balance import (
     sum_over_time,
     surplus_phase_h,
 )
+from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
 
 FULL = 1.0 - 1e-9  # state of charge that counts as full: what the clock's table resolves
 # Elements of a batch simulated at once: a day of each array stays near the processor.
 CELLS_AT_ONCE = 2048
 _ROWS_AT_ONCE = 16
+_FLIGHTS_AT_ONCE = 128  # each may add two nodes to the time axis of all
 
 
 class Status(IntEnum):
     """How a cycle ends, or why there is none; the values are flags of gridded results.
 
     ``failed`` stands for an error of the program, ``infeasible`` for an aircraft that cannot fly
-    the mission, ``invalid`` for values that no aircraft or mission can have.
+    the mission, ``invalid`` for values that no aircraft or mission can have; ``lands`` for a flight
+    with enough power from its launch to its landing.
     """
 
     failed = -1
@@ -63,10 +69,13 @@ class Status(IntEnum):
     never_lit = 3
     infeasible = 4
     invalid = 5
+    lands = 6
 
 
 # Of a cycle that was computed.
-ENDS = (Status.limited, Status.perpetual, Status.always_lit, Status.never_lit)
+ENDS = (Status.limited, Status.perpetual, Status.always_lit, Status.never_lit, Status.lands)
+# Of those, the ends of flights that have all their power.
+FLOWN = (Status.perpetual, Status.always_lit, Status.lands)
 
 
 @dataclass(frozen=True)
@@ -100,6 +109,11 @@ class Cycle:
     energy_budget: EnergyBudget
     time_h: FloatArray
     energy_wh: FloatArray
+
+    @property
+    def flown(self) -> BoolArray:
+        """Mark the cycles of perpetual flight, and the flights that land."""
+        return np.isin(self.status, FLOWN)
 
     @property
     def perpetual(self) -> BoolArray:
@@ -250,15 +264,48 @@ def simulate_cycle(
     return joined(parts, put_together)
 
 
+def simulate_flight(
+    time_h: ArrayLike,
+    solar_power_w: ArrayLike,
+    load_w: ArrayLike,
+    store: Store,
+    window_h: tuple[FloatArray, FloatArray],
+    *,
+    nominal_load_w: ArrayLike | None = None,
+    keep_trajectory: bool = True,
+) -> Cycle:
+    """March a batch from launch with a full battery to landing, and measure it.
+
+    ``window_h``: launch and landing, which broadcast with the batch; within the time axis, which
+    may have several days. The rest is as for :func:`simulate_cycle`. The energy of the nodes before
+    the launch is that of the launch, after the landing that of the landing.
+    """
+    cells, batch = Cells.of(time_h, solar_power_w, load_w, store, nominal_load_w)
+    launch_h, land_h = (np.broadcast_to(one, batch).reshape(-1) for one in window_h)
+    parts = []
+    for some in blocks(len(cells.nominal_w), _FLIGHTS_AT_ONCE):
+        flight = cells.select(some).flown_between(launch_h[some], land_h[some])
+        full_wh = np.asarray(flight.store.battery_energy_wh, float)
+        run = ChargingDay.of(flight.balance).run(flight.store, full_wh)
+        part = measured(flight, run, keep_trajectory)
+        kept = np.searchsorted(flight.time_h, cells.time_h) if keep_trajectory else slice(None)
+        parts.append(replace(part, time_h=cells.time_h, energy_wh=part.energy_wh[:, kept]))
+    return joined(parts).reshaped(batch)
+
+
 def measured(cells: Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
     """Metrics of a one-dimensional batch from the run of its day."""
     balance, store, nominal = cells.balance, run.store, cells.nominal_w
-    equal = equal_power(cells.time_h, cells.above_nominal_w())
+    day = slice(np.searchsorted(cells.time_h, HOURS_PER_DAY, "right"))
+    equal = equal_power(cells.time_h[day], cells.above_nominal_w()[day])
     missing_h, unserved = _unserved(balance, run)
     budget = _energy_budget(cells, run, unserved)
     with np.errstate(divide="ignore", invalid="ignore"):
-        left_over = dawn_wh(balance, run, equal) * store.discharge_efficiency
+        last_wh = dawn_wh(balance, run, equal) if cells.flown is None else run.end_wh
+        left_over = last_wh * store.discharge_efficiency
         reserve_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
+    if cells.flown is not None:  # a day without light has no sunrise to begin a flight
+        reserve_h = np.where(cells.flown.any(axis=0), reserve_h, 0.0)
     lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
     nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     return cycle_of(
@@ -269,6 +316,7 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
         runs_empty=unserved > 1e-9 * store.battery_energy_wh,
         time_h=cells.time_h,
         energy_wh=nodes.T,
+        lands=cells.flown is not None,
     )
 
 
@@ -283,6 +331,7 @@ def cycle_of(
     runs_empty: BoolArray,
     time_h: FloatArray,
     energy_wh: FloatArray,
+    lands: bool = False,
 ) -> Cycle:
     """Metrics of days that repeat themselves, from what a march has found.
 
@@ -291,7 +340,8 @@ def cycle_of(
 
     ``missing_h``, ``reserve_h``: time without energy, and how long what is stored would last from
     the morning's equal power [h]. ``state_of_charge``: the least of the day. ``full_h``: first and
-    last instant of full charge, NaN without one.
+    last instant of full charge, NaN without one. ``lands``: whether they are flights to a landing,
+    of which ``reserve_h`` is.
     """
     always_above, (first_full, last_full) = equal.always_above, full_h
     never = np.isnan(equal.morning_h) & ~always_above
@@ -300,6 +350,9 @@ def cycle_of(
     status = np.where(excess > 0.0, Status.perpetual, Status.limited)
     status = np.where(always_above & ~runs_empty, Status.always_lit, status)
     status = np.where(budget.solar_wh > 0.0, status, Status.never_lit)
+    if lands:
+        excess = np.where(runs_empty, -missing_h, reserve_h)
+        status = np.where(excess > 0.0, Status.lands, Status.limited)
     return Cycle(
         status=status,
         excess_time_h=excess,
@@ -390,8 +443,8 @@ def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> Energy
     drawn = into_store - stored
     taken = into_store / store.charge_efficiency
     return EnergyBudget(
-        solar_wh=_integral_wh(cells.time_h, cells.solar_w),
-        load_wh=_integral_wh(cells.time_h, cells.load_w),
+        solar_wh=_integral_wh(cells, cells.solar_w),
+        load_wh=_integral_wh(cells, cells.load_w),
         unserved_wh=unserved_wh,
         stored_wh=stored,
         charge_loss_wh=taken - into_store,
@@ -400,12 +453,15 @@ def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> Energy
     )
 
 
-def _integral_wh(time_h: FloatArray, power_w: FloatArray) -> FloatArray:
-    """Integral over time by the trapezoidal rule."""
-    halves = np.diff(time_h) / 2.0
+def _integral_wh(cells: Cells, power_w: FloatArray) -> FloatArray:
+    """Integral over the time in flight by the trapezoidal rule."""
+    halves = np.diff(cells.time_h) / 2.0
+    if cells.flown is not None:
+        pairs = halves[:, np.newaxis] * (power_w[:-1] + power_w[1:])
+        return sum_over_time(np.where(cells.flown, pairs, 0.0))
     weights = np.concatenate((halves[:1], halves[1:] + halves[:-1], halves[-1:]))[:, np.newaxis]
     if power_w.strides[1] == 0 and power_w.shape[1] > 1:  # the same in all elements
-        return np.broadcast_to(_integral_wh(time_h, power_w[:, :1]), power_w.shape[1:])
+        return np.broadcast_to(_integral_wh(cells, power_w[:, :1]), power_w.shape[1:])
     return _sum_of_rows(lambda some: weights[some] * power_w[some], power_w.shape)
 
 

@@ -8,7 +8,7 @@ designs and scenarios is laid out for the march: time first, then one axis of el
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sizing.energy.battery import Store
-from solar.types import FloatArray, IntArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 _POINTS_AT_ONCE = 16384
 _LEAST = 1e-300  # keeps zero over zero at zero
@@ -286,13 +286,17 @@ def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> I
 
 @dataclass(frozen=True)
 class Cells:
-    """Powers [W] and batteries of a one-dimensional batch; time is the first axis."""
+    """Powers [W] and batteries of a one-dimensional batch; time is the first axis.
+
+    ``flown``: which intervals are flown; None for all of them.
+    """
 
     time_h: FloatArray
     solar_w: FloatArray
     load_w: FloatArray
     nominal_w: FloatArray
     store: Store
+    flown: BoolArray | None = None
 
     @classmethod
     def of(
@@ -333,7 +337,25 @@ class Cells:
     @cached_property
     def balance(self) -> PowerBalance:
         """Surplus and deficit of every interval."""
-        return PowerBalance.of(self.time_h, self.solar_w.T, self.load_w.T)
+        balance = PowerBalance.of(self.time_h, self.solar_w.T, self.load_w.T)
+        if self.flown is None:
+            return balance
+        surplus, deficit = (
+            np.where(self.flown, v, 0.0) for v in (balance.surplus_wh, balance.deficit_wh)
+        )
+        return replace(balance, surplus_wh=surplus, deficit_wh=deficit)
+
+    def flown_between(self, launch_h: FloatArray, land_h: FloatArray) -> Cells:
+        """Same batch, each in flight from its launch to its landing, which become nodes."""
+        time = np.unique(np.concatenate([self.time_h, launch_h, land_h]))
+        before = np.clip(np.searchsorted(self.time_h, time, "right") - 1, 0, len(self.time_h) - 2)
+        share = (time - self.time_h[before]) / np.diff(self.time_h)[before]
+        solar, load = (
+            power[before] + share[:, np.newaxis] * (power[before + 1] - power[before])
+            for power in (self.solar_w, self.load_w)
+        )
+        flown = (time[:-1, np.newaxis] >= launch_h) & (time[1:, np.newaxis] <= land_h)
+        return Cells(time, solar, load, self.nominal_w, self.store, flown)
 
     def above_nominal_w(self) -> FloatArray:
         """Solar power less the nominal load."""

@@ -53,7 +53,10 @@ _FIRST_HEIGHT = 0.3  # of climbs: between floor and ceiling
 
 
 class Day(NamedTuple):
-    """Powers of a scenario over a day that begins at its sunrise; the batch first, time last."""
+    """Powers of a scenario over a day that begins at its sunrise, or from launch to landing.
+
+    The batch first, time last. ``first``: node of the time axis that it begins at.
+    """
 
     time_h: FloatArray
     solar_w: FloatArray
@@ -78,6 +81,19 @@ class Day(NamedTuple):
         hours = np.diff(time_h)[at[:-1]]
         clock = time_h[first] + np.concatenate([[0.0], np.cumsum(hours)])
         return cls(clock, solar_w[:, at], load_w[:, at], first)
+
+    @classmethod
+    def between(
+        cls, ends_h: FloatArray, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray
+    ) -> Day:
+        """Flight from a launch to a landing."""
+        inside = time_h[(time_h > ends_h[0]) & (time_h < ends_h[1])]
+        clock = np.concatenate([ends_h[:1], inside, ends_h[1:]])
+        solar, load = (
+            np.stack([np.interp(clock, time_h, one) for one in power])
+            for power in (solar_w, load_w)
+        )
+        return cls(clock, solar, load, 0)
 
     def path(self, store: Store, soc: float) -> FloatArray:
         """State of charge of the first of the batch over the day, from one at its begin."""
@@ -371,8 +387,10 @@ def _block(
     solar_w, load_w = (
         np.broadcast_to(one, shape)[:, number] for one in (perf.solar_power_w, perf.load_w)
     )
-    day = Day.of(time_h, solar_w, load_w)
-    path = _path(perf, day, number, scenario, shape)
+    ends_h = None if task.window_h is None else task.window_h[number]
+    powers = time_h, solar_w, load_w
+    day = Day.of(*powers) if ends_h is None else Day.between(ends_h, *powers)
+    path = _path(task, perf, day, number, scenario, shape)
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
@@ -392,7 +410,8 @@ def _block(
         flown = _light_at_heights(task, number, scenario, flown, levels).ravel(order="F")
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     dawn = equal_power_step(day, nominal_w[0])
-    first_light = np.arange(len(scenario.nodes)) <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
+    at = np.arange(len(scenario.nodes))
+    first_light = at <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
     block = BlockData(
         hours=means.hours,
         light_w_per_m2=flown,
@@ -401,22 +420,29 @@ def _block(
         light_slope=_slopes(task, light),
         load_slope=_slopes(task, load),
         shift_h=scenario.shift_h,
-        reserve=first_light.astype(float),
+        reserve=(first_light if ends_h is None else at == at[-1]).astype(float),
         margin=scenario.margin,
         continuous=float(task.continuous),
         lowest_w_per_m2=task.continuous * light[0, -1],
-        repeated=1.0,
+        repeated=float(ends_h is None),
         wind_m_per_s=task.winds_m_per_s[number],
     )
     return block, path[scenario.nodes]
 
 
 def _path(
-    perf: Performance, day: Day, number: int, scenario: Scenario, shape: tuple[int, ...]
+    task: SizingTask,
+    perf: Performance,
+    day: Day,
+    number: int,
+    scenario: Scenario,
+    shape: tuple[int, ...],
 ) -> FloatArray:
     """State of charge over a day: of the repeated one, or of one from the last dawn's charge."""
     excess_h = float(np.broadcast_to(perf.cycle.excess_time_h, shape[:2])[0, number])
     store = perf.store.flat(shape[:2]).select(np.array([0]))
+    if task.window_h is not None:
+        return day.path(store, 1.0)
     if not (math.isfinite(excess_h) and excess_h > 0.0):
         return day.path(store, scenario.dawn_charge)
     charge = np.broadcast_to(perf.cycle.energy_wh, shape)[0, number]

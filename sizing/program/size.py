@@ -211,10 +211,13 @@ class Search:
         goal_h = solution.excess_time_h
         if abs(goal_h - simulated_h) > _OTHER_H and scenario.profile is None:
             scenario.nodes = None
-        if simulated_h > 0.0 and math.isfinite(simulated_h):
+        holds = solution.excess_multiplier(block) > LACKING
+        # A flight that lacks time at its landing is corrected there; else on its way.
+        lands = task.window_h is not None and holds
+        if (simulated_h > 0.0 or lands) and math.isfinite(simulated_h):
             if task.maximises_excess and simulated_h >= task.required_h:
                 return
-            if solution.multiplier("excess_time", block) > LACKING:
+            if holds:
                 lacking_h = float(solution.lack[block]) * (_NIGHT_H + goal_h)
                 scenario.shift_h += goal_h - lacking_h - simulated_h + _CUSHION_H
             elif simulated_h < task.required_h:
@@ -261,7 +264,8 @@ def size_aircraft(
     task = SizingTask(aircraft, mission, objective, solar, light, required_h)
     searches = []
     lowest = light.specific_power_w_per_m2.min(axis=-1)
-    if lowest.min() > 0.0 and (required_h > 0.0 or task.maximises_excess):
+    by_day = task.window_h is None and lowest.min() > 0.0
+    if by_day and (required_h > 0.0 or task.maximises_excess):
         searches.append(Search(task.with_values(continuous=True), start, stop_at_merit).run())
     unlimited = searches and searches[0].best and np.isinf(searches[0].best.excess_h).all()
     if not (task.maximises_excess and unlimited):

@@ -101,15 +101,16 @@ class Solution:
         heights = self.x[self.program.parts["height"]]
         return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
 
-    def multiplier(self, name: str, block: int | None) -> float:
-        """Sum of the multipliers of the rows of a name."""
+    def excess_multiplier(self, block: int) -> float:
+        """Sum of the multipliers of the rows in which the excess time must be left."""
         pairs = zip(self.program.constraints, self.row_multipliers, strict=True)
-        return float(sum(abs(m) for c, m in pairs if c.name == name and c.block == block))
+        rows = [abs(m) for c, m in pairs if c.name == "excess_time" and c.block == block]
+        return float(self.linearisation.blocks[block].reserve @ rows)
 
     def cost_of_hour(self) -> float:
         """What an hour of required excess time costs, relative to the objective."""
         blocks = range(self.program.blocks)
-        by_row = sum(self.multiplier("excess_time", block) for block in blocks)
+        by_row = sum(self.excess_multiplier(block) for block in blocks)
         payload = self.task.objective.payload_key is not None
         whole = abs(self.cost) if payload else 1.0
         return by_row / RESERVE_SCALE_H / max(whole, 1e-3)

@@ -59,20 +59,26 @@ def grid_of(aircraft: Aircraft) -> DesignVariables:
 def missed_by(task: SizingTask, design: Design) -> FloatArray:
     """What closed designs miss of a day's energy and their requirements, relative.
 
-    The battery must hold the night and the required excess time, the day return the night.
+    The battery must hold the night and the required excess time, the day return the night: on a
+    flight from launch to landing nothing need be returned.
     """
     aircraft, day, battery = task.aircraft, task.day, task.aircraft.battery
     load_w = np.asarray(design.nominal_load_w(task.mission))[:, np.newaxis, np.newaxis]
     light = day.specific_power_w_per_m2[:, :: min(_EACH_HOUR, len(day.time_h) - 1)]
-    step_h = 24.0 / (light.shape[-1] - 1)
+    step_h = day.time_h[-1] / (light.shape[-1] - 1)
     area = np.asarray(design.variables.module_area_m2)[:, np.newaxis, np.newaxis]
     net = area * light[..., :-1] - load_w
+    if task.window_h is not None:
+        hours = np.arange(light.shape[-1] - 1) * step_h
+        net = net * ((hours >= task.window_h[:, :1]) & (hours < task.window_h[:, 1:]))
     surplus = battery.mean_charge_efficiency * np.maximum(net, 0.0).sum(axis=-1) * step_h
     deficit = np.maximum(-net, 0.0).sum(axis=-1) * step_h
     reserve = np.where(deficit > 0.0, task.goal_h, 0.0) * load_w[..., 0]
     out_of = battery.mean_discharge_efficiency
     capacity = out_of * np.asarray(design.battery_energy_wh)[:, np.newaxis]
-    short = np.maximum((deficit + reserve) / capacity, deficit / out_of / (surplus + 1e-9)) - 1.0
+    short = (deficit + reserve) / capacity - 1.0
+    if task.window_h is None:
+        short = np.maximum(short, deficit / out_of / (surplus + 1e-9) - 1.0)
     missed = np.maximum(short, 0.0).max(axis=-1)
     mass = np.asarray(design.total_mass_kg)
     heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf

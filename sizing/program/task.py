@@ -67,6 +67,12 @@ class SizingTask:
         return len(self.day.scenarios)
 
     @cached_property
+    def window_h(self) -> FloatArray | None:
+        """Launch and landing in every scenario [h]; None where a day is repeated."""
+        ends = self.mission.flight_window_h(self.day.scenarios)
+        return None if ends is None else np.stack(ends, axis=-1)
+
+    @cached_property
     def variables(self) -> tuple[Variable, ...]:
         """Variables of the program, with the bounds of this task."""
         every = chosen_variables(self.aircraft, eased=bool(self.freed))
