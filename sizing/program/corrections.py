@@ -62,6 +62,7 @@ class Day(NamedTuple):
     solar_w: FloatArray
     load_w: FloatArray
     first: int
+    lands: bool = False
 
     @classmethod
     def of(
@@ -93,7 +94,7 @@ class Day(NamedTuple):
             np.stack([np.interp(clock, time_h, one) for one in power])
             for power in (solar_w, load_w)
         )
-        return cls(clock, solar, load, 0)
+        return cls(clock, solar, load, 0, lands=True)
 
     def path(self, store: Store, soc: float) -> FloatArray:
         """State of charge of the first of the batch over the day, from one at its begin."""
@@ -121,7 +122,7 @@ def nodes_of(
 
     They lie where light begins and ends, where power is equal, and where the charge limit begins
     to hold back; the rest halve the longest interval of light, again and again, of climbs
-    those of night as well.
+    those of night as well. On a flight that lands they are close where the charge is least.
     """
     steps = len(day.time_h) - 1
     net, solar = day.solar_w[0] - day.load_w[0], day.solar_w[0]
@@ -137,7 +138,8 @@ def nodes_of(
         if len(nodes) + len(some) <= form.intervals // 2:
             nodes |= {int(one) for one in some}
     ends = sorted(nodes)
-    near = np.convolve(held, np.ones(_NEAR), "same") > 0.0
+    least = day.lands & (net[:-1] <= 0.0) & (net[1:] > 0.0)
+    near = np.convolve(held | least, np.ones(_NEAR), "same") > 0.0
     weight = (
         np.where(light, np.where(near, 1.0, _FAR), _FAR if form.climbs else _DARK)
         if light.any()
@@ -209,13 +211,14 @@ class Scenario:
     """What a search knows of a scenario.
 
     ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
-    more a night takes, relative. ``dawn_charge``: of the last solution. ``nodes``: of its
-    intervals; None where they are to be laid anew. ``clock_h``: of
-    these. ``profile``: heights that are flown.
+    more a night takes, relative. ``way_h``: what must be left on the way to a landing.
+    ``dawn_charge``: of the last solution. ``nodes``: of its intervals; None where they are to be
+    laid anew. ``clock_h``: of these. ``profile``: heights that are flown.
     """
 
     shift_h: float = 0.0
     margin: float = FIRST_MARGIN
+    way_h: float = 0.0
     dawn_charge: float = FIRST_DAWN_CHARGE
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
@@ -421,6 +424,7 @@ def _block(
         load_slope=_slopes(task, load),
         shift_h=scenario.shift_h,
         reserve=(first_light if ends_h is None else at == at[-1]).astype(float),
+        way_h=scenario.way_h,
         margin=scenario.margin,
         continuous=float(task.continuous),
         lowest_w_per_m2=task.continuous * light[0, -1],

@@ -178,7 +178,10 @@ class Search:
         near = _moved_by(task, solution) < _NEAR
         waste_h = float(judged.excess_h.min()) - task.required_h
         known = near and judged.worst in self._known and not task.maximises_excess
-        if known and (task.continuous or waste_h * solution.cost_of_hour() < _WASTE):
+        wasted = waste_h * solution.cost_of_hour()
+        if task.window_h is not None:
+            wasted += _left_h(judged.perf, judged.worst)[1] * solution.cost_of_hour(on_way=True)
+        if known and (task.continuous or wasted < _WASTE):
             return True
         return self._settled >= 2
 
@@ -212,9 +215,11 @@ class Search:
         if abs(goal_h - simulated_h) > _OTHER_H and scenario.profile is None:
             scenario.nodes = None
         holds = solution.excess_multiplier(block) > LACKING
-        # A flight that lacks time at its landing is corrected there; else on its way.
-        lands = task.window_h is not None and holds
-        if (simulated_h > 0.0 or lands) and math.isfinite(simulated_h):
+        if task.window_h is not None:
+            simulated_h, way_h = _left_h(judged.perf, number)
+            if way_h < 0.0 or solution.excess_multiplier(block, on_way=True) > LACKING:
+                scenario.way_h = max(scenario.way_h + _CUSHION_H - way_h, 0.0)
+        if simulated_h > 0.0 and math.isfinite(simulated_h):
             if task.maximises_excess and simulated_h >= task.required_h:
                 return
             if holds:
@@ -224,6 +229,17 @@ class Search:
                 scenario.shift_h += task.required_h - simulated_h + _CUSHION_H
         elif solution.violation <= LACKING and _moved_by(task, solution) < _SAME_DESIGN:
             scenario.margin *= _WIDER
+
+
+def _left_h(perf: Performance, number: int) -> tuple[float, float]:
+    """How long what is left at the landing lasts, and what is left or lacking on the way."""
+    cycle, store = perf.cycle, perf.store
+    nominal_w = np.broadcast_to(perf.nominal_load_w, cycle.status.shape)[0, number]
+    full_wh = np.ravel(store.battery_energy_wh)[0]
+    lowest_wh = cycle.minimum_state_of_charge[0, number] * full_wh * store.discharge_efficiency
+    lacking_wh = cycle.energy_budget.unserved_wh[0, number]
+    landing_wh = cycle.energy_wh[0, number, -1] * store.discharge_efficiency
+    return float(landing_wh / nominal_w), float((lowest_wh - lacking_wh) / nominal_w)
 
 
 _HEAVY = 3.0  # of the battery's mass: total mass of a design whose budget does not close

@@ -101,16 +101,17 @@ class Solution:
         heights = self.x[self.program.parts["height"]]
         return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
 
-    def excess_multiplier(self, block: int) -> float:
-        """Sum of the multipliers of the rows in which the excess time must be left."""
+    def excess_multiplier(self, block: int, *, on_way: bool = False) -> float:
+        """Sum of the multipliers of the rows in which the excess time must be left, or others."""
         pairs = zip(self.program.constraints, self.row_multipliers, strict=True)
         rows = [abs(m) for c, m in pairs if c.name == "excess_time" and c.block == block]
-        return float(self.linearisation.blocks[block].reserve @ rows)
+        reserve = self.linearisation.blocks[block].reserve
+        return float((1.0 - reserve if on_way else reserve) @ rows)
 
-    def cost_of_hour(self) -> float:
+    def cost_of_hour(self, *, on_way: bool = False) -> float:
         """What an hour of required excess time costs, relative to the objective."""
         blocks = range(self.program.blocks)
-        by_row = sum(self.excess_multiplier(block) for block in blocks)
+        by_row = sum(self.excess_multiplier(block, on_way=on_way) for block in blocks)
         payload = self.task.objective.payload_key is not None
         whole = abs(self.cost) if payload else 1.0
         return by_row / RESERVE_SCALE_H / max(whole, 1e-3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -129,8 +130,12 @@ class SizingTask:
 
     def form(self, blocks: int) -> Form:
         """Form of the program with some scenarios."""
-        mission = self.mission
-        return Form(blocks, bool(self.freed), mission.holds_station, mission.climb is not None)
+        mission, ends_h = self.mission, self.window_h
+        days = (
+            1 if ends_h is None else max(math.ceil(float(np.ptp(ends_h, axis=1).max()) / 24.0), 1)
+        )
+        climbs = mission.climb is not None
+        return Form(blocks, bool(self.freed), mission.holds_station, climbs, days)
 
     @cached_property
     def heights(self) -> tuple[Mission, ...]:

@@ -86,10 +86,11 @@ class BlockData(NamedTuple):
     ``hours``: length of the intervals. ``light_w_per_m2``: mean specific power. ``load``: mean load
     over that of the design in level flight. ``nominal``: nominal load, likewise. ``light_slope``,
     ``load_slope``: derivative of the logarithm of light and load by the design variables.
-    ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
-    more a night takes, relative. ``continuous``: 1 where the sun must carry the nominal load at all
-    times, with ``lowest_w_per_m2``. ``repeated``: 1 where the day repeats itself; else it begins
-    with a full battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the place
+    ``shift_h``: excess time of the program beyond that of the simulator. ``reserve``: 1 at the
+    nodes where it must be left. ``way_h``: what must be left at all nodes, as the charge is lower
+    in between. ``margin``: by how much more a night takes, relative. ``continuous``: 1 where the
+    sun must carry the nominal load at all times, with ``lowest_w_per_m2``. ``repeated``: 1 where
+    the day repeats itself; else it begins with a full battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the place
     is held. Light is by heights as well, fastest.
     """
 
@@ -101,6 +102,7 @@ class BlockData(NamedTuple):
     load_slope: Any
     shift_h: Any
     reserve: Any
+    way_h: Any
     margin: Any
     continuous: Any
     lowest_w_per_m2: Any
@@ -129,18 +131,20 @@ class Form(NamedTuple):
     """What a program of a kind of aircraft has.
 
     ``blocks``: scenarios. ``eased``: whether technology, limits and wind are variables. ``holds``:
-    whether the place is held against the wind. ``climbs``: whether the height varies.
+    whether the place is held against the wind. ``climbs``: whether the height varies. ``days``: those that a flight
+    begins, of 24 h each.
     """
 
     blocks: int
     eased: bool = False
     holds: bool = False
     climbs: bool = False
+    days: int = 1
 
     @property
     def intervals(self) -> int:
-        """Intervals of a day."""
-        return CLIMBING_INTERVALS if self.climbs else INTERVALS
+        """Intervals of all days."""
+        return self.days * (CLIMBING_INTERVALS if self.climbs else INTERVALS)
 
     @property
     def levels(self) -> int:
@@ -463,7 +467,8 @@ def _day_rows(
         clock = charge_clock(limit, charge / full)
         rows.append((Constraint("charge_limit"), block.hours - (clock[1:] - clock[:-1])))
     rows.append((Constraint("battery_capacity"), full - charge))
-    wanted = block.reserve * (unknown.excess_h + block.shift_h) * nominal_w / unit_wh
+    wanted_h = block.reserve * (unknown.excess_h + block.shift_h) + block.way_h
+    wanted = wanted_h * nominal_w / unit_wh
     sun_w = design.area_m2 * brighter[-1] * block.lowest_w_per_m2
     sun = (sun_w - (1.0 + CONTINUOUS_MARGIN) * nominal_w) / reference_w + unknown.lack
     rows.append((Constraint("excess_time"), charge * out_of - wanted + _OFF * block.continuous))
