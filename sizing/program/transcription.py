@@ -90,8 +90,8 @@ class BlockData(NamedTuple):
     nodes where it must be left. ``way_h``: what must be left at all nodes, as the charge is lower
     in between. ``margin``: by how much more a night takes, relative. ``continuous``: 1 where the
     sun must carry the nominal load at all times, with ``lowest_w_per_m2``. ``repeated``: 1 where
-    the day repeats itself; else it begins with a full battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the place
-    is held. Light is by heights as well, fastest.
+    the day repeats itself; else it begins with a full battery. ``wind_m_per_s``: by heights, that
+    the airspeed must reach where the place is held. Light is by heights as well, fastest.
     """
 
     hours: Any
@@ -131,8 +131,8 @@ class Form(NamedTuple):
     """What a program of a kind of aircraft has.
 
     ``blocks``: scenarios. ``eased``: whether technology, limits and wind are variables. ``holds``:
-    whether the place is held against the wind. ``climbs``: whether the height varies. ``days``: those that a flight
-    begins, of 24 h each.
+    whether the place is held against the wind. ``climbs``: whether the height varies.
+    ``days``: those that a flight begins, of 24 h each.
     """
 
     blocks: int
