@@ -23,6 +23,7 @@ from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
 from sizing.energy.power_balance import PowerBalance
 from sizing.limits import design_requirements
+from sizing.mass_budget import closed_design
 from sizing.performance import Performance
 from sizing.program.climbing import Profile, lagrange, light_at_heights, power_beyond_floor
 from sizing.program.task import SizingTask, Values
@@ -38,7 +39,7 @@ from sizing.program.variables import scales_of
 from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
-# To both sides, for a curvature: the square of it is far above what root finders leave.
+# For second derivatives: its square is far above what root finders leave.
 _WIDE_STEP = 0.02
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
 # that returns any less lets the battery run empty over many days.
@@ -233,26 +234,18 @@ class Scenario:
 
 
 def neighbours(task: SizingTask, values: Values) -> list[Values]:
-    """A design, one for each variable that is moved by a step, and those on the other side."""
-    scales = dict(zip(task.names, scales_of(task.variables, values), strict=True))
-
-    def moved(name: str, step: float) -> Values:
-        v = task.variables[task.names.index(name)]
-        x = v.to_program(values[name], scales[name]) + step
-        return {**values, name: float(v.from_program(x, scales[name]))}
-
-    steps = [moved(name, step) for name, step in zip(task.moved, _steps(task), strict=True)]
-    return [values, *steps, *(moved(name, -_WIDE_STEP) for name in _curved(task))]
+    """A design, and one for each variable that is moved by a step."""
+    return [values, *(_moved(task, values, {name: STEP}) for name in task.moved)]
 
 
-def _curved(task: SizingTask) -> list[str]:
-    """Variables that need a curvature: the best of a propulsion lies where nothing changes."""
-    return [name for name in task.moved if name in PROPULSION_VARIABLES]
-
-
-def _steps(task: SizingTask) -> FloatArray:
-    """Steps of the variables that are moved."""
-    return np.array([_WIDE_STEP if name in _curved(task) else STEP for name in task.moved])
+def _moved(task: SizingTask, values: Values, steps: Mapping[str, float]) -> Values:
+    """Design with some variables moved by steps of the program's variable."""
+    moved = dict(values)
+    for v, scale in zip(task.variables, scales_of(task.variables, values), strict=True):
+        if v.name in steps:
+            x = v.to_program(values[v.name], scale) + steps[v.name]
+            moved[v.name] = float(v.from_program(x, scale))
+    return moved
 
 
 def linearised(
@@ -300,7 +293,7 @@ def linearised(
         speed=tuple(np.full(form.speeds, _speed(task, perf, number)) for number in known),
         load_w=load_w,
         mass_kg=mass_kg,
-        parts=_parts(task, perf),
+        parts=_parts(task, values, perf),
     )
 
 
@@ -335,7 +328,7 @@ def _speed(task: SizingTask, perf: Performance, number: int) -> float:
     return math.log(max(float(task.winds_m_per_s[number, 0]) / own, 1.0))
 
 
-def _parts(task: SizingTask, perf: Performance) -> PartsData | None:
+def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | None:
     """What is known of a propulsion at its operating point."""
     names = limits_of_parts(task.aircraft)
     if not names:
@@ -348,20 +341,38 @@ def _parts(task: SizingTask, perf: Performance) -> PartsData | None:
     limits = {row.name: row.value for row in rows}
     every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
     found = np.log(np.stack([np.broadcast_to(one, len(design.total_mass_kg)) for one in every], 1))
-    bend = np.zeros((count, count))
-    ahead, behind = found[1 : 1 + len(task.moved)], found[1 + len(task.moved) :]
-    slopes = (ahead - found[0]) / _steps(task)[:, np.newaxis]
-    for name, back in zip(_curved(task), behind, strict=True):
-        place, at = task.names.index(name), task.moved.index(name)
-        slopes[at] = (ahead[at] - back) / (2.0 * _WIDE_STEP)
-        second = (ahead[at, 0] - 2.0 * found[0, 0] + back[0]) / _WIDE_STEP**2
-        bend[place, place] = min(np.nan_to_num(second), 0.0)
+    slopes = (found[1:] - found[0]) / STEP
     slope = np.zeros((found.shape[1], count))
-    slope[:, [task.names.index(n) for n in task.moved]] = np.where(
-        np.isfinite(slopes), slopes, 0.0
-    ).T
+    places = [task.names.index(name) for name in task.moved]
+    slope[:, places] = np.where(np.isfinite(slopes), slopes, 0.0).T
+    bend = np.zeros((count, count))
+    if set(task.moved) & set(PROPULSION_VARIABLES):
+        bend[np.ix_(places, places)] = _bend(task, values)
     surface = _surface(task, design.mapped(lambda v: float(np.ravel(v)[0])))
     return PartsData(found[0], slope.ravel(order="F"), bend.ravel(), surface)
+
+
+def _bend(task: SizingTask, values: Values) -> FloatArray:
+    """Second derivatives of the logarithm of a design's efficiency by what is moved.
+
+    The best of a propulsion lies where nothing changes to the first order. Only what makes designs
+    farther away worse counts: the rest has no optimum.
+    """
+    names, count, h = task.moved, len(task.moved), _WIDE_STEP
+    pairs = [(i, j) for i in range(count) for j in range(i)]
+    steps: list[dict[str, float]] = [{}, *({n: h} for n in names), *({n: -h} for n in names)]
+    steps += [{names[i]: h, names[j]: h} for i, j in pairs]
+    designs = task.stacked([_moved(task, values, one) for one in steps])
+    chain = closed_design(task.flown, task.mission, designs).chain
+    assert chain is not None
+    own, *others = np.log(np.asarray(chain.efficiency))
+    ahead, behind, both = np.split(np.array(others), [count, 2 * count])
+    bend = np.diag(ahead - 2.0 * own + behind)
+    for (i, j), there in zip(pairs, both, strict=True):
+        bend[i, j] = bend[j, i] = there - ahead[i] - ahead[j] + own
+    bend = np.nan_to_num(bend / h**2)
+    sizes, axes = np.linalg.eigh(bend)
+    return np.asarray(axes @ np.diag(np.minimum(sizes, 0.0)) @ axes.T)
 
 
 def _surface(task: SizingTask, design: Design) -> FloatArray:
@@ -464,6 +475,6 @@ def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:
     positive = (values > 0.0).all(axis=0)
     logarithm = np.log(np.where(positive, values, 1.0))
     places = [task.names.index(name) for name in task.moved]
-    found = (logarithm[1 : 1 + len(places)] - logarithm[0]) / _steps(task)[:, np.newaxis]
+    found = (logarithm[1:] - logarithm[0]) / STEP
     slopes[:, places] = np.clip(np.nan_to_num(found), -_STEEPEST, _STEEPEST).T
     return slopes.ravel(order="F")

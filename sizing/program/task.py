@@ -12,6 +12,7 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, FlightConditions
+from sizing.design_space import PROPULSION_VARIABLES
 from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.objectives import Objective
@@ -219,16 +220,25 @@ class SizingTask:
 
     def simulate(self, designs: list[Values]) -> Performance:
         """Simulate some designs in all scenarios."""
-        chosen = [self.design_variables(values).chosen() for values in designs]
-        stacked = {name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
         return performance_of_designs(
-            self.flown, self.mission, DesignVariables(**stacked), self.solar, day=self.day
+            self.flown, self.mission, self.stacked(designs), self.solar, day=self.day
+        )
+
+    def stacked(self, designs: list[Values]) -> DesignVariables:
+        """Variables of some designs as arrays."""
+        chosen = [self.design_variables(values).chosen() for values in designs]
+        return DesignVariables(
+            **{name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
         )
 
     def first_values(self, variables: DesignVariables) -> dict[str, float]:
         """Values of a design at whatever mass closes its budget, or a guess of it."""
         chosen = {name: float(value) for name, value in variables.chosen().items()}
         values: dict[str, float] = {OWN: 0.0, TOTAL_MASS: 1.0} | self.held
+        if (parts := self.aircraft.propulsion_by_parts) is not None:
+            own = parts.propeller.diameter_m, parts.propeller.pitch_m, parts.gear.ratio
+            known = (*own, parts.own_motor.speed_constant_rpm_per_v)
+            values |= {n: v for n, v in zip(PROPULSION_VARIABLES, known, strict=True) if v}
         values |= {v.name: chosen[v.name] for v in self.variables if v.name in chosen}
         values |= {v.name: v.minimum for v in self.variables if v.name not in values}
         return self.within_bounds(values)

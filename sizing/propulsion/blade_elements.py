@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.air import Air
-from sizing.propulsion.propeller import Coefficients
+from sizing.propulsion.propeller import Coefficients, SomePoints
 from sizing.roots import bracketed_root
 from solar.types import FloatArray
 
@@ -112,8 +112,8 @@ class BladeElementPropeller:
 
     Attributes
     ----------
-    diameter_m, pitch_m : float
-        Diameter and geometric pitch [m].
+    diameter_m, pitch_m : float or ndarray
+        Diameter and geometric pitch [m]; arrays of the shape of the points that it is asked for.
     blades : int
         Number of blades.
     chords : {"thin_electric", "slow_flyer"}
@@ -126,8 +126,8 @@ class BladeElementPropeller:
         unknown family.
     """
 
-    diameter_m: float
-    pitch_m: float
+    diameter_m: Any
+    pitch_m: Any
     blades: int = 2
     chords: Literal["thin_electric", "slow_flyer"] = "thin_electric"
     # It knows every speed of rotation, and thrust rises with it.
@@ -137,7 +137,7 @@ class BladeElementPropeller:
         """Refuse what is no propeller."""
         for name in ("diameter_m", "pitch_m"):
             value = getattr(self, name)
-            if not 0.0 < value <= 100.0:
+            if not np.all((value > 0.0) & (value <= 100.0)):
                 raise ValueError(f"{name} must be above 0 and at most 100 (got {value!r})")
         if self.blades != int(self.blades) or not 2 <= self.blades <= 12:
             raise ValueError(f"blades must be a whole number from 2 to 12 (got {self.blades!r})")
@@ -149,14 +149,27 @@ class BladeElementPropeller:
         ratio = self.pitch_m / self.diameter_m
         return (0.0, _LARGEST_ADVANCE_OVER_PITCH * ratio + _ADVANCE_BEYOND_PITCH), (0.0, np.inf)
 
+    def at(self, some: SomePoints) -> BladeElementPropeller:
+        """Propellers of some of the points."""
+        if np.ndim(self.diameter_m) == np.ndim(self.pitch_m) == 0:
+            return self
+        sizes = np.broadcast_arrays(self.diameter_m, self.pitch_m)
+        return BladeElementPropeller(*(one[some] for one in sizes), self.blades, self.chords)
+
+    @property
+    def _diameter_m(self) -> FloatArray:
+        """Diameter with an axis for the stations."""
+        return np.asarray(self.diameter_m)[..., np.newaxis]
+
     @cached_property
     def _blade(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Place [-], width of the element [m], chord [m] and twist [rad], denser at the tip."""
         edges = _HUB + (1.0 - _HUB) * np.sin(np.linspace(0.0, np.pi / 2, _ELEMENTS + 1))
         place = (edges[1:] + edges[:-1]) / 2.0
-        radius = self.diameter_m / 2.0
+        radius = self._diameter_m / 2.0
         chord = np.interp(place, _STATIONS, _CHORDS[self.chords]) * radius
-        twist = np.arctan(self.pitch_m / (np.pi * self.diameter_m * place))
+        pitch_m = np.asarray(self.pitch_m)[..., np.newaxis]
+        twist = np.arctan(pitch_m / (np.pi * self._diameter_m * place))
         return place, np.diff(edges) * radius, chord, twist
 
     def coefficients(
@@ -193,14 +206,14 @@ class BladeElementPropeller:
             )
         )
         place, width, chord, _ = self._blade
-        rotation = np.pi * n * self.diameter_m * place
+        rotation = np.pi * n * self._diameter_m * place
         flow = self._flow(self._angle(v, rotation), v, rotation)
         lift, drag = section_coefficients(flow.angle, density / viscosity * flow.speed * chord)
         force = 0.5 * self.blades * density * flow.speed * chord * width
         thrust = force * (lift * flow.tangential - drag * flow.axial)
         torque = force * (lift * flow.axial + drag * flow.tangential)
         scale = density[..., 0] * n[..., 0] ** 2 * self.diameter_m**4
-        arm = place * self.diameter_m / 2.0
+        arm = place * self._diameter_m / 2.0
         return Coefficients(
             np.asarray(thrust.sum(-1) / scale),
             np.asarray(2.0 * np.pi * (torque * arm).sum(-1) / (scale * self.diameter_m)),
@@ -244,7 +257,7 @@ class BladeElementPropeller:
         tip = np.minimum(0.5 * self.blades * (1.0 - place) / advance, 700.0)
         loss = 2.0 / np.pi * np.arccos(np.exp(-tip))
         between = np.hypot(1.0, 4.0 * advance / (np.pi * self.blades * place))
-        arm = place * self.diameter_m / 2.0
+        arm = place * self._diameter_m / 2.0
         momentum = 4.0 * np.pi * arm / self.blades * (rotation - tangential) * loss * between
         angle = twist - np.arctan2(axial, tangential)
         return _Flow(axial, tangential, speed, np.asarray(momentum), angle)

@@ -275,18 +275,21 @@ class OperatingPointPropulsion(Record):
         ``bus_voltage_v``: of the empty and of the full battery [V]. It must work at both; of the
         two, the one that takes more power counts. Returns of the arguments' shape.
         """
-        given = np.broadcast_arrays(thrust_power_w, airspeed_m_per_s, *air)
-        power_w, speed, *state = (np.asarray(one, float)[..., np.newaxis] for one in given)
+        power_w, speed, *state = (
+            np.asarray(one, float)
+            for one in np.broadcast_arrays(thrust_power_w, airspeed_m_per_s, *air)
+        )
+        bus_v = np.reshape(bus_voltage_v, (2,) + (1,) * power_w.ndim)
         # A design that carries nothing has no thrust; it is masked with its efficiencies.
         flies = np.isfinite(power_w) & np.isfinite(speed) & (power_w > 0.0) & (speed > 0.0)
         power_w, speed = np.where(flies, power_w, 1.0), np.where(flies, speed, 1.0)
         thrust_n = power_w / speed / self.propulsors
-        both = operating_point(self.propulsor, thrust_n, speed, Air(*state), bus_voltage_v)
+        both = operating_point(self.propulsor, thrust_n, speed, Air(*state), bus_v)
         weight = np.where(both.reason != "", np.inf, both.bus_power_w)
-        worse = np.argmax(weight, axis=-1)[..., np.newaxis]
+        worse = np.argmax(weight, axis=0)[np.newaxis]
         point = OperatingPoint(
             *(
-                np.take_along_axis(getattr(both, one.name), worse, axis=-1)[..., 0]
+                np.take_along_axis(getattr(both, one.name), worse, axis=0)[0]
                 for one in fields(OperatingPoint)
             )
         )
@@ -435,7 +438,10 @@ class ChainOfParts(Propulsion):
 
     def mapped(self, function: Callable[[Value], Value]) -> Self:
         """Chain with a function of what differs between designs, gears included."""
-        return super().mapped(function).model_copy(update={"gear_kg": function(self.gear_kg)})
+        own = {"gear_kg": function(self.gear_kg)}
+        if isinstance(self.fixed_mass_kg, np.ndarray):  # of sizes of their own
+            own["fixed_mass_kg"] = function(self.fixed_mass_kg)
+        return super().mapped(function).model_copy(update=own)
 
 
 def unwrapped(value: Value) -> Value:

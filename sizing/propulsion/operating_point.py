@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from missions.air import Air
+from sizing.parameters import all_replaced
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.propeller import Propeller, tip_mach
 from sizing.roots import bracketed_root
@@ -20,11 +21,15 @@ _FASTEST_TIP_MACH = 0.95
 _SLOWEST_SHARE = 1e-3
 _WIRING_ROUNDS = 60
 _AT_ONCE = 256
+_SIZES = ("diameter_m", "pitch_m")
 
 
 @dataclass(frozen=True)
 class Propulsor:
     """One propeller and what drives it.
+
+    Diameter and pitch, ratio of the gear and numbers of the motor may be arrays that broadcast with
+    what is asked.
 
     Attributes
     ----------
@@ -64,6 +69,22 @@ class Propulsor:
             raise ValueError(
                 f"maximum_tip_mach must be above 0 and below 1 (got {self.maximum_tip_mach!r})"
             )
+
+    def at(self, shape: tuple[int, ...], some: slice) -> Propulsor:
+        """Propulsors of some of the points of a shape in a row."""
+
+        def of_some(record: Any, names: Iterable[str], replaced_in: Any = all_replaced) -> Any:
+            sizes = {name: getattr(record, name, None) for name in names}
+            some_of = {
+                name: np.broadcast_to(one, shape).ravel()[some]
+                for name, one in sizes.items()
+                if np.ndim(one)
+            }
+            return replaced_in(record, some_of) if some_of else record
+
+        propeller = of_some(self.propeller, _SIZES, lambda one, sizes: replace(one, **sizes))
+        gear, motor = (of_some(one, type(one).model_fields) for one in (self.gear, self.motor))
+        return replace(self, propeller=propeller, gear=gear, motor=motor)
 
 
 @dataclass(frozen=True)
@@ -183,7 +204,8 @@ def operating_point(
         if not np.all(holds & np.isfinite(values)):
             raise ValueError(f"{name} (got {values[~(holds & np.isfinite(values))].flat[0]:g})")
     found = [
-        _at(propulsor, thrust, v, Air(*state), bus) for thrust, v, bus, *state in _in_parts(given)
+        _at(one, thrust, v, Air(*state), bus)
+        for one, (thrust, v, bus, *state) in _in_parts(propulsor, given)
     ]
     return OperatingPoint(
         *(
@@ -193,14 +215,17 @@ def operating_point(
     )
 
 
-def _in_parts(given: Sequence[FloatArray]) -> Iterator[list[FloatArray]]:
-    """Arrays of one shape in rows, some points at a time.
+def _in_parts(
+    propulsor: Propulsor, given: Sequence[FloatArray]
+) -> Iterator[tuple[Propulsor, list[FloatArray]]]:
+    """Arrays of one shape in rows, some points at a time, and what is there.
 
     Blade elements of more points would not fit into the cache.
     """
     flat = [np.ravel(one) for one in given]
     for first in range(0, max(flat[0].size, 1), _AT_ONCE):
-        yield [one[first : first + _AT_ONCE] for one in flat]
+        some = slice(first, first + _AT_ONCE)
+        yield propulsor.at(given[0].shape, some), [one[some] for one in flat]
 
 
 def bus_power_w(
@@ -236,7 +261,10 @@ def _shafts_of(
     given = np.broadcast_arrays(
         *(np.asarray(one, float) for one in (thrust_n, airspeed_m_per_s, *air))
     )
-    shafts = [_shaft(propulsor, thrust, v, Air(*state)) for thrust, v, *state in _in_parts(given)]
+    shafts = [
+        _shaft(one, thrust, v, Air(*state))
+        for one, (thrust, v, *state) in _in_parts(propulsor, given)
+    ]
     return given[0].shape, shafts
 
 
@@ -317,11 +345,12 @@ def _at(
 
 
 def _over(
-    limit: float | None, values: FloatArray, name: str, unit: str
+    limit: Value | None, values: FloatArray, name: str, unit: str
 ) -> tuple[BoolArray, str, tuple[FloatArray, ...]]:
     """Where a limit of the motor is passed, and how that is told."""
-    text = f"{name} {{:.3g}} {unit} is above {limit} {unit}, the motor's limit"
-    return np.asarray(values > (np.inf if limit is None else limit)), text, (values,)
+    most = np.broadcast_to(np.asarray(np.inf if limit is None else limit), values.shape)
+    text = f"{name} {{:.3g}} {unit} is above {{:g}} {unit}, the motor's limit"
+    return np.asarray(values > most), text, (values, most)
 
 
 def _inlet(
@@ -357,7 +386,11 @@ def _rotation(
     lower = np.maximum(np.maximum(slowest, v / (largest_j * d)), _SLOWEST_SHARE * upper)
     lower = np.minimum(lower, upper)
     trial = lower[:, None] * (upper / lower)[:, None] ** np.linspace(0.0, 1.0, propeller.trials)
-    pull = _thrust(trial, v[:, None], *(one[:, None] for one in air), propeller=propeller)
+    each = np.repeat(np.arange(len(v)), propeller.trials)
+    at_trials = _thrust(
+        trial.ravel(), v[each], *(one[each] for one in air), propeller=propeller.at(each)
+    )
+    pull = at_trials.reshape(trial.shape)
     crosses = (pull[:, :-1] <= thrust[:, None]) & (pull[:, 1:] >= thrust[:, None])
     crossing = np.flatnonzero(crosses.any(axis=1))
     first = np.argmax(crosses[crossing], axis=1)
@@ -365,14 +398,15 @@ def _rotation(
     n = np.full(len(v), np.nan)
 
     def excess(rotation: FloatArray) -> FloatArray:
-        return _thrust(rotation, *given, propeller=propeller) - pulled
+        return _thrust(rotation, *given, propeller=pulling) - pulled
 
     if crossing.size:
+        pulling = propeller.at(crossing)
         pulled, *given = (one[crossing] for one in (thrust, v, *air))
         n[crossing] = bracketed_root(excess, *ends)
     reason = np.full(len(v), "", dtype=object)
     for place in np.flatnonzero(np.isnan(n)):
-        reason[place] = _no_rotation(thrust[place], v[place], pull[place], propeller)
+        reason[place] = _no_rotation(thrust[place], v[place], pull[place], propeller.at(place))
     return n, reason
 
 

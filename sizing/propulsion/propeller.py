@@ -7,13 +7,15 @@ speed of rotation ``n`` in revolutions per second, so that the efficiency is ``J
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from missions.air import Air
 from solar.types import FloatArray
+
+SomePoints = slice | int | NDArray[np.integer[Any]]
 
 # Rounding of an advance ratio that lies on the edge of a table.
 _EDGE = 1e-9
@@ -47,6 +49,10 @@ class Propeller(Protocol):
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Ranges of the advance ratio [-] and of the speed of rotation [1/s] that it covers."""
+        ...
+
+    def at(self, some: SomePoints) -> Propeller:
+        """Propellers of some points, of an array of propellers; else itself."""
         ...
 
 
@@ -170,6 +176,10 @@ class PropellerTable:
         if self.any_speed:
             return advance, (0.0, np.inf)
         return advance, (self.curves[0].speed_rpm / 60.0, self.curves[-1].speed_rpm / 60.0)
+
+    def at(self, some: SomePoints) -> PropellerTable:
+        """The same propeller at some points."""
+        return self
 
 
 def _on(advance: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:

@@ -55,6 +55,9 @@ class _Disc:
     def __init__(self, thrust_n: float, power_w: float, rotation_per_s: float) -> None:
         self.thrust_n, self.power_w, self.n = thrust_n, power_w, rotation_per_s
 
+    def at(self, some: Any) -> _Disc:
+        return self
+
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         return (0.0, 5.0), (0.5 * self.n, 2.0 * self.n)
 
