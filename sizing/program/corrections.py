@@ -334,6 +334,9 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     if not names:
         return None
     design, count = perf.design, len(task.variables)
+    if len(np.ravel(design.total_mass_kg)) == 1:  # flown alone
+        designs = task.stacked(neighbours(task, values))
+        design = closed_design(task.flown, task.mission, designs)
     assert design.chain is not None
     rows = design_requirements(
         task.flown, design, task.conditions.with_payload_of(design.variables)
@@ -378,6 +381,8 @@ def _bend(task: SizingTask, values: Values) -> FloatArray:
 def _surface(task: SizingTask, design: Design) -> FloatArray:
     """Power of a design's parts by heights and airspeeds over that with its chain, logarithm."""
     form, variables = task.form(1), design.variables
+    if form.levels * form.ratios == 1:
+        return np.zeros(1)
     airs = [air.with_payload_of(variables) for air in task.airs]
     by_parts, by_chain = (
         np.array(power_surface(task.flown, form, airs, variables, one)[0], float)

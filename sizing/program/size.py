@@ -118,10 +118,7 @@ class Search:
         task = self.task
         start = most_promising(task) if self.start is None else self.start
         values = task.first_values(start)
-        mass_kg = float(np.asarray(task.simulate([values]).design.total_mass_kg)[0])
-        if not math.isfinite(mass_kg):
-            mass_kg = _HEAVY * values["battery_mass_kg"]
-        return values | {TOTAL_MASS: mass_kg}
+        return values | {TOTAL_MASS: _HEAVY * values["battery_mass_kg"]}
 
     def _judge(self, values: dict[str, float], solution: Solution | None) -> Judged:
         """Simulate a design and its neighbours."""
@@ -136,7 +133,8 @@ class Search:
         if math.isfinite(mass_kg):
             values = {**values, TOTAL_MASS: mass_kg}
         worst_h = float(excess_h.min())
-        accepted = worst_h > 0.0 and worst_h >= task.required_h and task.meets(perf)
+        enough = worst_h > 0.0 and worst_h >= task.required_h
+        accepted = enough and task.meets(perf)
         judged = Judged(
             values,
             perf,

@@ -8,7 +8,7 @@ rest, in flight, and where the propeller brakes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal, NamedTuple
 
@@ -154,7 +154,7 @@ class BladeElementPropeller:
         if np.ndim(self.diameter_m) == np.ndim(self.pitch_m) == 0:
             return self
         sizes = np.broadcast_arrays(self.diameter_m, self.pitch_m)
-        return BladeElementPropeller(*(one[some] for one in sizes), self.blades, self.chords)
+        return replace(self, diameter_m=sizes[0][some], pitch_m=sizes[1][some])
 
     @property
     def _diameter_m(self) -> FloatArray:

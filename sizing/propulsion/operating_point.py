@@ -74,7 +74,7 @@ class Propulsor:
         """Propulsors of some of the points of a shape in a row."""
 
         def of_some(record: Any, names: Iterable[str], replaced_in: Any = all_replaced) -> Any:
-            sizes = {name: getattr(record, name, None) for name in names}
+            sizes: dict[str, Any] = {name: getattr(record, name, None) for name in names}
             some_of = {
                 name: np.broadcast_to(one, shape).ravel()[some]
                 for name, one in sizes.items()
@@ -406,7 +406,7 @@ def _rotation(
         n[crossing] = bracketed_root(excess, *ends)
     reason = np.full(len(v), "", dtype=object)
     for place in np.flatnonzero(np.isnan(n)):
-        reason[place] = _no_rotation(thrust[place], v[place], pull[place], propeller.at(place))
+        reason[place] = _no_rotation(thrust[place], v[place], pull[place], propeller.at(int(place)))
     return n, reason
 
 
