@@ -18,7 +18,8 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import FlightLevels
-from sizing.design import NO_FLIGHT_W, DesignVariables
+from sizing.design import NO_FLIGHT_W, DesignVariables, variables_of
+from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.climbing import Profile, alone, climbing_performance
 from sizing.program.corrections import Scenario, linearised, neighbours
@@ -83,9 +84,9 @@ class Search:
 
     def run(self) -> Search:
         """Search until program and simulator agree."""
-        values, solution = self._first(), None
+        values, solution, judged = self._first(), None, None
         for number in range(_ROUNDS):
-            judged = self._judge(values, solution)
+            judged = self._judge_flying(values, solution, judged)
             if self._ends(judged, number):
                 break
             self._take_in(judged)
@@ -119,6 +120,23 @@ class Search:
         start = most_promising(task) if self.start is None else self.start
         values = task.first_values(start)
         return values | {TOTAL_MASS: _HEAVY * values["battery_mass_kg"]}
+
+    def _judge_flying(
+        self, values: dict[str, float], solution: Solution | None, last: Judged | None
+    ) -> Judged:
+        """Judge a design; where it cannot fly one nearer to the last, or first the file's own."""
+        judged = self._judge(values, solution)
+        if _flies(judged.perf):
+            return judged
+        if last is None:
+            own = self.task.first_values(variables_of(self.task.aircraft))
+            return self._judge(own | {TOTAL_MASS: values[TOTAL_MASS]}, solution)
+        for part in _NEARER:
+            between = {name: one + part * (values[name] - one) for name, one in last.values.items()}
+            judged = self._judge(between, solution)
+            if _flies(judged.perf):
+                break
+        return judged
 
     def _judge(self, values: dict[str, float], solution: Solution | None) -> Judged:
         """Simulate a design and its neighbours."""
@@ -240,6 +258,8 @@ def _left_h(perf: Performance, number: int) -> tuple[float, float]:
     return float(landing_wh / nominal_w), float((lowest_wh - lacking_wh) / nominal_w)
 
 
+# Parts of a step that leads to where nothing flies.
+_NEARER = (0.5, 0.25, 0.1)
 _HEAVY = 3.0  # of the battery's mass: total mass of a design whose budget does not close
 
 
@@ -285,6 +305,11 @@ def size_aircraft(
     if not (task.maximises_excess and unlimited):
         searches.append(Search(task, start, stop_at_merit).run())
     best = max(searches, key=lambda one: -math.inf if one.best is None else one.best.merit)
+    nearest = searches[-1].nearest
+    if best.best is None and nearest is not None and not _flies(nearest.perf):
+        found = task.design_variables(nearest.values)
+        if reason := operating_trouble(aircraft, mission, found):
+            raise ImpossibleDesignError(reason)
     return _result(best if best.best is not None else searches[-1], required_h)
 
 
