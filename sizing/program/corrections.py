@@ -35,7 +35,7 @@ from sizing.program.transcription import (
     limits_of_parts,
     power_surface,
 )
-from sizing.program.variables import scales_of
+from sizing.program.variables import SOLAR_TECHNOLOGY, scales_of
 from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
@@ -130,7 +130,7 @@ def nodes_of(
     light = (solar[:-1] > 0.0) | (solar[1:] > 0.0)
     turns = np.flatnonzero((net[:-1] > 0.0) != (net[1:] > 0.0))
     turns = turns + (np.abs(net[turns + 1]) < np.abs(net[turns]))
-    surplus = into * _positive_part(net[:-1], net[1:]) * np.diff(day.time_h)
+    surplus = into * positive_part(net[:-1], net[1:]) * np.diff(day.time_h)
     held = (surplus > 0.0) & (full_wh * np.diff(path) < 0.999 * surplus)
     throttled = np.flatnonzero(held[1:] != held[:-1]) + 1
     edges = np.flatnonzero(light[1:] != light[:-1]) + 1
@@ -154,7 +154,7 @@ def nodes_of(
     return np.asarray(ends)
 
 
-def _positive_part(left: FloatArray, right: FloatArray) -> FloatArray:
+def positive_part(left: FloatArray, right: FloatArray) -> FloatArray:
     """Mean positive part of what is linear over a step."""
     up = np.maximum(left, 0.0) + np.maximum(right, 0.0)
     both = np.abs(left) + np.abs(right)
@@ -177,8 +177,8 @@ def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans
     """Means over the intervals of a day."""
     h = np.diff(day.time_h)
     net, solar = day.solar_w - day.load_w, day.solar_w
-    surplus = _positive_part(net[:, :-1], net[:, 1:])
-    deficit = _positive_part(-net[:, :-1], -net[:, 1:])
+    surplus = positive_part(net[:, :-1], net[:, 1:])
+    deficit = positive_part(-net[:, :-1], -net[:, 1:])
     stored = (into * surplus - deficit / out_of) * h
     light = (solar[:, :-1] + solar[:, 1:]) / 2.0 * h
     gain, sun = (np.add.reduceat(values, nodes[:-1], axis=-1) for values in (stored, light))
@@ -193,7 +193,8 @@ class Linearisation:
 
     ``values``: of the design. ``charge``: of every block at its nodes, to start from.
     ``load_w``: nominal load that charges count in. ``mass_kg``: of the design. ``parts``: of a
-    propulsion at its operating point.
+    propulsion at its operating point. ``nodes``: ends of the intervals of every block, on the axis
+    of its day.
     """
 
     values: dict[str, float]
@@ -205,6 +206,7 @@ class Linearisation:
     load_w: float
     mass_kg: float
     parts: PartsData | None
+    nodes: tuple[IntArray, ...]
 
 
 @dataclass
@@ -273,13 +275,14 @@ def linearised(
     -------
     Linearisation
     """
+    task = task.eased(values)
     nominal_w = np.asarray(perf.nominal_load_w)
     nominal_w = np.broadcast_to(nominal_w, (nominal_w.shape[0], task.count))
     load_w = float(np.median(nominal_w[0]))
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     blocks, charges = [], []
     for number, scenario in known.items():
-        block, path = _block(task, perf, number, scenario, nominal_w[:, number], levels)
+        block, path = _block(task, values, perf, number, scenario, nominal_w[:, number], levels)
         blocks.append(block)
         charges.append(np.clip(path, *_INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
     mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
@@ -294,7 +297,20 @@ def linearised(
         load_w=load_w,
         mass_kg=mass_kg,
         parts=_parts(task, values, perf),
+        nodes=tuple(np.asarray(scenario.nodes) for scenario in known.values()),
     )
+
+
+def day_of(task: SizingTask, perf: Performance, number: int) -> Day:
+    """Powers of a batch of designs in one scenario, over its day or the flight."""
+    time_h = task.day.time_h
+    shape = (np.size(perf.design.total_mass_kg), task.count, len(time_h))
+    solar_w, load_w = (
+        np.broadcast_to(one, shape)[:, number] for one in (perf.solar_power_w, perf.load_w)
+    )
+    if task.window_h is None:
+        return Day.of(time_h, solar_w, load_w)
+    return Day.between(task.window_h[number], time_h, solar_w, load_w)
 
 
 def _heights(form: Form, scenario: Scenario) -> FloatArray:
@@ -393,6 +409,7 @@ def _surface(task: SizingTask, design: Design) -> FloatArray:
 
 def _block(
     task: SizingTask,
+    values: Values,
     perf: Performance,
     number: int,
     scenario: Scenario,
@@ -402,20 +419,16 @@ def _block(
     """Data of one scenario, and the state of charge at its nodes."""
     battery, time_h = task.aircraft.battery, task.day.time_h
     into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
-    shape = (len(nominal_w), task.count, len(time_h))
-    solar_w, load_w = (
-        np.broadcast_to(one, shape)[:, number] for one in (perf.solar_power_w, perf.load_w)
-    )
     ends_h = None if task.window_h is None else task.window_h[number]
-    powers = time_h, solar_w, load_w
-    day = Day.of(*powers) if ends_h is None else Day.between(ends_h, *powers)
-    path = _path(task, perf, day, number, scenario, shape)
+    day = day_of(task, perf, number)
+    path = _path(task, perf, day, number, scenario, (len(nominal_w), task.count, len(time_h)))
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
     scenario.clock_h, scenario.first = day.time_h[scenario.nodes], day.first
     means = day_means(day, scenario.nodes, into, out_of)
     area = np.asarray(perf.design.variables.module_area_m2)[:, np.newaxis]
+    area = area * values.get(SOLAR_TECHNOLOGY, 1.0)  # of freed modules, as the program has it
     level_w = np.asarray(perf.design.load_in_turbulence_w(task.mission.turbulence.all_day))
     if task.mission.holds_station or task.mission.climb is not None:
         level_w = nominal_w  # as fast as the wind of the scenario
@@ -477,6 +490,8 @@ def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:
     ``values``: of a design and its neighbours. Zero where there is nothing, or no neighbour flies.
     """
     slopes = np.zeros((values.shape[1], len(task.variables)))
+    if len(values) == 1:
+        return slopes.ravel()
     positive = (values > 0.0).all(axis=0)
     logarithm = np.log(np.where(positive, values, 1.0))
     places = [task.names.index(name) for name in task.moved]

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from missions.mission import Mission
-from sizing.aircraft import Aircraft
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import NO_FLIGHT_W, DesignVariables, variables_of
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
@@ -24,6 +24,7 @@ from sizing.performance import Performance, performance_of_designs
 from sizing.program.climbing import Profile, alone, climbing_performance
 from sizing.program.corrections import Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
+from sizing.program.reasons import least_mission, missed_by, names_of_limits, violations
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
 from sizing.program.solve import LACKING, Solution, solve
 from sizing.program.start import most_promising
@@ -145,19 +146,20 @@ class Search:
         if task.mission.climb is None:
             perf = task.simulate(neighbours(task, values))
         else:
-            perf, levels = climbing_performance(task, neighbours(task, values), self._profiles)
+            perf, levels = climbing_performance(
+                task.eased(values), neighbours(task, values), self._profiles
+            )
         excess_h = np.array(np.asarray(perf.cycle.excess_time_h, float)[0])
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):
             values = {**values, TOTAL_MASS: mass_kg}
         worst_h = float(excess_h.min())
-        enough = worst_h > 0.0 and worst_h >= task.required_h
-        accepted = enough and task.meets(perf)
+        accepted = worst_h > 0.0 and worst_h >= task.required_h and task.meets(values, perf)
         judged = Judged(
             values,
             perf,
             excess_h,
-            float(np.ravel(task.merit(perf))[0]),
+            float(np.ravel(task.merit(values, perf))[0]),
             accepted,
             solution,
             levels,
@@ -200,6 +202,12 @@ class Search:
         if known and (task.continuous or wasted < _WASTE):
             return True
         return self._settled >= 2
+
+    @property
+    def solution(self) -> Solution | None:
+        """Solution of the best design, else of the nearest; of a start the first one from it."""
+        best = None if self.best is None else self.best.solution
+        return best or (None if self.nearest is None else self.nearest.solution)
 
     @property
     def _chosen(self) -> dict[int, Scenario]:
@@ -281,7 +289,7 @@ def _moved_by(task: SizingTask, solution: Solution) -> float:
 def size_aircraft(
     aircraft: Aircraft,
     mission: Mission,
-    objective: Objective = Objective.min_mass,
+    objective: Objective = Objective.max_excess_time,
     solar: SolarModel = UNCORRECTED_CAM,
     *,
     required_excess_time_h: float | None = None,
@@ -290,16 +298,52 @@ def size_aircraft(
     explain: bool = True,
     stop_at_merit: float = math.inf,
 ) -> SizingResult:
-    """Find the best design of a parametric aircraft for a mission, or say why there is none."""
+    """Find the best design of a parametric aircraft for a mission, or say why there is none.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Technology and bounds of the design variables.
+    mission : Mission
+    objective : Objective
+        Of one design.
+    solar : SolarModel
+    required_excess_time_h : float, optional
+        Excess time of every scenario, instead of the mission's own [h].
+    day : SolarDay, optional
+        Light in the scenarios, where it is known already.
+    start : DesignVariables, optional
+        First guess, for instance the optimum of a similar mission.
+    explain : bool
+        Whether to find out why a search fails, and to make sure that it had to.
+    stop_at_merit : float
+        Objective, the larger the better, that will do: the first design that has it.
+
+    Returns
+    -------
+    SizingResult
+    """
+    if not isinstance(aircraft.airframe, ParametricAirframe):
+        raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
+    if objective.of_range:
+        raise ValueError(f"{objective.value} is a range of days or latitudes: use widest_range")
     required_h = mission.required_excess_time_h
     if required_excess_time_h is not None:
         required_h = required_excess_time_h
     light = solar_day(aircraft, mission, solar) if day is None else day
     task = SizingTask(aircraft, mission, objective, solar, light, required_h)
+    search = searched(task, start, stop_at_merit)
+    return _explained(search) if explain and search.best is None else _result(search)
+
+
+def searched(
+    task: SizingTask, start: DesignVariables | None = None, stop_at_merit: float = math.inf
+) -> Search:
+    """Outcome of the searches for a task: by the battery, and by a sun that never sets."""
     searches = []
-    lowest = light.specific_power_w_per_m2.min(axis=-1)
+    lowest = task.day.specific_power_w_per_m2.min(axis=-1)
     by_day = task.window_h is None and lowest.min() > 0.0
-    if by_day and (required_h > 0.0 or task.maximises_excess):
+    if by_day and (task.required_h > 0.0 or task.maximises_excess):
         searches.append(Search(task.with_values(continuous=True), start, stop_at_merit).run())
     unlimited = searches and searches[0].best and np.isinf(searches[0].best.excess_h).all()
     if not (task.maximises_excess and unlimited):
@@ -307,26 +351,72 @@ def size_aircraft(
     best = max(searches, key=lambda one: -math.inf if one.best is None else one.best.merit)
     nearest = searches[-1].nearest
     if best.best is None and nearest is not None and not _flies(nearest.perf):
-        found = task.design_variables(nearest.values)
-        if reason := operating_trouble(aircraft, mission, found):
+        design = task.design_variables(nearest.values)
+        if reason := operating_trouble(task.aircraft, task.mission, design):
             raise ImpossibleDesignError(reason)
-    return _result(best if best.best is not None else searches[-1], required_h)
+    found = best if best.best is not None else searches[-1]
+    found.report = sum((one.report for one in searches), SolverReport())
+    return found
 
 
-def _result(search: Search, required_h: float) -> SizingResult:
+def _result(search: Search) -> SizingResult:
     """Outcome of a search."""
-    empty = SizingResult(
+    task, best = search.task, search.best
+    solution = search.solution
+    result = SizingResult(
         status=search.status,
-        objective=search.task.objective,
-        required_excess_time_h=required_h,
+        objective=task.objective,
+        required_excess_time_h=task.required_h,
+        active_constraints=() if solution is None else names_of_limits(solution),
         solver=search.report,
     )
-    if search.best is None:
-        return empty
-    design, task = search.task.design_variables(search.best.values), search.task
+    if best is None:
+        nearest = None if search.nearest is None else _flown(task, search.nearest)
+        return replace(result, nearest=nearest)
+    return replace(result.with_design(_flown(task, best)), optimum=solution)
+
+
+def _flown(task: SizingTask, judged: Judged) -> Performance:
+    """Flight of a design without its neighbours."""
     if task.mission.climb is not None:
-        profiles = search.best.profiles
-        perf = alone(climbing_performance(task, [search.best.values], profiles)[0])
-        return replace(empty.with_design(perf), optimum=search.best.solution)
-    perf = performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
-    return replace(empty.with_design(perf), optimum=search.best.solution)
+        return alone(climbing_performance(task, [judged.values], judged.profiles)[0])
+    design = task.design_variables(judged.values)
+    return performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
+
+
+def _explained(search: Search) -> SizingResult:
+    """Why a search has found no design, or the design after all.
+
+    A required excess time is held against the largest one that any design has: the same program,
+    with the required time free.
+    """
+    task, report, source = search.task, search.report, search
+    if task.required_h > 0.0:
+        mission = least_mission(task.aircraft, task.mission, task.objective)
+        easiest = task.with_values(
+            mission=mission, objective=Objective.max_excess_time, required_h=0.0
+        )
+        largest = searched(easiest)
+        report += largest.report
+        if largest.best is not None and largest.best.excess_h.min() >= task.required_h:
+            again = searched(task, easiest.design_variables(largest.best.values))
+            again.report += report
+            return _result(again)
+        if largest.best is not None or largest.status is SizingStatus.infeasible:
+            source = largest
+    result = replace(
+        _result(source),
+        objective=task.objective,
+        required_excess_time_h=task.required_h,
+        solver=report,
+    )
+    if result.status is SizingStatus.not_converged:
+        return result
+    nearest = result.nearest if result.simulated is None else result.simulated
+    assert nearest is not None
+    missed = {} if result.feasible else missed_by(source.task, source.solution, nearest)
+    short_h = task.required_h - float(np.min(nearest.cycle.excess_time_h))
+    if task.required_h > 0.0 and short_h > 0.0 and math.isfinite(short_h):
+        missed["excess_time"] = short_h
+    found = violations(task, nearest, missed)
+    return result.without_design(SizingStatus.infeasible, nearest, *found)

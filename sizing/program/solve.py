@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -108,6 +109,40 @@ class Solution:
         reserve = self.linearisation.blocks[block].reserve
         return float((1.0 - reserve if on_way else reserve) @ rows)
 
+    @property
+    def design_bounds(self) -> FloatArray:
+        """Multipliers of the bounds of the task's variables; positive at an upper one."""
+        return self.bound_multipliers[self.program.parts["design"]]
+
+    def multiplier(self, name: str, block: int | None) -> float:
+        """Sum of the multipliers of the rows of a name."""
+        pairs = zip(self.program.constraints, self.row_multipliers, strict=True)
+        return float(sum(abs(m) for c, m in pairs if c.name == name and c.block == block))
+
+    def is_equation(self, name: str) -> bool:
+        """Whether the rows of a name are equations."""
+        return any(c.equation for c in self.program.constraints if c.name == name)
+
+    @cached_property
+    def _rows(self) -> FloatArray:
+        return self.program.evaluated(self.x, self.parameters)[1]
+
+    def full(self, block: int) -> float:
+        """Energy of the full battery, in the unit of charges."""
+        names = [(c.name, c.block) for c in self.program.constraints]
+        spare = self._rows[names.index(("battery_capacity", block))]
+        charges = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)
+        return float(spare + charges[block, 0])
+
+    def by_hour(self) -> list[float]:
+        """What an hour of excess time costs in every block."""
+        later = self.x.copy()
+        later[self.program.parts["excess"]] += 1.0
+        change = self.program.evaluated(later, self.parameters)[1] - self._rows
+        costs = np.abs(change * self.row_multipliers)
+        blocks = [c.block for c in self.program.constraints]
+        return [float(costs[[b == i for b in blocks]].sum()) for i in range(self.program.blocks)]
+
     def cost_of_hour(self, *, on_way: bool = False) -> float:
         """What an hour of required excess time costs, relative to the objective."""
         blocks = range(self.program.blocks)
@@ -152,7 +187,7 @@ def solve(
     centre = np.array(
         [v.to_program(point.values[v.name], s) for v, s in zip(task.variables, scales, strict=True)]
     )
-    parameters = _parameters(task, program, point, scales, centre)
+    parameters = parameters_of(task, program, point, scales, centre)
     low, high = _bounds(task, program, scales)
     parts = program.parts
     start = np.zeros(parts["speed"].stop)
@@ -200,7 +235,7 @@ def solve(
     )
 
 
-def _parameters(
+def parameters_of(
     task: SizingTask,
     program: Program,
     point: Linearisation,

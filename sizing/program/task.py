@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -18,12 +18,20 @@ from sizing.performance import Performance, performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import objective_value
 from sizing.program.transcription import LEVELS, Form
-from sizing.program.variables import OWN, TOTAL_MASS, Role, Variable, chosen_variables
+from sizing.program.variables import (
+    OWN,
+    SOLAR_TECHNOLOGY,
+    TOTAL_MASS,
+    Role,
+    Variable,
+    chosen_variables,
+)
 from sizing.propulsion.chain import UnlimitedPropulsion
 from sizing.sunlight import SolarDay, SolarModel
 from solar.types import FloatArray
 
 Values = Mapping[str, float]
+Eased = Callable[[float], tuple[Aircraft, Mission]]
 
 
 @dataclass(frozen=True)
@@ -46,8 +54,9 @@ class SizingTask:
         Whether the sun must carry the nominal load at all times, instead of the battery.
     bounds : mapping
         Bounds of variables, in their unit, that replace their own.
-    freed : collection of str
-        Technology, limits or the wind that are free besides the design.
+    freed : mapping
+        Technology, limits, payload, a bound or the wind that is free besides the design: by its
+        name, aircraft and mission with a value of it.
     cost : mapping, optional
         Weights of variables in what is minimised, instead of the objective's.
     """
@@ -60,7 +69,7 @@ class SizingTask:
     required_h: float
     continuous: bool = False
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    freed: Collection[str] = ()
+    freed: Mapping[str, Eased] = field(default_factory=dict)
     own_cost: Mapping[str, float] | None = None
 
     @property
@@ -218,7 +227,19 @@ class SizingTask:
             v.name: min(max(float(values[v.name]), v.minimum), v.maximum) for v in self.variables
         }
 
+    def eased(self, values: Values) -> SizingTask:
+        """The same for aircraft, mission and light with the values of what is freed."""
+        aircraft, mission, day = self.aircraft, self.mission, self.day
+        for name, eased in self.freed.items():
+            aircraft, mission = eased(values[name])
+            if name == SOLAR_TECHNOLOGY:
+                day = day.scaled(values[name])
+        if not self.freed:
+            return self
+        return replace(self, aircraft=aircraft, mission=mission, day=day)
+
     def simulate(self, designs: list[Values]) -> Performance:
+<<<<<<< HEAD
         """Simulate some designs in all scenarios."""
         return performance_of_designs(
             self.flown, self.mission, self.stacked(designs), self.solar, day=self.day
@@ -230,6 +251,14 @@ class SizingTask:
         return DesignVariables(
             **{name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
         )
+=======
+        """Simulate some designs in all scenarios; what is freed has the value of the first."""
+        it = self.eased(designs[0])
+        chosen = [self.design_variables(values).chosen() for values in designs]
+        stacked = {name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
+        variables = DesignVariables(**stacked)
+        return performance_of_designs(it.flown, it.mission, variables, self.solar, day=it.day)
+>>>>>>> b5bcebf4 (Reasons, relaxations and sensitivities from the one program)
 
     def first_values(self, variables: DesignVariables) -> dict[str, float]:
         """Values of a design at whatever mass closes its budget, or a guess of it."""
@@ -243,12 +272,15 @@ class SizingTask:
         values |= {v.name: v.minimum for v in self.variables if v.name not in values}
         return self.within_bounds(values)
 
-    def merit(self, perf: Performance) -> FloatArray:
-        """Objective of simulated designs, the larger the better."""
+    def merit(self, values: Values, perf: Performance) -> FloatArray:
+        """Objective of simulated designs, the larger the better; the cost's where that is own."""
+        if self.own_cost is not None:
+            return np.array(-sum(w * values[name] for name, w in self.own_cost.items()))
         value = objective_value(self.objective, perf)
         return value if self.objective.maximised else -value
 
-    def meets(self, perf: Performance) -> bool:
+    def meets(self, values: Values, perf: Performance) -> bool:
         """Whether a design keeps every requirement on itself (of a batch the first one)."""
-        met = meets_requirements(self.flown, self.mission, perf.design)
+        it = self.eased(values)
+        met = meets_requirements(it.flown, it.mission, perf.design)
         return bool(np.ravel(met)[0])

@@ -59,6 +59,7 @@ from sizing.program.variables import (
     limit_rows,
 )
 from sizing.propulsion.chain import Propulsion, chain_of_numbers
+from solar.types import FloatArray
 
 INTERVALS = 22  # of a day at one height: the charge bends at few places, where nodes lie
 CLIMBING_INTERVALS = 40  # of heights, which change all day
@@ -184,6 +185,17 @@ class Program:
         if name not in self._solvers:
             self._solvers[name] = ca.nlpsol("sizing", "ipopt", self.symbols, options)
         return self._solvers[name]
+
+    @cached_property
+    def _function(self) -> ca.Function:
+        return ca.Function(
+            "program", [self.symbols[k] for k in "xp"], [self.symbols[k] for k in "fg"]
+        )
+
+    def evaluated(self, x: FloatArray, parameters: FloatArray) -> tuple[float, FloatArray]:
+        """Cost and rows."""
+        cost, rows = self._function(x, parameters)
+        return float(cost), np.asarray(rows).ravel()
 
     @property
     def blocks(self) -> int:

@@ -12,7 +12,7 @@ import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd, Range
-from sizing.parameters import catalogue, parameter_value, unit
+from sizing.parameters import catalogue, is_doubled, parameter_value, unit
 from solar.types import FloatArray
 
 TOTAL_MASS = "total_mass_kg"
@@ -114,7 +114,10 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variab
     always += [
         Variable(key, "1", 1e-3, 1e3, Role.technology)
         for key, row in catalogue().items()
-        if row.kind == "technology" and row.relaxable and parameter_value(aircraft, None, key)
+        if row.kind == "technology"
+        and row.relaxable
+        and parameter_value(aircraft, None, key)
+        and not is_doubled(aircraft, key)
     ]
     always += [Variable(name, "1", 1e-3, 1e3, Role.limit) for name in limit_rows(aircraft)]
     always.append(Variable(WIND, unit(WIND), 0.0, math.inf, Role.wind, linear=True, least=10.0))

@@ -1,0 +1,188 @@
+"""What holds a sizing back, and why there is no design: what is missed, by how much, in words.
+
+Multipliers of the program's solution tell what holds back. Where there is no design the elastic
+program tells what the design misses that comes nearest; its simulated flight tells what the
+energy of its worst day lacks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import FlightConditions, parametric_design
+from sizing.held_station import POWER_AGAINST_WIND
+from sizing.limits import MASS_BUDGET, ROW_TOLERANCE, design_requirements
+from sizing.parameters import with_parameter
+from sizing.performance import Performance
+from sizing.program.corrections import day_of, positive_part
+from sizing.program.objectives import Objective
+from sizing.program.result import Violation
+from sizing.program.solve import LACKING, Solution
+from sizing.program.start import grid_of
+from sizing.program.task import SizingTask
+from sizing.program.transcription import RESERVE_SCALE_H
+from sizing.program.variables import Role
+from solar.types import FloatArray
+
+# A requirement limits if its multiplier is at least this fraction of the largest one: what the
+# barrier of interior points leaves on others is below 0.0007 of it.
+LIMITING_FRACTION = 1e-3
+PERCENT = 0.01
+# Masses that a design might have, as multiples of its payload and battery.
+_HEAVIER = np.geomspace(1.0, 100.0, 9)
+
+
+class Limit(NamedTuple):
+    """What holds a solution back.
+
+    ``multiplier``: change of the cost per relative change of the limit, or for ten hours.
+    ``gain``: of the cost, where it is eased by ``step``.
+    """
+
+    name: str
+    multiplier: float
+    gain: float
+    step: str
+
+
+def limits_of(solution: Solution) -> list[Limit]:
+    """What holds a solution back; those come first whose easing gains most."""
+    label, program = solution.task.day.scenarios.label, solution.program
+    strengths: dict[tuple[str, str], float] = {}
+
+    def add(name: str, strength: float, step: str) -> None:
+        strengths[name, step] = strengths.get((name, step), 0.0) + strength
+
+    for name in program.requirements:
+        if not solution.is_equation(name):
+            add(name, solution.multiplier(name, None), "1 % of the limit")
+    by_hour = solution.by_hour()
+    for block, scenario in enumerate(solution.scenarios):
+        where = f" ({label(scenario)})"
+        full = solution.full(block)
+        capacity = solution.multiplier("battery_capacity", block)
+        # What the day returns is worth what the next night is, less what the battery has no room
+        # for.
+        returned = solution.multiplier("energy_balance", block) - capacity
+        of_battery = "1 % of the battery's capacity"
+        add("battery_capacity" + where, full * capacity, of_battery)
+        add("energy_balance" + where, full * max(returned, 0.0), of_battery)
+        add("excess_time" + where, by_hour[block] * RESERVE_SCALE_H, "1 h")
+        for row, named in (("continuous", "always_lit"), (POWER_AGAINST_WIND,) * 2):
+            add(named + where, solution.multiplier(row, block), "1 % of the limit")
+    for v, multiplier in zip(solution.task.variables, solution.design_bounds, strict=True):
+        free = v.role is Role.design or v.name in solution.task.free_names
+        if free and v.minimum < v.maximum:
+            end = "maximum" if multiplier > 0.0 else "minimum"
+            add(f"{v.name} at its {end}", abs(float(multiplier)), "1 % of the bound")
+    least = LIMITING_FRACTION * max(strengths.values(), default=0.0)
+    shares = {"1 h": 1.0 / RESERVE_SCALE_H}
+    limits = [
+        Limit(name, strength, strength * shares.get(step, PERCENT), step)
+        for (name, step), strength in strengths.items()
+        if strength > least
+    ]
+    return sorted(limits, key=lambda one: -one.gain)
+
+
+def least_mission(aircraft: Aircraft, mission: Mission, objective: Objective) -> Mission:
+    """Mission without the payload that is to be as large as possible: the easiest one."""
+    if objective.payload_key is None:
+        return mission
+    return with_parameter(aircraft, mission, objective.payload_key, 0.0)[1]
+
+
+def names_of_limits(solution: Solution) -> tuple[str, ...]:
+    """Names of what holds a solution back."""
+    return tuple(one.name for one in limits_of(solution))
+
+
+def violations(
+    task: SizingTask, nearest: Performance, missed: Mapping[str, float]
+) -> tuple[Violation, ...]:
+    """Missed requirements in words.
+
+    ``missed``: shortfall by name of the requirement: relative, or in hours of excess time.
+    """
+    worst = nearest.worst_scenario()
+    conditions = FlightConditions.of(nearest.mission, task.aircraft)
+    with np.errstate(invalid="ignore"):  # the nearest design may be impossible
+        rows = design_requirements(task.aircraft, nearest.design, conditions)
+    where = nearest.day.scenarios.label(worst)
+    found = []
+    for name, shortfall in missed.items():
+        by = percent(shortfall)
+        texts = {one.name: one.text.format(missed=by) for one in rows} | {
+            "battery_capacity": f"the battery cannot carry the night at {where}: short by {by} of "
+            "its capacity",
+            "energy_balance": f"the day does not recharge the battery at {where}: short by {by} "
+            "of its capacity",
+            POWER_AGAINST_WIND: f"flight as fast as the wind at {where} takes {by} more than the "
+            "rated power",
+            "excess_time": f"an excess time of {task.required_h:g} h is out of reach at {where}: "
+            f"the nearest design has {float(nearest.cycle.excess_time_h[worst]):.2f} h",
+        }
+        found.append(Violation(name, shortfall, texts[name]))
+    return tuple(found)
+
+
+def percent(value: float) -> str:
+    """Shortfall in words, with two digits where it is small."""
+    return f"{100.0 * value:.0f} %" if value > 0.1 else f"{100.0 * value:.2g} %"
+
+
+def missed_by(
+    task: SizingTask, solution: Solution | None, nearest: Performance
+) -> dict[str, float]:
+    """What the nearest design misses, relative; of energy, to the battery's capacity."""
+    if not np.isfinite(float(np.ravel(nearest.design.total_mass_kg)[0])):
+        least = 0.0 if solution is None else solution.missed.get(MASS_BUDGET, 0.0)
+        return {MASS_BUDGET: least or max(_unlifted(task), ROW_TOLERANCE)}
+    missed = {} if solution is None else dict(solution.missed)
+    if solution is None or solution.lack.max() > LACKING or not missed:
+        missed |= _energy_missed(task, solution, nearest)
+    return missed
+
+
+def _energy_missed(
+    task: SizingTask, solution: Solution | None, nearest: Performance
+) -> dict[str, float]:
+    """What the battery lacks for the worst night, and what the day after it does not return."""
+    worst = nearest.worst_scenario()
+    day, out_of = day_of(task, nearest, worst), task.aircraft.battery.mean_discharge_efficiency
+    full_wh = float(np.ravel(nearest.design.battery_energy_wh)[0])
+    net_w = day.load_w - day.solar_w
+    night = positive_part(net_w[:, :-1], net_w[:, 1:]) * np.diff(day.time_h)
+    night_soc = float(night.sum()) / out_of / full_wh
+    store = nearest.store.flat((task.count,)).select(np.array([worst]))
+    path = day.path(store, max(1.0 - night_soc, 0.0))
+    fullest = int(np.argmax(path))
+    returned = float(path[fullest] - path[: fullest + 1].min())
+    missed = {
+        "battery_capacity": night_soc - 1.0,
+        "energy_balance": min(night_soc, 1.0) - returned,
+    }
+    missed = {name: short for name, short in missed.items() if short > LACKING}
+    if not missed:  # over many days
+        lack = LACKING if solution is None else max(float(solution.lack.max()), LACKING)
+        missed = {"energy_balance": lack * 24.0 * float(np.mean(day.load_w)) / full_wh}
+    return missed
+
+
+def _unlifted(task: SizingTask) -> float:
+    """Part of its own mass that no design of the grid can lift, at whatever mass it has."""
+    designs = grid_of(task.aircraft).mapped(lambda v: np.asarray(v)[:, np.newaxis])
+    conditions = task.conditions
+    assumed_kg = (
+        float(conditions.payload_mass_kg) + np.asarray(designs.battery_mass_kg)
+    ) * _HEAVIER
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        design = parametric_design(task.aircraft, conditions, designs, assumed_kg)
+        unlifted: FloatArray = np.asarray(design.masses.total_kg) / assumed_kg - 1.0
+    return float(np.min(unlifted, initial=math.inf, where=np.isfinite(unlifted)))

@@ -1,0 +1,284 @@
+"""What would make an infeasible mission feasible: the value of one parameter at a time.
+
+Each relaxation is the same program with one more free variable, which it moves no further than it
+must. Sizings confirm the value told, which is rounded away from the edge: there is a design with
+it, and none with 1 % less of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from missions.mission import LatitudeRange, Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables
+from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
+from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective, SizingStatus
+from sizing.program.reasons import PERCENT, least_mission
+from sizing.program.result import SizingResult
+from sizing.program.size import searched, size_aircraft
+from sizing.program.task import Eased, SizingTask
+from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables, limit_rows
+from sizing.relaxed_flight import Direction, Relaxation, rounded
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from solar.types import FloatArray
+
+# A structure lighter than this fraction of today's is no relaxation; others may fall to the last.
+_LEAST_RELATIVE = {
+    f"airframe.structure.{key}": 0.5 for key in ("build", "calibration", "coefficient_kg")
+}
+_LEAST_OTHER = 1e-3
+_WIDER = 4.0  # bounds of the design space are moved by no more than this factor
+_AT_BOUND = 0.995
+_BISECTED = 1e-3  # of the value: a tenth of the 1 % that is told
+_AS_GIVEN = dict.fromkeys(("payload_mass_kg", "payload_power_w"))  # payload of a mission
+_STEP_DEG, _REACH_DEG = 0.25, 60.0
+
+
+def relaxations(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel = UNCORRECTED_CAM
+) -> list[Relaxation]:
+    """Find what would make an infeasible mission feasible, one parameter at a time.
+
+    Returns smallest relative change first; empty where no single parameter suffices.
+    """
+    if result.status is not SizingStatus.infeasible or result.nearest is None:
+        raise ValueError(
+            f"the sizing is {result.status.name}: only an infeasible one has relaxations"
+        )
+    # What is to be carried as much as possible need not be carried at all.
+    search = _Relaxations(
+        aircraft, least_mission(aircraft, mission, result.objective), result, solar
+    )
+    found = [search.moved(move) for move in search.moves()]
+    found += [search.latitude(), search.required_excess()]
+    return sorted((one for one in found if one), key=lambda one: one.relative_change)
+
+
+class _Move(NamedTuple):
+    """A variable of the program that may move, and the parameter that it stands for.
+
+    ``ends``: of the variable. ``eased``: aircraft and mission with a value of the parameter, which
+    is ``scale`` times the variable.
+    """
+
+    key: str
+    name: str
+    present: float
+    ends: tuple[float, float]
+    upwards: bool
+    eased: Eased
+    scale: float = 1.0
+
+
+class _Relaxations:
+    def __init__(
+        self, aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel
+    ) -> None:
+        assert result.nearest is not None
+        self.aircraft, self.mission, self.solar = aircraft, mission, solar
+        self.nearest, self.required_h = result.nearest, result.required_excess_time_h
+        self.objective = result.objective
+        self.others_missed = {v.requirement for v in result.violations} - {"excess_time"}
+        # A requirement that is met at the expense of another one stands in the way as well.
+        held = {label.partition(" (")[0] for label in result.active_constraints}
+        self.in_the_way = self.others_missed | held
+        self.start = result.nearest.design.variables.mapped(float)._replace(**_AS_GIVEN)
+
+    # --- one parameter in the program ----------------------------------------------------------
+
+    def moves(self) -> Iterator[_Move]:
+        """Technology and payload; bounds that are reached; wind and limits in the way."""
+        chosen = {v.name: v for v in chosen_variables(self.aircraft, eased=True)}
+        for v in chosen.values():
+            if v.role is Role.technology:
+                one, present = parameter(v.name), self._present(v.name)
+                upwards, furthest = one.relaxable == "up", one.maximum / present
+                if not upwards:
+                    furthest = _LEAST_RELATIVE.get(v.name, _LEAST_OTHER)
+                if upwards and furthest <= 1.0:
+                    continue
+                ends = (min(furthest, 1.0), max(furthest, 1.0))
+                yield _Move(v.name, v.name, present, ends, upwards, self._with(v.name), present)
+            if v.role is Role.payload and self.objective.variable != v.name:
+                key = parameter(v.name).key
+                if present := self._present(key):
+                    yield _Move(key, v.name, present, (0.0, present), False, self._with(key))
+        reached = self.start.chosen() | {TOTAL_MASS: float(self.nearest.design.total_mass_kg)}
+        for key in (key for key, one in catalogue().items() if one.kind == "bound"):
+            bare = key.removeprefix("design_space.")
+            name = bare.removesuffix(".maximum").removeprefix("maximum_")
+            present = chosen[name].maximum
+            always = name == Objective.min_wingspan.variable
+            if math.isfinite(present) and (always or reached[name] >= _AT_BOUND * present):
+                yield _Move(key, name, present, (present, _WIDER * present), True, self._with(key))
+        space, wind = self.aircraft.design_space, self.mission.strongest_wind_m_per_s
+        if "airspeed_above_wind" in self.in_the_way and wind != 0.0:
+
+            def in_wind(value: float) -> tuple[Aircraft, Mission]:
+                return self.aircraft, self.mission.in_wind(value)
+
+            yield _Move(WIND, WIND, wind, (0.0, wind), False, in_wind)
+        for name, (quantity, end) in limit_rows(self.aircraft).items():
+            if name in self.in_the_way:
+                present = getattr(space.all_limits()[quantity], end)
+                upwards = end == "maximum"
+                ends = (1.0, chosen[name].maximum) if upwards else (chosen[name].minimum, 1.0)
+
+                def limited(
+                    value: float, quantity: str = quantity, end: str = end
+                ) -> tuple[Aircraft, Mission]:
+                    eased = space.with_limit(quantity, end, value)  # type: ignore[arg-type]
+                    return self.aircraft.model_copy(update={"design_space": eased}), self.mission
+
+                key = f"design_space.{space.key_of_limit(quantity, end)}"
+                yield _Move(key, name, present, ends, upwards, limited, present)
+
+    def _present(self, key: str) -> float:
+        return float(parameter_value(self.aircraft, self.mission, key) or 0.0)
+
+    def _with(self, key: str) -> Eased:
+        return lambda value: with_parameter(self.aircraft, self.mission, key, value)
+
+    def moved(self, move: _Move) -> Relaxation | None:
+        """Relaxation that moves a variable no further than it must, as sizings confirm it."""
+        task = SizingTask(
+            *(self.aircraft, self.mission, Objective.min_mass, self.solar, self.nearest.day),
+            self.required_h,
+            bounds={move.name: move.ends},
+            freed={move.name: lambda value: move.eased(move.scale * value)},
+            own_cost={move.name: 1.0 if move.upwards else -1.0},
+        )
+        best = searched(task, self.start).best
+        if best is None:
+            return None
+        start = task.design_variables(best.values)._replace(**_AS_GIVEN)
+        direction: Direction = "at least" if move.upwards else "at most"
+        value = rounded(move.scale * best.values[move.name], direction)
+        reached: dict[float, float | None] = {}
+
+        def suffices(value: float) -> bool:
+            reached[value] = self._reached_h(*move.eased(value), start)
+            return reached[value] is not None
+
+        if not suffices(value):
+            return None
+        step = PERCENT * (value or move.present)
+        less = value + (-step if move.upwards else step)
+        if (less > move.present) is move.upwards and suffices(less):
+            less = bisected(
+                *(move.present, less, suffices),
+                lambda found: _BISECTED * max(found, PERCENT * move.present),
+            )
+            if suffices(rounded(less, direction)):
+                value = rounded(less, direction)
+        limit = limit_rows(self.aircraft).get(move.name)
+        unit = parameter(move.key if limit is None else limit[0]).unit
+        return Relaxation(*(move.key, unit, move.present, direction, value), reached[value] or 0.0)
+
+    def _reached_h(
+        self, aircraft: Aircraft, mission: Mission, start: DesignVariables | None = None
+    ) -> float | None:
+        """Worst excess time of a sizing of another aircraft or mission; None if not enough."""
+        sizing = size_aircraft(
+            *(aircraft, mission, Objective.max_excess_time, self.solar),
+            required_excess_time_h=0.0,
+            start=start,
+            explain=False,
+            stop_at_merit=max(self.required_h, 1e-9),
+        )
+        worst_h = sizing.objective_value
+        return worst_h if worst_h is not None and worst_h >= self.required_h else None
+
+    # --- latitude and required time ------------------------------------------------------------
+
+    def required_excess(self) -> Relaxation | None:
+        """Largest excess time there is, where more is required."""
+        worst_h = float(np.min(self.nearest.cycle.excess_time_h))
+        # Missing anything else means that even without a required time no design exists.
+        if self.others_missed or not 0.0 < worst_h < self.required_h:
+            return None
+        value = rounded(worst_h, "at most")
+        key = "mission.required_excess_time_h"
+        return Relaxation(key, "h", self.required_h, "at most", value, worst_h)
+
+    def latitude(self) -> Relaxation | None:
+        """Latitude nearest to the mission's at which a design flies perpetually.
+
+        Of a band the end that holds back is moved.
+        """
+        key, latitude = "mission.latitude_deg", self.mission.latitude_deg
+        if isinstance(latitude, LatitudeRange):
+            scenarios = self.nearest.day.scenarios
+            worst = float(scenarios.latitude_deg[self.nearest.worst_scenario()])
+            present, other, end = latitude.from_deg, latitude.to_deg, "from_deg"
+            if abs(worst - other) < abs(worst - present):
+                present, other, end = other, present, "to_deg"
+            places = np.linspace(present, other, round(abs(other - present) / _STEP_DEG) + 1)[1:-1]
+            key = f"{key}.{end}"
+        else:
+            present, places = latitude, self._easier_latitudes()
+
+        def reached_h(place: float) -> float | None:
+            to: float | LatitudeRange = place
+            if isinstance(latitude, LatitudeRange):
+                to = latitude.model_copy(update={end: place})
+            moved = self.mission.model_copy(update={"latitude_deg": to})
+            return self._reached_h(self.aircraft, moved)
+
+        # From hard to easy: the easiest tells whether there is any.
+        low, high = -1, len(places) - 1
+        enough_h = reached_h(float(places[high])) if len(places) else None
+        if enough_h is None:
+            return None
+        while high - low > 1:
+            middle = (low + high) // 2
+            if (worst_h := reached_h(float(places[middle]))) is None:
+                low = middle
+            else:
+                high, enough_h = middle, worst_h
+        value = float(places[high])
+        direction: Direction = "at most" if value < present else "at least"
+        return Relaxation(key, "deg", present, direction, value, enough_h)
+
+    def _easier_latitudes(self) -> FloatArray:
+        """Latitudes from the mission's to where the nearest design does best, in steps."""
+        reach = np.arange(_STEP_DEG, _REACH_DEG, _STEP_DEG)
+        ends = self.mission.wind_latitudes_deg
+        sides = [np.clip(self.mission.latitudes()[0] + s * reach, *ends) for s in (-1.0, 1.0)]
+        tried = np.stack(sides)[:, 3::20]
+        days = np.asarray(self.mission.dates.days(), int)
+        scenarios = Scenarios(np.repeat(tried.ravel(), len(days)), np.tile(days, tried.size))
+        given = (self.aircraft, self.mission)
+        day = solar_day(*given, self.solar, scenarios=scenarios, step_h=0.5)
+        perf = performance_of_designs(*given, self.start, self.solar, day=day)
+        excess = perf.cycle.excess_time_h.reshape(*tried.shape, -1).min(axis=-1)
+        side, peak = np.unravel_index(int(np.argmax(excess)), excess.shape)
+        return sides[side][: 4 + 20 * int(peak)]
+
+
+def bisected(
+    short: float,
+    enough: float,
+    suffices: Callable[[float], bool],
+    tolerance: Callable[[float], float],
+    as_shown: Callable[[float], float] = float,
+) -> float:
+    """Value that is enough, next to one that is too short, within a tolerance of what is found.
+
+    ``as_shown``: form in which values are tried.
+    """
+    while abs(enough - short) > tolerance(enough):
+        middle = as_shown((short + enough) / 2.0)
+        if middle in (short, enough):
+            break
+        if suffices(middle):
+            enough = middle
+        else:
+            short = middle
+    return enough

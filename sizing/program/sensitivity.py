@@ -1,0 +1,204 @@
+"""Sensitivity of an optimum to technology parameters, and the multipliers of its constraints.
+
+By the envelope theorem the derivative of the best objective with respect to a parameter is that of
+the Lagrangian, ``d f*/dp = df/dp + lambda dg/dp``, with the point and the multipliers held: no
+sizing has to be repeated. The Lagrangian is differentiated by central differences; light and load
+along the day are those of the design as it flies with the other parameter. It holds as long as no
+constraint changes between active and inactive.
+
+Source: Fiacco, A. V. (1983), Introduction to Sensitivity and Stability Analysis in Nonlinear
+Programming.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import variable_keys
+from sizing.parameters import catalogue, is_doubled, parameter_value, with_parameter
+from sizing.program.corrections import Linearisation, Scenario, linearised, neighbours
+from sizing.program.objectives import Objective
+from sizing.program.reasons import limits_of
+from sizing.program.result import SizingResult
+from sizing.program.solve import Solution, parameters_of, solve
+from sizing.program.task import SizingTask
+from sizing.program.transcription import build_program
+from sizing.program.variables import WORST_EXCESS, Role, scales_of
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+
+# Of a parameter: in double precision differences are then good to about five digits.
+_RELATIVE_STEP = 1e-5
+# Multipliers below this are what the solver leaves of an inactive constraint.
+LEAST_MULTIPLIER = 1e-5
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Change of the best objective with one parameter.
+
+    ``derivative`` is in units of the objective (h, m or kg) per unit of the parameter;
+    ``elasticity`` the relative change of the objective per relative change of the parameter, None
+    where one of them is zero.
+    """
+
+    parameter: str
+    unit: str
+    value: float
+    derivative: float
+    elasticity: float | None
+
+    @property
+    def per_percent(self) -> float:
+        """Change of the objective when the parameter grows by one per cent, in its units."""
+        return self.derivative * self.value / 100.0
+
+
+def sensitivities(
+    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel = UNCORRECTED_CAM
+) -> list[Sensitivity]:
+    """Sensitivities of an optimum to every parameter of the catalogue that the aircraft has.
+
+    Returns largest change of the objective per per cent first; empty where the excess time is
+    infinite, which no small change makes any longer.
+    """
+    optimum, objective_value = _optimum(result, "sensitivities")
+    if not np.isfinite(objective_value):
+        return []
+    to_units = _objective_per_cost(optimum, objective_value)
+    chosen = _chosen_keys(aircraft, result.objective)
+    rows = []
+    for name, one in catalogue().items():
+        value = parameter_value(aircraft, mission, name)
+        if not one.sensitive or value is None or name in chosen or is_doubled(aircraft, name):
+            continue
+        step = _RELATIVE_STEP * abs(value) if value != 0.0 else _RELATIVE_STEP
+        low, high = max(value - step, 0.0), value + step  # no parameter may become negative
+        below, above = (
+            _lagrangian(optimum, *with_parameter(aircraft, mission, name, moved), solar)
+            for moved in (low, high)
+        )
+        derivative = to_units * (above - below) / (high - low)
+        both = value != 0.0 and objective_value != 0.0
+        elasticity = derivative * value / objective_value if both else None
+        rows.append(Sensitivity(name, one.unit, value, derivative, elasticity))
+    # Efficiencies of one chain have one sensitivity, but for rounding: they keep their order.
+    return sorted(rows, key=lambda s: -float(f"{abs(s.per_percent):.6g}"))
+
+
+@dataclass(frozen=True)
+class ConstraintMultiplier:
+    """What the objective gains when one active requirement or bound is eased.
+
+    ``gain`` is in units of the objective, positive where the objective becomes better, for easing
+    by ``step``: 1 % of a limit, 1 % of the battery's capacity, or one hour of required excess time.
+    """
+
+    constraint: str
+    gain: float
+    step: str
+
+
+def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
+    """Multipliers of the requirements and bounds that hold an optimum back, largest first.
+
+    They are those of the program, in the units of the objective. Like sensitivities they hold for
+    small changes.
+    """
+    optimum, objective_value = _optimum(result, "multipliers")
+    if not np.isfinite(objective_value):
+        return []
+    to_units = abs(_objective_per_cost(optimum, objective_value))
+    longest = result.objective is Objective.max_excess_time
+    gains: dict[tuple[str, str], float] = {}
+    for one in limits_of(optimum):
+        if one.multiplier > LEAST_MULTIPLIER and not (longest and one.step == "1 h"):
+            name = one.name
+            if one.step == "1 % of the bound":
+                name = f"{name.partition(' ')[0]} at its bound"
+            gains[name, one.step] = gains.get((name, one.step), 0.0) + to_units * one.gain
+    multipliers = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
+    return sorted(multipliers, key=lambda one: -one.gain)
+
+
+def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
+    """Solution around the simulated optimum itself, and its objective."""
+    found = result.optimum
+    if found is None or result.simulated is None or result.objective_value is None:
+        raise ValueError(f"the sizing is {result.status.name}: only an optimum has {wanted}")
+    if not np.isfinite(result.objective_value):
+        return found, result.objective_value
+    task = found.task
+    values = task.first_values(result.simulated.design.variables.mapped(float))
+    values["total_mass_kg"] = float(result.simulated.design.total_mass_kg)
+    known = _known(found.linearisation)
+    point = linearised(task, values, task.simulate(neighbours(task, values)), known)
+    blocks = found.program.blocks
+    return (
+        solve(task, point, blocks, excess_h=found.excess_time_h, elastic=False),
+        result.objective_value,
+    )
+
+
+def _known(point: Linearisation) -> dict[int, Scenario]:
+    """What the search knew of the scenarios of a program, with the nodes of their days."""
+    rows = zip(point.scenarios, point.blocks, point.nodes, strict=True)
+    return {
+        number: Scenario(float(block.shift_h), float(block.margin), nodes=nodes)
+        for number, block, nodes in rows
+    }
+
+
+def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:
+    """Keys whose values the optimiser chooses: no parameters."""
+    requested = aircraft.design_space.requested_ranges()
+    chosen = {one.key for one in catalogue().values() if objective.variable in (one.key, one.name)}
+    return chosen | {key for key, name in variable_keys().items() if name in requested}
+
+
+def _objective_per_cost(optimum: Solution, objective_value: float) -> float:
+    """Derivative of the objective with respect to the program's cost."""
+    task = optimum.task
+    ((name, _),) = task.cost.items()
+    weights = optimum.parameters[: len(task.variables) + 1]
+    if name == WORST_EXCESS:
+        return 1.0 / float(weights[-1])
+    place = task.names.index(name)
+    scale = scales_of(task.variables, optimum.linearisation.values)[place]
+    # The variable is a logarithm, or the value over its scale.
+    return float((scale if task.variables[place].linear else objective_value) / weights[place])
+
+
+def _lagrangian(
+    optimum: Solution, aircraft: Aircraft, mission: Mission, solar: SolarModel
+) -> float:
+    """Lagrangian with other data, the point and the multipliers held."""
+    point, own = optimum.linearisation, optimum.task
+    day = solar_day(aircraft, mission, solar, scenarios=own.day.scenarios)
+    task: SizingTask = replace(own, aircraft=aircraft, mission=mission, day=day)
+    # A payload that is not chosen is the mission's.
+    held = {
+        v.name: task.held[v.name]
+        for v in task.variables
+        if v.role is Role.payload and v.name not in task.free_names
+    }
+    values = point.values | held
+    flown = linearised(task, values, task.simulate([values]), _known(point))
+    blocks = tuple(
+        now._replace(light_slope=then.light_slope, load_slope=then.load_slope)
+        for now, then in zip(flown.blocks, point.blocks, strict=True)
+    )
+    scales = scales_of(own.variables, point.values)
+    design = optimum.program.parts["design"]
+    x, centre = optimum.x.copy(), np.zeros(len(scales))
+    for i, v in enumerate(own.variables):
+        centre[i] = v.to_program(point.values[v.name], scales[i])
+        if v.name in held:
+            x[design][i] = centre[i] = v.to_program(held[v.name], scales[i])
+    program = build_program(aircraft, optimum.program.form)
+    moved = replace(point, blocks=blocks)
+    cost, rows = program.evaluated(x, parameters_of(task, program, moved, scales, centre))
+    return cost + float(rows @ optimum.row_multipliers)
