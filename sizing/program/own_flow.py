@@ -1,0 +1,67 @@
+"""A sizing in the flow of its own design, where that cools the modules.
+
+The program takes the sun from the flow of the aircraft's first guess; how the simulator knows it
+from that for other designs (:mod:`sizing.module_power`) is exact at three flows. The optimum is
+flown in its own.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.design import DesignVariables
+from sizing.parameters import with_parameter
+from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult
+from sizing.program.size import size_aircraft
+from sizing.sunlight import SolarModel
+
+_LIFT = "airframe.aerodynamics.lift_coefficient"
+_SAME_H = 0.003  # of excess time: the simulator's own steps make half as much
+
+
+def sized_in_own_flow(
+    aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel, **options: Any
+) -> tuple[Aircraft, SizingResult]:
+    """Sizing, and the aircraft with its design as first guess where the flow cools its modules.
+
+    The result is simulated with that aircraft's own sun. Where the known one was off by more than
+    next to nothing, or the design is not enough after all, the sizing is repeated from there.
+    ``options``: as for :func:`~sizing.program.size.size_aircraft`.
+    """
+    given = (mission, objective, solar)
+    result = size_aircraft(aircraft, *given, **options)
+    flown = result.simulated or result.nearest
+    if flown is None or not flown.day.is_cooled or not np.isfinite(flown.design.total_mass_kg):
+        return aircraft, result
+    variables = flown.design.variables.mapped(float)
+    guessed = _first_guessed(aircraft, mission, variables)
+    if not result.feasible:
+        return guessed, result
+    own = performance_of_designs(guessed, mission, variables, solar)
+    least_h, known_h = (float(np.min(one.cycle.excess_time_h)) for one in (own, flown))
+    enough = least_h > 0.0 and least_h >= result.required_excess_time_h
+    if enough and (least_h == known_h or abs(least_h - known_h) < _SAME_H):
+        return guessed, result.with_design(own)
+    again = size_aircraft(guessed, *given, **options | {"start": variables})
+    return guessed, again if again.feasible or not enough else result
+
+
+def _first_guessed(aircraft: Aircraft, mission: Mission, found: DesignVariables) -> Aircraft:
+    """Aircraft whose design point is that of a design, as far as its file has numbers for it."""
+    guess = aircraft.with_airframe(wingspan_m=found.wingspan_m, aspect_ratio=found.aspect_ratio)
+    if found.lift_coefficient is not None:
+        guess, _ = with_parameter(guess, mission, _LIFT, found.lift_coefficient)
+    parts: dict[str, Any] = {}
+    if aircraft.battery.pack is None:
+        battery = {"mass_kg": found.battery_mass_kg}
+        parts["battery"] = aircraft.battery.model_copy(update=battery)
+    if aircraft.modules.layout is None:
+        area = {"area_m2": found.module_area_m2}
+        parts["modules"] = aircraft.modules.model_copy(update=area)
+    return guess.model_copy(update=parts)
