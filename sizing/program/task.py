@@ -239,11 +239,10 @@ class SizingTask:
         return replace(self, aircraft=aircraft, mission=mission, day=day)
 
     def simulate(self, designs: list[Values]) -> Performance:
-<<<<<<< HEAD
-        """Simulate some designs in all scenarios."""
-        return performance_of_designs(
-            self.flown, self.mission, self.stacked(designs), self.solar, day=self.day
-        )
+        """Simulate some designs in all scenarios; what is freed has the value of the first."""
+        it = self.eased(designs[0])
+        variables = self.stacked(designs)
+        return performance_of_designs(it.flown, it.mission, variables, self.solar, day=it.day)
 
     def stacked(self, designs: list[Values]) -> DesignVariables:
         """Variables of some designs as arrays."""
@@ -251,14 +250,6 @@ class SizingTask:
         return DesignVariables(
             **{name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
         )
-=======
-        """Simulate some designs in all scenarios; what is freed has the value of the first."""
-        it = self.eased(designs[0])
-        chosen = [self.design_variables(values).chosen() for values in designs]
-        stacked = {name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
-        variables = DesignVariables(**stacked)
-        return performance_of_designs(it.flown, it.mission, variables, self.solar, day=it.day)
->>>>>>> b5bcebf4 (Reasons, relaxations and sensitivities from the one program)
 
     def first_values(self, variables: DesignVariables) -> dict[str, float]:
         """Values of a design at whatever mass closes its budget, or a guess of it."""
