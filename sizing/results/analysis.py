@@ -134,8 +134,8 @@ class Analysis(Result):
 
     @property
     def is_perpetual(self) -> bool:
-        """Whether the aircraft flies perpetually in every scenario."""
-        return bool(np.all(self.performance.cycle.perpetual))
+        """Whether the aircraft flies perpetually, or to its landing, in every scenario."""
+        return bool(np.all(self.performance.cycle.flown))
 
     @cached_property
     def endurances(self) -> list[Endurance | None]:
@@ -165,11 +165,16 @@ class Analysis(Result):
         """What alone would make it perpetual, smallest relative change first.
 
         Of battery mass, module area and load; empty where it is perpetual, for a mission with
-        climbs and for a given number of days.
+        climbs, one with a flight that lands, and for a given number of days.
         """
-        if self.climb is not None or self.days is not None:
+        if not self._repeats:
             return ()
         return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
+
+    @property
+    def _repeats(self) -> bool:
+        """Whether one day at one altitude repeats itself."""
+        return self.climb is None and self.days is None and self.mission.flight is None
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -232,9 +237,10 @@ class Analysis(Result):
         """Days until the repeated day of every scenario has settled from an empty battery.
 
         Infinite beyond 366 days; NaN where there is no equal power in the morning, and for a
-        mission with climbs or a given number of days, whose day is not repeated so.
+        mission with climbs or a given number of days, whose day is not repeated so, or a flight
+        that lands.
         """
-        if self.climb is not None or self.days is not None:
+        if not self._repeats:
             return np.full(len(self.performance.cycle.status), np.nan)
         return self.performance.days_to_settle
 

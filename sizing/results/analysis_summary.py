@@ -90,6 +90,8 @@ _CHEAPEST = 2  # relaxations that are shown
 def answer(analysis: Analysis) -> str:
     """How long the aircraft flies, in a sentence or two; times are solar, and UTC if known."""
     values, flight = analysis.scenario(), analysis.limited_flight
+    if analysis.mission.flight is not None:
+        return landing(analysis)
     if flight is None:
         if values[q.STATUS] == "always_lit":
             return "It flies perpetually: the sun carries the load at all times."
@@ -113,6 +115,22 @@ def answer(analysis: Analysis) -> str:
         f"{text}. Launched at sunrise it flies {hours(flight.from_sunrise_h)}, at noon "
         f"{hours(flight.from_noon_h)}."
     )
+
+
+def landing(analysis: Analysis) -> str:
+    """From when to when the flight of the worst scenario goes, and what is left at its end."""
+    at, perf = analysis.worst, analysis.performance
+    window_h = analysis.mission.flight_window_h(perf.day.scenarios)
+    assert window_h is not None
+    launch_h, land_h = (float(one[at]) for one in window_h)
+    later = {0: "", 1: " on the next day"}.get(
+        int(land_h // 24.0), f" {land_h // 24.0:.0f} days later"
+    )
+    when = f"from {clock_label(launch_h)} to {clock_label(land_h % 24.0)}{later} (solar time)"
+    excess_h = analysis.excess_time_h
+    if excess_h > 0.0:
+        return f"It flies {when} and lands with {hours(excess_h)} to spare."
+    return f"Of a flight {when} it lacks power for {hours(-excess_h)}."
 
 
 def _utc(analysis: Analysis, day: int, solar_h: float) -> str:

@@ -72,6 +72,10 @@ def check_days(mission: Mission, days: int | None) -> None:
         raise ValueError(
             f"days cannot be given for mission {mission.name} with climb: its day repeats itself"
         )
+    if mission.flight is not None:
+        raise ValueError(
+            f"days cannot be given for mission {mission.name} with a flight that lands"
+        )
 
 
 def finite(value: Any) -> float | None:

@@ -30,6 +30,7 @@ from sizing.performance import Performance, performance, performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.own_terms import with_own_terms
 from sizing.program.result import SizingResult, SizingStatus
+from sizing.program.size import size_aircraft as size_flight
 from sizing.relaxed_flight import Relaxation
 from sizing.results.qualities import designs_by_build
 from sizing.results.records import check_subjects
@@ -115,6 +116,10 @@ def size(
     check_subjects(aircraft, mission)
     solar, original = SolarModel(model, correction), aircraft
     aircraft, wanted = _with_own(aircraft, mission, objective, constraints)
+    if mission.flight is not None:
+        required_h = required_excess_time_h
+        flown = size_flight(aircraft, mission, wanted, solar, required_excess_time_h=required_h)
+        return study_of(aircraft, mission, flown, solar)
     required: dict[str, Any] = {}
     if required_excess_time_h is not None:
         # The mission's rules for its own requirement hold for another one, too.

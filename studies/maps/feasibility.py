@@ -14,7 +14,7 @@ from missions.dates import month_and_day
 from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.energy.cycle import ENDS, Status
+from sizing.energy.cycle import ENDS, FLOWN, Status
 from sizing.mass_budget import check_own_models, design_of
 from sizing.performance import Performance, performance
 from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
@@ -45,7 +45,6 @@ _CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at 
 _ENDURANCE_S = 2e-4  # of a cell, roughly
 _CLIMB_S = 1e-3
 
-_PERPETUAL = (Status.perpetual, Status.always_lit)
 
 # Variable -> unit, long name.
 _DESCRIBED = {one.variable: one.described for one in MAP}
@@ -289,10 +288,10 @@ def _known_winds(mission: Mission, cells: Scenarios) -> FloatArray:
 
 
 def season_length(data: xr.Dataset) -> xr.DataArray:
-    """Number of the map's days on which each latitude is flown perpetually."""
-    return data["status"].isin(_PERPETUAL).sum("day")
+    """Number of the map's days on which each latitude is flown perpetually, or to a landing."""
+    return data["status"].isin(FLOWN).sum("day")
 
 
 def perpetual_cells(data: OnGrid) -> NDArray[np.bool_]:
-    """Mark the cells of a map that are flown perpetually, shape ``(latitude, day)``."""
-    return np.isin(data["status"].to_numpy(), _PERPETUAL)
+    """Mark the cells of a map that are flown perpetually, or to a landing: ``(latitude, day)``."""
+    return np.isin(data["status"].to_numpy(), FLOWN)

@@ -73,7 +73,7 @@ def seasons_table(data: OnGrid) -> Table:
     _, most = _range_of_days(data["excess_time"].to_numpy())
     days = data["day"].to_numpy()
     columns: tuple[Column, ...] = (
-        Column("season", "perpetual flight"),
+        Column("season", _flown(data)),
         Column("largest_excess_time_h", "largest excess time", "h", ".2f"),
     )
     seasons = (season_text(days, perpetual) for perpetual in perpetual_cells(data))
@@ -89,10 +89,16 @@ def seasons_table(data: OnGrid) -> Table:
             (*row, _range(*(math.nan if end is None else end for end in both)))
             for row, both in zip(rows, ends, strict=True)
         ]
-    title = f"{_subject(data)}: seasons of perpetual flight"
+    title = f"{_subject(data)}: seasons of {_flown(data)}"
     table = _table(data, title, record, columns, rows)
     negative = any(value < 0.0 for value in most)
     return replace(table, notes=(*table.notes, BELOW_ZERO)) if negative else table
+
+
+def _flown(data: OnGrid) -> str:
+    """What is wanted of a cell, in words."""
+    landed = np.any(data["status"].to_numpy() == Status.lands)
+    return "flights that land" if landed else "perpetual flight"
 
 
 def season_text(days: IntArray, perpetual: BoolArray) -> str:

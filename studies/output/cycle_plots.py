@@ -81,7 +81,8 @@ def plot_cycle(
     """
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
-    longest = None if perf.cycle.perpetual[index] else analysis.endurances[index]
+    whole = perf.cycle.perpetual[index] or analysis.mission.flight is not None
+    longest = None if whole else analysis.endurances[index]
     repeated = analysis.days is None and not _has_best_climb(analysis, index)
     if repeated and longest is not None and np.isfinite(longest.endurance_h):
         return _plot_own_flight(analysis, index, longest, figure)
@@ -107,9 +108,17 @@ def plot_cycle(
             assert analysis.best_climb is not None
             _draw_best_climb(every[1], every[2], analysis.best_climb)
     sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
+    days = round(perf.day.time_h[-1] / 24.0)
+    window_h = analysis.mission.flight_window_h(perf.day.scenarios)
+    ends_h = (0, 24) if window_h is None else (window_h[0][index], window_h[1][index])
+    nights = [
+        (24.0 * k + a, 24.0 * k + b)
+        for k in range(days)
+        for a, b in ((0.0, sunrise), (sunset, 24.0))
+    ]
     for axes in every:
-        shade(axes, [(a, b) for a, b in ((0.0, sunrise), (sunset, 24.0)) if b > a])
-    every[-1].set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
+        shade(axes, [(a, b) for a, b in nights if b > a])
+    every[-1].set(xticks=range(0, 24 * days + 1, 2 * days), xlim=ends_h, xlabel="solar time [h]")
     return drawn
 
 

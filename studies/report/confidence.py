@@ -299,5 +299,5 @@ def _suffice(
 
 
 def _hold(cycle: Cycle, required: float) -> BoolArray:
-    """Whether each flight is perpetual, with the required excess time."""
-    return np.asarray(cycle.perpetual & (cycle.excess_time_h >= required))
+    """Whether each flight is perpetual, or lands, with the required excess time."""
+    return np.asarray(cycle.flown & (cycle.excess_time_h >= required))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sizing.results import quantities as q
+from sizing.results.analysis_summary import landing
 from sizing.results.records import hours
 from sizing.validity.ranges import where_error_is_known
 from studies.report.blocks import Fact
@@ -50,6 +51,8 @@ def verdict(subject: Subject) -> Verdict:
     measured = where_error_is_known(mission.altitude_m)
     percent = f"{100.0 * subject.solar.rms_relative:.0f} %{measured}"
     error = f"one RMS error of the solar model ({percent})"
+    if mission.flight is not None:
+        return _of_landing(subject, f"{who}, {weakest}", lows, error)
     fails = f"{who} does not fly perpetually: {weakest}"
     if not analysis.is_perpetual:
         hold_h = float(analysis.scenario()[q.ENDURANCE])
@@ -74,6 +77,19 @@ def verdict(subject: Subject) -> Verdict:
     if np.isinf(lows):
         return _verdict_item("good", f"{text}, also with {error} less sun.")
     return _verdict_item("good", f"{text}, and {hours(lows)} with {error} less sun.")
+
+
+def _of_landing(subject: Subject, where: str, low_h: float, error: str) -> Verdict:
+    """Whether the flight lands with its reserve."""
+    text = f"{where} {landing(subject.analysis).rstrip('.')}".replace("It flies", "it flies")
+    excess, required = subject.analysis.excess_time_h, subject.mission.required_excess_time_h
+    if excess <= 0.0:
+        return _verdict_item("bad", f"{text}.")
+    if excess < required:
+        return _verdict_item("bad", f"{text}, less than the required {required:g} h.")
+    if low_h <= 0.0 or low_h < required:
+        return _verdict_item("edge", f"{text}; {error} less sun leaves {hours(low_h)}, too little.")
+    return _verdict_item("good", f"{text}, {hours(low_h)} with {error} less sun.")
 
 
 def _of_verification(verification: Verification) -> Verdict:

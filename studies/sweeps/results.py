@@ -182,6 +182,8 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
     table = table.sort_values(["_better", column], ascending=[False, upwards], kind="stable")
     words = {True: "least", False: "largest"}[upwards]
     what = "points with a design" if objective else "perpetual flight"
+    if (table["status"] == "lands").any():
+        what = "flights that land"
     text = f"{what} first, then the {words} {column.replace('_', ' ')}"
     return table.drop(columns="_better"), text
 

@@ -23,7 +23,7 @@ from missions.files.writing import to_json
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.energy.cycle import ENDS, Status
+from sizing.energy.cycle import ENDS, FLOWN, Status
 from sizing.mass_budget import check_own_models
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus
@@ -446,4 +446,4 @@ def feasible(data: xr.Dataset) -> xr.DataArray:
     """Mark the points that can fly perpetually, or that were sized."""
     if data.attrs["objective"]:
         return data["status"].isin(SIZED)
-    return data["status"].isin([Status.perpetual, Status.always_lit])
+    return data["status"].isin(FLOWN)

@@ -44,7 +44,7 @@ def analyse(options: Analyse) -> None:
             )
         ),
     }
-    perpetual = bool(result.performance.cycle.perpetual.all())
+    perpetual = result.is_perpetual
     step = _next_step(case, perpetual=perpetual)
     deliver(case, case.named(result.to_dict()), result, files, next_step=step)
 
@@ -53,6 +53,7 @@ def _next_step(case: Case, *, perpetual: bool) -> str:
     """What to do after an analysis."""
     if perpetual:
         return f"{call('map')} (where and when else)"
+    flies = "flies perpetually" if case.mission.flight is None else "lands with power left"
     if case.aircraft.airframe.kind == "parametric":
-        return f"{call('size')} (a design that flies perpetually)"
-    return f"{call('map')} (where and when it flies perpetually)"
+        return f"{call('size')} (a design that {flies})"
+    return f"{call('map')} (where and when it {flies})"
