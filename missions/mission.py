@@ -273,6 +273,12 @@ class Flight(Record):
         return self
 
     @property
+    def text(self) -> str:
+        """The flight in words."""
+        launch = self.launch if self.launch == "sunrise" else f"launch at {self.launch}"
+        return f"{launch} to sunset" if self.hours is None else f"{self.hours:g} h from {launch}"
+
+    @property
     def days(self) -> int:
         """Days whose light it may see, from the midnight before its launch."""
         latest_h = NOON_H if self.launch == "sunrise" else HOURS_PER_DAY

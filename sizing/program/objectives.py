@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 class Objective(StrEnum):
     """What the optimiser makes as large or as small as possible.
 
-    The last two are no costs of one program but searches over many: the longest run of days and the
-    widest band of latitudes in which one design flies perpetually. See
-    :mod:`sizing.program.coverage`.
+    The last three are no costs of one program but searches over many: the longest run of days and
+    the widest band of latitudes in which one design flies perpetually
+    (:mod:`sizing.program.coverage`), and the longest flight (:mod:`sizing.program.endurance`).
     """
 
     max_excess_time = "max_excess_time"
@@ -27,6 +27,7 @@ class Objective(StrEnum):
     max_payload_power = "max_payload_power"
     longest_season = "longest_season"
     widest_latitude_band = "widest_latitude_band"
+    max_endurance = "max_endurance"
 
     @classmethod
     def _missing_(cls, value: object) -> Objective | None:
@@ -116,6 +117,7 @@ _TABLE = {
     Objective.max_payload_power: _Row("payload_power_w", -1.0, "payload_power", "wingspan"),
     Objective.longest_season: _Row("season_days", 0.0),
     Objective.widest_latitude_band: _Row("latitude_band_deg", 0.0),
+    Objective.max_endurance: _Row("endurance_h", 0.0),
 }
 
 OBJECTIVE_NAMES = tuple(one.value for one in Objective)

@@ -138,7 +138,7 @@ def objective_value(objective: Objective | OwnObjective, perf: Performance) -> F
     ``perf``: of one design, or of a batch; the scenarios are the last axis. Returns of the shape of
     the batch, in the objective's unit.
     """
-    if objective.of_range:
+    if objective.of_range and objective is not Objective.max_endurance:
         raise ValueError(f"{objective.value} is no number of a single simulation")
     worst = np.min(perf.cycle.excess_time_h, axis=-1)
     value: Any

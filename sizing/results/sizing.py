@@ -27,6 +27,7 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.optimisation.whole_cells import size_whole_cells
 from sizing.performance import Performance, performance, performance_of_designs
+from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
 from sizing.program.own_terms import with_own_terms
 from sizing.program.result import SizingResult, SizingStatus
@@ -66,8 +67,8 @@ def size(
         ``climb.design_space`` are chosen as well, with a reliability as without it.
     objective : Objective, str or callable
         ``min_mass``, ``min_wingspan``, ``max_excess_time``, ``max_payload_mass``,
-        ``max_payload_power``, ``longest_season`` or ``widest_latitude_band``; or a function of the
-        design that is to be as small as possible, such as
+        ``max_payload_power``, ``max_endurance``, ``longest_season`` or ``widest_latitude_band``; or
+        a function of the design that is to be as small as possible, such as
         ``lambda design: design.total_mass_kg + 0.5 * design.wingspan_m``. It is called once, with
         symbols: arithmetic, NumPy's and CasADi's functions take them, ``if`` and ``max`` do not. A
         wrong name is answered with all that there are.
@@ -116,10 +117,16 @@ def size(
     check_subjects(aircraft, mission)
     solar, original = SolarModel(model, correction), aircraft
     aircraft, wanted = _with_own(aircraft, mission, objective, constraints)
+    required_h = required_excess_time_h
+    if wanted is Objective.max_endurance:
+        longest = longest_flight_of_all(aircraft, mission, solar, required_excess_time_h=required_h)
+        flown = mission if longest.simulated is None else longest.simulated.mission
+        return study_of(aircraft, flown, longest, solar)
     if mission.flight is not None:
-        required_h = required_excess_time_h
-        flown = size_flight(aircraft, mission, wanted, solar, required_excess_time_h=required_h)
-        return study_of(aircraft, mission, flown, solar)
+        day_flight = size_flight(
+            *(aircraft, mission, wanted, solar), required_excess_time_h=required_h
+        )
+        return study_of(aircraft, mission, day_flight, solar)
     required: dict[str, Any] = {}
     if required_excess_time_h is not None:
         # The mission's rules for its own requirement hold for another one, too.

@@ -38,7 +38,14 @@ from sizing.results.parts import (
 )
 from sizing.results.propulsion import part_masses_line, power_line
 from sizing.results.qualities import build_table
-from sizing.results.quantities import AIRSPEED, CHOSEN, EXCESS_TIME, MINIMUM_CHARGE, TOTAL_MASS
+from sizing.results.quantities import (
+    AIRSPEED,
+    CHOSEN,
+    ENDURANCE,
+    EXCESS_TIME,
+    MINIMUM_CHARGE,
+    TOTAL_MASS,
+)
 from sizing.results.records import change_text, hours, with_unit
 from sizing.results.requirements import constraint_words, parameter_words, requirement_table
 from sizing.results.sizing_study import SizingStudy
@@ -188,6 +195,12 @@ def _design_table(study: SizingStudy) -> Table:
     excess, charge = (one.fact(one.of(flown)[worst]) for one in (EXCESS_TIME, MINIMUM_CHARGE))
     where = f"{EXCESS_TIME.label}{clear}, {flown.day.scenarios.label(worst)}"
     rows = [one.fact(value) for one, value in study.design_values()]
+    flight = study.mission.flight
+    if study.objective is Objective.max_endurance:
+        launch = "" if flight is None else f", launched {flight.launch}"
+        rows.append((ENDURANCE.label, ENDURANCE.fact(study.result.objective_value)[1] + launch))
+    elif flight is not None:
+        rows.append(("flight", flight.text))
     return facts("", [*rows, *wind_rows(study.mission), (where, excess[1]), charge])
 
 
