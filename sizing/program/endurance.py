@@ -47,7 +47,7 @@ class _Longest:
         hours = flown.endurance_h
         at = int(hours.argmin())
         longest_h = float(hours[at]) - self.task.required_h
-        if self.task.meets(flown) and longest_h > self.hours:
+        if task.meets(found.values, flown) and longest_h > self.hours:
             launch = flown.endurances()[at]
             self.hours, self.best = longest_h, variables
             self.launch_h = self.launch_h if launch is None else float(launch.launch_h)
