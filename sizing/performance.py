@@ -367,6 +367,7 @@ def performance_of_pairs(
     solar: SolarModel = UNCORRECTED_CAM,
     *,
     day: SolarDay,
+    keep_trajectory: bool = False,
 ) -> Performance:
     """Simulate one design of a parametric aircraft in every scenario of a day.
 
@@ -374,7 +375,9 @@ def performance_of_pairs(
     scenarios.
     """
     design = closed_design(aircraft, mission, variables)
-    return performance_in_pairs(aircraft, mission, design, solar, day=day)
+    return _simulate(
+        aircraft, mission, solar, design, day, keep_trajectory=keep_trajectory, paired=True
+    )
 
 
 def performance_in_pairs(

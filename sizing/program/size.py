@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -28,7 +28,7 @@ from sizing.program.reasons import least_mission, missed_by, names_of_limits, vi
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
 from sizing.program.solve import LACKING, Solution, solve
 from sizing.program.start import most_promising
-from sizing.program.task import SizingTask
+from sizing.program.task import SizingTask, Values
 from sizing.program.variables import TOTAL_MASS
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
@@ -44,6 +44,8 @@ _WIDER = 3.0  # factor on the margin then
 _OTHER_H = 0.3  # excess time by which program and simulator differ where nodes are laid anew
 _HOPELESS, _HOPELESS_ROUNDS = 0.03, (2, 5)  # violation that no correction mends; rounds given
 _NIGHT_H = 8.0  # hours over which a lack of power lacks energy, about
+
+Flight = tuple[Performance, FlightLevels | None]
 
 
 @dataclass(frozen=True)
@@ -70,11 +72,17 @@ class Judged:
 
 @dataclass
 class Search:
-    """One search for the optimum of a task, and its outcome."""
+    """One search for the optimum of a task, and its outcome.
+
+    ``first``: values to start from, instead of a design whose mass is to be found. ``warm``:
+    solution for a similar task, whose multipliers the first program starts from.
+    """
 
     task: SizingTask
     start: DesignVariables | None = None
     stop_at_merit: float = math.inf
+    first: Values | None = None
+    warm: Solution | None = None
     best: Judged | None = None
     nearest: Judged | None = None
     status: SizingStatus = SizingStatus.not_converged
@@ -85,20 +93,44 @@ class Search:
 
     def run(self) -> Search:
         """Search until program and simulator agree."""
-        values, solution, judged = self._first(), None, None
+        rounds = self.rounds()
+        values = next(rounds, None)
+        while values is not None:
+            try:
+                values = rounds.send(self.fly(values))
+            except StopIteration:
+                values = None
+        return self
+
+    def fly(self, values: Values) -> Flight:
+        """Simulate a design and its neighbours, with climbs at the heights of the program."""
+        designs = neighbours(self.task, values)
+        if self.task.mission.climb is None:
+            return self.task.simulate(designs), None
+        return climbing_performance(self.task.eased(values), designs, self._profiles)
+
+    def rounds(self) -> Generator[Values, Flight, None]:
+        """Search, asking for the flight of every design and its neighbours."""
+        values, solution, judged = self._first(), self.warm, None
         for number in range(_ROUNDS):
-            judged = self._judge_flying(values, solution, judged)
+            judged = yield from self._judged(values, solution if number else None, judged)
             if self._ends(judged, number):
                 break
             self._take_in(judged)
             point = linearised(self.task, judged.values, judged.perf, self._chosen, judged.levels)
-            elastic = not judged.accepted and (solution is None or solution.violation > LACKING)
+            missed = solution is None or solution.violation > LACKING
+            elastic = not judged.accepted and missed
             worst_h = float(judged.excess_h.min())
             goal_h = self.task.goal_h
             excess_h = goal_h if not self.task.maximises_excess else max(goal_h, min(worst_h, 1e3))
             begun = time.perf_counter()
             solution = solve(
-                self.task, point, len(self._chosen), excess_h=excess_h, elastic=elastic
+                self.task,
+                point,
+                len(self._chosen),
+                excess_h=excess_h,
+                elastic=elastic,
+                before=solution,
             )
             self.report += SolverReport(
                 iterations=solution.iterations,
@@ -114,41 +146,52 @@ class Search:
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
-        return self
+
+    @property
+    def outcome(self) -> Judged | None:
+        """Best design, or the nearest where there is none."""
+        return self.nearest if self.best is None else self.best
+
+    @property
+    def merit(self) -> float:
+        """Objective, the larger the better; minus infinity without a design."""
+        return -math.inf if self.best is None else self.best.merit
 
     def _first(self) -> dict[str, float]:
         task = self.task
+        if self.first is not None:
+            return task.within_bounds(task.held | dict(self.first))
         start = most_promising(task) if self.start is None else self.start
         values = task.first_values(start)
         return values | {TOTAL_MASS: _HEAVY * values["battery_mass_kg"]}
 
-    def _judge_flying(
+    def _judged(
         self, values: dict[str, float], solution: Solution | None, last: Judged | None
-    ) -> Judged:
+    ) -> Generator[Values, Flight, Judged]:
         """Judge a design; where it cannot fly one nearer to the last, or first the file's own."""
-        judged = self._judge(values, solution)
+        judged = self._judge(values, solution, *(yield values))
         if _flies(judged.perf):
             return judged
         if last is None:
             own = self.task.first_values(variables_of(self.task.aircraft))
-            return self._judge(own | {TOTAL_MASS: values[TOTAL_MASS]}, solution)
+            own |= {TOTAL_MASS: values[TOTAL_MASS]}
+            return self._judge(own, solution, *(yield own))
         for part in _NEARER:
             between = {name: one + part * (values[name] - one) for name, one in last.values.items()}
-            judged = self._judge(between, solution)
+            judged = self._judge(between, solution, *(yield between))
             if _flies(judged.perf):
                 break
         return judged
 
-    def _judge(self, values: dict[str, float], solution: Solution | None) -> Judged:
-        """Simulate a design and its neighbours."""
+    def _judge(
+        self,
+        values: dict[str, float],
+        solution: Solution | None,
+        perf: Performance,
+        levels: FlightLevels | None,
+    ) -> Judged:
+        """Judge a design by its flight."""
         task = self.task
-        levels = None
-        if task.mission.climb is None:
-            perf = task.simulate(neighbours(task, values))
-        else:
-            perf, levels = climbing_performance(
-                task.eased(values), neighbours(task, values), self._profiles
-            )
         excess_h = np.array(np.asarray(perf.cycle.excess_time_h, float)[0])
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):

@@ -41,6 +41,19 @@ OPTIONS = {
     "firm": _COMMON | {"ipopt.max_iter": 100, "ipopt.mu_max": 1e-3},
     "elastic": _COMMON | {"ipopt.max_iter": 300, "ipopt.mu_max": 1e-1},
 }
+# From the multipliers of a similar program: not pushed far from what they say.
+_NEAR = 1e-4
+_WARM = {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": _NEAR} | {
+    f"ipopt.warm_start_{name}": _NEAR
+    for name in (
+        "bound_push",
+        "bound_frac",
+        "slack_bound_push",
+        "slack_bound_frac",
+        "mult_bound_push",
+    )
+}
+OPTIONS |= {f"{name} again": options | _WARM for name, options in OPTIONS.items()}
 
 
 @dataclass(frozen=True)
@@ -161,7 +174,13 @@ class Solution:
 
 
 def solve(
-    task: SizingTask, point: Linearisation, blocks: int, *, excess_h: float, elastic: bool
+    task: SizingTask,
+    point: Linearisation,
+    blocks: int,
+    *,
+    excess_h: float,
+    elastic: bool,
+    before: Solution | None = None,
 ) -> Solution:
     """Solve the program of a task around a simulated design.
 
@@ -177,6 +196,8 @@ def solve(
     elastic : bool
         Whether requirements may be missed at a price from the outset; else only where the program
         finds no design that meets all of them.
+    before : Solution, optional
+        Solution of the last round, or of a similar task: the program starts from its multipliers.
 
     Returns
     -------
@@ -196,20 +217,30 @@ def solve(
     for name, rows in (("charge", point.charge), ("height", point.height), ("speed", point.speed)):
         start[parts[name]] = np.concatenate(rows)
     equation = np.array([c.equation for c in program.constraints])
-    iterations = 0
-    for name in ("elastic",) if elastic else ("firm", "elastic"):
+    iterations, ways = 0, ["elastic"] if elastic else ["firm", "elastic"]
+    if before is not None and before.program is program and elastic == (before.violation > LACKING):
+        ways.insert(0, f"{ways[0]} again")
+        warm = {"lam_x0": before.bound_multipliers, "lam_g0": before.row_multipliers}
+    for name in ways:
         most = high.copy()
-        if name == "firm":
+        x0 = start
+        if before is not None and name.endswith("again"):
+            x0 = before.x.copy()
+            x0[parts["design"]] = centre
+            x0[parts["excess"]] = excess_h
+            x0[parts["charge"]] *= before.linearisation.load_w / point.load_w
+        if name.startswith("firm"):
             most[parts["missed"]] = most[parts["lack"]] = 0.0
         with program.lock:
             solver = program.solver(name, OPTIONS[name])
             answer = solver(
-                x0=np.clip(start, low, most),
+                x0=np.clip(x0, low, most),
                 lbx=low,
                 ubx=most,
                 lbg=0.0,
                 ubg=np.where(equation, 0.0, np.inf),
                 p=parameters,
+                **(warm if name.endswith("again") else {}),
             )
             stats = solver.stats()
         iterations += int(stats["iter_count"])
