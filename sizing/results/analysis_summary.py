@@ -17,10 +17,10 @@ from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.conditions import battery_line, battery_record, wind_rows
 from sizing.results.notes import (
-    catalogue_blocks,
     extrapolation_blocks,
     mass_table,
     relaxation_table,
+    source_blocks,
     structure_blocks,
     uncertainty_line,
 )
@@ -76,7 +76,7 @@ def summary(analysis: Analysis) -> Summary:
     if slow is not None:
         blocks.append(Line(slow, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
-    blocks += catalogue_blocks(analysis.aircraft)
+    blocks += source_blocks(analysis.aircraft)
     if analysis.excess_time_h < 0.0:
         blocks.append(Line(q.BELOW_ZERO, "faint"))
     error = uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
