@@ -10,9 +10,9 @@ import pytest
 from builders import AS2, DESIGN, UNLIMITED_AS2
 from plain_climb import DISCHARGE, FLOOR_M, FULL_WH, PlainClimb
 
+from missions.air import standard_air
 from missions.dates import day_of_year
 from missions.mission import Mission
-from missions.air import standard_air
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_cycle import climb_performance
 from sizing.energy.battery import RuleChargeLimit
