@@ -19,6 +19,7 @@ from missions.flight_path import Circle, orbit
 from missions.logs.table import EulerAngles, FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.module_power import on_path
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
 
@@ -85,7 +86,7 @@ def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> S
     rng = np.random.default_rng(settings.seed)
     count = int(settings.duration_h * 3600.0 * settings.rate_hz) + 1
     elapsed = np.arange(count) / settings.rate_hz
-    flown = _path_flown(mission, elapsed, settings, rng)
+    flown = _path_flown(on_path(aircraft, mission), elapsed, settings, rng)
     truth = _truth(aircraft, mission, settings.start_utc_s + elapsed, flown, settings.faults)
     return SyntheticLog(_instruments(mission, settings, elapsed, flown, truth, rng))
 
