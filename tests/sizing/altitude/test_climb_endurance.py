@@ -140,7 +140,8 @@ def test_flight_that_is_drawn_ends_with_the_endurance() -> None:
         [flight.launch_h, flight.launch_h + flight.endurance_h]
     )
     assert charge[0] == 1.0
-    assert charge[-1] == pytest.approx(0.0, abs=1e-3)
+    # The endurance is known to some seconds, of which each takes 3e-5 of the charge.
+    assert charge[-1] == pytest.approx(0.0, abs=2e-3)
     assert np.all(charge[:-2] > 0.0)
     # It climbs: the load is above that of level flight, and that of the glide is the avionics'.
     assert load_w.max() > 1.5 * float(flown.nominal_load_w[0])

@@ -402,3 +402,13 @@ def test_a_wrong_value_in_a_changed_copy_is_caught_when_it_is_used(
     assert sizing.analyse(right, mission).masses_kg["battery"] == 3.0
     with pytest.raises(missions.InputError, match="clearness"):
         sizing.analyse(design, mission.model_copy(update={"clearness": -1.0}))
+
+
+def test_modules_beyond_their_coverage_are_told() -> None:
+    # The wing has 1.73 m2, of which 85 % may be covered.
+    wide = sizing.load_aircraft("atlantiksolar-design", ["modules.area_m2=1.6"])
+    mission = missions.load_mission("rafz-july")
+    text = " ".join(str(sizing.analyse(wide, mission)).split())
+    assert "The modules cover 93 % of the wing, more than the 85 %" in text
+    narrow = sizing.load_aircraft("atlantiksolar-design")
+    assert "The modules cover" not in str(sizing.analyse(narrow, mission))

@@ -155,7 +155,7 @@ def test_probabilities_are_those_of_a_loop_over_analyses():
     # Two lobes, each told by its own share and spread, and no median of both.
     told = str(found.summary())
     for name, chosen in (("perpetual", excess_h > 0.0), ("limited", excess_h <= 0.0)):
-        middle = np.percentile(excess_h[chosen], 50.0, method="inverted_cdf")
+        middle = np.percentile(found.flights.excess_time_h[chosen], 50.0, method="inverted_cdf")
         row = next(
             line for line in told.splitlines() if f"{name}, {100.0 * np.mean(chosen):.1f} %" in line
         )

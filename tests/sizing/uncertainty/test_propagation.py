@@ -99,7 +99,7 @@ def test_draws_are_what_each_is_alone(name, spreads, model):
         craft, where = alone(aircraft, mission, values, number)
         analysis = sizing.analyse(craft, where, model=model)
         # All draws have the warmth of the nominal modules above the air, a kelvin or so off.
-        assert found.excess_time_h[number] == pytest.approx(analysis.excess_time_h, abs=0.01)
+        assert found.excess_time_h[number] == pytest.approx(analysis.excess_time_h, abs=0.02)
         design = analysis.performance.design
         assert found.total_mass_kg[number] == pytest.approx(design.total_mass_kg, rel=1e-8)
 
