@@ -42,7 +42,7 @@ _LEAST_SAMPLES, _SAMPLES, _FEW, _COARSE = 60, 1000, 250, 100
 _BLOCK_S = 600.0  # several circles
 _CAUCHY = 2.385  # 95 % efficient where residuals are normal (Holland & Welsch 1977)
 _LEAST_SCATTER = 2e-3  # of the peak: to which tables and rounding of the model hold
-_ROUNDS, _MOST_STEPS = 5, 60
+_ROUNDS, _NEAR = 5, 1e-4  # each round goes on from the last one
 # Coarse grid of starts: clocks to either side, and turns of the heading.
 _MOST_CLOCK_S, _SHIFT_S, _TURNS, _STARTS = 14 * 3600.0, 1800.0, 12, 3
 
@@ -186,7 +186,7 @@ class _Data:
                 left = self.measured_w - self.power_w(scaled * steps)
                 return np.concatenate((root * left, scaled * steps / sigmas))
 
-            best = least_squares(rows, values / steps, method="lm", max_nfev=_MOST_STEPS)
+            best = least_squares(rows, values / steps, method="lm", ftol=_NEAR, xtol=_NEAR)
             values = best.x * steps
             residual = self.measured_w - self.power_w(values)
             jacobian = best.jac / steps

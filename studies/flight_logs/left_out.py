@@ -90,17 +90,17 @@ def _with_taper(log: FlightLog, as_load: BoolArray) -> BoolArray:
 
 def without_power(log: FlightLog) -> BoolArray:
     """Samples of stretches in which bright power vanishes, or comes back, at once."""
-    power = log.solar_power_w
+    power, time_s = log.solar_power_w, log.time_s
     peak = float(np.quantile(power, 0.98))
     none, mask = power < _NONE * peak, np.zeros(len(log), bool)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], none.astype(int), [0])))).reshape(-1, 2)
     for start, stop in edges.tolist():
-        if (stop - start) * log.step_s < _SMOOTH_S:
+        if time_s[stop - 1] - time_s[start] < _SMOOTH_S:
             continue
-        reach = max(1, round(_SMOOTH_S / log.step_s))
-        beside = (power[max(start - reach, 0) : start], power[stop : stop + reach])
-        if max(part.max(initial=0.0) for part in beside) > _ABRUPT * peak:
-            mask[start:stop] = True
+        before = int(np.searchsorted(time_s, time_s[start] - _SMOOTH_S))
+        after = int(np.searchsorted(time_s, time_s[stop - 1] + _SMOOTH_S, side="right"))
+        beside = np.concatenate((power[before:start], power[stop:after]))
+        mask[start:stop] = beside.max(initial=0.0) > _ABRUPT * peak
     return mask
 
 

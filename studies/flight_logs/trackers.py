@@ -15,7 +15,6 @@ from solar.types import BoolArray, FloatArray
 from studies.flight_logs.forward import Forward
 
 _PLACES = {"center": "centre", "middle": "centre"}
-_WIRED = "by the surfaces' mppt"
 
 
 class Trackers(NamedTuple):
@@ -42,7 +41,7 @@ class Trackers(NamedTuple):
         wired = sorted({s.mppt for s in surfaces if s.mppt is not None})
         if len(wired) == len(names) and all(s.mppt is not None for s in surfaces):
             members = np.array([[s.mppt == number for s in surfaces] for number in wired])
-            return cls(names, members, _WIRED), ""
+            return cls(names, members, "by the surfaces' mppt"), ""
         if len(names) == len(surfaces) and not wired:
             return cls(names, np.eye(len(names), dtype=bool), "in the order of the surfaces"), ""
         return None, (

@@ -76,8 +76,6 @@ _WHOLE_WATTS = tuple(
     replace(column, form=column.form.replace(".2f", ".0f" if column.unit == "W" else ".1f"))
     for column in _ERRORS
 )
-
-
 _DARK = 0.02  # share of the peak below which there is nothing to fit
 
 
@@ -202,15 +200,7 @@ class Verification(Result):
                 for name, rows in self.residuals._asdict().items()
             },
             "mppts": [one._asdict() for one in self.trackers],
-            "left_out": [
-                {
-                    "reason": one.reason,
-                    **(_span_record(one.start_s, one.end_s) if np.isfinite(one.start_s) else {}),
-                    "count": one.count,
-                    "evidence": one.evidence,
-                }
-                for one in self.left_out
-            ],
+            "left_out": [_stretch_record(one) for one in self.left_out],
             "notes": list(self.notes),
         }
 
@@ -266,18 +256,18 @@ def _left_out_record(one: LeftOut) -> dict[str, Any]:
     return {"column": one.column, "kind": one.kind, "values": one.values, **known}
 
 
+def _stretch_record(one: Stretch) -> dict[str, Any]:
+    known = _span_record(one.start_s, one.end_s) if np.isfinite(one.start_s) else {}
+    return {"reason": one.reason, **known, "count": one.count, "evidence": one.evidence}
+
+
 def _estimate_record(one: Estimate) -> dict[str, Any]:
-    record = one._asdict()
-    del record["name"]
-    return record | {"apply": list(one.apply)}
+    return {n: v for n, v in one._asdict().items() if n != "name"} | {"apply": list(one.apply)}
 
 
 def _residual_record(one: Residual, *, of_time: bool) -> dict[str, Any]:
     record = one._asdict()
-    if of_time:
-        ends = _span_record(record.pop("low"), record.pop("high"))
-        return ends | record
-    return record
+    return _span_record(record.pop("low"), record.pop("high")) | record if of_time else record
 
 
 def _section_record(section: Section) -> dict[str, Any]:
