@@ -11,7 +11,7 @@ summed, and counts by the autocorrelation time of these sums.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -100,12 +100,19 @@ class Fit:
 
 def fitted(forward: Forward, measured_w: FloatArray) -> Fit | None:
     """Fit clock, heading and factor to samples of a log; None where there are too few."""
-    data = _Data(forward, measured_w).some(_SAMPLES)
+    angles = forward.knows_angles
+    names = tuple(name for name in _UNKNOWNS if angles or name not in _OF_ATTITUDE)
+    data = _Data(forward, measured_w, names).some(_SAMPLES)
     if len(measured_w) < _LEAST_SAMPLES or not data.peak_w > 0.0:
         return None
-    few = data.some(_FEW)
-    tried = [few.fit(start, rounds=1) for start in data.starts()]
-    return data.with_level(data.fit(min(tried, key=lambda one: one.scatter_w).values))
+    starts = list(data.starts())
+    start = starts[0]
+    if len(starts) > 1:  # without what is known beforehand: that is small
+        few = replace(data.some(_FEW), names=data.names[: len(start)])
+        start = min(
+            (few.fit(one, rounds=1) for one in starts), key=lambda one: one.scatter_w
+        ).values
+    return data.with_level(data.fit(np.append(start, np.zeros(len(data.names) - len(start)))))
 
 
 @dataclass(frozen=True)
@@ -114,6 +121,7 @@ class _Data:
 
     forward: Forward
     measured_w: FloatArray
+    names: tuple[str, ...]
 
     def some(self, most: int) -> _Data:
         """At most so many, spread evenly but not regularly: a stride could meet the circles."""
@@ -123,13 +131,8 @@ class _Data:
         edges = np.linspace(0, count, most + 1)
         within = edges[:-1] + np.random.default_rng(0).random(most) * np.diff(edges)
         places = np.unique(within.astype(int))
-        return _Data(self.forward.of(self.forward.index[places]), self.measured_w[places])
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """What the power depends on."""
-        angles = self.forward.knows_angles
-        return tuple(name for name in _UNKNOWNS if angles or name not in _OF_ATTITUDE)
+        chosen = self.forward.of(self.forward.index[places])
+        return _Data(chosen, self.measured_w[places], self.names)
 
     @cached_property
     def peak_w(self) -> float:
@@ -152,7 +155,7 @@ class _Data:
         return np.asarray(np.exp(values[0]) * self.forward.power_w(offsets))
 
     def starts(self) -> Iterator[FloatArray]:
-        """The log as it is, and the best clocks and headings of a coarse grid."""
+        """Factor, clock and heading: as logged, and the best of a grid if they fit better."""
         few = self.some(_COARSE)
         count, turned = len(few.measured_w), "heading" in self.names
         turns = 2.0 * np.pi * np.arange(_TURNS if turned else 1) / _TURNS
@@ -169,8 +172,7 @@ class _Data:
         as_logged = next(one for one in tried if one[2:] == (0.0, 0.0))
         better = [one for one in sorted(tried) if one[0] < as_logged[0]]
         for _, factor, shift_s, turn in (as_logged, *better[:_STARTS]):
-            start = {"factor": np.log(factor), "clock_s": shift_s, "heading": turn}
-            yield np.array([start.get(name, 0.0) for name in self.names])
+            yield np.array([np.log(factor), shift_s, turn][: 3 if turned else 2])
 
     def fit(self, values: FloatArray, rounds: int = _ROUNDS) -> Fit:
         """Fit with weights that follow from the residuals, and these from the weights."""
