@@ -85,11 +85,13 @@ def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure
     by_time = [power, error, *rest[bool(found.bearing) :]]
     over_time = _OverTime(result, np.ones(len(samples.time_s), bool), result.day_filter_s)
     _draw_power(over_time, power)
-    logged = samples.modelled_w[result.best_model] - samples.measured_w
-    over_time.line(error, over_time.smooth(logged), label="as logged", **_LOGGED)
-    if result.estimated_w is not None:
-        left = over_time.smooth(result.estimated_w - samples.measured_w)
-        over_time.line(error, left, label="with the estimates", **_ESTIMATED)
+    for label, modelled, style in (
+        ("as logged", samples.modelled_w[result.best_model], _LOGGED),
+        ("with the estimates", result.estimated_w, _ESTIMATED),
+    ):
+        if modelled is not None:
+            left = over_time.smooth(modelled - samples.measured_w)
+            over_time.line(error, np.where(result.excluded, np.nan, left), label=label, **style)
     error.set_ylabel(f"{result.best_model} − measured [W]")
     _draw_bins(elevation, found.morning, "morning", "o")
     _draw_bins(elevation, found.afternoon, "afternoon", "^")

@@ -14,7 +14,7 @@ from studies.flight_logs.samples import Samples
 _MOST_ROWS = 14
 _HOURS = (0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0)
 _STEP_DEG, _SECTOR_DEG = 10.0, 30.0
-_LEAST_SAMPLES = 10
+_LEAST_SAMPLES, _LEAST_SHARE = 10, 0.01  # of a bin, and its mean power over the highest
 
 
 class Residual(NamedTuple):
@@ -51,7 +51,10 @@ def residuals(samples: Samples, counts: BoolArray, estimated_w: FloatArray | Non
             _residual(step, int(one), mask & (number == one), powers)
             for one in np.unique(number[mask])
         )
-        return tuple(one for one in every if one.samples >= _LEAST_SAMPLES)
+        least_w = _LEAST_SHARE * float(samples.measured_w.max())
+        return tuple(
+            one for one in every if one.samples >= _LEAST_SAMPLES and one.measured_w > least_w
+        )
 
     for hours in _HOURS:
         step_s = 3600.0 * hours
