@@ -85,7 +85,8 @@ class Verification(Result):
 
     ``log``: without the offsets ``applied``. ``excluded``: samples that are left out of errors,
     residuals and estimates; ``left_out`` says why. ``correlation``: of the errors of clock and
-    heading. ``estimated_w``: power with clock, heading and factor as estimated. ``days``,
+    heading. ``rms_w``: RMS error of the most detailed model as logged and with the estimates.
+    ``estimated_w``: power with clock, heading and factor as estimated. ``days``,
     ``windows``: errors of all models; ``window_masks``: samples of each window. ``trackers``: power
     of each of several MPPTs beside that of its modules, which are known as ``matched`` says;
     ``tracker_w``: measured and modelled power of each at the samples.
@@ -100,6 +101,7 @@ class Verification(Result):
     left_out: tuple[Stretch, ...]
     estimates: tuple[Estimate, ...]
     correlation: float | None
+    rms_w: tuple[float | None, float | None]
     estimated_w: FloatArray | None
     residuals: Residuals
     windows: tuple[Section, ...]
@@ -164,6 +166,10 @@ class Verification(Result):
             text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
             text += "so is the other; roll and pitch are taken to be right to 0.5 deg"
             estimated = replace(estimated, notes=(*estimated.notes, text))
+        if None not in self.rms_w:
+            text = "RMS error of {} {:.1f} W as logged, {:.1f} W with clock, heading and factor"
+            text = text.format(self.best_model, *self.rms_w)
+            estimated = replace(estimated, notes=(text, *estimated.notes))
         tables += [estimated, *residual_tables(self.residuals, self.best_model)]
         if self.trackers:
             tables.append(tracker_table(self.trackers, self.matched))
@@ -195,6 +201,7 @@ class Verification(Result):
             "days": [_section_record(section) for section in self.days],
             "estimates": {one.name: _estimate_record(one) for one in self.estimates},
             "clock_heading_correlation": self.correlation,
+            "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
             "residuals": {
                 name: [_residual_record(one, of_time=name == "time") for one in rows]
                 for name, rows in self.residuals._asdict().items()
@@ -395,6 +402,10 @@ def verify(
         left_out=tuple(sorted(stretches, key=lambda one: one.start_s)),
         estimates=estimates(forward, is_lit, fit, applied),
         correlation=None if fit is None else fit.correlation,
+        rms_w=(
+            _rms_w(samples, excluded, day_s, samples.modelled_w[samples.best_model]),
+            _rms_w(samples, excluded, day_s, estimated),
+        ),
         estimated_w=estimated,
         residuals=residuals(samples, ~excluded, estimated),
         windows=sections(samples, excluded, window_s, labelled),
@@ -407,6 +418,17 @@ def verify(
         matched="" if trackers is None else trackers.how,
         notes=(*log.notes, *reasons, *sources),
     )
+
+
+def _rms_w(
+    samples: Samples, excluded: BoolArray, filter_s: float, modelled_w: FloatArray | None
+) -> float | None:
+    """RMS error of some power over the whole log."""
+    if modelled_w is None or excluded.all():
+        return None
+    alone = replace(samples, modelled_w={samples.best_model: modelled_w})
+    (whole,) = sections(alone, excluded, filter_s, [("all", np.ones(len(excluded), bool))])
+    return whole.errors[samples.best_model].rms_w
 
 
 def _what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[Stretch], BoolArray]:
