@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import datetime
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,23 +132,6 @@ class FlightLog:
     def step_s(self) -> float:
         """Median step of time [s]."""
         return float(np.median(np.diff(self.time_s)))
-
-    def without_offsets(self, clock_s: float, heading_deg: float) -> FlightLog:
-        """Log whose clock was so much ahead [s] and whose yaw was so much too large [deg]."""
-        attitude, gaps = (
-            self.attitude,
-            [(g.start_s - clock_s, g.end_s - clock_s) for g in self.gaps],
-        )
-        if attitude is not None:
-            yaw_rad = attitude.yaw_rad - np.radians(heading_deg)
-            attitude = attitude._replace(yaw_rad=yaw_rad)
-        return replace(
-            self,
-            time_s=self.time_s - clock_s,
-            attitude=attitude,
-            gaps=tuple(Gap(*ends) for ends in gaps),
-            left_out=tuple(one.earlier(clock_s) for one in self.left_out),
-        )
 
     def segment(self) -> IntArray:
         """Number of the uninterrupted stretch that each sample belongs to."""

@@ -168,8 +168,8 @@ class Forward:
             specific = specific * (1.0 - lost + gained)
         if offsets.drift:
             start_s, end_s = self.log.time_s[[0, -1]]
-            share = (self.log.time_s[self.index] - start_s) / (end_s - start_s)
-            specific = specific * (1.0 + offsets.drift * (2.0 * share - 1.0))
+            course = 2.0 * (self.log.time_s[self.index] - start_s) / (end_s - start_s) - 1.0
+            specific = specific * (1.0 + offsets.drift * course)
         return np.where(given.sun.elevation_rad > 0.0, modules.area_m2 * specific, 0.0)
 
     def power_by_surface_w(self) -> FloatArray:

@@ -19,7 +19,7 @@ from missions.files.errors import file_error
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
 from missions.logs.plausible import LeftOut, utc_text
-from missions.logs.table import FlightLog
+from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
@@ -371,7 +371,7 @@ def verify(
         shade, unknown = tail_shading(aircraft, geometry)
         reasons += [unknown] if unknown else []
     if clock_offset_min or heading_offset_deg:
-        log = log.without_offsets(60.0 * clock_offset_min, heading_offset_deg)
+        log = _without_offsets(log, 60.0 * clock_offset_min, heading_offset_deg)
     forward = Forward(log, aircraft, mission, geometry, shade, np.arange(len(log)))
     samples, sources = lit_samples(forward)
     fit, stretches, excluded = _what_counts(forward, samples)
@@ -417,6 +417,20 @@ def verify(
         tracker_w=by_tracker,
         matched="" if trackers is None else trackers.how,
         notes=(*log.notes, *reasons, *sources),
+    )
+
+
+def _without_offsets(log: FlightLog, clock_s: float, heading_deg: float) -> FlightLog:
+    """Log whose clock was so much ahead, and whose yaw was so much too large."""
+    attitude, gaps = log.attitude, log.gaps
+    if attitude is not None:
+        attitude = attitude._replace(yaw_rad=attitude.yaw_rad - np.radians(heading_deg))
+    return replace(
+        log,
+        time_s=log.time_s - clock_s,
+        attitude=attitude,
+        gaps=tuple(Gap(gap.start_s - clock_s, gap.end_s - clock_s) for gap in gaps),
+        left_out=tuple(one.earlier(clock_s) for one in log.left_out),
     )
 
 
