@@ -162,7 +162,7 @@ def test_probabilities_are_those_of_a_loop_over_analyses():
         assert f" {middle:.2f} h" in row
     assert "excess time: 10, 50, 90 % of draws" not in told
     # All draws have the warmth of the nominal modules, whose airspeed is another.
-    assert found.flights.excess_time_h == pytest.approx(excess_h, abs=0.02)
+    assert found.flights.excess_time_h == pytest.approx(excess_h, abs=0.1)
     assert found.probability_perpetual.value == np.mean(excess_h > 0.0)
     assert found.probability_required.value == np.mean(excess_h >= 1.0)
 
