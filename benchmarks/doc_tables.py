@@ -22,7 +22,7 @@ from benchmarks.validation.single_inputs import explain, explanations_table
 from benchmarks.validation.slender_wings import aspect_ratio_table, structure_table
 from benchmarks.validation.structure_comparison import gust_table, structure_tables
 from benchmarks.validation.structures import qualities_table, structures_table
-from benchmarks.validation.team_designs import team_designs_table
+from benchmarks.validation.team_designs import team_designs_table, weighed_parts_table
 from benchmarks.validation.zephyr import zephyr_table
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
@@ -190,7 +190,10 @@ TABLES: dict[str, tuple[str, Callable[[], str]]] = {
     "report": ("validation.md", lambda: _markdown(*reproduce(*reference(), vary=True).tables())),
     "structure": ("structure.md", lambda: _markdown(*structure_tables())),
     "large-wings": ("structure.md", lambda: _markdown(large_wings_table())),
-    "team-designs": ("validation.md", lambda: _markdown(team_designs_table())),
+    "team-designs": (
+        "validation.md",
+        lambda: _markdown(team_designs_table(), weighed_parts_table()),
+    ),
     "build-qualities": ("structure.md", lambda: _markdown(qualities_table())),
     "published-structures": ("structure.md", lambda: _markdown(structures_table())),
     "gusts": ("structure.md", lambda: _markdown(gust_table())),

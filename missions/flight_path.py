@@ -1,6 +1,7 @@
 """Loiter paths in steady wind: the attitude of the aircraft along one closed orbit.
 
-Paths are held over the ground at constant airspeed. North-East-Down; angles are radians inside and
+Paths are held over the ground at constant airspeed: that of the design that flies them, unless they
+have one of their own (:func:`at_airspeed`). North-East-Down; angles are radians inside and
 degrees in fields that end in ``_deg``. Yaw counts from north, clockwise; roll is positive with the
 right wing down. Turns are coordinated and legs are flown without bank.
 
@@ -56,7 +57,7 @@ class Circle(Record):
 
     kind: Literal["circle"] = "circle"
     radius_m: PositiveReal
-    airspeed_m_per_s: PositiveReal
+    airspeed_m_per_s: PositiveReal | None = None
     direction: Direction = "both"
     pitch_deg: Pitch = 0.0
 
@@ -77,7 +78,7 @@ class Racetrack(Record):
     leg_length_m: NonNegativeReal
     turn_radius_m: PositiveReal
     heading_deg: Heading
-    airspeed_m_per_s: PositiveReal
+    airspeed_m_per_s: PositiveReal | None = None
     direction: Direction = "both"
     pitch_deg: Pitch = 0.0
 
@@ -96,7 +97,7 @@ class StraightLegs(Record):
 
     kind: Literal["straight_legs"] = "straight_legs"
     heading_deg: Heading
-    airspeed_m_per_s: PositiveReal
+    airspeed_m_per_s: PositiveReal | None = None
     leg_length_m: PositiveReal = 1000.0
     pitch_deg: Pitch = 0.0
 
@@ -185,13 +186,26 @@ def orbit(path: FlightPath, wind: Wind, *, samples: int = 72) -> Orbit:
     _check_wind(path, wind)
     _check_bank_of(path, wind)
     motion = Motion(
-        path.airspeed_m_per_s, wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi
+        _airspeed_m_per_s(path), wind.speed_m_per_s, math.radians(wind.from_deg) + math.pi
     )
     sides = (1,) if isinstance(path, StraightLegs) else _SIDES[path.direction]
     pitch = math.radians(path.pitch_deg)
     return _joined_laps(
         [_fly(_segments(path, motion, side), motion, pitch, samples) for side in sides]
     )
+
+
+def at_airspeed(path: FlightPath, airspeed_m_per_s: float) -> FlightPath:
+    """Same path at an airspeed [m/s], unless it has one of its own."""
+    if isinstance(path, Level) or path.airspeed_m_per_s is not None:
+        return path
+    return path.model_copy(update={"airspeed_m_per_s": airspeed_m_per_s})
+
+
+def _airspeed_m_per_s(path: _MovingPath) -> float:
+    if path.airspeed_m_per_s is None:
+        raise ValueError("the flight path has no airspeed_m_per_s, and no design flies it")
+    return path.airspeed_m_per_s
 
 
 def largest_wind_m_per_s(path: FlightPath) -> float:
@@ -202,7 +216,7 @@ def largest_wind_m_per_s(path: FlightPath) -> float:
     """
     if isinstance(path, Level):
         return math.inf
-    speed = path.airspeed_m_per_s
+    speed = _airspeed_m_per_s(path)
     if isinstance(path, StraightLegs):
         return speed
     return min(speed, math.sqrt(_radius_m(path) * GRAVITY_M_PER_S2 * _TAN_MAXIMUM_BANK) - speed)
@@ -224,7 +238,9 @@ def _rounded_up(value: float) -> str:
     return f"{math.ceil(value * 10.0) / 10.0:.1f}"
 
 
-def _check_calm_bank(key: str, radius: float, airspeed: float) -> None:
+def _check_calm_bank(key: str, radius: float, airspeed: float | None) -> None:
+    if airspeed is None:
+        return
     least = _least_radius_m(airspeed)
     if radius < least:
         raise wrong_value(
@@ -246,10 +262,11 @@ def path_trouble(path: FlightPath, wind: Wind) -> str | None:
 def _check_wind(path: _MovingPath, wind: Wind) -> None:
     # The mean velocity through the air of any closed orbit is minus the wind, so no path allows
     # more; below the airspeed, every course can be held.
-    if wind.speed_m_per_s >= path.airspeed_m_per_s:
+    airspeed = _airspeed_m_per_s(path)
+    if wind.speed_m_per_s >= airspeed:
         raise ValueError(
             f"the wind of {wind.speed_m_per_s:g} m/s is not below the airspeed of "
-            f"{path.airspeed_m_per_s:g} m/s, so the aircraft cannot hold its position; on this "
+            f"{airspeed:g} m/s, so the aircraft cannot hold its position; on this "
             f"path the wind must stay below {largest_wind_m_per_s(path):.4g} m/s"
         )
 
@@ -258,12 +275,12 @@ def _check_bank_of(path: _MovingPath, wind: Wind) -> None:
     """Refuse turns that are too tight: each orbit turns through the downwind course."""
     if isinstance(path, StraightLegs):
         return
-    radius = _radius_m(path)
-    fastest = path.airspeed_m_per_s + wind.speed_m_per_s
+    radius, airspeed = _radius_m(path), _airspeed_m_per_s(path)
+    fastest = airspeed + wind.speed_m_per_s
     if radius < _least_radius_m(fastest):
         bank = math.degrees(math.atan(fastest**2 / (GRAVITY_M_PER_S2 * radius)))
         raise ValueError(
-            f"a turn of {radius:g} m radius at {path.airspeed_m_per_s:g} m/s in a wind of "
+            f"a turn of {radius:g} m radius at {airspeed:g} m/s in a wind of "
             f"{wind.speed_m_per_s:g} m/s needs {bank:.1f} deg of bank, more than "
             f"{MAXIMUM_BANK_DEG:g} deg; the radius must be at least "
             f"{_rounded_up(_least_radius_m(fastest))} m"

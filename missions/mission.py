@@ -20,7 +20,7 @@ from missions.air import (
     standard_air,
 )
 from missions.files.errors import InputError
-from missions.flight_path import FlightPath, Heading, Wind, path_trouble
+from missions.flight_path import FlightPath, Heading, Wind
 from missions.uncertainty import Uncertainty
 from missions.winds.statistics import WindStatistics
 from solar.clearsky import ClearSky, named_clear_sky
@@ -660,14 +660,6 @@ class Mission(FileRecord):
             return -90.0, 90.0
         known = self.wind_statistics.table(self.longitude_deg).latitude_deg
         return float(np.min(known)), float(np.max(known))
-
-    def keeps_path(self, scenarios: Scenarios) -> BoolArray:
-        """Whether the flight path, if there is one, can be flown in the wind of each scenario."""
-        path = self.flight_path
-        if path is None or self.wind_statistics is None:
-            return np.ones(len(scenarios), bool)
-        winds = self.winds_on_path_m_per_s(scenarios).tolist()
-        return np.array([path_trouble(path, self.in_wind(wind).wind) is None for wind in winds])
 
     def wind_to_beat_m_per_s(self, wind_m_per_s: FloatArray | float) -> FloatArray | float:
         """Part of a wind that the design's own airspeed must exceed: none where a place is held."""

@@ -327,6 +327,16 @@ class Aircraft(FileRecord):
         propulsion = getattr(self.airframe, "propulsion", None)
         return propulsion if isinstance(propulsion, OperatingPointPropulsion) else None
 
+    def reading_notes(self) -> list[str]:
+        """What was left out of files that the aircraft names, and how they were read."""
+        polar = getattr(self.airframe, "aerodynamics", None)
+        parts = self.propulsion_by_parts
+        read = {
+            "polar": polar.polar if isinstance(polar, WingPolar) else None,
+            "propeller": parts.propeller.propeller if parts is not None else None,
+        }
+        return [f"{name}: {note}" for name, of in read.items() for note in getattr(of, "notes", ())]
+
     def from_catalogues(self) -> list[Taken]:
         """Values that catalogues gave, with their sources."""
         entries = taken(self.modules, "modules.") + taken(self.battery, "battery.")

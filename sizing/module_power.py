@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.air import GRAVITY_M_PER_S2, plate_convection_w_per_m2k
+from missions.flight_path import at_airspeed, path_trouble
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
@@ -156,6 +157,51 @@ def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
     return float(np.sqrt(weight / (mission.air_state().density_kg_per_m3 * _LIFT_COEFFICIENT)))
 
 
+# A path is flown that much faster than the wind by a design that is slower than that: no path
+# can be held at less, and 5 % are what power along a path tolerates.
+_ABOVE_WIND = 1.05
+
+
+def on_path(aircraft: Aircraft, mission: Mission) -> Mission:
+    """Same mission, its flight path at the design's airspeed where the file gives none.
+
+    A design that is slower than the wind is told of by :mod:`sizing.validity`, by any solar power
+    model; its path is flown a little faster than the wind.
+    """
+    return _on_paths(aircraft, mission, [mission])[0]
+
+
+def _on_paths(aircraft: Aircraft, mission: Mission, winds: Sequence[Mission]) -> list[Mission]:
+    """Same mission in several winds, each on its path."""
+    path = mission.flight_path
+    if path is None or getattr(path, "airspeed_m_per_s", 0.0) is not None:
+        return list(winds)
+    own = airspeed_in_flight(aircraft, mission)
+    paths = [at_airspeed(path, max(own, _ABOVE_WIND * one.wind.speed_m_per_s)) for one in winds]
+    return [
+        one.model_copy(update={"flight_path": flown})
+        for one, flown in zip(winds, paths, strict=True)
+    ]
+
+
+def path_troubles(
+    aircraft: Aircraft, mission: Mission, scenarios: Scenarios | None = None
+) -> list[str | None]:
+    """Why a path cannot be flown in the wind of each scenario; None where it can.
+
+    ``scenarios``: of which each has its own wind; left out, the strongest wind alone.
+    """
+    winds = [mission]
+    if scenarios is not None and mission.wind_statistics is not None:
+        speeds = mission.winds_on_path_m_per_s(scenarios).tolist()
+        winds = [mission.in_wind(speed) for speed in speeds]
+    found = [
+        None if one.flight_path is None else path_trouble(one.flight_path, one.wind)
+        for one in _on_paths(aircraft, mission, winds)
+    ]
+    return found if scenarios is None or len(found) > 1 else found * len(scenarios)
+
+
 def surroundings(mission: Mission, convection: float) -> Surroundings:
     """What heats and cools modules on a mission in a flow."""
     albedo = mission.air.albedo
@@ -206,6 +252,7 @@ def power_in_surroundings(
     flown = [mission] * len(scenarios)
     if mission.wind_statistics is not None:
         flown = [mission.in_wind(w) for w in mission.scenario_winds_m_per_s(scenarios).tolist()]
+    flown = _on_paths(aircraft, mission, flown)
     return np.stack(
         [
             specific_power(aircraft, one, model, float(latitude), noon, time_h, around)
@@ -221,9 +268,9 @@ def flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> Flo
         raise ValueError(f"model {model} needs modules.geometry on the aircraft {aircraft.name}")
     if mission.flight_path is None:
         raise ValueError(f"model {model} needs a flight_path on the mission {mission.name}")
-    return FlownModules(
-        modules.geometry, modules, mission.flight_path, mission.wind, modules.shading
-    )
+    path = on_path(aircraft, mission).flight_path
+    assert path is not None
+    return FlownModules(modules.geometry, modules, path, mission.wind, modules.shading)
 
 
 def specific_power(

@@ -11,6 +11,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.altitude.ceiling import (
     DEFAULT_STEP_M,
+    HOPELESS_H,
     AltitudeFlight,
     PerpetualCeiling,
     highest_perpetual_altitude,
@@ -78,10 +79,11 @@ class Ceiling(Result):
         more = [] if climb is None else [f"climbs to {climb.ceiling_m:g} m"]
         more += [f"more than {required:g} h of excess time"] if required > 0.0 else []
         how = f" with {' and '.join(more)}" if more else ""
-        best = f"largest excess time {hours(ceiling.best.excess_time_h)}"
+        best = f"; largest excess time {hours(ceiling.best.excess_time_h)}"
         best += f" at {ceiling.best.altitude_m:.0f} m"
-        where = "at any altitude" if climb is None else "from any night floor"
-        said = f"no perpetual flight{how} {where}"
+        of = "" if climb is None else "night floors "
+        ends = [ceiling.flights[end].altitude_m for end in (0, -1)]
+        said = f"no perpetual flight{how} from {of}{ends[0]:.0f} to {ends[1]:.0f} m"
         if ceiling.highest is not None:
             beyond = " and beyond the search" if ceiling.at_search_limit else ""
             if climb is not None and ceiling.highest.altitude_m >= climb.ceiling_m:
@@ -89,7 +91,10 @@ class Ceiling(Result):
             up_to = f"{ceiling.highest.altitude_m:.0f} m{beyond}"
             night = "" if climb is None else " from night floors"
             said = f"perpetual flight{how}{night} up to {up_to}"
-        return f"{self.aircraft.name} on {self.mission.name}: {said}; {best}"
+            if ceiling.highest.altitude_m < self.mission.altitude_m:
+                # Altitudes below were not tried, where the excess time may be larger.
+                said, best = f"{said}, below the mission's {self.mission.altitude_m:g} m", ""
+        return f"{self.aircraft.name} on {self.mission.name}: {said}{best}"
 
     def summary(self) -> Summary:
         """Headline, and a table of altitudes around and below the ceiling."""
@@ -102,7 +107,7 @@ class Ceiling(Result):
         )
 
     def table(self) -> Table:
-        """Both ends, some altitudes between them, and the ceiling."""
+        """Altitudes from the lowest to where the day has no power, and the ceiling."""
         scenarios = self.mission.scenarios()
         several, shown = len(scenarios) > 1, _printed_flights(self.found)
         climbs = self.mission.climb is not None
@@ -164,8 +169,9 @@ def perpetual_ceiling(
     Parameters
     ----------
     aircraft, mission
-        What flies, and where; the search starts at the mission's altitude. With ``climb`` it is
-        that of the highest night's floor, the ceiling of the climbs stays.
+        What flies, and where; the search starts at the mission's altitude, and goes down from there
+        where no altitude above is feasible. With ``climb`` it is that of the highest night's floor,
+        the ceiling of the climbs stays.
     model, correction : str
         Solar power model and its correction.
     highest_m, step_m : float
@@ -208,7 +214,10 @@ def _printed_flights(ceiling: PerpetualCeiling) -> list[AltitudeFlight]:
     shown = [f for f in between if round(f.altitude_m / step) % stride == 0]
     more = [] if ceiling.highest is None else [ceiling.highest]
     each = {flight.altitude_m: flight for flight in (*shown, *ends, *more)}
-    return [each[altitude_m] for altitude_m in sorted(each)]
+    rows = [each[altitude_m] for altitude_m in sorted(each)]
+    while len(rows) > 1 and all(flight.excess_time_h <= HOPELESS_H for flight in rows[-2:]):
+        rows.pop()  # nothing changes from there up
+    return rows
 
 
 @styled

@@ -16,12 +16,14 @@ from missions.files.overrides import with_overrides
 from missions.files.validation import validate
 from missions.files.yaml import Document, parse_yaml
 from missions.mission import Mission
+from sizing.aircraft import Aircraft
 from sizing.design import Design, variables_of
 from sizing.library import checked_aircraft
 from sizing.mass_budget import closed_design
 from sizing.parameters import BUILD_KEY
 from sizing.results.sizing import size
 from sizing.results.tables import Column, Table
+from sizing.sized_structure import structure_parts
 from sizing.structures.build import build_qualities
 
 
@@ -39,14 +41,21 @@ def _starter(kind: str) -> Document:
     return parse_yaml(template.read_text(encoding="utf-8").replace("NAME", "team"), f"{kind}.yaml")
 
 
+def starters(
+    record: Mapping[str, Any], build: str | float, parts: Mapping[str, Any] = MappingProxyType({})
+) -> tuple[Aircraft, Mission]:
+    """What ``init`` writes, with what a record changes in it."""
+    own = record.get("geometry", record.get("aircraft"))
+    changes = {BUILD_KEY: build, **own, **parts}
+    aircraft = checked_aircraft(with_overrides(_starter("aircraft"), changes))
+    return aircraft, validate(with_overrides(_starter("mission"), record["mission"]), Mission)
+
+
 def computed(
     record: Mapping[str, Any], build: str | float, parts: Mapping[str, Any] = MappingProxyType({})
 ) -> Design | None:
     """Optimum of least mass, or the aircraft of the given geometry; None where none closes."""
-    own = record.get("geometry", record.get("aircraft"))
-    changes = {BUILD_KEY: build, **own, **parts}
-    aircraft = checked_aircraft(with_overrides(_starter("aircraft"), changes))
-    mission = validate(with_overrides(_starter("mission"), record["mission"]), Mission)
+    aircraft, mission = starters(record, build, parts)
     if "geometry" in record:
         return closed_design(aircraft, mission, variables_of(aircraft))
     return size(aircraft, mission).design
@@ -93,6 +102,25 @@ def team_designs_table() -> Table:
                 )
             )
     return Table("", columns, tuple(rows))
+
+
+def weighed_parts_table() -> Table:
+    """Structures that were weighed part by part beside those computed with their class."""
+    rows = []
+    for one in team_designs().values():
+        if "weighed_kg" not in one:
+            continue
+        given = starters(one, one["build"])
+        built = structure_parts(*given, closed_design(*given, variables_of(given[0])))
+        assert built is not None
+        found = {name: float(mass) for name, mass in built._asdict().items()}
+        # Glue and fittings are a share of all.
+        joined = sum(found.values()) / (sum(found.values()) - found.pop("joints"))
+        parts = {key: found.pop(key) for key in ("tails", "boom", "pod")}
+        parts["wing"] = sum(found.values())
+        for name, weighed in one["weighed_kg"].items():
+            rows.append((one["name"], name, _text(weighed, joined * parts[name])))
+    return Table("", (Column("aircraft"), Column("part"), Column("mass", "mass [kg]")), tuple(rows))
 
 
 def _text(published: float | None, found: Any) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TypeAlias
@@ -42,6 +42,14 @@ class Problem:
         if self.key and named != self.key and not named.endswith("." + self.key):
             parts.append(self.key)
         return ": ".join([*parts, self.message])
+
+
+def left_out_note(rows: Sequence[Problem]) -> tuple[str, ...]:
+    """Note on rows of a file that are left out, with the first of them; none without."""
+    if not rows:
+        return ()
+    count = "1 row is" if len(rows) == 1 else f"{len(rows)} rows are"
+    return (f"{count} left out: {rows[0]}",)
 
 
 class InputError(ValueError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from missions.files.errors import file_error
-from missions.mission import Mission
+from missions.mission import Mission, latitude_label
 from missions.weather.record import Weather
 from solar.clearsky import THIN_AIR_FROM_M
 
@@ -33,8 +33,13 @@ def mission_at_site(
             f"up to {FAR_KM:.0f} km (set the mission's latitude_deg; solar-uav analyse may also "
             "leave the mission out)",
         )
-    if away_km > NEAR_KM:
+    if away_km > NEAR_KM and mission.longitude_deg is not None:
         notes.append(f"flown at the record's site, {away_km:.0f} km from the mission's")
+    elif away_km > NEAR_KM:
+        notes.append(
+            f"the mission has no longitude: its site is at {latitude_label(site.latitude_deg)} "
+            f"instead of {_latitudes_label(mission)}"
+        )
     altitude_m = mission.altitude_m
     if altitude_m >= THIN_AIR_FROM_M:
         raise file_error(
@@ -79,6 +84,11 @@ def mission_at_site(
             f"{moved.climb_label}, with all of the record's clouds above the aircraft at any height"
         )
     return moved, tuple(notes)
+
+
+def _latitudes_label(mission: Mission) -> str:
+    latitudes = mission.latitudes()
+    return " to ".join(latitude_label(one) for one in sorted({latitudes[0], latitudes[-1]}))
 
 
 def _distance_km(mission: Mission, weather: Weather) -> float:

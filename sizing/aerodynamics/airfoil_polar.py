@@ -29,6 +29,8 @@ from solar.types import FloatArray
 
 # The branch ends where the slope of lift falls to a tenth of a thin airfoil's, 2 pi/rad [1/deg].
 _LEAST_SLOPE_PER_DEG = 0.1 * 2.0 * pi * pi / 180.0
+# It is one over up to this much [deg]: between finer steps lift scatters as much as it rises.
+_WINDOW_DEG = 0.5
 # A Reynolds number at the low end whose maximum lift lies this far below the next one's has stalled
 # by laminar separation; drag there is no continuation of the branch.
 _STALLED_RATIO = 0.85
@@ -63,13 +65,16 @@ class _Branch(NamedTuple):
 
     @property
     def maximum_lift(self) -> float:
-        return float(self.cl[-1])
+        return float(np.max(self.cl))
 
     def refined(self) -> tuple[FloatArray, FloatArray]:
         """Lift and logarithm of drag between the rows, by cubic splines over the angle."""
         from scipy.interpolate import CubicSpline
 
-        alpha = np.linspace(self.alpha_deg[0], self.alpha_deg[-1], 8 * len(self.alpha_deg))
+        width_deg = float(self.alpha_deg[-1] - self.alpha_deg[0])
+        # Finer steps than half a degree tell no more of the curve, and weigh as much.
+        count = min(8 * len(self.alpha_deg), round(16.0 * width_deg) + 8)
+        alpha = np.linspace(self.alpha_deg[0], self.alpha_deg[-1], count)
         lift = CubicSpline(self.alpha_deg, self.cl)(alpha)
         return np.asarray(lift), np.asarray(CubicSpline(self.alpha_deg, np.log(self.cd))(alpha))
 
@@ -112,6 +117,8 @@ class AirfoilPolar:
         collapses (laminar separation without reattachment) are left out.
     least_lift : float
         Lift coefficient at which the branch starts at all these Reynolds numbers.
+    notes : tuple of str
+        What was left out of the table, and how it was read.
     """
 
     name: str
@@ -121,6 +128,7 @@ class AirfoilPolar:
     _maximum_lift: tuple[float, ...]
     _log_drag: tuple[tuple[float, ...], ...]
     _branches: tuple[_Branch, ...]
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def load(cls, airfoil: str) -> AirfoilPolar:
@@ -148,6 +156,7 @@ class AirfoilPolar:
             _maximum_lift=peak,
             _log_drag=_fit_log_drag(branches, scale, peak, least_lift),
             _branches=branches,
+            notes=table.notes,
         )
         error = polar.fit_error
         # Written so that an error that is no number is refused as well.
@@ -244,23 +253,35 @@ def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
             f"attached flow at {len(branches)} Reynolds numbers; "
             f"at least {_LEAST_REYNOLDS_NUMBERS} are needed",
         )
-    if max(b.cl[0] for b in branches) > 0.5 * min(b.maximum_lift for b in branches):
-        raise file_error(table.source, "the branch of attached flow is too short; extend alpha_deg")
-    return tuple(branches)
+    # Where the rise breaks off at low Reynolds numbers, the flow is not attached there either.
+    for first in range(len(branches) - _LEAST_REYNOLDS_NUMBERS + 1):
+        kept = branches[first:]
+        if max(b.cl[0] for b in kept) <= 0.5 * min(b.maximum_lift for b in kept):
+            return tuple(kept)
+    raise file_error(table.source, "the branch of attached flow is too short; extend alpha_deg")
 
 
 def _attached_branch(
     reynolds: float, alpha_deg: FloatArray, cl: FloatArray, cd: FloatArray
 ) -> _Branch:
-    """Rows around half the greatest lift between which lift keeps rising."""
-    rising = np.diff(cl) > _LEAST_SLOPE_PER_DEG * np.diff(alpha_deg)
-    first = last = int(np.argmax(cl >= 0.5 * np.max(cl)))
-    while last < len(rising) and rising[last]:
-        last += 1
-    while first > 0 and rising[first - 1]:
-        first -= 1
+    """Rows around half the greatest lift, from each of which lift rises within the window."""
+    start = int(np.argmax(cl >= 0.5 * np.max(cl)))
+    first, last = (_end_of_rise(sign * alpha_deg, sign * cl, start, sign) for sign in (-1, 1))
     rows = slice(first, last + 1)
     return _Branch(reynolds, alpha_deg[rows], cl[rows], cd[rows])
+
+
+def _end_of_rise(alpha_deg: FloatArray, cl: FloatArray, row: int, step: int) -> int:
+    """Last row from ``row`` on, in steps of ``step``, up to which lift rises."""
+    while 0 <= row + step < len(cl):
+        ahead = np.arange(row + step, len(cl) if step > 0 else -1, step)
+        width = alpha_deg[ahead] - alpha_deg[row]
+        near = (width <= _WINDOW_DEG + 1e-6) | (ahead == row + step)
+        rising = ahead[near & (cl[ahead] - cl[row] > _LEAST_SLOPE_PER_DEG * width)]
+        if not len(rising):
+            break
+        row = int(rising[0])
+    return row
 
 
 def _fit_maximum_lift(branches: tuple[_Branch, ...], scale: _ReynoldsScale) -> tuple[float, ...]:

@@ -1,8 +1,9 @@
-"""Polars as XFOIL (PACC) and XFLR5 write them: headers with units, rows with their lines.
+"""Polars as XFOIL (PACC), XFLR5 and airfoil web sites write them: headers with units, rows.
 
 A file may hold several polars, and the text of a folder several files
 (:data:`missions.files.texts.FILE_MARK`). XFOIL and XFLR5 leave out points that do not converge;
-rows with NaN or asterisks, which some programs write instead, are passed over.
+rows with NaN or asterisks, which some programs write instead, are passed over. Single rows of drag
+or lift that no section has are left out, and told.
 """
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from missions.files.errors import InputError, Problem, printable, shortened
+from missions.files.errors import InputError, Problem, left_out_note, printable, shortened
 from missions.files.texts import FILE_MARK
+from sizing.aerodynamics.polar_table import SHARE_LEFT_OUT
 
 # Metres per second of the units that XFLR5 offers.
 _SPEED_UNITS = {
@@ -38,6 +40,11 @@ _MOST_ROWS = 50_000
 
 _NO_POLAR = "holds no polar: neither 'Calculated polar for:' nor 'Wing name' or 'Plane name'"
 _SECTION = re.compile(r"^\s*Calculated polar for\s*:\s*,?(.*)$", re.IGNORECASE)
+# First line of the CSV of airfoiltools.com, and the lines of its head that count.
+_OF_A_SITE = re.compile(r"^\s*Xfoil polar\.", re.IGNORECASE)
+_ENTRY = re.compile(
+    r"^\s*(Airfoil|Reynolds number|Mach|Ncrit)\s*,\s*([^,]*\S)[\s,]*$", re.IGNORECASE
+)
 _WING = re.compile(r"^\s*(?:Wing|Plane) name\s*:\s*,?(.*)$", re.IGNORECASE)
 _WING_POLAR = re.compile(r"^\s*(?:Wing polar|Plane polar|Polar) name\s*:\s*,?(.*)$", re.IGNORECASE)
 _TYPE = re.compile(r"^\s*(\d)\s+(\d)\s+Reynolds number", re.IGNORECASE)
@@ -105,6 +112,9 @@ class FilePolar:
     trip: tuple[float, float] | None = None
     speed_m_per_s: float = math.nan
     rows: list[PolarRow] = field(default_factory=list)
+    # Rows that no section can have, and how the others were read.
+    left_out: list[Problem] = field(default_factory=list)
+    surplus: int = 0
     # How its rows are to be read.
     columns: list[str] = field(default_factory=list)
     by_commas: bool = False
@@ -120,7 +130,7 @@ def is_foreign(text: str) -> bool:
     if text.startswith(FILE_MARK):
         return True
     head = [line for _, line in zip(range(40), text.splitlines(), strict=False)]
-    return any(one.match(line) for line in head for one in (_SECTION, _WING, _PROGRAM))
+    return any(one.match(line) for line in head for one in (_SECTION, _WING, _PROGRAM, _OF_A_SITE))
 
 
 def read_polars(text: str, source: str) -> list[FilePolar]:
@@ -173,6 +183,8 @@ def _lines(text: str, source: str) -> Iterator[tuple[str, int, str]]:
 
 def _started(file: str, number: int, line: str, program: str) -> FilePolar | None:
     """New polar whose first line this is; none if it is not."""
+    if _OF_A_SITE.match(line):
+        return FilePolar(file, number, "section", "unnamed", program)
     for expression, kind in ((_SECTION, "section"), (_WING, "wing")):
         if found := expression.match(line):
             name = printable(" ".join(found[1].split()).strip(","))[:80] or "unnamed"
@@ -206,7 +218,11 @@ def _read_header(polar: FilePolar, line: str) -> None:
                 " are read"
             )
     elif found := _SETTINGS.search(line):
-        _take_settings(polar, found)
+        exponent = 10.0 ** min(int(found[3] or 0), 99)
+        polar.ncrit = None if found[4] is None else _float(found[4])
+        _take_air(polar, _float(found[1]), _float(found[2]) * exponent)
+    elif found := _ENTRY.match(line):
+        _take_entry(polar, found[1].lower(), found[2])
     elif found := _TRIP.search(line):
         polar.trip = (_float(found[1]), _float(found[2]))
     elif found := _WING_POLAR.match(line):
@@ -221,13 +237,26 @@ def _read_header(polar: FilePolar, line: str) -> None:
         raise ValueError("a polar at a fixed angle of attack (type 4); types 1 and 2 are read")
 
 
-def _take_settings(polar: FilePolar, match: re.Match[str]) -> None:
-    polar.mach = _float(match[1])
-    polar.reynolds = _float(match[2]) * 10.0 ** min(int(match[3] or 0), 99)
-    polar.ncrit = None if match[4] is None else _float(match[4])
+def _take_entry(polar: FilePolar, key: str, value: str) -> None:
+    """Take a line of a web site's head."""
+    if key == "airfoil":
+        polar.name = printable(value)[:80]
+        return
+    if not re.fullmatch(_NUMBER, value):
+        raise ValueError(f"{key} must be a number (got {shortened(printable(value))!r})")
+    if key == "ncrit":
+        polar.ncrit = _float(value)
+    elif key == "mach":
+        _take_air(polar, _float(value), polar.reynolds)
+    else:
+        _take_air(polar, polar.mach, _float(value))
+
+
+def _take_air(polar: FilePolar, mach: float, reynolds: float) -> None:
+    polar.mach, polar.reynolds = mach, reynolds
     if not 0.0 <= polar.mach <= _LARGEST_MACH:
         raise ValueError(f"Mach must be from 0 to {_LARGEST_MACH:g} (got {polar.mach:g})")
-    if not _LEAST_REYNOLDS <= polar.reynolds <= _LARGEST_REYNOLDS:
+    if not (_LEAST_REYNOLDS <= reynolds <= _LARGEST_REYNOLDS or math.isnan(reynolds)):
         inviscid = ", an inviscid polar" if polar.reynolds == 0.0 else ""
         raise ValueError(
             f"Re must be from {_LEAST_REYNOLDS:g} to {_LARGEST_REYNOLDS:g} "
@@ -265,13 +294,17 @@ def _take_columns(polar: FilePolar, line: str) -> None:
 
 
 def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
-    """Row of numbers; None for a point that did not converge."""
+    """Row of numbers; None for a point that did not converge, or that no section can have."""
     if polar.by_commas:
         texts = [part.strip() for part in line.rstrip(", \t").split(",")]
         odd = [text for text in texts if not _FIELD.fullmatch(text)]
     else:
         texts = _FIELD.findall(line)
         odd = _FIELD.sub(" ", line).split()
+    surplus = len(texts) - len(polar.columns)
+    # XFLR5 6.61 writes twelve numbers under ten names; those that count stand left of them.
+    if "xflr5" in polar.program.lower() and polar.kind == "section" and surplus > 0:
+        polar.surplus, texts = surplus, texts[:-surplus]
     if odd or len(texts) != len(polar.columns):
         got = shortened(printable(" ".join(line.split())))
         raise ValueError(f"{len(polar.columns)} numbers are needed (got {got!r})")
@@ -283,10 +316,14 @@ def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
     if abs(values["alpha"]) > 90.0:
         raise ValueError(f"alpha must be from -90 to 90 degrees (got {values['alpha']:g})")
     if abs(values["lift"]) > _LARGEST_LIFT:
-        raise ValueError(f"CL must be within {_LARGEST_LIFT:.3g} (got {values['lift']:g})")
+        wrong = f"CL must be within {_LARGEST_LIFT:.3g} (got {values['lift']:g})"
+        polar.left_out.append(polar.problem(number, wrong))
+        return None
     if not 0.0 < drag < 10.0:
         name = "CD" if polar.kind == "section" else "CDv"
-        raise ValueError(f"{name} must be above 0 and below 10 (got {drag:g})")
+        wrong = f"{name} must be above 0 and below 10 (got {drag:g})"
+        polar.left_out.append(polar.problem(number, wrong))
+        return None
     moment, induced = (values.get(key, math.nan) for key in ("moment", "induced"))
     speed = values.get("speed", math.nan) * polar.speed_unit
     alpha_deg = round(values["alpha"], 4)
@@ -303,6 +340,8 @@ def _incomplete(polar: FilePolar) -> Iterator[Problem]:
         yield polar.problem(polar.line, "no line of column names (alpha, CL, CD ...) follows")
     elif polar.kind == "section" and math.isnan(polar.reynolds):
         yield polar.problem(polar.line, "the header has no line 'Mach = ... Re = ...'")
+    elif len(polar.left_out) > SHARE_LEFT_OUT * len(polar.rows):
+        yield from polar.left_out
     elif not polar.rows:
         yield polar.problem(polar.line, "no point of this polar converged")
 
@@ -320,6 +359,18 @@ def _repeated(polar: FilePolar) -> Iterator[Problem]:
                 row.line, f"alpha {row.alpha_deg:g} as in line {first.line}, with other values"
             )
     polar.rows[:] = kept
+
+
+def reading_notes(polars: Sequence[FilePolar]) -> tuple[str, ...]:
+    """What was left out of polars, and how they were read where that is no matter of course."""
+    notes = []
+    if one := next((polar for polar in polars if polar.surplus), None):
+        names = len(one.columns)
+        notes.append(
+            f"XFLR5 writes {names + one.surplus} numbers under {names} names: columns are taken by "
+            "their place from the left"
+        )
+    return (*notes, *left_out_note([row for polar in polars for row in polar.left_out]))
 
 
 def names_of(polars: Sequence[FilePolar]) -> list[str]:

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from missions.files.errors import InputError, Problem, file_error
-from sizing.aerodynamics.polar_files import FilePolar, PolarRow, is_foreign, names_of, read_polars
+from sizing.aerodynamics.polar_files import (
+    FilePolar,
+    PolarRow,
+    is_foreign,
+    names_of,
+    read_polars,
+    reading_notes,
+)
 from sizing.aerodynamics.polar_table import (
     COLUMNS,
     OF_A_SECTION,
@@ -52,10 +59,11 @@ def parse_polar(text: str, source: str, wing: WingReference | None = None) -> Po
         if wing is not None:
             raise file_error(source, OF_A_SECTION)
         return parse_polar_table(text, source)
-    polar = merged(read_polars(text, source), source, wing)
+    polars = read_polars(text, source)
+    polar = merged(polars, source, wing)
     columns = dict(zip(COLUMNS, (*polar.rows.T, np.ones(len(polar.rows))), strict=True))
     header = {"airfoil": polar.name, "source": polar.program}
-    return PolarTable(source, header, columns, polar.span_efficiency)
+    return PolarTable(source, header, columns, polar.span_efficiency, reading_notes(polars))
 
 
 def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> Merged:

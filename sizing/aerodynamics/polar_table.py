@@ -12,7 +12,7 @@ from importlib import resources
 
 import numpy as np
 
-from missions.files.errors import InputError, Problem, file_error
+from missions.files.errors import InputError, Problem, file_error, left_out_note
 from missions.files.texts import read_folder, read_text
 from solar.types import FloatArray
 
@@ -22,6 +22,8 @@ POLAR_SUFFIXES = (".csv", ".txt", ".pol", ".plr", ".dat")
 # No section lifts more than 4 pi without power, see LiftCoefficient; a plate across the flow has a
 # drag coefficient of 2. Numbers far beyond would only overflow.
 _LARGEST_LIFT, _LARGEST_DRAG, _LARGEST_REYNOLDS = 12.57, 10.0, 1e10
+# Rows of impossible lift or drag that may be left out of a table or a polar.
+SHARE_LEFT_OUT = 1 / 12
 COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
 
 
@@ -54,6 +56,7 @@ class PolarTable:
     header: dict[str, str]
     columns: dict[str, FloatArray]
     span_efficiency: float | None = None  # of a wing's induced drag
+    notes: tuple[str, ...] = ()  # what was left out, and how it was read
 
     @property
     def name(self) -> str:
@@ -114,13 +117,16 @@ def parse_polar_table(text: str, source: str) -> PolarTable:
         line = content[0][0] if content else None
         problems.append(Problem(source, line, None, "", f"column names must be {expected}"))
         raise InputError(problems)
-    rows, mistakes = _read_rows(content[1:], source)
+    rows, mistakes, left_out = _read_rows(content[1:], source)
+    if len(left_out) > SHARE_LEFT_OUT * len(rows):
+        mistakes += left_out
     if problems or mistakes:
         raise InputError([*problems, *mistakes])
     if not rows:
         raise file_error(source, "the table has no rows")
     values = np.asarray(rows)
-    return PolarTable(source, header, {name: values[:, i] for i, name in enumerate(COLUMNS)})
+    columns = {name: values[:, i] for i, name in enumerate(COLUMNS)}
+    return PolarTable(source, header, columns, notes=left_out_note(left_out))
 
 
 def _header_entries(comments: list[tuple[int, str]]) -> Iterable[tuple[str, str]]:
@@ -132,9 +138,11 @@ def _header_entries(comments: list[tuple[int, str]]) -> Iterable[tuple[str, str]
 
 def _read_rows(
     content: list[tuple[int, str]], source: str
-) -> tuple[list[list[float]], list[Problem]]:
+) -> tuple[list[list[float]], list[Problem], list[Problem]]:
+    """Rows, mistakes, and rows of lift or drag that no section has."""
     rows: list[list[float]] = []
     problems: list[Problem] = []
+    left_out: list[Problem] = []
     seen: dict[tuple[float, float], int] = {}
     for number, line in content:
         row = line.split(",")
@@ -148,10 +156,12 @@ def _read_rows(
             if earlier != number:
                 complaint = f"same alpha_deg and reynolds as in line {earlier}"
         if complaint:
-            problems.append(Problem(source, number, None, "", complaint))
+            impossible = complaint.startswith(("cl must", "cd must"))
+            kept = left_out if impossible else problems
+            kept.append(Problem(source, number, None, "", complaint))
         else:
             rows.append(values)
-    return rows, problems
+    return rows, problems, left_out
 
 
 def _complaint(values: list[float], line: str) -> str:

@@ -20,6 +20,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from missions.air import MAXIMUM_ALTITUDE_M
+from missions.files.errors import InputError
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.mass_budget import ImpossibleDesignError, operating_reason, operating_trouble
@@ -35,7 +36,7 @@ DEFAULT_STEP_M = 250.0
 _RESOLUTION_M = 0.1
 # Limits the root finder where excess time is infinite.
 _FAR_H = 1000.0
-_INFEASIBLE_H = -24.0
+HOPELESS_H = -24.0
 
 Progress = Callable[[int, int], None]
 
@@ -100,8 +101,9 @@ def highest_perpetual_altitude(
     Parameters
     ----------
     aircraft, mission, solar
-        As for :func:`sizing.performance.performance`. The search starts at the mission's altitude;
-        a parametric aircraft's masses are those of a flight at each altitude, or night's floor.
+        As for :func:`sizing.performance.performance`. The search starts at the mission's altitude,
+        and goes down from there where no altitude above is feasible; a parametric aircraft's masses
+        are those of a flight at each altitude, or night's floor.
     highest_m : float
         End of the search [m]; if left out 20,000 m, or 32,000 m for missions above 15,000 m. With
         climbs it ends at their ceiling at the latest.
@@ -142,13 +144,20 @@ def highest_perpetual_altitude(
         flights.append(flown(altitude_m))
         if progress is not None:
             progress(number, len(altitudes))
+    required_h = mission.required_excess_time_h
+    below = scanned_altitudes_m(0.0, mission.altitude_m, step_m)[:-1]
+    while below and not any(flight.excess_time_h > required_h for flight in flights):
+        try:
+            flights.insert(0, flown(below.pop()))
+        except InputError:  # where a table of winds ends
+            break
+        if progress is not None:
+            progress(len(flights), len(flights) + len(below))
     if all(np.isnan(flight.propulsion_power_w) for flight in flights):
         raise ImpossibleDesignError(
             operating_trouble(aircraft, mission)
             or f"{aircraft.name} cannot carry its own mass at any altitude"
         )
-
-    required_h = mission.required_excess_time_h
     highest = _highest(flights, flown, required_h)
     return PerpetualCeiling(
         flights=tuple(flights),
@@ -161,6 +170,8 @@ def highest_perpetual_altitude(
 
 def scanned_altitudes_m(lowest_m: float, highest_m: float, step_m: float) -> list[float]:
     """Altitudes to scan [m]: both ends, and the multiples of the step between them."""
+    if not lowest_m < highest_m:
+        return [float(highest_m)]
     first, last = np.floor(lowest_m / step_m) + 1.0, np.ceil(highest_m / step_m) - 1.0
     between = step_m * np.arange(first, last + 1.0)
     return [float(lowest_m), *(float(h) for h in between), float(highest_m)]
@@ -181,7 +192,7 @@ def flight_at_altitude(
     except ImpossibleDesignError:
         reason = operating_reason(aircraft, there) or "cannot carry its own mass"
         return AltitudeFlight(
-            *(altitude_m, _INFEASIBLE_H, *5 * (nan,), density_kg_per_m3, nan),
+            *(altitude_m, HOPELESS_H, *5 * (nan,), density_kg_per_m3, nan),
             worst_scenario=0,
             reason=reason,
             maximum_altitude_m=None if there.climb is None else nan,

@@ -52,7 +52,7 @@ class WholeCells:
         best = self.relaxed.objective_value
         if self.chosen is None or self.chosen.value is None or best is None:
             return None
-        if not math.isfinite(best) or best == 0.0:
+        if best == 0.0 or not math.isfinite(self.chosen.value - best):
             return None
         worse = self.chosen.value - best
         return (-worse if self.relaxed.objective.maximised else worse) / abs(best)

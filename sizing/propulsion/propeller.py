@@ -117,12 +117,15 @@ class PropellerTable:
     any_speed : bool
         Beyond the slowest and the fastest curve these two are used, at any speed of rotation. On
         request only: the Reynolds number changes both coefficients.
+    notes : tuple of str
+        What was left out of the files.
     """
 
     diameter_m: float
     curves: tuple[SpeedCurve, ...]
     source: str
     any_speed: bool = False
+    notes: tuple[str, ...] = ()
     # Its curves end at different advance ratios, and outside there is nothing to search.
     trials: ClassVar[int] = 97
 

@@ -10,7 +10,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from missions.files.errors import InputError, Problem, file_error, printable, shortened
+from missions.files.errors import (
+    InputError,
+    Problem,
+    file_error,
+    left_out_note,
+    printable,
+    shortened,
+)
 from missions.files.texts import read_text
 from sizing.propulsion.propeller import PropellerTable, SpeedCurve
 
@@ -51,6 +58,7 @@ class _Read:
     problems: list[Problem] = field(default_factory=list)
     diameter_m: float | None = None
     static: list[_Point] = field(default_factory=list)
+    left_out: list[Problem] = field(default_factory=list)
 
 
 def read_propeller(
@@ -103,7 +111,7 @@ def read_propeller(
         raise InputError(read.problems[:20])
     assert read.diameter_m is not None
     curves = tuple(_curve(points, read.static) for points in _by_speed(read.points))
-    return PropellerTable(read.diameter_m, curves, names, any_speed)
+    return PropellerTable(read.diameter_m, curves, names, any_speed, left_out_note(read.left_out))
 
 
 def _missing(read: _Read, names: str, any_speed: bool) -> list[Problem]:
@@ -178,6 +186,9 @@ def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
                 read.problems.append(Problem(file, number, None, "", message))
         elif words[:2] == ["V", "J"]:
             order = [word.lower() for word in words]
+        elif 2 < len(words) < len(order) and "(" not in line:
+            message = f"{len(order)} numbers are needed (got {len(words)})"
+            read.problems.append(Problem(file, number, None, "", message))
         elif order and words and "(" not in line:
             _apc_row(read, speed, dict(zip(order, words, strict=False)), (file, number))
 
@@ -187,8 +198,12 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
     values = {key: _number(row.get(key, "")) for key in ("v", "j", "ct", "cp")}
     wrong = [key for key, value in values.items() if math.isnan(value)]
     if wrong:
-        # Where its computation does not converge APC prints NaN.
-        if not any("nan" in row.get(key, "").lower() for key in wrong):
+        # Where its computation does not converge APC prints NaN, since 2022 nothing.
+        if any("nan" in row.get(key, "").lower() for key in wrong) or (
+            list(row) == ["v", "j"] and wrong == ["ct", "cp"]
+        ):
+            read.left_out.append(Problem(*place, None, "", "no CT and CP"))
+        else:
             message = f"{wrong[0].upper()} must be a number (got {row.get(wrong[0], '')!r})"
             read.problems.append(Problem(*place, None, "", shortened(printable(message))))
         return

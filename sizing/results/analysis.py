@@ -23,7 +23,7 @@ from sizing.relaxed_flight import Relaxation, relaxed_flight
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results import quantities as q
 from sizing.results.conditions import battery_record, wind_record
-from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
+from sizing.results.notes import extrapolation_records, relaxation_records, source_records
 from sizing.results.parts import cells_record, drag_record
 from sizing.results.propulsion import (
     PartMasses,
@@ -304,7 +304,7 @@ class Analysis(Result):
             "wind": wind_record(self.mission),
         }
         result |= {key: one for key, one in not_of_all.items() if one is not None}
-        result |= catalogue_records(self.aircraft)
+        result |= source_records(self.aircraft)
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)
         return result

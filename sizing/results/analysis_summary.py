@@ -10,17 +10,19 @@ import numpy as np
 
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
+from sizing.aircraft import MeasuredAirframe
 from sizing.altitude.best_climb import BestClimb
 from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
+from sizing.limits import ROW_TOLERANCE
 from sizing.replay import CalendarRun
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.conditions import battery_line, battery_record, wind_rows
 from sizing.results.notes import (
-    catalogue_blocks,
     extrapolation_blocks,
     mass_table,
     relaxation_table,
+    source_blocks,
     structure_blocks,
     uncertainty_line,
 )
@@ -72,11 +74,14 @@ def summary(analysis: Analysis) -> Summary:
     if condition is not None:
         blocks.append(condition)
     blocks += cells_lines(cells_record(analysis.aircraft))
+    beyond = coverage_line(analysis)
+    if beyond is not None:
+        blocks.append(Line(beyond, "warning"))
     slow = settling_line(analysis)
     if slow is not None:
         blocks.append(Line(slow, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
-    blocks += catalogue_blocks(analysis.aircraft)
+    blocks += source_blocks(analysis.aircraft)
     if analysis.excess_time_h < 0.0:
         blocks.append(Line(q.BELOW_ZERO, "faint"))
     error = uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
@@ -140,6 +145,21 @@ def _utc(analysis: Analysis, day: int, solar_h: float) -> str:
         return ""
     ahead_h = float(solar_time_h(0.0, day, longitude))
     return f"; {clock_label((solar_h - ahead_h) % 24.0)} UTC"
+
+
+def coverage_line(analysis: Analysis) -> str | None:
+    """Note on modules that leave less of the wing free than the file asks; None where they fit."""
+    airframe, design = analysis.aircraft.airframe, analysis.performance.design
+    if isinstance(airframe, MeasuredAirframe):
+        return None
+    covered = float(design.variables.module_area_m2 / design.wing_area_m2)
+    most = airframe.maximum_module_coverage
+    if covered <= most * (1.0 + ROW_TOLERANCE):
+        return None
+    return (
+        f"The modules cover {100.0 * covered:.0f} % of the wing, more than the "
+        f"{100.0 * most:g} % of airframe.maximum_module_coverage."
+    )
 
 
 # More days than these are told: at an equinox at 47.6 N the energy of a day has changed by 5 % by

@@ -69,23 +69,27 @@ def mass_table(masses_kg: Mapping[str, float]) -> Table:
     return facts("", [("mass budget", ""), *masses])
 
 
-def catalogue_blocks(aircraft: Aircraft) -> list[Any]:
-    """A line on the values that catalogues gave; none where the file names no entry."""
+def source_blocks(aircraft: Aircraft) -> list[Any]:
+    """Lines on what was left out of its files, and on the values that catalogues gave."""
+    lines = [Line(text, "faint") for text in aircraft.reading_notes()]
     taken = aircraft.from_catalogues()
     if not taken:
-        return []
+        return lines
     labels = dict.fromkeys(one.label for one in taken)
     parts = []
     for label in labels:
         values = [f"{one.key} {one.text}" for one in taken if one.label == label]
         parts.append(f"{', '.join(values)} of {label}")
-    return [Line(f"From catalogues: {'; '.join(parts)}.", "faint")]
+    return [*lines, Line(f"From catalogues: {'; '.join(parts)}.", "faint")]
 
 
-def catalogue_records(aircraft: Aircraft) -> dict[str, Any]:
-    """Key ``from_catalogues`` of a record, JSON-ready; no key where the file names no entry."""
-    taken = aircraft.from_catalogues()
-    return {"from_catalogues": [one.to_dict() for one in taken]} if taken else {}
+def source_records(aircraft: Aircraft) -> dict[str, Any]:
+    """Keys ``from_catalogues`` and ``reading_notes`` of a record, where there is something."""
+    records = {
+        "from_catalogues": [one.to_dict() for one in aircraft.from_catalogues()],
+        "reading_notes": aircraft.reading_notes(),
+    }
+    return {key: value for key, value in records.items() if value}
 
 
 def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible") -> Table:

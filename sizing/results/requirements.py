@@ -18,7 +18,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import Design, FlightConditions, bus_voltage_v, parametric_design
 from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd
-from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.limits import QUANTITIES, ROW_TOLERANCE, DesignInFlight
 from sizing.parameters import catalogue, label, unit, unit_text
 from sizing.performance import Performance
 from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
@@ -285,7 +285,7 @@ def requirement_table(margins: list[RequirementMargin]) -> Table:
             f"{one.label}{' (recommended)' if one.recommended else ''}",
             one.value_text,
             f"{one.limit:.5g} {one.unit}".strip(),
-            one.text,
+            one.text if one.recommended or one.margin >= -ROW_TOLERANCE else f"{one.text}, missed",
         )
         for one in margins
     )

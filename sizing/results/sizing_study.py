@@ -30,7 +30,7 @@ from sizing.program.result import SizingResult, SizingStatus
 from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
 from sizing.results.conditions import battery_record, climbs_record, level_record, wind_record
-from sizing.results.notes import catalogue_records, extrapolation_records, relaxation_records
+from sizing.results.notes import extrapolation_records, relaxation_records, source_records
 from sizing.results.parts import sized_data, sizing_record
 from sizing.results.propulsion import PartMasses, PowerBudget, part_masses, power_budget
 from sizing.results.qualities import BuiltDesign
@@ -264,7 +264,7 @@ class SizingStudy(Result):
             "wind": wind_record(self.mission),
             "uncertainty": None if low is None or high is None else uncertainty_record(low, high),
             "extrapolations": extrapolation_records(self.extrapolations),
-            **catalogue_records(self.aircraft),
+            **source_records(self.aircraft),
             "range": _of(self.coverage, _range_record),
             "relaxations": _of(self.relaxations if infeasible else None, relaxation_records),
             "sensitivities": _of(self.sensitivities, sensitivity_records),

@@ -22,10 +22,10 @@ from sizing.program.objectives import Objective
 from sizing.program.result import RELATIVE_TOLERANCE, SizingStatus
 from sizing.results.conditions import battery_line, battery_record, climb_lines, wind_rows
 from sizing.results.notes import (
-    catalogue_blocks,
     extrapolation_blocks,
     mass_table,
     relaxation_table,
+    source_blocks,
     structure_blocks,
     uncertainty_line,
 )
@@ -212,7 +212,7 @@ def _confidence(study: SizingStudy) -> list[Any]:
     condition = battery_line(study.aircraft, battery_record(study.aircraft, study.mission, mass_kg))
     blocks: list[Any] = [] if condition is None else [condition]
     blocks += extrapolation_blocks(study.extrapolations)
-    blocks += catalogue_blocks(study.aircraft)
+    blocks += source_blocks(study.aircraft)
     if flown is not None and low is not None and high is not None:
         worst = flown.worst_scenario()
         blocks.append(Line(uncertainty_line(low, high, worst, study.mission), "faint"))

@@ -66,11 +66,12 @@ class RibWingStructure(RibWingKeys):
         area_m2, chord_m = wing.wing_area_m2, wing.chord_m
         (caps, web), wires = self._spar_kg(wing), self.wires(wing).mass_kg
         tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
+        ribs = self._ribs_kg(area_m2, chord_m, wing.sheet_m)
         parts = (
             caps,
             web,
             self._covering_kg(area_m2),
-            self._ribs_kg(area_m2, chord_m, wing.sheet_m),
+            ribs if self.core_density_kg_per_m3 is None else ribs / self.mass_factor,
             self._edges_kg(area_m2, chord_m, wing.nose_sheet_m),
             (tail_ratio if self.booms else 0.0) * area_m2 * self.tail_kg_per_m2,
             self._boom_kg(area_m2, chord_m, wing.equivalent_airspeed_m_per_s),

@@ -242,7 +242,7 @@ class RibWingKeys(BuiltStructure):
     rib_spacing_chords: PositiveReal = 0.2
     rib_solidity: Fraction = 0.6
     nose_chord_fraction: Fraction = 0.25
-    # Solid core of foam in place of ribs and trailing edge; none: built up.
+    # Solid core of foam in place of ribs and trailing edge, as bought; none: built up.
     core_density_kg_per_m3: PositiveReal | None = None
     trailing_edge_chord_fraction: Fraction = 0.05
     # Tails, boom, pod, joints.

@@ -30,7 +30,6 @@ from missions.files.overrides import with_overrides
 from missions.files.shipped import Kind, find_document, shipped_names, shipped_text
 from missions.files.validation import located_error, validate
 from missions.files.yaml import Document
-from missions.flight_path import path_trouble
 from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from missions.weather.files import weather_file
@@ -38,6 +37,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
 from sizing.library import checked_aircraft
 from sizing.mass_budget import ImpossibleDesignError, design_of, with_total_mass
+from sizing.module_power import path_troubles
 from sizing.parameters import design_keys
 from sizing.sunlight import SolarModel
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
@@ -397,7 +397,7 @@ def require_path(case: Case, option: str | None = None, *, in_winds_of_cells: bo
         raise located_error(case.mission_file.document, ("name",), message)
     if in_winds_of_cells and case.mission.wind_statistics is not None:
         return
-    trouble = path_trouble(case.mission.flight_path, case.mission.wind)
+    (trouble,) = path_troubles(case.aircraft, case.mission)
     if trouble is not None:
         raise located_error(case.mission_file.document, ("flight_path",), trouble)
 

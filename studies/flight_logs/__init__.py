@@ -1,7 +1,7 @@
 """Solar power models against flight logs.
 
-* ``verification``: ``verify``: errors of all models, and what looks wrong in the flight
-* ``samples``, ``errors``, ``log_view``: models on a log, their errors, the log as rules look at it
-* ``anomalies``: losses and gaps by periods; ``synthetic``: logs with known faults
-* ``plots``: figures
+* ``verification``: ``verify``, which puts the others together
+* ``forward``, ``samples``: models on a log; ``errors``, ``residuals``: how far they are off, where
+* ``left_out``: what says nothing; ``fit``, ``level_power``, ``estimates``: what a log tells
+* ``trackers``: MPPTs one by one; ``synthetic``: logs with known faults; ``plots``: figures
 """

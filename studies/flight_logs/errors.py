@@ -120,9 +120,8 @@ def in_window(samples: Samples, window: Window) -> BoolArray:
 
 def solar_span(samples: Samples) -> str:
     """Solar days and hours that the samples cover, for messages."""
-    days = np.unique(samples.solar_day)
     spans = []
-    for day in days:
+    for day in np.unique(samples.solar_day):
         hours = samples.time_solar_h[samples.solar_day == day]
         spans.append(f"{_iso_date(int(day))} {hours.min():.2f} to {hours.max():.2f} h")
     return ", ".join(spans)
@@ -133,10 +132,7 @@ def _iso_date(day: int) -> str:
 
 
 def sections(
-    samples: Samples,
-    excluded: BoolArray,
-    filter_s: float,
-    masks: Iterable[tuple[str, BoolArray]],
+    samples: Samples, excluded: BoolArray, filter_s: float, masks: Iterable[tuple[str, BoolArray]]
 ) -> tuple[Section, ...]:
     """Errors of all models in several parts of a log, by name and samples of each."""
     used = ~excluded
@@ -154,17 +150,9 @@ def sections(
             for m in raw
             if inside.any()
         }
-        result.append(
-            Section(
-                label=label,
-                start_s=float(times[0]),
-                end_s=float(times[-1]),
-                samples=int(inside.sum()),
-                excluded=int((mask & excluded).sum()),
-                filter_s=filter_s,
-                errors=errors,
-            )
-        )
+        counts = int(inside.sum()), int((mask & excluded).sum())
+        ends = float(times[0]), float(times[-1])
+        result.append(Section(label, *ends, *counts, filter_s=filter_s, errors=errors))
     return tuple(result)
 
 

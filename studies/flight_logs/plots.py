@@ -1,21 +1,20 @@
-"""Figures of a verification after those of Oettershagen's report: details of a window, a day.
-
-Time is universal time, as the log has it; solar time stands above.
-"""
+"""Figures of a verification: residuals of the whole flight, and power in each window."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from missions.logs.plausible import utc_text
 from solar.sun import SECONDS_PER_DAY
-from solar.types import BoolArray, FloatArray, IntArray
-from studies.flight_logs.errors import Section, day_masks, moving_average
-from studies.flight_logs.log_view import Kind
-from studies.flight_logs.samples import Samples
+from solar.types import BoolArray, FloatArray
+from studies.flight_logs.errors import moving_average
+from studies.flight_logs.left_out import Reason
+from studies.flight_logs.residuals import Residual
 from studies.flight_logs.verification import Verification
 from studies.output.figures.drawing import (
     BLUE,
@@ -24,13 +23,12 @@ from studies.output.figures.drawing import (
     MODEL_COLOURS,
     MODEL_LINES,
     ORANGE,
+    PURPLE,
     SKY,
     VERMILLION,
-    YELLOW,
     Canvas,
     ink,
     new_figure,
-    shade,
     styled,
 )
 from studies.output.figures.options import DEFAULT, FigureOptions
@@ -39,242 +37,172 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LOGGED, LIMITED = BLUE, YELLOW
-_MEASURED_WIDTH = 1.8  # wider than the models'
-# Kind of what looks wrong -> its words and hatch.
-_FAULTS: dict[Kind, tuple[str, str]] = {
-    "mppt_not_tracking": ("MPPT does not track", "xx"),
-    "power_loss": ("no power", "oo"),
-    "modules_missing": ("modules missing", ".."),
-    "cloud": ("cloud", "--"),
-    "shading": ("shading", "++"),
+_LEFT_OUT: dict[Reason, tuple[str, str]] = {
     "battery_full": ("battery full", "\\\\\\"),
-    "frozen_channel": ("channel frozen", "||"),
+    "no_power": ("no power", "oo"),
+    "frozen": ("frozen", "||"),
+    "implausible": ("implausible", "xx"),
+    "excluded": ("by hand", "++"),
     "missing_data": ("no data", "///"),
 }
-_POWER = "solar power [W]"  # the highest panel
+_LOGGED: dict[str, Any] = {"color": VERMILLION, "linestyle": "-"}
+_ESTIMATED: dict[str, Any] = {"color": BLUE, "linestyle": "--"}
 # More points than this are not told apart on a page.
 _MOST_POINTS = 4000
-
-
-class _Row(NamedTuple):
-    """One of the panels: label, values and style of each line, whether zero is marked, limits."""
-
-    label: str
-    lines: list[tuple[str, FloatArray, dict[str, Any]]]
-    zero: bool = False
-    limits: Mapping[str, Any] = {}
-
-
-class _View(NamedTuple):
-    """What one figure shows: samples of one window or day, filtered, over universal time.
-
-    ``hours`` counts on across midnight from that of ``date``, solar time is ``solar_ahead_h`` more.
-    ``faults``: what looks wrong by kind, and where samples are missing that the sun would have lit.
-    """
-
-    date: str
-    solar_ahead_h: float
-    hours: FloatArray
-    run: IntArray
-    rows: list[_Row]
-    excluded: BoolArray
-    faults: dict[Kind, list[tuple[float, float]]]
+_BRIGHT = 0.1  # of the peak: below, shares of MPPTs are noise
 
 
 def figures(
     result: Verification, *, figure: FigureOptions = DEFAULT
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Functions that draw all windows and days, each with a name for its file."""
+    """Functions that draw residuals and windows, each with a name for its file."""
+    yield "residuals", partial(residual_figure, result, figure=figure)
     for number in range(len(result.windows)):
         yield f"window-{number + 1}", partial(window_figure, result, number, figure=figure)
-    for section, (date, mask) in zip(result.days, day_masks(result.samples), strict=True):
-        yield f"day-{date}", partial(day_figure, result, section, mask, figure=figure)
 
 
 @styled
 def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT) -> Figure:
-    """Power, attitude, efficiencies, shade and MPPT voltage in one window."""
-    section = result.windows[number]
-    view = _view(result, result.window_masks[number], result.window_filter_s, attitude=True)
-    return _figure(result, section, view, [], figure)
+    """Measured and modelled power in one window, and errors of all models."""
+    section, mask = result.windows[number], result.window_masks[number]
+    drawn, (power, error) = _panels(result, 2, section.label, result.window_filter_s, figure)
+    over_time = _OverTime(result, mask, result.window_filter_s)
+    _draw_power(over_time, power)
+    for model, modelled in result.samples.modelled_w.items():
+        style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
+        over_time.line(error, over_time.smooth(modelled - result.samples.measured_w), **style)
+    error.set_ylabel("model − measured [W]")
+    return _finished(drawn, over_time, [power, error], [error])
 
 
 @styled
-def day_figure(
-    result: Verification, section: Section, mask: BoolArray, *, figure: Canvas = DEFAULT
-) -> Figure:
-    """The same over a day (UTC), the windows as grey patches."""
-    view = _view(result, mask, result.day_filter_s, attitude=False)
-    hours, _ = _hours(result.samples, mask)
-    inside = [hours[window[mask]] for window in result.window_masks]
-    patches = [(float(h.min()), float(h.max())) for h in inside if len(h)]
-    return _figure(result, section, view, patches, figure)
+def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure:
+    """Power, and residuals over time, the sun's elevation and its azimuth, and by MPPTs."""
+    samples, found = result.samples, result.residuals
+    panels = 3 + bool(found.bearing) + bool(result.trackers)
+    drawn, every = _panels(result, panels, "models against flight", result.day_filter_s, figure)
+    power, error, elevation, *rest = every
+    by_time = [power, error, *rest[bool(found.bearing) :]]
+    over_time = _OverTime(result, np.ones(len(samples.time_s), bool), result.day_filter_s)
+    _draw_power(over_time, power)
+    for label, modelled, style in (
+        ("as logged", samples.modelled_w[result.best_model], _LOGGED),
+        ("with the estimates", result.estimated_w, _ESTIMATED),
+    ):
+        if modelled is not None:
+            left = over_time.smooth(modelled - samples.measured_w)
+            over_time.line(error, np.where(result.excluded, np.nan, left), label=label, **style)
+    error.set_ylabel(f"{result.best_model} − measured [W]")
+    _draw_bins(elevation, found.morning, "morning", "o")
+    _draw_bins(elevation, found.afternoon, "afternoon", "^")
+    elevation.set(ylabel="error [%]", xlabel="elevation of the sun [deg]")
+    zero = [error, elevation]
+    if found.bearing:
+        zero.append(rest[0])
+        _draw_bins(rest[0], found.bearing, "", "o")
+        rest[0].set(ylabel="error [%]", xlabel="azimuth of the sun from the nose, clockwise [deg]")
+        rest[0].set(xlim=(0, 360), xticks=range(0, 361, 45))
+    if result.trackers:
+        _draw_trackers(over_time, rest[-1])
+    return _finished(drawn, over_time, by_time, zero)
 
 
-def _hours(samples: Samples, mask: BoolArray) -> tuple[FloatArray, float]:
-    """Universal time [h] since midnight of the mask's first day, and that midnight [s]."""
-    time_s = samples.time_s[mask]
-    midnight_s = float(time_s.min() // SECONDS_PER_DAY * SECONDS_PER_DAY)
-    return np.asarray((time_s - midnight_s) / 3600.0), midnight_s
+class _OverTime:
+    """Some samples of a flight over the hours of its first day, universal time."""
+
+    def __init__(self, result: Verification, mask: BoolArray, filter_s: float) -> None:
+        self.result, self.filter_s = result, filter_s
+        samples, places = result.samples, np.flatnonzero(mask)
+        self.chosen = places[:: max(1, len(places) // _MOST_POINTS)]
+        midnight_s = float(samples.time_s[places[0]] // SECONDS_PER_DAY * SECONDS_PER_DAY)
+        self.midnight_s, self.date = midnight_s, utc_text(midnight_s)[:10]
+        self.hours = (samples.time_s - midnight_s) / 3600.0
+        # As in the errors, what is left out does not leak into the averages beside it.
+        self.run = samples.run + np.cumsum(np.abs(np.diff(result.excluded.astype(int), prepend=0)))
+
+    def smooth(self, values: FloatArray) -> FloatArray:
+        """Average over the time of the filter."""
+        return moving_average(values, self.run, self.result.samples.time_s, self.filter_s)
+
+    def line(self, axes: Axes, values: FloatArray, **style: Any) -> None:
+        """Line that is broken between uninterrupted stretches."""
+        hours, shown = self.hours[self.chosen], values[self.chosen]
+        breaks = np.flatnonzero(np.diff(self.run[self.chosen])) + 1
+        points = np.insert(hours, breaks, np.nan), np.insert(shown, breaks, np.nan)
+        axes.plot(*points, **{"linewidth": 1.0, **style})
+
+    def hatch(self, axes: Axes, *, named: bool) -> None:
+        """Mark what is left out, a hatch for each reason."""
+        axes.set_xlabel(f"time of {self.date} [h UTC]")
+        shown = self.hours[self.chosen]
+        first, last = float(shown.min()), float(np.nextafter(shown.max(), np.inf))
+        for one in self.result.left_out:
+            label, hatch = _LEFT_OUT[one.reason]
+            start, end = ((t - self.midnight_s) / 3600.0 for t in (one.start_s, one.end_s))
+            if min(end, last) > max(start, first):
+                style: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK_GREY}
+                again = label in axes.get_legend_handles_labels()[1]
+                axes.axvspan(
+                    max(start, first), min(end, last), hatch=hatch, zorder=0.5, linewidth=0.0,
+                    label=label if named and not again else None, **style,
+                )  # fmt: skip
+        axes.set_xlim(first, last)
 
 
-def _faults(
-    result: Verification, mask: BoolArray, hours: FloatArray, midnight_s: float
-) -> dict[Kind, list[tuple[float, float]]]:
-    """What looks wrong in the hours that are shown, and where samples are missing, by its kind."""
-    spans: dict[Kind, list[tuple[float, float]]] = {}
-    for one in result.anomalies:
-        start, end = ((t - midnight_s) / 3600.0 for t in (one.start_s, one.end_s))
-        start, end = max(start, float(hours.min())), min(end, float(hours.max()))
-        if one.kind != "missing_data" and end > start:
-            spans.setdefault(one.kind, []).append((start, end))
-    time_s, log_s = result.samples.time_s[mask], result.log.time_s
-    for at in np.flatnonzero(np.diff(result.samples.run[mask])).tolist():
-        between = np.count_nonzero((log_s > time_s[at]) & (log_s < time_s[at + 1]))
-        # Where it holds more samples, the log goes on in the dark.
-        if between * result.log.step_s < 0.5 * (time_s[at + 1] - time_s[at]):
-            spans.setdefault("missing_data", []).append((hours[at], hours[at + 1]))
-    return spans
-
-
-def _view(result: Verification, mask: BoolArray, filter_s: float, *, attitude: bool) -> _View:
-    samples = result.samples
-    stride = max(1, int(mask.sum()) // _MOST_POINTS)
-    chosen = np.flatnonzero(mask)[::stride]
-    # As in the errors, limited power does not leak into the averages beside it.
-    limits = np.cumsum(np.abs(np.diff(result.excluded.astype(int), prepend=0)))
-    run = samples.run + limits
-
-    def shown(values: FloatArray) -> FloatArray:
-        return moving_average(values, run, samples.time_s, filter_s)[chosen]
-
-    hours, midnight_s = _hours(samples, mask)
-    solar_h = samples.time_solar_h[mask] + 24.0 * samples.solar_day[mask]
-    return _View(
-        date=str(np.datetime64(int(midnight_s), "s").astype("datetime64[D]")),
-        solar_ahead_h=float(np.median(solar_h - hours - midnight_s / 3600.0)),
-        hours=hours[::stride],
-        run=run[chosen],
-        rows=list(_rows(result, chosen, shown, attitude=attitude)),
-        excluded=result.excluded[chosen],
-        faults=_faults(result, mask, hours, midnight_s),
-    )
-
-
-def _rows(
-    result: Verification,
-    chosen: IntArray,
-    shown: Callable[[FloatArray], FloatArray],
-    *,
-    attitude: bool,
-) -> Iterator[_Row]:
-    """Panels of a figure: ``shown`` averages what is drawn of the samples that are ``chosen``."""
-    samples, log, detail = result.samples, result.log, result.samples.detail
-    measured = shown(samples.measured_w)
-    models = [
-        (m, shown(power), {"color": MODEL_COLOURS[m], "linestyle": MODEL_LINES[m]})
-        for m, power in samples.modelled_w.items()
-    ]
-    flown = ("measured", measured, {"color": ink(), "linewidth": _MEASURED_WIDTH})
-    yield _Row(_POWER, [*models, flown])
-    left = [(f"_{m}", power - measured, style) for m, power, style in models]
-    yield _Row("model − measured [W]", left, zero=True)
-    attitude &= log.attitude is not None
-    angles: list[tuple[str, FloatArray, dict[str, Any]]] = []
-    yaw = np.zeros(0)
-    if attitude and log.attitude is not None:
-        roll, pitch, yaw = (np.degrees(angle[samples.index]) for angle in log.attitude)
-        angles = [
-            ("roll", shown(roll), {"color": GREEN}),
-            ("pitch", shown(pitch), {"color": SKY, "linestyle": "--"}),
-        ]
-    if detail is not None:
-        style = {"color": VERMILLION, "linestyle": ":"}
-        angles.append(("incidence", shown(detail.incidence_deg), style))
-    if angles:
-        yield _Row("angle [deg]", angles)
-    if attitude:  # not averaged: across north the mean would point south
-        dots = {"color": "grey", "linestyle": "none", "marker": ".", "markersize": 2}
-        compass = {"ylim": (0, 360), "yticks": (0, 90, 180, 270, 360)}
-        yield _Row("angle [deg]", [("yaw", yaw[chosen] % 360.0, dots)], limits=compass)
-    if detail is not None:
-        every = (
-            ("incidence", detail.incidence_efficiency, ORANGE, ":"),
-            ("low light", detail.low_light_efficiency, SKY, "-."),
-            ("temperature", detail.temperature_efficiency, GREEN, (0, (6, 1, 1, 1, 1, 1))),
-            ("MPPT", detail.mppt_efficiency, BLUE, "--"),
-            ("module", detail.module_efficiency, VERMILLION, "-"),
-        )
-        drawn = [
-            (label, 100.0 * shown(values), {"color": colour, "linestyle": dashes})
-            for label, values, colour, dashes in every
-        ]
-        yield _Row("efficiency [%]", drawn)
-    if detail is not None and detail.shaded_m2 is not None:
-        shaded = 1e4 * detail.shaded_m2[chosen]
-        top = max(1.0, 1.05 * float(np.nanmax(shaded, initial=0.0)))
-        limits = {"ylim": (-0.03 * top, top)}  # a line at zero stays visible
-        yield _Row("shaded [cm²]", [("modelled", shaded, {"color": LOGGED})], limits=limits)
-    if log.mppt_voltage_v is not None:
-        volts = log.mppt_voltage_v[samples.index][chosen]
-        yield _Row("voltage [V]", [("MPPT", volts, {"color": LOGGED})])
-
-
-def _figure(
-    result: Verification,
-    section: Section,
-    view: _View,
-    patches: list[tuple[float, float]],
-    canvas: Canvas,
-) -> Figure:
-    heights = [2.0 if row.label == _POWER else 1.2 for row in view.rows]
-    figure, every = new_figure(
-        len(heights),
+def _panels(
+    result: Verification, count: int, what: str, filter_s: float, canvas: Canvas
+) -> tuple[Figure, list[Axes]]:
+    return new_figure(
+        count,
         canvas=canvas,
-        title=f"{result.aircraft}, {section.label}: models against flight",
-        notes=(f"average over ±{section.filter_s:g} s",),
-        size_in=(8.0, 1.4 * sum(heights) + 0.8),
-        sharex=True,
-        height_ratios=heights,
+        title=f"{result.aircraft}, {what}",
+        notes=(f"over time averaged over ±{filter_s:g} s",),
+        size_in=(8.0, 2.3 * count + 0.8),
     )
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], view.excluded.astype(int), [0]))))
-    excluded = view.hours[edges.reshape(-1, 2) - (0, 1)]
-    for axes, row in zip(every, view.rows, strict=True):
-        for label, values, style in row.lines:
-            points = broken_line(view.run, view.hours, values)
-            axes.plot(*points, label=label, **{"linewidth": 1.0, **style})
-        if row.zero:
-            axes.axhline(0.0, color=ink(), linewidth=0.8)
-        axes.set(ylabel=row.label, **row.limits)
-        named = row.label == _POWER
-        shade(axes, patches, "window" if named else None)
-        shade(axes, excluded, "excluded" if named else None, color=LIMITED, alpha=0.3)
-        _mark_faults(axes, view, named=named)
+
+
+def _draw_power(over_time: _OverTime, axes: Axes) -> None:
+    samples = over_time.result.samples
+    for model, modelled in samples.modelled_w.items():
+        style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
+        over_time.line(axes, over_time.smooth(modelled), label=model, **style)
+    measured = over_time.smooth(samples.measured_w)
+    over_time.line(axes, measured, label="measured", color=ink(), linewidth=1.8)
+    axes.set_ylabel("solar power [W]")
+
+
+def _draw_trackers(over_time: _OverTime, axes: Axes) -> None:
+    """Measured over modelled power of each MPPT."""
+    result = over_time.result
+    measured, modelled = result.tracker_w
+    bright = modelled.sum(axis=1) > _BRIGHT * modelled.sum(axis=1).max()
+    colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
+    for number, (tracker, colour) in enumerate(zip(result.trackers, colours, strict=False)):
+        below = np.maximum(over_time.smooth(modelled[:, number]), 1e-9)
+        percent = 100.0 * over_time.smooth(measured[:, number]) / below
+        over_time.line(axes, np.where(bright, percent, np.nan), label=tracker.name, color=colour)
+    axes.set_ylabel(f"measured / {result.best_model} [%]")
+
+
+def _draw_bins(axes: Axes, rows: tuple[Residual, ...], when: str, marker: str) -> None:
+    """Errors of bins, at the middle of each, as logged and with the estimates."""
+    middle = [0.5 * (row.low + row.high) for row in rows]
+    for name, style in (("as_logged", _LOGGED), ("estimated", _ESTIMATED)):
+        values = [getattr(row, name) for row in rows]
+        if rows and None not in values:
+            label = ", ".join(filter(None, (when, name.replace("_", " "))))
+            axes.plot(middle, 100.0 * np.array(values), marker=marker, label=label, **style)
+
+
+def _finished(
+    figure: Figure, over_time: _OverTime, by_time: list[Axes], with_zero: list[Axes]
+) -> Figure:
+    """Figure with hatches, lines at zero, and legends beside its panels."""
+    for axes in with_zero:
+        axes.axhline(0.0, color=ink(), linewidth=0.8)
+    for number, axes in enumerate(by_time):
+        over_time.hatch(axes, named=number == 0)
+    for axes in figure.axes:
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    every[-1].set_xlabel(f"time of {view.date} [h UTC]")
-    every[-1].set_xlim(float(view.hours.min()), float(np.nextafter(view.hours.max(), np.inf)))
-    ahead = view.solar_ahead_h
-    shifts = (lambda time_h: time_h + ahead, lambda time_h: time_h - ahead)
-    top = every[0].secondary_xaxis("top", functions=shifts)
-    top.set_xlabel("solar time [h]")
     return figure
-
-
-def _mark_faults(axes: Axes, view: _View, *, named: bool) -> None:
-    """Hatch what looks wrong, a hatch for each kind, and where there are no samples."""
-    for kind, spans in view.faults.items():
-        label, hatch = _FAULTS[kind]
-        style: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK_GREY, "hatch": hatch}
-        for number, (start, end) in enumerate(spans):
-            name = label if named and number == 0 else None
-            axes.axvspan(start, end, zorder=0.5, linewidth=0.0, label=name, **style)
-
-
-def broken_line(
-    run: IntArray, hours: FloatArray, values: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Points of a line that is broken between uninterrupted stretches."""
-    breaks = np.flatnonzero(np.diff(run)) + 1
-    return np.insert(hours, breaks, np.nan), np.insert(np.asarray(values, float), breaks, np.nan)

@@ -22,7 +22,7 @@ from solar.names import ModelName
 from solar.shading import shaded_area
 from solar.sun import sun_position
 from solar.types import FloatArray, IntArray
-from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
+from studies.flight_logs.forward import Forward, ShadedArea
 
 
 class Detail(NamedTuple):
@@ -35,9 +35,6 @@ class Detail(NamedTuple):
     incidence_deg: FloatArray
     irradiance_w_per_m2: FloatArray
     module_efficiency: FloatArray
-    incidence_efficiency: FloatArray
-    low_light_efficiency: FloatArray
-    temperature_efficiency: FloatArray
     mppt_efficiency: FloatArray
     module_temperature_c: FloatArray
     shaded_m2: FloatArray | None
@@ -65,6 +62,11 @@ class Samples:
     measured_w: FloatArray
     modelled_w: Mapping[ModelName, FloatArray]
     detail: Detail | None
+
+    @property
+    def best_model(self) -> ModelName:
+        """The most detailed model of those that could be computed."""
+        return list(self.modelled_w)[-1]
 
 
 def module_geometry(log: FlightLog, aircraft: Aircraft) -> tuple[ModuleGeometry | None, list[str]]:
@@ -99,7 +101,7 @@ def lit_samples(forward: Forward) -> tuple[Samples, list[str]]:
         raise file_error(
             log.source,
             f"the sun never rises in this log (highest {highest:.1f} deg): there is no solar power "
-            "to verify; are time_utc and longitude_deg right?",
+            "to verify; are time_utc and longitude_deg right? --clock-offset corrects a clock",
         )
     lit = forward.of(index)
     modelled, detail = _modelled(lit)
@@ -145,7 +147,7 @@ def _modelled(lit: Forward) -> tuple[dict[ModelName, FloatArray], Detail | None]
 
 def _of_chunk(lit: Forward, module_c: float) -> tuple[dict[ModelName, FloatArray], Detail | None]:
     """Power of the models [W], and more of the Full Model."""
-    modules, geometry, given = lit.aircraft.modules, lit.geometry, lit.sunlight(LogError())
+    modules, geometry, given = lit.aircraft.modules, lit.geometry, lit.sunlight()
     power: dict[ModelName, FloatArray] = {
         name: modules.area_m2 * model(given.light, given.sine, modules, module_c)
         for name, model in HORIZONTAL_MODELS.items()
@@ -162,9 +164,6 @@ def _of_chunk(lit: Forward, module_c: float) -> tuple[dict[ModelName, FloatArray
         incidence_deg=angles @ shares,
         irradiance_w_per_m2=full.irradiance_w_per_m2,
         module_efficiency=full.module_efficiency,
-        incidence_efficiency=full.incidence_efficiency_by_surface @ shares,
-        low_light_efficiency=full.low_light_efficiency_by_surface @ shares,
-        temperature_efficiency=full.temperature_efficiency,
         mppt_efficiency=full.mppt_efficiency,
         module_temperature_c=full.module_temperature_c,
         shaded_m2=None if lit.shade is None else given.shaded_m2(lit.shade).sum(axis=-1),

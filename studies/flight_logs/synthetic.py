@@ -19,8 +19,9 @@ from missions.flight_path import Circle, orbit
 from missions.logs.table import EulerAngles, FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.module_power import on_path
 from solar.types import BoolArray, FloatArray
-from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
+from studies.flight_logs.forward import Forward
 
 Period: TypeAlias = tuple[float, float]
 
@@ -39,13 +40,11 @@ class Faults:
 
     ``mppt``: the MPPT loses the maximum power point while the irradiance is below 250 W/m2.
     ``battery_full``: power is limited to load and a dwindling charge, with the charge near full.
-    ``shading``: direct light is lost on the area that this function says is shaded.
     """
 
     mppt: Period | None = None
     battery_full: Period | None = None
     missing: Period | None = None
-    shading: ShadedArea | None = None
 
 
 @dataclass(frozen=True)
@@ -85,8 +84,8 @@ def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> S
     rng = np.random.default_rng(settings.seed)
     count = int(settings.duration_h * 3600.0 * settings.rate_hz) + 1
     elapsed = np.arange(count) / settings.rate_hz
-    flown = _path_flown(mission, elapsed, settings, rng)
-    truth = _truth(aircraft, mission, settings.start_utc_s + elapsed, flown, settings.faults)
+    flown = _path_flown(on_path(aircraft, mission), elapsed, settings, rng)
+    truth = _truth(aircraft, mission, settings.start_utc_s + elapsed, flown)
     return SyntheticLog(_instruments(mission, settings, elapsed, flown, truth, rng))
 
 
@@ -144,10 +143,8 @@ def lasting(white: FloatArray, step: float) -> FloatArray:
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white), float)
 
 
-def _truth(
-    aircraft: Aircraft, mission: Mission, time_s: FloatArray, flown: _Flown, faults: Faults
-) -> _Truth:
-    """Full Model in the true attitude, without shading: that is a fault."""
+def _truth(aircraft: Aircraft, mission: Mission, time_s: FloatArray, flown: _Flown) -> _Truth:
+    """Full Model in the true attitude, without shading."""
     none, air_c = np.zeros(len(time_s)), float(mission.air_state().temperature_c)
     log = FlightLog(
         source="truth", time_s=time_s, latitude_deg=flown.latitude_deg,
@@ -158,14 +155,12 @@ def _truth(
     )  # fmt: skip
     modules = aircraft.modules.model_copy(update={"shading_loss": "none"})
     bare = aircraft.model_copy(update={"modules": modules})
-    forward = Forward(log, bare, mission, modules.geometry, faults.shading, np.arange(len(time_s)))
+    forward = Forward(log, bare, mission, modules.geometry, None, np.arange(len(time_s)))
     chunks = []
     for part in forward.chunks():
-        every = part.parts(LogError())
-        covered = part.shadowed(LogError())
-        taken = none[part.index] if covered is None else (every.direct * covered).sum(axis=1)
-        shaded = taken / np.maximum(every.power, 1e-9)
-        chunks.append(_Truth(every.power * (1.0 - shaded), every.light))
+        light = part.full(part.sunlight()).irradiance_w_per_m2
+        power = part.power_w()
+        chunks.append(_Truth(power, np.where(power > 0.0, light, 0.0)))
     return _Truth(*(np.concatenate(columns) for columns in zip(*chunks, strict=True)))
 
 

@@ -12,10 +12,9 @@ from missions.logs.table import FlightLog
 from sizing.results.tables import Column, Table
 from solar.geometry import ModuleGeometry
 from solar.types import BoolArray, FloatArray
-from studies.flight_logs.causes.forward import Forward, LogError
+from studies.flight_logs.forward import Forward
 
 _PLACES = {"center": "centre", "middle": "centre"}
-_WIRED = "by the surfaces' mppt"
 
 
 class Trackers(NamedTuple):
@@ -42,7 +41,7 @@ class Trackers(NamedTuple):
         wired = sorted({s.mppt for s in surfaces if s.mppt is not None})
         if len(wired) == len(names) and all(s.mppt is not None for s in surfaces):
             members = np.array([[s.mppt == number for s in surfaces] for number in wired])
-            return cls(names, members, _WIRED), ""
+            return cls(names, members, "by the surfaces' mppt"), ""
         if len(names) == len(surfaces) and not wired:
             return cls(names, np.eye(len(names), dtype=bool), "in the order of the surfaces"), ""
         return None, (
@@ -54,22 +53,23 @@ class Trackers(NamedTuple):
         """Power of each as logged [W], shape (samples, MPPTs)."""
         return np.stack([log.tracker_power_w[name] for name in self.names], axis=1)
 
-    def compared(self, forward: Forward) -> tuple[TrackerPower, ...]:
-        """Each beside the Full Model of its modules, at some samples."""
+    def modelled_w(self, forward: Forward) -> FloatArray:
+        """Power that the Full Model gives the modules of each [W], shape (samples, MPPTs)."""
+        parts = [chunk.power_by_surface_w() @ self.members.T for chunk in forward.chunks()]
+        return np.asarray(np.concatenate(parts), float)
+
+    def compared(
+        self, forward: Forward, measured: FloatArray, modelled: FloatArray
+    ) -> tuple[TrackerPower, ...]:
+        """Each beside the Full Model of its modules, in the mean of some samples."""
         assert forward.geometry is not None
         surfaces = forward.geometry.surfaces
-        parts = [chunk.parts(LogError()) for chunk in forward.chunks()]
-        each = np.mean(np.concatenate([p.direct + p.diffuse for p in parts]), axis=0)
-        logged = self.power_w(forward.log)[forward.index].mean(axis=0)
-        return tuple(
-            TrackerPower(
-                name,
-                tuple(s.name for s, own in zip(surfaces, mine, strict=True) if own),
-                float(measured),
-                float(each[mine].sum()),
-            )
-            for name, mine, measured in zip(self.names, self.members, logged, strict=True)
-        )
+        modules = [
+            tuple(s.name for s, own in zip(surfaces, mine, strict=True) if own)
+            for mine in self.members
+        ]
+        means = measured.mean(axis=0).tolist(), modelled.mean(axis=0).tolist()
+        return tuple(map(TrackerPower, self.names, modules, *means))
 
 
 class TrackerPower(NamedTuple):

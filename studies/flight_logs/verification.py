@@ -1,35 +1,30 @@
-"""Solar power models against a flight log: errors, and what looks wrong in the flight.
+"""Solar power models against a flight log: errors, residuals, estimates, and what is left out.
 
-The errors are those of :mod:`studies.flight_logs.errors`; what is wrong is decided by the causes of
-:mod:`studies.flight_logs.causes`, which compete.
+Nothing is judged and nothing corrected: offsets are taken off the log on request.
 """
 
 from __future__ import annotations
 
 import io
 import os
-import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
-from types import SimpleNamespace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from missions.files.errors import InputError, file_error
+from missions.files.errors import file_error
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
 from missions.logs.plausible import LeftOut, utc_text
-from missions.logs.table import FlightLog
+from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
-from solar.types import BoolArray
-from studies.flight_logs.anomalies import Anomalies
-from studies.flight_logs.causes.diagnosis import Diagnosis, diagnose
-from studies.flight_logs.causes.forward import Forward, LogError, ShadedArea
+from solar.names import ModelName
+from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import (
     ModelErrors,
     Section,
@@ -40,10 +35,27 @@ from studies.flight_logs.errors import (
     sections,
     solar_span,
 )
-from studies.flight_logs.log_view import Anomaly
+from studies.flight_logs.estimates import (
+    Applied,
+    Estimate,
+    estimates,
+    estimates_table,
+    options_that_apply,
+)
+from studies.flight_logs.fit import Fit, fitted
+from studies.flight_logs.forward import Forward
+from studies.flight_logs.left_out import (
+    Stretch,
+    battery_full,
+    left_out_table,
+    may_be_limited,
+    of_values,
+    power_gone,
+    without_power,
+)
+from studies.flight_logs.residuals import Residual, Residuals, residual_tables, residuals
 from studies.flight_logs.samples import Samples, lit_samples, module_geometry, tail_shading
 from studies.flight_logs.trackers import TrackerPower, Trackers, tracker_table
-from studies.flight_logs.verdict import log_sentences, model_sentence, words_of
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
@@ -64,61 +76,42 @@ _WHOLE_WATTS = tuple(
     replace(column, form=column.form.replace(".2f", ".0f" if column.unit == "W" else ".1f"))
     for column in _ERRORS
 )
+_DARK = 0.02  # share of the peak below which there is nothing to fit
 
 
 @dataclass(frozen=True, repr=False)
 class Verification(Result):
     """Solar power models against a flight log.
 
-    Attributes
-    ----------
-    craft : Aircraft
-    mission : str
-        Its name.
-    log : FlightLog
-        The flight, without the errors of clock, angles and unit that were certain.
-    diagnosis : Diagnosis or None
-        What the power says of log, modules and sky; None where that was not asked for.
-    corrected : bool
-        Whether errors of the log were corrected.
-    whole : Section
-        Errors over the whole log.
-    samples : Samples
-        Its samples with the sun up, and all models on them.
-    excluded : ndarray of bool
-        Samples with limited charging, which are in no error.
-    windows, days : tuple of Section
-        Errors in the windows that were asked for, and on each day (UTC).
-    window_masks : tuple of ndarray of bool
-        Samples of each window.
-    window_filter_s, day_filter_s : float
-        Time on either side in the moving averages [s].
-    anomalies : tuple of Anomaly
-        What looks wrong, in the order of time.
-    notes : tuple of str
-        What the reader should know.
-    trackers : tuple of TrackerPower
-        Power of each of several MPPTs beside that of its modules, without limited charging.
-    matched : str
-        How their modules are known.
+    ``log``: without the offsets ``applied``. ``excluded``: samples that are left out of errors,
+    residuals and estimates; ``left_out`` says why. ``correlation``: of the errors of clock and
+    heading. ``rms_w``: RMS error of the most detailed model as logged and with the estimates.
+    ``estimated_w``: power with clock, heading and factor as estimated. ``days``,
+    ``windows``: errors of all models; ``window_masks``: samples of each window. ``trackers``: power
+    of each of several MPPTs beside that of its modules, which are known as ``matched`` says;
+    ``tracker_w``: measured and modelled power of each at the samples.
     """
 
     craft: Aircraft
     mission: str
     log: FlightLog
-    diagnosis: Diagnosis | None
-    corrected: bool
-    whole: Section
+    applied: Applied
     samples: Samples
     excluded: BoolArray
+    left_out: tuple[Stretch, ...]
+    estimates: tuple[Estimate, ...]
+    correlation: float | None
+    rms_w: tuple[float | None, float | None]
+    estimated_w: FloatArray | None
+    residuals: Residuals
     windows: tuple[Section, ...]
     window_masks: tuple[BoolArray, ...]
     days: tuple[Section, ...]
     day_filter_s: float
     window_filter_s: float
-    anomalies: tuple[Anomaly, ...]
     notes: tuple[str, ...]
     trackers: tuple[TrackerPower, ...] = ()
+    tracker_w: tuple[FloatArray, ...] = ()
     matched: str = ""
 
     @property
@@ -127,12 +120,9 @@ class Verification(Result):
         return self.craft.name
 
     @property
-    def alignment(self) -> SimpleNamespace | None:
-        """Errors of the log as ``to_dict`` has them; deprecated for :attr:`diagnosis`."""
-        message = "Verification.alignment is deprecated: use diagnosis, or to_dict()['alignment']"
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        known = self.diagnosis
-        return None if known is None else SimpleNamespace(**self._alignment_record(known))
+    def best_model(self) -> ModelName:
+        """Model whose residuals are shown: the most detailed of those that could be computed."""
+        return self.samples.best_model
 
     def headline(self) -> str:
         """Aircraft, log and its length in one line."""
@@ -143,47 +133,48 @@ class Verification(Result):
         )
 
     def summary(self) -> Summary:
-        """Verdicts, errors of every window and day, anomalies, what the reader should know."""
+        """Errors of every window and day, estimates, residuals, what is left out, notes."""
         blocks: list[Any] = [Line(self.headline(), "strong")]
-        for text, wrong in self.log_verdicts():
-            blocks.append(Line(text, "warning" if wrong else "plain"))
-        blocks += [*self.verdicts().values(), *self.tables()]
-        if not any(a.severity != "normal" for a in self.anomalies):
-            blocks.append("no anomaly found")
-        if self.excluded.any():
-            blocks.append(
-                f"{self.excluded.sum()} samples with limited charging are not in the errors"
+        taken = [
+            f"{name} offset of {value:g} {unit}"
+            for name, value, unit in zip(
+                ("clock", "heading"), self.applied, ("min", "deg"), strict=True
             )
+            if value
+        ]
+        if taken:
+            blocks.append(f"compared without a {' and a '.join(taken)}, as asked for")
+        blocks += self.tables()
+        if options := options_that_apply(self.estimates):
+            blocks += ["to apply an estimate, add its option:", *options]
+        if self.excluded.any():
+            blocks.append(f"{self.excluded.sum()} samples are left out of errors and residuals")
         blocks += [f"- {note}" for note in self.notes]
         definition = (
             "errors are modelled minus measured, % of the mean measured power; RMS and maximum "
-            "after a moving average over so many seconds to either side as filter says"
+            "after a moving average over so many seconds to either side as filter says; estimated: "
+            "with clock, heading and factor on power as estimated"
         )
         return Summary((*blocks, Line(definition, "faint")))
 
-    def verdicts(self) -> dict[str, str]:
-        """One sentence for each model."""
-        return {
-            model: model_sentence(model, self.whole.errors.get(model), self.whole.filter_s)
-            for model in self.samples.modelled_w
-        }
-
-    def log_verdicts(self) -> list[tuple[str, bool]]:
-        """Sentences on what may be wrong with log and modules, and whether each is an error."""
-        if self.diagnosis is None:
-            return []
-        return list(log_sentences(self.diagnosis, self.craft, corrected=self.corrected))
-
     def tables(self) -> list[Table]:
-        """Errors of every window and day, and the anomalies if there are any."""
+        """Errors of every window and day, estimates, residuals, what is left out."""
         tables = [_error_table(section, "solar time") for section in self.windows]
         tables += [_error_table(section, "UTC") for section in self.days]
+        estimated = estimates_table(self.estimates)
+        if self.correlation is not None:
+            text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
+            text += "so is the other; roll and pitch are taken to be right to 0.5 deg"
+            estimated = replace(estimated, notes=(*estimated.notes, text))
+        if None not in self.rms_w:
+            text = "RMS error of {} {:.1f} W as logged, {:.1f} W with clock, heading and factor"
+            text = text.format(self.best_model, *self.rms_w)
+            estimated = replace(estimated, notes=(text, *estimated.notes))
+        tables += [estimated, *residual_tables(self.residuals, self.best_model)]
         if self.trackers:
             tables.append(tracker_table(self.trackers, self.matched))
-        if self.anomalies:
-            rows = [(a.kind.replace("_", " "), a.severity, _evidence(a)) for a in self.anomalies]
-            columns = (Column("what"), Column("severity"), Column("evidence"))
-            tables.append(Table("what stands out", columns, tuple(rows)))
+        if self.left_out:
+            tables.append(left_out_table(self.left_out))
         return tables
 
     def to_dict(self) -> dict[str, Any]:
@@ -203,48 +194,22 @@ class Verification(Result):
                 "gaps": [_span_record(gap.start_s, gap.end_s) for gap in log.gaps],
                 "left_out": [_left_out_record(one) for one in log.left_out],
             },
-            "alignment": None if self.diagnosis is None else self._alignment_record(self.diagnosis),
-            "causes": [] if self.diagnosis is None else self._causes(self.diagnosis),
+            "applied": self.applied._asdict(),
             "models": list(self.samples.modelled_w),
-            "verdicts": self.verdicts(),
             "excluded_samples": int(self.excluded.sum()),
             "windows": [_section_record(section) for section in self.windows],
             "days": [_section_record(section) for section in self.days],
+            "estimates": {one.name: _estimate_record(one) for one in self.estimates},
+            "clock_heading_correlation": self.correlation,
+            "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
+            "residuals": {
+                name: [_residual_record(one, of_time=name == "time") for one in rows]
+                for name, rows in self.residuals._asdict().items()
+            },
             "mppts": [one._asdict() for one in self.trackers],
-            "anomalies": [_anomaly_record(anomaly) for anomaly in self.anomalies],
+            "left_out": [_stretch_record(one) for one in self.left_out],
             "notes": list(self.notes),
         }
-
-    def _alignment_record(self, diagnosis: Diagnosis) -> dict[str, Any]:
-        clock, heading = diagnosis.clock, diagnosis.heading
-        return {
-            "power_unit": diagnosis.unit,
-            "clock_ahead_s": None if clock is None else clock[0],
-            "clock_sigma_s": None if clock is None else clock[1],
-            "clock_wrong": diagnosis.named("clock_s"),
-            "heading_ahead_deg": None if heading is None else float(np.degrees(heading[0])),
-            "heading_sigma_deg": None if heading is None else float(np.degrees(heading[1])),
-            "heading_wrong": diagnosis.named("heading"),
-            "corrected": self.corrected,
-            "notes": list(diagnosis.notes),
-        }
-
-    def _causes(self, diagnosis: Diagnosis) -> list[dict[str, Any]]:
-        """Causes that were found, each with those that fit about as well."""
-        return [
-            {
-                "cause": one.best.name,
-                "size": one.best.size,
-                "sigma": one.best.sigma,
-                "text": words_of(one.best, self.craft),
-                "battery": one.battery,
-                "others": [
-                    {"cause": o.name, "size": o.size, "text": words_of(o, self.craft)}
-                    for o in one.others
-                ],
-            }
-            for one in diagnosis.findings
-        ]
 
     def to_frame(self) -> pd.DataFrame:
         """Samples with models and errors, one row each."""
@@ -254,8 +219,8 @@ class Verification(Result):
         """Samples as CSV text; a data frame takes several times as long for a long flight."""
         names, formats, columns = zip(*self._columns(), strict=True)
         text = io.StringIO()
-        rows = np.column_stack(columns)
-        np.savetxt(text, rows, formats, delimiter=",", header=",".join(names), comments="")
+        rows, header = np.column_stack(columns), ",".join(names)
+        np.savetxt(text, rows, formats, delimiter=",", header=header, comments="")
         return text.getvalue()
 
     def _columns(self) -> Iterator[tuple[str, str, NDArray[Any]]]:
@@ -298,15 +263,18 @@ def _left_out_record(one: LeftOut) -> dict[str, Any]:
     return {"column": one.column, "kind": one.kind, "values": one.values, **known}
 
 
-def _evidence(anomaly: Anomaly) -> str:
-    span = " to ".join(utc_text(time_s) for time_s in (anomaly.start_s, anomaly.end_s))
-    lost = f"; {anomaly.lost_wh:.1f} Wh lost" if anomaly.lost_wh else ""
-    return f"{span} (UTC): {anomaly.evidence}{lost}"
+def _stretch_record(one: Stretch) -> dict[str, Any]:
+    known = _span_record(one.start_s, one.end_s) if np.isfinite(one.start_s) else {}
+    return {"reason": one.reason, **known, "count": one.count, "evidence": one.evidence}
 
 
-def _anomaly_record(anomaly: Anomaly) -> dict[str, Any]:
-    record = asdict(anomaly)
-    return record | _span_record(record.pop("start_s"), record.pop("end_s"))
+def _estimate_record(one: Estimate) -> dict[str, Any]:
+    return {n: v for n, v in one._asdict().items() if n != "name"} | {"apply": list(one.apply)}
+
+
+def _residual_record(one: Residual, *, of_time: bool) -> dict[str, Any]:
+    record = one._asdict()
+    return _span_record(record.pop("low"), record.pop("high")) | record if of_time else record
 
 
 def _section_record(section: Section) -> dict[str, Any]:
@@ -358,10 +326,10 @@ def verify(
     *,
     windows: Sequence[Window | str] = (),
     filter_s: float | None = None,
-    shading: ShadedArea | None = None,
-    correct: bool | None = True,
+    clock_offset_min: float = 0.0,
+    heading_offset_deg: float = 0.0,
 ) -> Verification:
-    """Compare all models with a log and look for anomalies.
+    """Compare all models with a log, and estimate what it says of clock, heading and powers.
 
     Parameters
     ----------
@@ -376,11 +344,10 @@ def verify(
     filter_s : float, optional
         Time on either side in the moving average [s]; 1 s in windows and 400 s over days if not
         given.
-    shading : callable, optional
-        Shaded area instead of that of the aircraft's own tail.
-    correct : bool or None
-        Whether errors of the log that are certain are corrected before anything is compared; else
-        they are told only. None: nothing is taken to be wrong.
+    clock_offset_min : float
+        Time that the log's clock is ahead of universal time [min], which is taken off.
+    heading_offset_deg : float
+        Angle that the log's yaw is too large [deg], which is taken off.
 
     Returns
     -------
@@ -399,23 +366,15 @@ def verify(
     geometry, reasons = module_geometry(log, aircraft)
     trackers, reason = Trackers.of(log, geometry)
     reasons += [reason] if reason else []
-    shade = shading
-    if shade is None and geometry is not None:
+    shade = None
+    if geometry is not None:
         shade, unknown = tail_shading(aircraft, geometry)
         reasons += [unknown] if unknown else []
+    if clock_offset_min or heading_offset_deg:
+        log = _without_offsets(log, 60.0 * clock_offset_min, heading_offset_deg)
     forward = Forward(log, aircraft, mission, geometry, shade, np.arange(len(log)))
-    diagnosis = diagnose(forward, trackers, search=correct is not None)
-    error = diagnosis.correction if correct else LogError()
-    log = log if error == LogError() else error.removed(log)
-    try:
-        samples, sources = lit_samples(replace(forward, log=log))
-    except InputError as night:
-        told = log_sentences(diagnosis, aircraft, corrected=False)
-        reasons = [text for text, wrong in told if wrong and diagnosis.findings]
-        raise file_error(log.source, "; ".join([night.problems[0].message, *reasons])) from None
-    found = Anomalies(log, samples, diagnosis, aircraft, error.clock_s)
-    limited = found.excluded()
-    compared = replace(forward, log=log, index=samples.index[~limited])
+    samples, sources = lit_samples(forward)
+    fit, stretches, excluded = _what_counts(forward, samples)
     masks = tuple(in_window(samples, window) for window in periods)
     for window, mask in zip(periods, masks, strict=True):
         if not mask.any():
@@ -424,22 +383,91 @@ def verify(
     window_s = WINDOW_FILTER_S if filter_s is None else filter_s
     day_s = DAY_FILTER_S if filter_s is None else filter_s
     labelled = zip([window.label for window in periods], masks, strict=True)
+    lit, is_lit = forward.of(samples.index), np.zeros(len(log), bool)
+    is_lit[samples.index] = True
+    estimated = None if fit is None else fit.applied_w(lit)
+    applied = Applied(clock_offset_min, heading_offset_deg)
+    by_tracker: tuple[FloatArray, ...] = ()
+    compared: tuple[TrackerPower, ...] = ()
+    if trackers is not None:
+        by_tracker = trackers.power_w(log)[samples.index], trackers.modelled_w(lit)
+        compared = trackers.compared(forward, *(power[~excluded] for power in by_tracker))
     return Verification(
         craft=aircraft,
         mission=mission.name,
         log=log,
-        diagnosis=None if correct is None else diagnosis,
-        corrected=error != LogError(),
-        whole=sections(samples, limited, day_s, [("all", np.ones(len(limited), bool))])[0],
+        applied=applied,
         samples=samples,
-        excluded=limited,
-        windows=sections(samples, limited, window_s, labelled),
+        excluded=excluded,
+        left_out=tuple(sorted(stretches, key=lambda one: one.start_s)),
+        estimates=estimates(forward, is_lit, fit, applied),
+        correlation=None if fit is None else fit.correlation,
+        rms_w=(
+            _rms_w(samples, excluded, day_s, samples.modelled_w[samples.best_model]),
+            _rms_w(samples, excluded, day_s, estimated),
+        ),
+        estimated_w=estimated,
+        residuals=residuals(samples, ~excluded, estimated),
+        windows=sections(samples, excluded, window_s, labelled),
         window_masks=masks,
-        days=sections(samples, limited, day_s, day_masks(samples)),
+        days=sections(samples, excluded, day_s, day_masks(samples)),
         day_filter_s=day_s,
         window_filter_s=window_s,
-        anomalies=tuple(found.every()),
-        trackers=() if trackers is None else trackers.compared(compared),
+        trackers=compared,
+        tracker_w=by_tracker,
         matched="" if trackers is None else trackers.how,
         notes=(*log.notes, *reasons, *sources),
     )
+
+
+def _without_offsets(log: FlightLog, clock_s: float, heading_deg: float) -> FlightLog:
+    """Log whose clock was so much ahead, and whose yaw was so much too large."""
+    attitude, gaps = log.attitude, log.gaps
+    if attitude is not None:
+        attitude = attitude._replace(yaw_rad=attitude.yaw_rad - np.radians(heading_deg))
+    return replace(
+        log,
+        time_s=log.time_s - clock_s,
+        attitude=attitude,
+        gaps=tuple(Gap(gap.start_s - clock_s, gap.end_s - clock_s) for gap in gaps),
+        left_out=tuple(one.earlier(clock_s) for one in log.left_out),
+    )
+
+
+def _rms_w(
+    samples: Samples, excluded: BoolArray, filter_s: float, modelled_w: FloatArray | None
+) -> float | None:
+    """RMS error of some power over the whole log."""
+    if modelled_w is None or excluded.all():
+        return None
+    alone = replace(samples, modelled_w={samples.best_model: modelled_w})
+    (whole,) = sections(alone, excluded, filter_s, [("all", np.ones(len(excluded), bool))])
+    return whole.errors[samples.best_model].rms_w
+
+
+def _what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[Stretch], BoolArray]:
+    """Fit, what is left out, and which samples are.
+
+    Where the battery may limit the power, nothing is fitted until that expects as much.
+    """
+    log, index, aircraft = forward.log, samples.index, forward.aircraft
+    modelled = np.concatenate([part.power_w() for part in forward.chunks()])
+    measured, dead = log.solar_power_w, without_power(log)
+    peak = float(np.quantile(measured, 0.98))
+    dark = (measured <= _DARK * peak) & (modelled <= _DARK * modelled.max(initial=0.0))
+
+    def fit_without(left_out: BoolArray) -> Fit | None:
+        use = np.flatnonzero(~(dark | left_out))
+        return fitted(forward.of(use), measured[use])
+
+    limited, full = may_be_limited(log, aircraft), np.zeros(len(log), bool)
+    fit, stretches = fit_without(dead | limited), [*power_gone(log, dead), *of_values(log)]
+    if fit is not None and limited[index].any():
+        expected = fit.expected_w(forward.of(index))
+        may_be = (limited & ~dead)[index]
+        for stretch, inside in battery_full(log, samples, may_be, expected):
+            stretches.append(stretch)
+            full[index[inside]] = True
+        if np.any(limited & ~full):
+            fit = fit_without(dead | full) or fit
+    return fit, stretches, (full | dead)[index]

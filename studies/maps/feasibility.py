@@ -16,6 +16,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.energy.cycle import ENDS, FLOWN, Status
 from sizing.mass_budget import check_own_models, design_of
+from sizing.module_power import path_troubles
 from sizing.performance import Performance, performance
 from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from sizing.sunlight import SolarModel, solar_day
@@ -228,7 +229,11 @@ def map_block(
 def _cells(configuration: MapConfiguration, cells: Scenarios) -> dict[str, NDArray[Any]]:
     """Metrics of cells; none where the wind is too strong for a path that the model needs."""
     mission = configuration.mission
-    if not configuration.solar.needs_path or (able := mission.keeps_path(cells)).all():
+    if not configuration.solar.needs_path:
+        return _flown_cells(configuration, cells)
+    troubles = path_troubles(configuration.aircraft, mission, cells)
+    able = np.array([trouble is None for trouble in troubles])
+    if able.all():
         return _flown_cells(configuration, cells)
     some = Scenarios(cells.latitude_deg[able], cells.day_of_year[able])
     if len(some):

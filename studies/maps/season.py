@@ -11,7 +11,6 @@ By them a day whose wind is too strong for the flight path is no day of perpetua
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.module_power import path_troubles
 from sizing.performance import performance
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight
 from solar.names import MODELS, ModelName
@@ -148,8 +148,9 @@ class _SomeDays(Sunlight):
             none = np.zeros(len(self.time_h))
             known.update(((model, convection, day), none) for day in lacking)
             if MODELS[model].needs_path:  # a day whose wind is too strong for it has no power
-                able = self.mission.keeps_path(self._year.scenarios(lacking)).tolist()
-                lacking = list(itertools.compress(lacking, able))
+                where = self._year.scenarios(lacking)
+                troubles = path_troubles(self.aircraft, self.mission, where)
+                lacking = [d for d, why in zip(lacking, troubles, strict=True) if why is None]
         if lacking:
             some = Sunlight(self.aircraft, self.mission, self._year.scenarios(lacking))
             powers = some._in_flow(model, convection)

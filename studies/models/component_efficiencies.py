@@ -10,7 +10,7 @@ import numpy as np
 from missions.loiter_power import Daylight, FlownModules, module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.module_power import own_surroundings
+from sizing.module_power import on_path, own_surroundings
 from sizing.sunlight import day_axis_h
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
@@ -49,7 +49,7 @@ def component_efficiencies(
     ValueError
         If the aircraft has no module geometry or the mission no flight path.
     """
-    geometry, path = aircraft.modules.geometry, mission.flight_path
+    geometry, path = aircraft.modules.geometry, on_path(aircraft, mission).flight_path
     if geometry is None or path is None:
         raise ValueError("component efficiencies need modules.geometry and a flight_path")
     time_h = day_axis_h(step_h)

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from missions.flight_path import largest_wind_m_per_s, path_trouble
+from missions.flight_path import largest_wind_m_per_s
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, parametric_design
+from sizing.module_power import on_path, path_troubles
 from sizing.optimisation import cells as cell_sizing
 from sizing.optimisation.cells import CellSizings
 from sizing.optimisation.problem import SizingProblems
@@ -31,7 +32,7 @@ from sizing.validity.checks import (
     design_checks,
 )
 from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
-from solar.types import BoolArray
+from solar.types import FloatArray
 from studies.output.gridded import BLANKS, SIZED, TOO_WINDY
 
 
@@ -73,10 +74,14 @@ def sized_cells(
     scenarios = Scenarios(
         np.array([float(cell[0]) for cell in cells]), np.array([int(cell[1]) for cell in cells])
     )
-    if solar.needs_path and not (able := mission.keeps_path(scenarios)).all():
-        calm = [cell for cell, flown in zip(cells, able, strict=True) if flown]
+    troubles = path_troubles(aircraft, mission, scenarios) if solar.needs_path else []
+    if any(troubles):
+        calm = [cell for cell, trouble in zip(cells, troubles, strict=True) if trouble is None]
         sized = sized_cells(aircraft, mission, calm, objective, solar) if calm else {}
-        return _beside_windy_cells(sized, able, mission, scenarios)
+        path = on_path(aircraft, mission).flight_path
+        assert path is not None
+        winds = mission.winds_on_path_m_per_s(scenarios)
+        return _beside_windy_cells(sized, troubles, winds / largest_wind_m_per_s(path))
     problems = _programs(aircraft, mission, objective, solar)
     sizings = cell_sizing.size_cells(
         problems.aircraft, mission, scenarios, objective, solar, problems=problems
@@ -92,24 +97,23 @@ def sized_cells(
 
 
 def _beside_windy_cells(
-    sized: dict[str, Any], able: BoolArray, mission: Mission, scenarios: Scenarios
+    sized: dict[str, Any], troubles: Sequence[str | None], over_limit: FloatArray
 ) -> dict[str, Any]:
-    """Columns of all cells, from those whose wind the flight path can be held in."""
-    path = mission.flight_path
-    assert path is not None
-    winds, limit = mission.winds_on_path_m_per_s(scenarios), largest_wind_m_per_s(path)
+    """Columns of all cells, from those whose wind the flight path can be held in.
+
+    ``over_limit``: wind of each cell over the largest of the path [-].
+    """
+    able = np.array([trouble is None for trouble in troubles])
     columns: dict[str, Any] = {}
     for name, blank in BLANKS.items():
         columns[name] = np.full(len(able), blank, object if isinstance(blank, str) else None)
         if sized:
             columns[name][able] = sized[name]
-    for index in np.flatnonzero(~able):
-        wind = float(winds[index])
+    for index in np.flatnonzero(~able).tolist():
         columns["status"][index] = np.int8(SizingStatus.infeasible)
         columns["violated_requirement"][index] = TOO_WINDY
-        columns["shortfall"][index] = wind / limit - 1.0
-        trouble = path_trouble(path, mission.in_wind(wind).wind)
-        columns["message"][index] = f"flight path: {trouble}"
+        columns["shortfall"][index] = over_limit[index] - 1.0
+        columns["message"][index] = f"flight path: {troubles[index]}"
     return {name: v.tolist() if v.dtype == object else v for name, v in columns.items()}
 
 

@@ -285,8 +285,8 @@ def verification_section(subject: Subject) -> Section | None:
             draw(),
             f"Measured and modelled power: {name}.",
             title=f"Log and models, {name}",
-            description="Measured and modelled solar power over solar time, and what the models "
-            "say of angles, efficiencies and shade.",
+            description="Measured and modelled solar power over universal time, and the model's "
+            "errors over time, elevation and azimuth of the sun.",
             key=f"log{number}",
         )
         for number, (name, draw) in enumerate(some)

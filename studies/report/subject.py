@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from missions.files.overrides import with_values
-from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.module_power import path_troubles
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.uncertainty import analyse_uncertainty
 from sizing.results.weather import analyse_weather
@@ -76,10 +76,9 @@ class Subject:
     @cached_property
     def path_trouble(self) -> str | None:
         """Why VM and FM cannot fly the path in the wind; None if they can, or have none."""
-        path = self.mission.flight_path
-        if path is None or not attitude_is_known(self.aircraft, self.mission):
+        if not attitude_is_known(self.aircraft, self.mission):
             return None
-        return path_trouble(path, self.mission.wind)
+        return path_troubles(self.aircraft, self.mission)[0]
 
     @cached_property
     def comparison(self) -> Comparison | None:

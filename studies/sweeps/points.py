@@ -14,7 +14,6 @@ from missions.files.overrides import with_overrides
 from missions.files.texts import texts_as_read
 from missions.files.validation import validate
 from missions.files.yaml import Document
-from missions.flight_path import path_trouble
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
@@ -30,6 +29,7 @@ from sizing.mass_budget import (
     operating_trouble,
     with_total_mass,
 )
+from sizing.module_power import path_troubles
 from sizing.parameters import MISSION_PREFIX, all_replaced
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective, SizingStatus
@@ -166,9 +166,9 @@ def _unflyable(solar: SolarModel, aircraft: Aircraft, mission: Mission) -> tuple
             climb_limits(aircraft, measured_design(aircraft, mission))
         except ClimbLimitError as error:
             return "climb", str(error)
-    if not solar.needs_path or mission.flight_path is None:
+    if not solar.needs_path:
         return None
-    trouble = path_trouble(mission.flight_path, mission.wind)
+    (trouble,) = path_troubles(aircraft, mission)
     return None if trouble is None else (gridded.TOO_WINDY, f"flight path: {trouble}")
 
 

@@ -45,6 +45,21 @@ def test_power_is_that_of_the_chain_at_the_worse_end_of_the_battery() -> None:
     assert thrust_w == pytest.approx(same.propulsion_power_w * same.chain.efficiency, rel=1e-12)
 
 
+@pytest.mark.parametrize("bus_v", [(18.0, 25.2), (25.2, 18.0)])
+def test_the_worse_end_of_the_battery_counts_in_either_order(bus_v: tuple[float, float]) -> None:
+    parts = aircraft().propulsion_by_parts
+    assert parts is not None
+    air = MISSION.air_state()
+    found = parts.point(20.0, 9.0, air, bus_v)
+    # The library by itself, with an empty and with a full battery.
+    each = operating_point(PROPULSOR, 20.0 / 9.0, 9.0, air, list(bus_v))
+    assert found.bus_power_w == pytest.approx(max(each.bus_power_w), rel=1e-9)
+    assert found.reason == ""
+    # An end at which the motor does not turn fast enough counts before one at which it does.
+    for low in ((2.0, bus_v[1]), (bus_v[0], 2.0)):
+        assert "bus voltage 2 V is below" in str(parts.point(20.0, 9.0, air, low).reason)
+
+
 def test_masses_of_the_parts_count_for_every_propulsor() -> None:
     light = sizing.design_of(aircraft(), MISSION)
     assert light.masses.propulsion == pytest.approx(0.48)  # of the catalogue's motor

@@ -58,10 +58,10 @@ def test_power_is_area_times_specific_power_and_correction_divides_it() -> None:
     specific = horizontal_specific_power(
         47.6, 196.5, time, cell=AS2.modules, module_temperature_c=11.516, altitude_m=536.0
     )
-    found = performance(AS2, mission())
-    # Standard air at 536 m has 11.516 C to its last digit; the power changes by 0.3 % per kelvin.
-    np.testing.assert_allclose(found.solar_power_w[0], 1.35 * specific, rtol=1e-5)
-    corrected = performance(AS2, mission(), SolarModel("CAM", "report"))
+    where = mission(air={"module_temperature_c": 11.516})
+    found = performance(AS2, where)
+    np.testing.assert_allclose(found.solar_power_w[0], 1.35 * specific, rtol=1e-12)
+    corrected = performance(AS2, where, SolarModel("CAM", "report"))
     # CAM overestimates by 5.31 %, published.
     np.testing.assert_allclose(
         corrected.solar_power_w[0] * 1.0531, found.solar_power_w[0], rtol=1e-12

@@ -34,7 +34,8 @@ def test_a_battery_suffices_from_its_value_on(name: str) -> None:
     )
     assert enough.is_perpetual
     assert not short.is_perpetual
-    assert enough.excess_time_h == pytest.approx(found.excess_time_h, abs=1e-9)
+    # Another mass flies at another airspeed, which cools the modules of a measured aircraft.
+    assert enough.excess_time_h == pytest.approx(found.excess_time_h, abs=2e-3)
 
 
 def test_modules_weigh_what_they_weigh() -> None:
@@ -59,16 +60,17 @@ def test_modules_of_a_measured_aircraft_add_their_mass() -> None:
         f"airframe.mass_without_battery_kg={rest_kg + more_kg}",
     )
     assert analysed("atlantiksolar-as2", *changed).excess_time_h == pytest.approx(
-        found.excess_time_h, abs=1e-9
+        found.excess_time_h,
+        abs=2e-3,  # by the airspeed
     )
 
 
 def test_a_load_may_fall_by_what_avionics_save() -> None:
-    found = relaxed("atlantiksolar-as2", "power.avionics_w=30")["load_w"]
+    found = relaxed("atlantiksolar-as2", "power.avionics_w=40")["load_w"]
     supply = sizing.load_aircraft("atlantiksolar-as2").power.supply_efficiency
     saved_w = (found.present - found.value) * supply
     enough, short = (
-        analysed("atlantiksolar-as2", f"power.avionics_w={30.0 - share * saved_w}")
+        analysed("atlantiksolar-as2", f"power.avionics_w={40.0 - share * saved_w}")
         for share in (1.0, LESS)
     )
     assert enough.is_perpetual
@@ -91,7 +93,7 @@ def test_a_perpetual_flight_needs_nothing() -> None:
     )
     assert analysis.relaxations == ()
     assert analysis.limited_flight is None
-    assert "It flies perpetually, with 6.26 h to spare." in str(analysis)
+    assert "It flies perpetually, with 6.27 h to spare." in str(analysis)
 
 
 def flown_h(analysis: sizing.Analysis, launch_h: float) -> float:

@@ -32,7 +32,7 @@ def launch(**changes: Any) -> dict[str, Any]:
 
 
 def test_run_equals_an_euler_march_with_its_own_sun() -> None:
-    flown = mission(launch())
+    flown = mission(launch(), air={"module_temperature_c": 20.0})
     found = calendar_run(UNLIMITED_AS2, flown)
     # Clock to sun by hand: 2 h to UTC, 4 min per degree of longitude, equation of time.
     step = 1.0 / 240.0

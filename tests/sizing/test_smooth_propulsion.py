@@ -155,8 +155,9 @@ def test_the_design_with_a_margin_has_its_own_operating_point() -> None:
     assert guarded.design is not None
     alone = sizing.size(aircraft(), guarded.mission)
     assert alone.design is not None
-    # Thrust and speed differ by a few per cent, over which the formulas keep their error.
-    assert guarded.design.total_mass_kg == pytest.approx(alone.design.total_mass_kg, rel=1e-5)
+    # Thrust and speed differ by a few per cent, over which the formulas keep their error; so does
+    # the flow that cools the modules, which is followed to 0.3 % of a day's light.
+    assert guarded.design.total_mass_kg == pytest.approx(alone.design.total_mass_kg, rel=2e-4)
 
 
 def test_cells_of_a_map_have_their_own_operating_points() -> None:

@@ -124,6 +124,7 @@ def test_the_simulator_confirms_the_fastest_airspeed(tmp_path: Path) -> None:
     for factor, perpetual in ((1.0, True), (1.002, False)):
         flown = design._replace(
             propulsion_power_w=np.interp(found.airspeed_m_per_s * factor, airspeeds, powers),
+            airspeed_m_per_s=found.airspeed_m_per_s * factor,
             battery_energy_wh=np.full(3, design.battery_energy_wh),
         )
         perf = performance_in_pairs(DESIGN, where, flown, UNCORRECTED_CAM, day=day)

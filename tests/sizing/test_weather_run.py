@@ -255,8 +255,8 @@ def test_cold_air_carries_better_and_keeps_the_modules_cool():
     fixed = AS2.power.avionics_w
     powers = [run.load_w[0, 0] - fixed for run in runs]
     assert powers[0] / powers[1] == pytest.approx(ratio, rel=0.02)
-    # 0.3 % per kelvin.
-    assert cold.solar_power_w.max() / hot.solar_power_w.max() == pytest.approx(1.12, abs=0.01)
+    # 0.3 % per kelvin, of which radiation takes back a sixth.
+    assert cold.solar_power_w.max() / hot.solar_power_w.max() == pytest.approx(1.10, abs=0.01)
 
 
 @pytest.mark.parametrize("model", ["VM", "FM"])

@@ -109,7 +109,8 @@ def test_cell_of_a_map_is_the_analysis_of_its_day(model: Any) -> None:
             assert float(cell["excess_time"]) == pytest.approx(alone.excess_time_h, abs=STEP_H)
             assert alone.climb is not None
             assert float(cell["maximum_altitude"]) == pytest.approx(
-                alone.climb.climb.maximum_altitude_m[0], abs=1.0
+                alone.climb.climb.maximum_altitude_m[0],
+                abs=4.0,  # of 400 m of climb, in steps of five minutes and of one
             )
     assert data.attrs["climb"] == "climbs from 536 to 2536 m once the battery is full"
 
@@ -253,8 +254,8 @@ def test_draw_is_what_it_is_alone(aircraft: Any, changes: dict[str, float]) -> N
     for key, value in changes.items():
         of[key.startswith("mission.")][key.removeprefix("mission.")] = value
     alone = performance(with_values(aircraft, of[False]), with_values(flown, of[True]))
-    # Both in the same steps. Above 3 km modules balance their heat, which a draw has as the files.
-    assert found.excess_time_h[-1] == pytest.approx(alone.cycle.excess_time_h.min(), abs=1e-3)
+    # Both in the same steps; the modules of a draw are as much above its air as the file's.
+    assert found.excess_time_h[-1] == pytest.approx(alone.cycle.excess_time_h.min(), abs=0.01)
     assert alone.maximum_altitude_m is not None
     assert found.maximum_altitude_m[-1] == pytest.approx(alone.maximum_altitude_m.max(), abs=1e-3)
 

@@ -65,7 +65,7 @@ def drawings() -> dict[str, Draw]:
         "compare": lambda **kw: studies.plot_comparison(_compared(), **kw),
         "ceiling": lambda **kw: studies.plot_ceiling(_ceiling(), **kw),
         "verify-window": _window,
-        "verify-day": _day,
+        "verify-residuals": _residuals,
         "structure": _structure,
         "power-curve": _power_curve,
         "report": _report,
@@ -222,13 +222,10 @@ def _window(figure: Canvas) -> Figure:
     return window_figure(_verified(), 0, figure=figure)
 
 
-def _day(figure: Canvas) -> Figure:
-    from studies.flight_logs.errors import day_masks
-    from studies.flight_logs.plots import day_figure
+def _residuals(figure: Canvas) -> Figure:
+    from studies.flight_logs.plots import residual_figure
 
-    result = _verified()
-    ((_, mask),) = day_masks(result.samples)
-    return day_figure(result, result.days[0], mask, figure=figure)
+    return residual_figure(_verified(), figure=figure)
 
 
 def _structure(figure: Canvas) -> Figure:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import click
 
-from missions.flight_path import path_trouble
 from missions.weather.files import load_weather
 from sizing.margins.probability import check_reliability
 from sizing.margins.survival import check_survival
+from sizing.module_power import path_troubles
 from sizing.results import sizing
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Line, Summary
@@ -75,8 +75,7 @@ def _summary(study: SizingStudy, options: Size) -> Summary:
     if not study.feasible or options.weather_file is not None:
         return found
     aircraft, mission = study.sized_aircraft(), study.sized_mission()
-    path = mission.flight_path
-    blown = path is not None and path_trouble(path, mission.wind) is not None
+    blown = path_troubles(aircraft, mission)[0] is not None
     if blown or len(mission.scenarios()) > _MOST_SCENARIOS:
         return found
     line = perpetual_line(list(perpetual_by_model(aircraft, mission).values()))

@@ -30,7 +30,8 @@ def verify(options: Verify) -> None:
         case.mission,
         windows=options.windows,
         filter_s=options.filter_s,
-        correct=not options.as_logged,
+        clock_offset_min=options.clock_offset_min,
+        heading_offset_deg=options.heading_offset_deg,
     )
     record = case.named(result.to_dict())
     with told(case, record, result, files=(report, folder)):

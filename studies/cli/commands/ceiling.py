@@ -20,8 +20,8 @@ class Ceiling:
         "--highest",
         type=RealRange(-500.0, _HIGHEST_M, unit="metres"),
         metavar="METRES",
-        help="End of the search, which starts at the mission's altitude; by default 20000, for "
-        "missions above 15000 m 32000.",
+        help="End of the search, which starts at the mission's altitude and goes down from there "
+        "where nothing above is feasible; by default 20000, for missions above 15000 m 32000.",
     )
     step_m: float = option(
         "--step",

@@ -43,10 +43,19 @@ class Verify:
         help="Time to either side in the moving average.  [default: 1 s in windows, 400 s over "
         "days]",
     )
-    as_logged: bool = option(
-        "--as-logged",
-        is_flag=True,
-        help="Tell errors of the log's clock, heading and unit of power, but do not correct them.",
+    clock_offset_min: float = option(
+        "--clock-offset",
+        type=RealRange(-1440.0, 1440.0, unit="minutes"),
+        metavar="MINUTES",
+        default=0.0,
+        help="Time that the log's clock is ahead of universal time, which is taken off.",
+    )
+    heading_offset_deg: float = option(
+        "--heading-offset",
+        type=RealRange(-360.0, 360.0, unit="degrees"),
+        metavar="DEGREES",
+        default=0.0,
+        help="Angle that the log's yaw is too large, which is taken off.",
     )
     out_dir: str | None = out_option("samples and figures")
     figure: FigureOptions = figure_options()

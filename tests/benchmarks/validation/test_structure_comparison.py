@@ -44,7 +44,7 @@ def test_calibration_and_stiffness_are_all_that_the_file_says() -> None:
     model = calibrated_rib_wing()
     stiffness = {"gusts_fall_with_altitude", "torsion"}
     battery = {"spar_battery_density_kg_per_m3", "pod_battery_mount_fraction"}
-    assert model.model_fields_set == {"model", "calibration"} | stiffness | battery
+    assert model.model_fields_set == {"model", "build", "calibration"} | stiffness | battery
     assert model.torsion == WingTorsion()
 
 

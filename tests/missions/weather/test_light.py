@@ -94,6 +94,16 @@ def test_a_default_mission_follows_the_record_and_a_chosen_one_must_be_near():
         mission_at_site(mission, here)
 
 
+def test_distances_are_told_of_missions_with_a_longitude_alone():
+    there = clear_record(1, site=Site("East", 40.5, 60.0, 100.0, 4.0))
+    plain = load_mission("rafz-july").model_copy(update={"longitude_deg": None})
+    assert mission_at_site(plain, there)[1] == (
+        "the mission has no longitude: its site is at 40.5° N instead of 47.6° N",
+    )
+    (note,) = mission_at_site(load_mission("rafz-july"), there, chosen=False)[1]
+    assert note.endswith("km from the mission's")
+
+
 def test_climbs_are_kept_above_the_ground_and_below_thin_air():
     there = clear_record(1, site=Site("Far", -30.0, 150.0, 1500.0, 10.0))
     climbing = [load_mission("rafz-july", {"climb": {"ceiling_m": m}}) for m in (4000, 1600, 12000)]

@@ -232,3 +232,16 @@ def test_final_and_preliminary_months_are_one(tmp_path: Path) -> None:
     once = wind_table_from_netcdf(written(data, tmp_path, "a.nc"), 5.0)
     found = wind_table_from_netcdf(written(mixed, tmp_path, "b.nc"), 5.0)
     assert np.array_equal(found.wind_m_per_s, once.wind_m_per_s)
+
+
+@pytest.mark.parametrize(("values", "known"), [(20, True), (19, False)])
+def test_a_percentile_needs_its_values_in_the_shortest_month(
+    tmp_path: Path, values: int, known: bool
+) -> None:
+    # One value of twenty lies above the 95th percentile; of nineteen none does.
+    file = written(era5(TIMES[: 31 + values]), tmp_path)
+    if known:
+        assert wind_table_from_netcdf(file, 5.0, also=95.0).percentiles[-1] == 95.0
+        return
+    with pytest.raises(InputError, match="has 19 values in a month, too few for percentile 95"):
+        wind_table_from_netcdf(file, 5.0, also=95.0)

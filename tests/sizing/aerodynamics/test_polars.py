@@ -244,6 +244,18 @@ def test_stalled_rows_at_the_low_end_are_left_out() -> None:
 # ---- Reading tables
 
 
+def test_reynolds_numbers_at_which_the_rise_breaks_off_are_left_out() -> None:
+    """Lift of the second Reynolds number falls by 0.35 at 3 degrees, and rises again."""
+    rows = _formula_table((60e3, 1e5, 2e5, 3e5, 4e5, 6e5), 0.5).removeprefix(HEADER).split()
+    for i, row in enumerate(rows):
+        alpha, reynolds, cl, *rest = row.split(",")
+        if reynolds == "100000" and float(alpha) > 3.0:
+            rows[i] = ",".join([alpha, reynolds, f"{float(cl) - 0.35:.4f}", *rest])
+    kept = [row for row in rows if not row.startswith("-")]
+    polar = AirfoilPolar.from_table(parse_polar_table(HEADER + "\n".join(kept), "test.csv"))
+    assert polar.reynolds_range == (2e5, 6e5)
+
+
 def test_unknown_airfoil_names_what_there_is() -> None:
     with pytest.raises(ValueError, match="unknown airfoil 'mh139'") as caught:
         AirfoilPolar.load("mh139")

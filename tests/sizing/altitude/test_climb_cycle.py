@@ -14,6 +14,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from plain_climb import ETA, FLOOR_M, PlainClimb
 
+from missions.air import standard_air
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -249,7 +250,8 @@ def plain_day(ceiling_m: float, energy: float, altitude: float) -> tuple[float, 
 
 @pytest.mark.parametrize("ceiling_m", [1536.0, 3536.0, 9000.0])
 def test_cycle_agrees_with_plain_marching(ceiling_m: float) -> None:
-    result = flown(UNLIMITED_AS2, ceiling_m)
+    as_cold = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}
+    result = climb_performance(UNLIMITED_AS2, mission(ceiling_m, air=as_cold))
     start = float(result.climb.energy_wh[0, 0])
     altitude = float(result.climb.altitude_m[0, 0])
     energy, highest, dawn = plain_day(ceiling_m, start, altitude)

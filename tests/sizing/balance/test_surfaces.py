@@ -70,3 +70,12 @@ def test_fins_may_have_an_arm_of_their_own(keys: dict[str, float]) -> None:
     ratios = structure["horizontal_tail_ratio"] + structure["vertical_tail_ratio"]
     area_m2 = ratios / structure["fuselage_chords"] * wing.area_m2
     assert area_m2 == pytest.approx(planes.horizontal_m2 + planes.vertical_m2)
+
+
+def test_a_tail_has_the_pressure_controls_and_height_of_its_page() -> None:
+    tail = Tail(arm_m=1.0, horizontal_volume=0.4, vertical_volume=0.02)
+    # The defaults in the table of docs/balance.md.
+    assert (tail.dynamic_pressure_ratio, tail.thickness_ratio) == (0.9, 0.08)
+    assert (tail.elevator_chord_fraction, tail.elevator_deflection_deg) == (0.3, 20.0)
+    assert (tail.rudder_chord_fraction, tail.rudder_deflection_deg) == (0.4, 25.0)
+    assert (tail.horizontal_aspect_ratio, tail.vertical_aspect_ratio, tail.fins) == (5.0, 2.0, 1)

@@ -1,6 +1,5 @@
 import functools
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,12 +12,8 @@ from missions.winds.table import COLUMNS
 from sizing.design import DesignVariables
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
-from sizing.margins.search import fitted
 from sizing.margins.season_flights import Powers, SeasonDays, SeasonFlights
-from sizing.margins.season_search import SeasonSearch
-from sizing.margins.survival import _SurvivalSizing
 from sizing.mass_budget import closed_design, design_of
-from sizing.relaxed_flight import Relaxation
 from sizing.weather_run import weather_performance
 
 pytestmark = pytest.mark.slow
@@ -245,18 +240,6 @@ def test_years_are_told_apart_and_a_season_may_cross_the_new_year():
     assert sum(one["days_that_close"] for one in days.by_year()) == days.that_close
 
 
-def test_days_of_each_year_are_counted():
-    closes = np.array([True, False, True, True, False])
-    days = SeasonDays(
-        np.array([2001, 2001, 2003, 2003, 2003]), np.array([1, 2, 1, 2, 3]), closes, 1
-    )
-    assert [list(one.values()) for one in days.by_year()] == [
-        [2001, 2, 1, 0.5],
-        [2003, 3, 2, pytest.approx(2.0 / 3.0)],
-    ]
-    assert days.share == 0.6
-
-
 def test_out_of_reach_says_what_is_reached_and_what_would_help():
     small = load_aircraft(
         "atlantiksolar-design", {"design_space.wingspan_m": {"minimum": 2.0, "maximum": 4.4}}
@@ -313,65 +296,3 @@ def test_requirement_and_clearness_of_the_mission_are_told_to_play_no_part(most)
 def test_what_cannot_be_asked(call, error, message):
     with pytest.raises(error, match=message):
         sized(**({"survive": 0.9} | call))
-
-
-def test_days_that_the_whole_record_takes_away_are_asked_for_on_top():
-    """The search flies parts of the record: of its days two fewer close in all of it."""
-    asked = []
-
-    def best(days):
-        asked.append(days)
-        return days
-
-    found = SimpleNamespace(
-        needed=27,
-        search=SimpleNamespace(best=best, found=[]),
-        record=range(30),
-        _days_of=lambda days: days - 2,
-    )
-    assert _SurvivalSizing._best(found) == 29
-    assert asked == [27, 29]
-
-
-@pytest.mark.parametrize(("present", "edge"), [(200.0, 300.0), (50.0, 20.0)])
-def test_value_that_helps_in_the_record_is_told_to_one_per_cent(present, edge):
-    """The program's day wants a tenth of what the record does: further is tried, then bisected."""
-    upwards = edge > present
-    fake = SimpleNamespace(
-        _closes_enough=lambda _key, value, _factors: value >= edge if upwards else value <= edge
-    )
-    direction = "at least" if upwards else "at most"
-    found = present + 0.1 * (edge - present)
-    one = Relaxation("battery.mass_kg", "kg", present, direction, found, 1.0)
-    value = _SurvivalSizing._flown(fake, one, None).value
-    # Bisected to one per cent; three digits on the safe side.
-    assert 0.0 <= (value - edge if upwards else edge - value) <= 0.011 * edge
-
-
-def test_limits_on_the_battery_hold_for_the_battery_that_is_carried():
-    """The program counts it e^s times as large: its energy is larger and its rate smaller by so."""
-    keys = ("battery_energy_wh.maximum", "cruise_discharge_rate_per_h.maximum")
-    values = dict(zip((f"design_space.limits.{key}" for key in keys), (900.0, 0.2), strict=True))
-    search = SimpleNamespace(
-        aircraft=load_aircraft("atlantiksolar-design", values),
-        limited=["battery_energy_wh", "cruise_discharge_rate_per_h"],
-    )
-    seen = SeasonSearch.with_limits(search, np.log([1.0, 2.0])).design_space.all_limits()
-    assert seen["battery_energy_wh"].maximum == pytest.approx(1800.0)
-    assert seen["cruise_discharge_rate_per_h"].maximum == pytest.approx(0.1)
-
-
-def test_fitted_cost_of_a_quadratic_function_is_that_function():
-    places = np.random.default_rng(3).uniform(-0.3, 0.3, (40, 2))
-
-    def exact(at):
-        x, y = at[..., 0], at[..., 1]
-        return 2.0 + 3.0 * x - y + 0.5 * x * x - 2.0 * x * y + 4.0 * y * y
-
-    cost = fitted(places, exact(places), here=7)
-    # Exact but for the ridge of 1e-4 on forty weighted rows, which takes some per cent of the
-    # curvature of 4 over steps of 0.3.
-    for at in (places[7], places, places.reshape(5, 8, 2)):
-        assert cost(at).shape == at.shape[:-1]
-        assert cost(at) == pytest.approx(exact(at), abs=0.02)
-    assert cost(places[7]) == pytest.approx(exact(places[7]), rel=1e-12)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from builders import mission as july_day
 
+from missions.air import standard_air
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
@@ -39,8 +40,14 @@ def aircraft(*overrides: str) -> Aircraft:
 MIN_SPAN, MIN_MASS = Objective.min_wingspan, Objective.min_mass
 
 
+def as_cold(altitude_m: float) -> dict[str, float]:
+    """Air whose modules are as cold: the known designs are of such modules."""
+    return {"module_temperature_c": float(standard_air(altitude_m).temperature_c)}
+
+
 def mission(**changes: Any) -> Mission:
-    return july_day(latitude_deg=80.0, altitude_m=0.0, turbulence={"thermal": 1.0}, **changes)
+    plain = {"latitude_deg": 80.0, "altitude_m": 0.0, "turbulence": {"thermal": 1.0}}
+    return july_day(**plain | {"air": as_cold(0.0)} | changes)
 
 
 class Known(NamedTuple):
@@ -103,6 +110,7 @@ KNOWN = {
             latitude_deg=89.61,
             dates={"from": "06-06", "to": "08-05"},
             altitude_m=1368.2,
+            air=as_cold(1368.2),
             turbulence={"all_day": 1.0, "thermal": 2.0},
             payload={"mass_kg": 0.3},
             uncertainty_margins={"battery_capacity": 0.8},
@@ -122,6 +130,7 @@ KNOWN = {
         july_day(
             latitude_deg={"from_deg": 76.8, "to_deg": 86.17, "count": 3},
             altitude_m=0.0,
+            air=as_cold(0.0),
             clearness=0.811735,
             turbulence={"all_day": 0.2, "thermal": 0.3},
             payload={"mass_kg": 0.3, "power_w": 5.0},

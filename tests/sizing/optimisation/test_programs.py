@@ -239,7 +239,9 @@ def test_an_eased_limit_is_the_limit_times_a_factor(factor: float) -> None:
 
 
 def test_technology_that_is_eased_is_the_technology_times_a_factor() -> None:
-    aircraft, place = design(), mission(latitude_deg=47.0)
+    # Of a given temperature: that of modules in balance follows from the technology.
+    place = mission(latitude_deg=47.0, air={"module_temperature_c": 20.0})
+    aircraft = design()
     problem = build_problem(aircraft, 1, eased=True)
     own = at_a_point(problem, aircraft, place)
     for one in problem.of_role(Role.technology):

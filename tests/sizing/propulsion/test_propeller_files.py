@@ -134,6 +134,7 @@ ROWS = "# diameter_m: 0.66\nJ,CT,CP,rpm\n.5,.08,.05,900\n.9,.02,.03,900\n"
         ("alpha cl cd\n1 2 3\n", "t.dat", "t.dat: is no table of a propeller"),
         (APC.replace("11x5.5E ", "9x5.5E "), "P.dat", "P.dat:14: J 0.29 is not V/(nD) of 3.0 mph"),
         (APC.replace("0.0742", "O.0742"), "P.dat", "P.dat:14: CT must be a number (got 'O.0742')"),
+        (APC.replace("0.0742", "      "), "P.dat", "P.dat:14: 8 numbers are needed (got 7)"),
         (
             APC.replace("RPM =       1000", "RPM = fast"),
             "P.dat",
@@ -147,9 +148,16 @@ def test_bad_file_is_told_by_file_line_and_value(
     assert message in problem(tmp_path, text, name)
 
 
-def test_rows_that_apc_could_not_compute_are_passed_over(tmp_path: Path) -> None:
-    text = APC.replace("0.0742      0.0389", "-NaN        -NaN  ")
-    assert len(read_propeller(written(tmp_path, text)).curves[0].advance_ratio) == 2
+# Since 2022 APC's files leave the coefficients blank.
+COEFFICIENTS = "      0.5524      0.0742      0.0389       0.001       0.032       0.035"
+
+
+@pytest.mark.parametrize("blank", [COEFFICIENTS.replace("0.0742      0.0389", "-NaN   -NaN"), ""])
+def test_rows_that_apc_could_not_compute_are_left_out(tmp_path: Path, blank: str) -> None:
+    table = read_propeller(written(tmp_path, APC.replace(COEFFICIENTS, blank)))
+    assert len(table.curves[0].advance_ratio) == 2
+    (note,) = table.notes
+    assert note == f"1 row is left out: {tmp_path / 'table.csv'}:14: no CT and CP"
 
 
 def test_low_and_high_advance_ratios_of_one_nominal_speed_are_one_curve(tmp_path: Path) -> None:

@@ -101,8 +101,22 @@ def test_no_ceiling_is_exit_code_one(run: Run, tmp_path: Path) -> None:
     arguments = ["--set", "power.avionics_w=60", "--step", "5000", "--plot", "none.svg"]
     outcome = run("ceiling", "sky-sailor", *arguments)
     assert outcome.code == 1
-    assert "no perpetual flight at any altitude" in outcome.out
+    assert "no perpetual flight from 0 to 20000 m" in " ".join(outcome.out.split())
     assert (tmp_path / "none.svg").exists()
+
+
+def test_a_search_that_starts_above_the_ceiling_goes_down_to_it(run: Run) -> None:
+    standard = ("ceiling", AS2, "--set", "mission.air={}")
+    from_above = run(*standard, "--set", "mission.altitude_m=12000")
+    printed = " ".join(from_above.out.split())
+    assert from_above.code == 0
+    # From either side to 0.1 m.
+    up_to = run(*standard, "--json").json()["highest_perpetual_altitude_m"]
+    assert f"up to {up_to:.0f} m, below the mission's 12000 m" in printed
+    # Rows end where the day has no power at all.
+    hopeless = run(*standard, "--set", "mission.clearness=0.05", "--set", "mission.altitude_m=9000")
+    assert hopeless.code == 1
+    assert " ".join(hopeless.out.split()).count("-24.00") == 1
 
 
 def test_endless_day_is_no_number_in_json(run: Run) -> None:

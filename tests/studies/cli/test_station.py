@@ -133,6 +133,7 @@ def test_cells_of_designs_too_windy_for_the_path_say_so(run: Run, tmp_path: Path
     ]
     winds.write_text("\n".join(["latitude_deg,altitude_m,month,percentile,wind_m_per_s", *rows]))
     where = ["--set", f"mission.wind={{percentile: 95, file: {winds}}}", "--model", "VM"]
+    where += ["--set", "mission.flight_path.airspeed_m_per_s=8.6"]
     sized = ("map", DESIGN, "--resize", "min_mass", *where, "--latitudes", "30:40:10")
     out = tmp_path / "m.nc"
     shown = run(*sized, "--days", "152:182:30", "--out", str(out))

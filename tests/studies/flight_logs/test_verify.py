@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -14,21 +14,28 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner, Result
 
+from benchmarks.independent_logs import Truth
+from benchmarks.independent_logs import made as made_elsewhere
 from missions.files.errors import InputError
 from missions.library import load_mission
-from missions.logs.table import log_from_table
+from missions.logs.table import EulerAngles, FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, SolarModules
 from sizing.library import load_aircraft
+from sizing.mass_budget import design_of
 from solar.attitude_models import full_model
 from solar.geometry import ModuleGeometry, ModuleOutline
 from solar.horizontal_models import HORIZONTAL_MODELS
-from solar.shading import TailGeometry, shaded_area
-from solar.types import FloatArray
+from solar.shading import TailGeometry
 from studies.cli.__main__ import cli
-from studies.flight_logs.errors import ModelErrors, Window, day_masks, moving_average, parse_window
+from studies.flight_logs import plots
+from studies.flight_logs.errors import ModelErrors, Window, moving_average, parse_window
+from studies.flight_logs.estimates import Applied, Estimate, estimates
+from studies.flight_logs.fit import Fit
+from studies.flight_logs.forward import Forward
+from studies.flight_logs.level_power import level_power_key
 from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, SyntheticLog, synthetic_log
-from studies.flight_logs.verdict import model_sentence
+from studies.flight_logs.trackers import Trackers
 from studies.flight_logs.verification import Verification, verify
 
 pytestmark = pytest.mark.slow
@@ -81,14 +88,10 @@ TAIL = TailGeometry(
 )
 
 
-def shade(sun: FloatArray) -> FloatArray:
-    return shaded_area(geometry(), TAIL, sun)
-
-
 @cache
 def made(**settings: Any) -> SyntheticLog:
     """Return a log; tests that change its table work on a copy."""
-    return synthetic_log(aircraft(), mission(), Settings(**({"rate_hz": 0.5} | settings)))
+    return synthetic_log(aircraft(), mission(), Settings(**({"rate_hz": 0.1} | settings)))
 
 
 def verified(log: SyntheticLog, **options: Any) -> Verification:
@@ -105,7 +108,7 @@ def without(log: SyntheticLog, *columns: str) -> Verification:
 
 @pytest.mark.parametrize("bias", [0.0, -0.08, 0.15])
 def test_bias_is_recovered(bias: float) -> None:
-    result = verified(made(bias=bias))
+    result = verified(made(rate_hz=0.5, bias=bias))
     assert [day.label for day in result.days] == ["2015-06-30", "2015-07-01"]
     for day in result.days:
         errors = day.errors["FM"]
@@ -163,7 +166,7 @@ def test_filter_of_a_slow_log_is_as_long_as_that_of_a_fast_one() -> None:
 
 def test_all_models_agree_with_the_library_on_single_samples() -> None:
     """Chunks, areas and frames: each sample alone gives what the whole log gives."""
-    log = made(start_utc_s=MORNING_S, duration_h=6.0).log()
+    log = made(rate_hz=0.5, start_utc_s=MORNING_S, duration_h=6.0).log()
     result = verify(aircraft(), log, mission())
     modules = aircraft().modules
     assert modules.geometry is not None
@@ -201,7 +204,7 @@ def test_models_order_as_in_the_report() -> None:
 
 
 def test_windows_of_every_day_and_of_one() -> None:
-    log = made(rate_hz=0.1)
+    log = made()
     every, one = verified(log, windows=[Window(10, 12), parse_window("2015-07-01@10:12")]).windows
     # On the first day the aircraft starts at 9.7 h solar time.
     assert every.samples == pytest.approx(2 * one.samples, rel=0.02)
@@ -236,110 +239,278 @@ def test_ambient_temperature_of_log_then_mission_then_standard_air() -> None:
     assert warmest(bare, plain) - of_mission == pytest.approx(-11.2, abs=0.5)
 
 
-# ---- Anomalies
+# ---- What is left out
 
 
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("shading", [None, shade])
-def test_clean_log_raises_none(
-    seed: int, shading: Callable[[FloatArray], FloatArray] | None
-) -> None:
-    for settings in ({"rate_hz": 0.5}, {"rate_hz": 0.1, "power_noise_w": 3.0, "jitter_deg": 3.0}):
-        assert verified(made(seed=seed, **settings), shading=shading).anomalies == ()
+def reasons(result: Verification) -> list[str]:
+    return [one.reason for one in result.left_out]
 
 
-@pytest.mark.parametrize("bias", [-0.15, 0.15])
-def test_constant_bias_is_no_anomaly(bias: float) -> None:
-    assert verified(made(bias=bias), shading=shade).anomalies == ()
+@pytest.mark.parametrize("missing", [[], ["state_of_charge"], ["mppt_voltage_v"], ATTITUDE])
+def test_of_a_clean_log_nothing_is_left_out(missing: list[str]) -> None:
+    result = without(made(power_noise_w=3.0, jitter_deg=3.0), *missing)
+    assert result.left_out == ()
+    assert not result.excluded.any()
 
 
-@pytest.mark.parametrize("missing", [["state_of_charge"], ["mppt_voltage_v"], ATTITUDE])
-def test_clean_log_with_fewer_columns_raises_none(missing: list[str]) -> None:
-    assert without(made(), *missing).anomalies == ()
-
-
-@pytest.mark.parametrize("seed", [0, 1])
-@pytest.mark.parametrize(
-    ("kind", "faults", "overlap"),
-    [
-        # Before 5 h solar time the modules give less than 1 % of rated power, too little to judge.
-        ("mppt_not_tracking", Faults(mppt=(18.5, 21.0)), 0.7),
-        ("battery_full", Faults(battery_full=(24.0, 27.0)), 0.95),
-        ("missing_data", Faults(missing=(23.0, 23.5)), 0.95),
-        # The smallest shadows at either end cost less than the noise.
-        ("shading", Faults(shading=shade), 0.6),
-    ],
-)
-def test_injected_fault_is_found(seed: int, kind: str, faults: Faults, overlap: float) -> None:
-    span: dict[str, Any] = {}
-    if kind == "shading":  # morning and evening are two findings
-        span = {"start_utc_s": MORNING_S, "duration_h": 6.0}
-    log = made(seed=seed, faults=faults, **span)
-    start_s, end_s = injected(faults, seed, **span)
-    (found,) = verified(log, shading=shade).anomalies
-    assert found.kind == kind
-    common = min(found.end_s, end_s) - max(found.start_s, start_s)
-    assert common > overlap * (end_s - start_s)
-    # Not much more than what was injected either; smoothing widens a limit by minutes.
-    assert found.end_s - found.start_s < 1.1 * (end_s - start_s)
-
-
-def injected(faults: Faults, seed: int, **span: Any) -> tuple[float, float]:
-    """Ends of the only fault of a log [s since 1970]: of a shadow, where it takes 1 %."""
-    period = faults.mppt or faults.battery_full or faults.missing
-    if period is None:
-        logs = (made(seed=seed, faults=f, power_noise_w=0.0, **span) for f in (faults, Faults()))
-        shaded, clear = (log.table["solar_power_w"].to_numpy() for log in logs)
-        dark = np.flatnonzero(shaded < 0.99 * clear)
-        period = (float(dark[0]) / 1800.0, float(dark[-1]) / 1800.0)  # two seconds each
-    begin = float(span.get("start_utc_s", START_UTC_S))
-    return begin + 3600.0 * period[0], begin + 3600.0 * period[1]
-
-
-def test_limited_power_is_excluded_from_the_errors() -> None:
-    result = verified(made(faults=Faults(battery_full=(24.0, 27.0))))
-    day = result.days[1]
-    # Three hours at 0.5 Hz, widened by a few minutes.
-    assert 5400 <= day.excluded <= 5400 * 1.1
-    errors = day.errors["FM"]
-    assert errors.relative(errors.average_w) == pytest.approx(0.0, abs=1e-3)
-    # The day's filter would otherwise carry 100 W and more across the edges.
-    assert errors.maximum_w < 2.0
-
-
-@pytest.mark.parametrize("missing", [ATTITUDE, ["mppt_voltage_v"]])
-def test_limited_power_is_found_with_fewer_columns(missing: list[str]) -> None:
-    (found,) = without(made(faults=Faults(battery_full=(24.0, 27.0))), *missing).anomalies
-    assert found.kind == "battery_full"
-
-
-@pytest.mark.parametrize("missing", [["state_of_charge"], ["state_of_charge", "load_w"]])
-def test_without_a_charge_the_battery_is_among_what_may_be(missing: list[str]) -> None:
-    found = without(made(faults=Faults(battery_full=(24.0, 27.0))), *missing)
-    first = found.anomalies[0]
-    assert first.kind == "mppt_not_tracking"
-    assert "or the battery is nearly full (no state of charge is logged)" in first.evidence
-    assert not found.corrected
+@pytest.mark.parametrize("missing", [[], ATTITUDE, ["mppt_voltage_v"]])
+def test_limited_power_is_left_out(missing: list[str]) -> None:
+    result = without(made(faults=Faults(battery_full=(24.0, 27.0))), *missing)
+    assert reasons(result) == ["battery_full"]
+    (full,) = result.left_out
+    assert full.start_s == pytest.approx(START_UTC_S + 24.0 * 3600.0, abs=600.0)
+    # Three hours at 0.1 Hz, widened by a few minutes.
+    assert 1080 <= result.days[1].excluded <= 1080 * 1.1
+    if not missing:
+        errors = result.days[1].errors["FM"]
+        assert errors.relative(errors.average_w) == pytest.approx(0.0, abs=1e-3)
+        # The day's filter would otherwise carry 100 W and more across the edges.
+        assert errors.maximum_w < 2.0
 
 
 def test_low_power_at_half_charge_is_not_blamed_on_the_battery() -> None:
     log = made(faults=Faults(battery_full=(24.0, 27.0)))
     table = log.table.assign(state_of_charge=0.5)
     result = verify(aircraft(), log_from_table(table, "x.csv"), mission())
-    assert "battery_full" not in [a.kind for a in result.anomalies]
-    assert not result.excluded.any()
+    assert reasons(result) == []
 
 
-def test_gap_at_night_is_no_anomaly() -> None:
-    result = verified(made(faults=Faults(missing=(12.0, 13.0))))
-    assert result.anomalies == ()
-    assert len(result.log.gaps) == 1
+def test_without_a_charge_the_fall_of_power_to_the_load_is_left_out() -> None:
+    """Charging power of 60 W that falls to nothing within three hours, and 20 minutes of that."""
+    table = made(faults=Faults(battery_full=(24.0, 27.0))).table
+    hours = np.arange(len(table)) / 360.0
+    held = (hours >= 27.0) & (hours < 27.33)
+    power = np.where(
+        held, np.minimum(table["solar_power_w"], table["load_w"]), table["solar_power_w"]
+    )
+    rows = table.assign(solar_power_w=power).drop(columns="state_of_charge")
+    result = verify(aircraft(), log_from_table(rows, "x.csv"), mission())
+    assert reasons(result) == ["battery_full"]
+    inside = (result.samples.time_s > START_UTC_S + 24.1 * 3600.0) & result.excluded
+    assert inside.sum() > 0.95 * 3.2 * 360
+    assert covers(result, "clock_offset", 0.0)
 
 
-def test_several_faults_are_told_apart() -> None:
-    faults = Faults(mppt=(18.5, 21.0), battery_full=(24.0, 27.0), missing=(22.0, 22.2))
-    found = [a.kind for a in verified(made(faults=faults)).anomalies]
-    assert found == ["mppt_not_tracking", "missing_data", "battery_full"]
+def test_no_power_is_left_out_and_dusk_is_not() -> None:
+    table = made().table
+    hours = np.arange(len(table)) / 360.0
+    dead = (hours > 3.0) & (hours < 3.5)
+    noise = np.random.default_rng(1).normal(0.0, 0.5, len(table))
+    rows = table.assign(solar_power_w=np.where(dead, noise, table["solar_power_w"]))
+    result = verify(aircraft(), log_from_table(rows, "x.csv"), mission())
+    (gone,) = result.left_out
+    assert gone.reason == "no_power"
+    assert gone.count == dead.sum()
+    assert result.excluded.sum() == dead.sum()
+    assert covers(result, "solar_factor", 1.0)
+
+
+def test_gaps_by_day_are_told_and_those_at_night_are_not() -> None:
+    by_night = verified(made(faults=Faults(missing=(12.0, 13.0))))
+    assert by_night.left_out == ()
+    assert len(by_night.log.gaps) == 1
+    (gap,) = verified(made(faults=Faults(missing=(23.0, 23.5)))).left_out
+    assert gap.reason == "missing_data"
+    assert gap.end_s - gap.start_s == pytest.approx(1800.0, abs=20.0)
+
+
+# ---- Estimates
+
+
+def estimate(result: Verification, name: str) -> Estimate:
+    return next(one for one in result.estimates if one.name == name)
+
+
+def covers(result: Verification, name: str, truth: float) -> bool:
+    one = estimate(result, name)
+    assert one.low is not None
+    assert one.high is not None
+    return one.low <= truth <= one.high
+
+
+def altered(log: SyntheticLog, clock_min: float = 0.0, heading_deg: float = 0.0) -> FlightLog:
+    """Log whose clock and compass are off."""
+    times = pd.to_datetime(log.table["time_utc"]) + pd.Timedelta(minutes=clock_min)
+    table = log.table.assign(
+        time_utc=times.dt.strftime("%Y-%m-%dT%H:%M:%S.%fZ"),
+        yaw_deg=(log.table["yaw_deg"] + heading_deg + 180.0) % 360.0 - 180.0,
+    )
+    return log_from_table(table, "altered.csv")
+
+
+@pytest.mark.parametrize(
+    ("clock_min", "heading_deg"), [(0.0, 0.0), (37.0, 0.0), (-120.0, 90.0), (0.0, 8.0)]
+)
+def test_offsets_are_estimated_and_applied_on_request(clock_min: float, heading_deg: float) -> None:
+    log = altered(made(bias=-0.0175), clock_min, heading_deg)
+    result = verify(aircraft(), log, mission())
+    truths = {"clock_offset": clock_min, "heading_offset": heading_deg, "solar_factor": 1 / 0.9825}
+    for name, truth in truths.items():
+        assert covers(result, name, truth), (name, estimate(result, name))
+    assert result.log is log  # nothing is corrected
+    clock, heading, factor = (estimate(result, name).apply for name in truths)
+    assert (clock[0], heading[0]) == ("--clock-offset", "--heading-offset")
+    applied = verify(
+        load_aircraft("atlantiksolar-as2", [factor[1]]),
+        log,
+        mission(),
+        clock_offset_min=float(clock[1]),
+        heading_offset_deg=float(heading[1]),
+    )
+    for name, truth in {"clock_offset": 0.0, "heading_offset": 0.0, "solar_factor": 1.0}.items():
+        # About the half-width of the intervals: weights follow from the residuals, these from them.
+        value = estimate(applied, name).value
+        assert value == pytest.approx(truth, abs=0.01 if truth else 1.0)
+    assert abs(applied.days[0].errors["FM"].average_w) < 0.5
+    assert applied.to_dict()["applied"]["clock_min"] == float(clock[1])
+    again = estimate(applied, "clock_offset").apply[1]
+    assert float(again) == pytest.approx(float(clock[1]), abs=1.0)  # options replace each other
+
+
+def test_without_attitude_a_clock_is_estimated_and_no_heading() -> None:
+    log = altered(made(), 60.0)  # CAM errs by up to 7 % in wind
+    result = verify(aircraft(), replace(log, attitude=None), mission())
+    assert covers(result, "clock_offset", 60.0)
+    heading = estimate(result, "heading_offset")
+    assert heading.value is None
+    assert heading.why == "the log has no attitude"
+    assert result.correlation is None
+
+
+def test_what_is_known_to_nothing_is_not_determined() -> None:
+    log = made(start_utc_s=MORNING_S, duration_h=3.0).log()
+    level = replace(log, attitude=EulerAngles(*(0.01 * angle for angle in log.attitude or ())))
+    forward = Forward(level, aircraft(), mission(), geometry(), None, np.arange(len(log)))
+    names = ("factor", "clock_s", "heading")
+    fit = Fit(names, np.zeros(3), np.diag([0.01, 7200.0, 1.0]) ** 2, 1.0)
+    clock, heading, _, _ = estimates(forward, np.zeros(len(log), bool), fit, Applied())
+    assert clock.why == "known to ± 235 min only: the power of these 3.0 h does not tell it"
+    assert "the wings are level to 0.0 deg" in heading.why
+    assert clock.value is heading.value is None
+    none = estimates(forward, np.zeros(len(log), bool), None, Applied())
+    assert none[0].why == "too few samples with power count"
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"), [(1e-3, "as if the power was logged in kW"), (-1.0, "factor of -1")]
+)
+def test_units_and_signs_are_named(factor: float, words: str) -> None:
+    log = made().log()
+    wrong = replace(log, solar_power_w=factor * log.solar_power_w)
+    one = estimate(verify(aircraft(), wrong, mission()), "solar_factor")
+    assert words in one.why
+    assert one.apply == ()
+
+
+def test_power_of_level_flight_is_the_load_without_avionics() -> None:
+    log = made().log()  # 43 W in the mean, gusts of 2 W
+    constant_w = design_of(aircraft(), mission()).constant_power_w
+    of_load = verify(aircraft(), log, mission())
+    assert covers(of_load, "level_power", 43.0 - constant_w)
+    (key,) = estimate(of_load, "level_power").apply[1:]
+    craft = load_aircraft("atlantiksolar-as2", [key])
+    value = estimate(of_load, "level_power").value
+    assert design_of(craft, mission()).propulsion_power_w == pytest.approx(value, rel=1e-3)
+    assert log.load_w is not None
+    balance = replace(log, load_w=None, battery_power_w=log.solar_power_w - log.load_w)
+    assert estimate(verify(aircraft(), balance, mission()), "level_power").value == pytest.approx(
+        value
+    )
+    nothing = verify(aircraft(), replace(log, load_w=None), mission())
+    assert estimate(nothing, "level_power").why == "neither load_w nor battery_power_w is logged"
+
+
+def test_parametric_aircraft_have_a_key_for_the_power_of_level_flight() -> None:
+    craft, where = load_aircraft("atlantiksolar-design"), mission()
+    power_w = 1.1 * design_of(craft, where).propulsion_power_w
+    key, value = level_power_key(craft, where, power_w)
+    again = load_aircraft("atlantiksolar-design", [f"{key}={value}"])
+    assert design_of(again, where).propulsion_power_w == pytest.approx(power_w, rel=1e-4)
+    assert "gives it" in level_power_key(craft, where, 1e6)
+
+
+@pytest.mark.parametrize(
+    ("number", "truth"),
+    [(0, Truth()), (1, Truth("clock", 37.0)), (2, Truth("heading", 8.0)), (3, Truth(full=True))],
+)
+def test_intervals_hold_on_flights_of_another_simulation(number: int, truth: Truth) -> None:
+    """Sun, sky, glass and temperatures of pvlib, turbidity of 2 to 5, attitude off by 0.3 deg."""
+    rows = made_elsewhere(aircraft(), truth, 5000 + number).rows
+    result = verify(aircraft(), log_from_table(rows, "elsewhere.csv"), mission())
+    for name in ("clock", "heading"):
+        one = estimate(result, f"{name}_offset")
+        assert one.value is not None
+        assert one.high is not None
+        # Three standard errors: two, the interval, are passed by one in twenty.
+        error = one.value - (truth.size if truth.cause == name else 0.0)
+        assert abs(error) < 1.5 * (one.high - one.value), one
+
+
+# ---- Residuals
+
+
+def test_residuals_are_errors_of_bins() -> None:
+    result = verified(made(start_utc_s=MORNING_S, duration_h=6.0, bias=-0.05))
+    samples, found = result.samples, result.residuals
+    inside = (samples.elevation_deg >= 30.0) & (samples.elevation_deg < 40.0)
+    row = next(one for one in found.morning if one.low == 30.0)
+    assert row.samples == inside.sum()
+    measured = samples.measured_w[inside].mean()
+    assert row.as_logged == pytest.approx(samples.modelled_w["FM"][inside].mean() / measured - 1.0)
+    assert found.afternoon == ()
+    bright = (samples.measured_w > 0.02 * samples.measured_w.max()).sum()
+    for rows in (found.time, found.morning, found.bearing):
+        assert bright <= sum(one.samples for one in rows) <= len(samples.time_s)
+        for one in rows[1:]:  # the first hour has hardly any light
+            assert one.as_logged == pytest.approx(-0.05, abs=0.02)
+            assert one.estimated == pytest.approx(0.0, abs=0.02)
+
+
+def test_dead_modules_are_seen_beside_the_other_mppts() -> None:
+    log = made(start_utc_s=MORNING_S, duration_h=6.0).log()
+    forward = Forward(log, aircraft(), mission(), geometry(), None, np.arange(len(log)))
+    each = forward.power_by_surface_w()
+    assert each.sum(axis=1) == pytest.approx(forward.power_w(), abs=1e-6)
+    power = {f"P {side}": each[:, i : i + 2].sum(axis=1) for i, side in
+             ((0, "left"), (2, "centre"), (4, "right"))}  # fmt: skip
+    power["P right"] = 0.5 * power["P right"]
+    log = replace(log, tracker_power_w=power, solar_power_w=np.sum(list(power.values()), axis=0))
+    result = verify(aircraft(), log, mission())
+    assert [one.modules[0] for one in result.trackers] == [
+        "left front",
+        "centre front",
+        "right front",
+    ]
+    assert [one.ratio for one in result.trackers] == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
+    assert "power of the MPPTs; their modules by name" in str(result)
+    assert len(plots.residual_figure(result).axes) == 5
+
+
+def test_mppts_are_matched_by_name_by_number_or_in_order() -> None:
+    log, surfaces = made().log(), load_aircraft("atlantiksolar-as2").modules.geometry
+    assert surfaces is not None
+
+    def matched(names: Iterable[str], where: ModuleGeometry) -> tuple[Trackers | None, str]:
+        power = dict.fromkeys(names, log.solar_power_w)
+        return Trackers.of(replace(log, tracker_power_w=power), where)
+
+    six, no_reason = matched([f"mppt {i}" for i in range(6)], surfaces)
+    assert six is not None
+    assert not no_reason
+    assert (six.members == np.eye(6, dtype=bool)).all()
+    named, _ = matched(["P right [W]", "P middle [W]", "P left [W]"], surfaces)
+    assert named is not None
+    assert named.members.tolist() == [[0, 0, 0, 0, 1, 1], [0, 0, 1, 1, 0, 0], [1, 1, 0, 0, 0, 0]]
+    none, why = matched(["a", "b"], surfaces)
+    assert none is None
+    assert "2 columns, 6 surfaces" in why
+    rows = surfaces.model_dump()
+    for place, surface in enumerate(rows["surfaces"]):
+        surface["mppt"] = 1 + place % 2
+    wired, _ = matched(["a", "b"], ModuleGeometry.model_validate(rows))
+    assert wired is not None
+    assert wired.members.tolist() == [[1, 0, 1, 0, 1, 0], [0, 1, 0, 1, 0, 1]]
+    assert matched([], surfaces) == (None, "")
 
 
 # ---- What cannot be computed
@@ -408,7 +579,7 @@ def test_bad_window(text: str) -> None:
 @pytest.fixture(scope="module")
 def log_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("log") / "flight.csv"
-    faults = Faults(battery_full=(4.0, 5.0), shading=shade)
+    faults = Faults(battery_full=(4.0, 5.0))
     file.write_text(
         made(start_utc_s=MORNING_S, duration_h=6.0, rate_hz=0.2, faults=faults).to_csv()
     )
@@ -446,7 +617,11 @@ def test_command_prints_json(log_file: Path) -> None:
     record = json.loads(result.output)
     assert [s["filter_s"] for s in (*record["windows"], *record["days"])] == [7, 7]
     assert record["models"] == ["CDM", "CAM", "VM", "FM"]
-    assert [a["kind"] for a in record["anomalies"]] == ["battery_full"]
+    assert [one["reason"] for one in record["left_out"]] == ["battery_full"]
+    assert set(record["estimates"]) == {
+        "clock_offset", "heading_offset", "solar_factor", "level_power",
+    }  # fmt: skip
+    assert set(record["residuals"]) == {"time", "morning", "afternoon", "bearing"}
     assert record["excluded_samples"] > 600
 
 
@@ -454,7 +629,7 @@ def test_command_writes_everything(log_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "deep" / "out"
     result = run(log_file, "--out", out, "--window", "5.7:5.8", "--window", "2015-07-01@8:8.1")
     assert result.exit_code == 0, result.output
-    images = {"window-1.png", "window-2.png", "day-2015-07-01.png"}
+    images = {"residuals.png", "window-1.png", "window-2.png"}
     assert {f.name for f in out.iterdir()} == images | RUN | {"samples.csv"}
     assert {f.name for f in out.parent.iterdir()} == {"out"}
     for name in images:
@@ -471,59 +646,38 @@ def test_command_writes_everything(log_file: Path, tmp_path: Path) -> None:
     )
 
 
-def test_figures_show_shade_and_exclusion(log_file: Path) -> None:
-    from studies.flight_logs import plots
+def test_printed_options_run_as_printed(log_file: Path) -> None:
+    printed = [line.strip() for line in run(log_file).output.splitlines()]
+    start = printed.index("to apply an estimate, add its option:")
+    options = [line for line in printed[start + 1 :] if line.startswith("--")]
+    assert len(options) == 4
+    result = run(log_file, *" ".join(options).split())
+    assert result.exit_code == 0, result.output
+    assert "as asked for" in result.output
 
-    log = made(
-        start_utc_s=MORNING_S, duration_h=6.0, rate_hz=0.2, faults=Faults(battery_full=(4.0, 5.0))
-    )
-    result = verified(log, shading=shade, windows=[Window(5.0, 6.0)])
-    ((_, mask),) = day_masks(result.samples)
-    day = plots.day_figure(result, result.days[0], mask)
-    labels = [axes.get_ylabel() for axes in day.axes]
-    assert labels[0] == "solar power [W]"
-    assert "shaded [cm²]" in labels
-    legend = day.axes[0].get_legend()
-    assert legend is not None
-    assert [t.get_text() for t in legend.get_texts()][-4:] == [
-        "measured",
-        "window",
-        "excluded",
-        "battery full",
+
+def test_figures_show_what_is_left_out(log_file: Path) -> None:
+    result = verify(aircraft(), str(log_file), mission(), windows=[Window(5.0, 6.0)])
+    drawn = plots.residual_figure(result)
+    labels = [axes.get_xlabel() for axes in drawn.axes]
+    assert labels == [
+        "time of 2015-07-01 [h UTC]",
+        "time of 2015-07-01 [h UTC]",
+        "elevation of the sun [deg]",
+        "azimuth of the sun from the nose, clockwise [deg]",
     ]
-    assert day.axes[-1].get_xlabel() == "time of 2015-07-01 [h UTC]"
-    power, residuals = day.axes[:2]
+    legend = drawn.axes[0].get_legend()
+    assert legend is not None
+    assert [t.get_text() for t in legend.get_texts()] == [
+        "CDM", "CAM", "VM", "FM", "measured", "battery full",
+    ]  # fmt: skip
+    power, error = plots.window_figure(result, 0).axes
     measured = power.lines[-1].get_ydata()
-    for line, error in zip(power.lines, residuals.lines, strict=False):
+    for line, other in zip(power.lines, error.lines, strict=False):
         if line.get_label() != "measured":
-            assert error.get_ydata() == pytest.approx(line.get_ydata() - measured, nan_ok=True)
-    assert len(plots.window_figure(result, 0).axes) == len(day.axes) + 1  # the yaw
-
-
-def test_figures_without_attitude() -> None:
-    from studies.flight_logs import plots
-
-    log = made(start_utc_s=MORNING_S, duration_h=2.0, rate_hz=0.2)
-    result = without(log, *ATTITUDE, "mppt_voltage_v")
-    ((_, mask),) = day_masks(result.samples)
-    assert len(plots.day_figure(result, result.days[0], mask).axes) == 2  # power and residuals
-
-
-def test_gaps_of_a_log_are_hatched_and_nights_are_not() -> None:
-    from studies.flight_logs import plots
-
-    log = made(start_utc_s=MORNING_S, duration_h=6.0, rate_hz=0.2)
-    rows = log.table.index
-    cut = log_from_table(log.table[(rows < 2000) | (rows > 2720)], "synthetic.csv")
-    result = verify(aircraft(), cut, mission())
-    ((_, mask),) = day_masks(result.samples)
-    axes = plots.day_figure(result, result.days[0], mask).axes[0]
-    (gap,) = (patch for patch in axes.patches if patch.get_label() == "no data")
-    assert gap.get_width() == pytest.approx(721 / 0.2 / 3600.0, abs=0.01)
-    whole = verified(log)
-    ((_, mask),) = day_masks(whole.samples)
-    names = [p.get_label() for p in plots.day_figure(whole, whole.days[0], mask).axes[0].patches]
-    assert "no data" not in names
+            assert other.get_ydata() == pytest.approx(line.get_ydata() - measured, nan_ok=True)
+    no_attitude = verify(aircraft(), replace(result.log, attitude=None), mission())
+    assert len(plots.residual_figure(no_attitude).axes) == 3
 
 
 def test_result_prints_itself_and_reads_its_own_log(log_file: Path) -> None:
@@ -531,7 +685,7 @@ def test_result_prints_itself_and_reads_its_own_log(log_file: Path) -> None:
     assert result.mission == "rafz-28h"
     text = " ".join(str(result).split())  # the path may be wider than a line
     assert text.startswith(f"atlantiksolar-as2 against {log_file}")
-    for part in ("5.71 to 5.79 h (solar time)", "2015-07-01 (UTC)", "battery full", "not in the"):
+    for part in ("5.71 to 5.79 h (solar time)", "2015-07-01 (UTC)", "battery full", "left out"):
         assert part in text
     assert repr(result) == f"<Verification: {result.headline()}>"
     frame = result.to_frame()
@@ -580,7 +734,7 @@ def test_command_names_mistakes_in_the_map(log_file: Path, tmp_path: Path) -> No
 
 
 def test_text_fits_80_columns_for_large_and_small_aircraft() -> None:
-    log = made(start_utc_s=MORNING_S, duration_h=3.0, rate_hz=0.1, faults=Faults(mppt=(0.5, 2.0)))
+    log = made(start_utc_s=MORNING_S, duration_h=3.0, faults=Faults(mppt=(0.5, 2.0)))
     result = verified(log, windows=["5:6"])
     large = replace(
         result.windows[0],
@@ -591,13 +745,6 @@ def test_text_fits_80_columns_for_large_and_small_aircraft() -> None:
     )
     for one in (result, replace(result, windows=(large,))):
         assert max(len(line) for line in str(one).splitlines()) <= 80
-
-
-def test_power_that_is_none_is_not_taken_for_nothing_to_compare() -> None:
-    errors = ModelErrors(100.0, -80.0, 180.0, 190.0, 300.0)
-    told = model_sentence("FM", errors, 400.0)
-    assert told.startswith("FM: -80 W are measured on average: no power of modules")
-    assert model_sentence("FM", None, 400.0) == "FM: nothing to compare, no sample counts"
 
 
 def test_a_log_in_the_folder_of_results_is_not_overwritten(tmp_path: Path) -> None:

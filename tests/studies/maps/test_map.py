@@ -100,7 +100,8 @@ def test_cells_with_thermals_or_another_charger_are_those_of_analyses(
             scenario = Scenarios(np.array([latitude]), np.array([day]))
             lit = solar_day(aircraft, rough, SolarModel("CDM"), scenarios=scenario)
             cycle = performance(aircraft, rough, SolarModel("CDM"), day=lit).cycle
-            assert found["excess_time"][i, j] == cycle.excess_time_h[0]
+            # Rounding of the flow's factor, which a map leaves out.
+            assert found["excess_time"][i, j] == pytest.approx(cycle.excess_time_h[0], rel=1e-12)
             assert found["charge_margin"][i, j] == cycle.charge_margin_h[0]
             assert found["load_energy"][i, j] == cycle.energy_budget.load_wh[0]
 

@@ -90,7 +90,7 @@ def test_notes_stand_below_the_title_and_go_with_it() -> None:
 
 
 def test_a_small_figure_keeps_its_axes_and_its_texts() -> None:
-    analysis = flown("modules.area_m2=0.65")
+    analysis = flown("modules.area_m2=0.68")
     assert (
         0.0 < analysis.performance.cycle.charge_margin_h[0] < 2.0
     )  # full late: its text has little room to the right

@@ -1,0 +1,230 @@
+"""What a log says of its clock, its heading and the solar power, with intervals; no judgement.
+
+``P = factor * P_FM(t - clock, yaw - heading)`` is fitted by :func:`scipy.optimize.least_squares`,
+reweighted for Cauchy's loss (Holland, P. W., Welsch, R. E. (1977), Communications in Statistics
+A6(9), 813-827). What every log and model may be off by looks much like a clock or a heading, and is
+fitted along within its standard deviation. Intervals are those of the sandwich estimator (White, H.
+(1980), Econometrica 48, 817-838): what the samples of ten minutes contribute to an estimate is
+summed, and counts by the autocorrelation time of these sums.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import norm
+
+from solar.types import FloatArray, IntArray
+from studies.flight_logs.autocorrelation import correlation_time
+from studies.flight_logs.forward import Forward, Offsets
+
+CONFIDENCE = 0.95
+WIDE = float(norm.ppf(0.5 + 0.5 * CONFIDENCE))  # half-width in standard errors
+# Standard deviation of what is known beforehand, and step of the fit; docs/verify.md gives sources.
+_UNKNOWNS = {
+    "factor": (np.inf, 0.05),
+    "clock_s": (np.inf, 60.0),
+    "heading": (np.inf, 0.02),
+    "roll": (float(np.radians(0.5)), 0.005),
+    "pitch": (float(np.radians(0.5)), 0.005),
+    "haze": (0.1, 0.05),
+    "diffuse": (0.4, 0.1),
+    "incidence": (0.05, 0.02),
+    "low_light": (0.03, 0.02),
+    "drift": (0.02, 0.01),
+}
+# CAM ignores how wind tilts the wing, which looks like a clock: by 7 min in a log of the report's
+# flight, in 2 m/s of easterly wind.
+_CAM_CLOCK_S = 420.0
+_OF_ATTITUDE = ("heading", "roll", "pitch")
+_LEAST_SAMPLES, _SAMPLES, _FEW, _COARSE = 60, 1000, 250, 100
+_BLOCK_S = 600.0  # several circles
+_CAUCHY = 2.385  # 95 % efficient where residuals are normal (Holland & Welsch 1977)
+_LEAST_SCATTER = 2e-3  # of the peak: to which tables and rounding of the model hold
+_ROUNDS, _NEAR = 5, 1e-4  # each round goes on from the last one
+# Coarse grid of starts: clocks to either side, and turns of the heading.
+_MOST_CLOCK_S, _SHIFT_S, _TURNS, _STARTS = 14 * 3600.0, 1800.0, 12, 3
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Values of ``names`` and their covariance; ``factor`` is the logarithm of the factor.
+
+    ``level``: logarithm of measured over modelled energy at this clock and heading, and its
+    standard error. ``scatter_w``: of the residuals.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+    scatter_w: float
+    level: tuple[float, float] = (0.0, 0.0)
+
+    def of(self, name: str) -> tuple[float, float] | None:
+        """Value and half-width of its interval; None where it is not fitted."""
+        if name not in self.names:
+            return None
+        place = self.names.index(name)
+        return float(self.values[place]), WIDE * float(np.sqrt(self.covariance[place, place]))
+
+    @property
+    def factor(self) -> tuple[float, float, float]:
+        """Measured over modelled energy, and the ends of its interval."""
+        level, error = self.level
+        low, middle, high = np.exp(level + WIDE * error * np.array([-1.0, 0.0, 1.0])).tolist()
+        return middle, low, high
+
+    def applied_w(self, forward: Forward) -> FloatArray:
+        """Power with clock, heading and factor alone [W]."""
+        known = dict(zip(self.names, self.values.tolist(), strict=True))
+        moved = Offsets(clock_s=known["clock_s"], heading=known.get("heading", 0.0))
+        parts = [chunk.power_w(moved) for chunk in forward.chunks()]
+        return np.asarray(self.factor[0] * np.concatenate(parts))
+
+    @property
+    def correlation(self) -> float | None:
+        """Correlation of the errors of clock and heading, if both are fitted."""
+        if "heading" not in self.names:
+            return None
+        i, j = self.names.index("clock_s"), self.names.index("heading")
+        c = self.covariance
+        return float(c[i, j] / np.sqrt(c[i, i] * c[j, j]))
+
+    def expected_w(self, forward: Forward) -> FloatArray:
+        """Power with all that was fitted [W]."""
+        offsets = Offsets(**dict(zip(self.names[1:], self.values[1:].tolist(), strict=True)))
+        parts = [chunk.power_w(offsets) for chunk in forward.chunks()]
+        return np.asarray(np.exp(self.values[0]) * np.concatenate(parts))
+
+
+def fitted(forward: Forward, measured_w: FloatArray) -> Fit | None:
+    """Fit clock, heading and factor to samples of a log; None where there are too few."""
+    angles = forward.knows_angles
+    names = tuple(name for name in _UNKNOWNS if angles or name not in _OF_ATTITUDE)
+    data = _Data(forward, measured_w, names).some(_SAMPLES)
+    if len(measured_w) < _LEAST_SAMPLES or not measured_w.sum() > 0.0:
+        return None
+    starts = list(data.starts())
+    start = starts[0]
+    if len(starts) > 1:  # without what is known beforehand: that is small
+        few = replace(data.some(_FEW), names=data.names[: len(start)])
+        start = min(
+            (few.fit(one, rounds=1) for one in starts), key=lambda one: one.scatter_w
+        ).values
+    return data.with_level(data.fit(np.append(start, np.zeros(len(data.names) - len(start)))))
+
+
+@dataclass(frozen=True)
+class _Data:
+    """Samples that are fitted."""
+
+    forward: Forward
+    measured_w: FloatArray
+    names: tuple[str, ...]
+
+    def some(self, most: int) -> _Data:
+        """At most so many, spread evenly but not regularly: a stride could meet the circles."""
+        count = len(self.measured_w)
+        if count <= most:
+            return self
+        edges = np.linspace(0, count, most + 1)
+        within = edges[:-1] + np.random.default_rng(0).random(most) * np.diff(edges)
+        places = np.unique(within.astype(int))
+        chosen = self.forward.of(self.forward.index[places])
+        return _Data(chosen, self.measured_w[places], self.names)
+
+    @cached_property
+    def peak_w(self) -> float:
+        """Power that two in a hundred samples exceed: spikes do not count."""
+        return float(np.quantile(self.measured_w, 0.98)) if len(self.measured_w) else 0.0
+
+    @cached_property
+    def blocks(self) -> tuple[IntArray, IntArray]:
+        """Block of ten minutes of each sample, and the uninterrupted stretch of each block."""
+        log, index = self.forward.log, self.forward.index
+        slot, run = np.floor(log.time_s[index] / _BLOCK_S).astype(int), log.segment()[index]
+        block = np.concatenate(([0], np.cumsum((np.diff(slot) != 0) | (np.diff(run) != 0))))
+        first = np.flatnonzero(np.diff(block, prepend=-1))
+        apart = np.diff(slot[first]) > 1
+        return block, np.concatenate(([0], np.cumsum(apart)))
+
+    def power_w(self, values: FloatArray) -> FloatArray:
+        """Modelled power."""
+        offsets = Offsets(**dict(zip(self.names[1:], values[1:].tolist(), strict=True)))
+        return np.asarray(np.exp(values[0]) * self.forward.power_w(offsets))
+
+    def starts(self) -> Iterator[FloatArray]:
+        """Factor, clock and heading: as logged, and the best of a grid if they fit better."""
+        few = self.some(_COARSE)
+        count, turned = len(few.measured_w), "heading" in self.names
+        turns = 2.0 * np.pi * np.arange(_TURNS if turned else 1) / _TURNS
+        every = few.forward.of(np.tile(few.forward.index, len(turns)))
+        shifts = np.arange(-_MOST_CLOCK_S, _MOST_CLOCK_S + 1.0, _SHIFT_S)
+        tried = []
+        for shift_s in shifts.tolist():
+            offsets = Offsets(clock_s=shift_s, heading=np.repeat(turns, count))
+            for turn, power in zip(turns, every.power_w(offsets).reshape(-1, count), strict=True):
+                factor = float(few.measured_w @ power) / max(float(power @ power), 1e-9)
+                misfit = float(np.abs(few.measured_w - factor * power).mean())
+                angle = float((turn + np.pi) % (2.0 * np.pi) - np.pi)
+                tried.append((misfit, max(factor, 1e-9), shift_s, angle))
+        as_logged = next(one for one in tried if one[2:] == (0.0, 0.0))
+        better = [one for one in sorted(tried) if one[0] < as_logged[0]]
+        for _, factor, shift_s, turn in (as_logged, *better[:_STARTS]):
+            yield np.array([np.log(factor), shift_s, turn][: 3 if turned else 2])
+
+    def fit(self, values: FloatArray, rounds: int = _ROUNDS) -> Fit:
+        """Fit with weights that follow from the residuals, and these from the weights."""
+        sigmas, steps = np.array([_UNKNOWNS[name] for name in self.names]).T
+        residual, time = self.measured_w - self.power_w(values), 10.0
+        for _ in range(rounds):
+            scatter = 1.4826 * float(np.median(np.abs(residual)))
+            scatter = max(scatter, _LEAST_SCATTER * self.peak_w)
+            weight = 1.0 / (1.0 + (residual / (_CAUCHY * scatter)) ** 2)
+            root = np.sqrt(weight / time) / scatter
+
+            def rows(scaled: FloatArray, root: FloatArray = root) -> FloatArray:
+                left = self.measured_w - self.power_w(scaled * steps)
+                return np.concatenate((root * left, scaled * steps / sigmas))
+
+            best = least_squares(rows, values / steps, method="lm", ftol=_NEAR, xtol=_NEAR)
+            values = best.x * steps
+            residual = self.measured_w - self.power_w(values)
+            jacobian = best.jac / steps
+            inverse = np.linalg.pinv(jacobian.T @ jacobian)
+            shares = (jacobian[: len(residual)] * (root * residual)[:, np.newaxis]) @ inverse
+            covariance, time = self._sandwich(shares)
+            covariance = covariance + inverse @ np.diag(sigmas**-2.0) @ inverse
+        if not self.forward.knows_angles:
+            covariance[1, 1] += _CAM_CLOCK_S**2
+        return Fit(self.names, values, covariance, scatter)
+
+    def _sandwich(self, shares: FloatArray) -> tuple[FloatArray, float]:
+        """Covariance by what each sample contributes, and samples for an independent one."""
+        block, run = self.blocks
+        sums = np.stack([np.bincount(block, column) for column in shares.T], axis=1)
+        times = np.array([correlation_time(column, run, len(self.names)) for column in sums.T])
+        covariance = np.asarray((sums.T @ sums) * np.sqrt(np.outer(times, times)), float)
+        squares = np.maximum(np.sum(shares**2, axis=0), 1e-300)
+        return covariance, max(float(np.median(np.diag(covariance) / squares)), 1.0)
+
+    def with_level(self, fit: Fit) -> Fit:
+        """Fit with measured over modelled energy at its clock and heading, and its error.
+
+        The other errors move the factor of the fit; whoever applies clock, heading and factor does
+        not apply them.
+        """
+
+        def level(values: FloatArray) -> float:
+            moved = np.where(np.isin(self.names, ("clock_s", "heading")), values, 0.0)
+            return float(np.log(self.power_w(values).sum() / self.power_w(moved).sum()))
+
+        steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in self.names])
+        middle = level(fit.values)
+        slopes = np.array([level(fit.values + one) - middle for one in np.diag(steps)]) / steps
+        error = float(np.sqrt(slopes @ fit.covariance @ slopes))
+        return Fit(fit.names, fit.values, fit.covariance, fit.scatter_w, (middle, error))

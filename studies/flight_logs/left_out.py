@@ -1,0 +1,197 @@
+"""Stretches of a log that say nothing of modules and models, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from missions.logs.plausible import Kind, utc_text
+from missions.logs.table import GAP_STEPS, FlightLog
+from sizing.aircraft import Aircraft
+from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
+from sizing.results.tables import Column, Table
+from solar.sun import sun_position
+from solar.types import BoolArray, FloatArray
+from studies.flight_logs.errors import moving_average
+from studies.flight_logs.samples import Samples
+
+Reason = Literal["battery_full", "no_power", "frozen", "implausible", "excluded", "missing_data"]
+_OF_VALUES: Mapping[Kind, Reason] = {
+    "frozen": "frozen", "saturated": "frozen", "excluded": "excluded",
+}  # fmt: skip
+
+# Of all thresholds docs/verify.md has the reason. State of charge from which a battery may take
+# less, and share of what load and battery take from which they may limit the power.
+_NEAR_FULL, _OF_LIMIT = 0.85, 0.8
+# Without a charge: power that is the load, as a share of rated power, and how long before that the
+# charging power may have been falling.
+_AS_LOAD, _TAPER_S, _TAPER_MEAN_S = 0.05, 3.0 * 3600.0, 600.0
+# Share of the expected power that is left where a battery limits it, with and without attitude, and
+# from which it is whole; load of the modules from which that is judged.
+_LIMITED, _LIMITED_CAM, _WHOLE, _BRIGHT = 0.90, 0.75, 0.97, 0.25
+_LEAST_S, _MERGE_S, _SMOOTH_S = 120.0, 600.0, 60.0
+# Share of the peak below which there is none, and that which no dusk has a minute before.
+_NONE, _ABRUPT = 0.02, 0.25
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Period that is left out [s since 1970]; ``count``: samples, or values of a column."""
+
+    reason: Reason
+    start_s: float
+    end_s: float
+    count: int
+    evidence: str
+
+
+def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
+    """Samples in which the battery may hold power back, by what is logged; no model decides."""
+    battery = aircraft.battery
+    power = _smooth(log, log.solar_power_w)
+    load = None if log.load_w is None else _smooth(log, np.nan_to_num(log.load_w))
+    if log.state_of_charge is None:
+        if load is None:
+            return np.zeros(len(log), bool)
+        rated_w = aircraft.modules.full_load_w_per_m2 * aircraft.modules.area_m2
+        near = np.abs(power - load) < _AS_LOAD * rated_w
+        return _with_taper(log, near & (power > 0.0))
+    # Where the sun is low, power may be held in a part of each circle while its mean is below.
+    power = np.maximum(power, log.solar_power_w)
+    charge = np.clip(np.nan_to_num(log.state_of_charge, nan=0.0), 0.0, 1.0)
+    if load is None:
+        return charge >= _NEAR_FULL
+    if isinstance(battery.charge_limit, NoChargeLimit):
+        return (charge >= _NEAR_FULL) & (power > _OF_LIMIT * load)
+    taken = charge_rate_per_h(battery.charge_limit, charge) * battery.battery_energy_wh
+    taken = taken / float(battery.mean_charge_efficiency)
+    taken = np.where(taken < load, 0.0, taken)  # as good as full
+    return np.asarray((charge >= _NEAR_FULL) & (power > _OF_LIMIT * (taken + load)))
+
+
+def _with_taper(log: FlightLog, as_load: BoolArray) -> BoolArray:
+    """Samples whose power is the load, and those before in which the charging power fell to that.
+
+    From its highest in the three hours before, of means over ten minutes to either side.
+    """
+    assert log.load_w is not None  # so is the load
+    surplus = log.solar_power_w - np.nan_to_num(log.load_w)
+    surplus, result = _smooth(log, surplus, _TAPER_MEAN_S), as_load.copy()
+    for part in _clusters(as_load, log.time_s):
+        if as_load[part].sum() * log.step_s >= _LEAST_S:
+            first = int(np.searchsorted(log.time_s, log.time_s[part.start] - _TAPER_S))
+            highest = first + int(np.argmax(surplus[first : part.start + 1]))
+            result[highest : part.stop] = True
+    return result
+
+
+def without_power(log: FlightLog) -> BoolArray:
+    """Samples of stretches in which bright power vanishes, or comes back, at once."""
+    power, time_s = log.solar_power_w, log.time_s
+    peak = float(np.quantile(power, 0.98))
+    none, mask = power < _NONE * peak, np.zeros(len(log), bool)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], none.astype(int), [0])))).reshape(-1, 2)
+    for start, stop in edges.tolist():
+        if time_s[stop - 1] - time_s[start] < _SMOOTH_S:
+            continue
+        before = int(np.searchsorted(time_s, time_s[start] - _SMOOTH_S))
+        after = int(np.searchsorted(time_s, time_s[stop - 1] + _SMOOTH_S, side="right"))
+        beside = np.concatenate((power[before:start], power[stop:after]))
+        mask[start:stop] = beside.max(initial=0.0) > _ABRUPT * peak
+    return mask
+
+
+def battery_full(
+    log: FlightLog, samples: Samples, limited: BoolArray, expected_w: FloatArray
+) -> Iterator[tuple[Stretch, BoolArray]]:
+    """Periods in which the battery limits the power, and which samples are in each.
+
+    ``limited``: samples in which that may be. ``expected_w``: power if nothing limits it.
+    """
+    run, time_s, charge = samples.run, samples.time_s, log.state_of_charge
+    expected, measured = (
+        moving_average(power, run, time_s, _SMOOTH_S) for power in (expected_w, samples.measured_w)
+    )
+    may_be = limited & (expected >= _BRIGHT * float(expected.max(initial=0.0)))
+    left = _LIMITED if samples.detail is not None else _LIMITED_CAM
+    flagged, not_whole = (may_be & (measured < share * expected) for share in (left, _WHOLE))
+    for period in _clusters(flagged, time_s):
+        if flagged[period].sum() * log.step_s < _LEAST_S:
+            continue
+        # To where the power is whole, and what the average hides.
+        whole_s = time_s[~not_whole]
+        start = whole_s[whole_s < time_s[period.start]].max(initial=-np.inf)
+        end = whole_s[whole_s > time_s[period.stop - 1]].min(initial=np.inf)
+        inside = (time_s >= start - _SMOOTH_S) & (time_s <= end + _SMOOTH_S)
+        least = float((measured / np.maximum(expected, 1.0))[flagged & inside].min())
+        why = "no charge is logged; power falls to the load"
+        if charge is not None:
+            mean = float(np.nanmean(charge[samples.index][inside]))
+            why = f"state of charge {100 * mean:.0f} % on average"
+        text = f"power down to {100 * least:.0f} % of what is expected; {why}"
+        yield _stretch("battery_full", time_s, inside, text), inside
+
+
+def power_gone(log: FlightLog, mask: BoolArray) -> list[Stretch]:
+    """Stretches of :func:`without_power`."""
+    text = f"below {100 * _NONE:.0f} % of the peak, from or to bright power at once"
+    every = (np.isin(np.arange(len(log)), np.r_[part]) for part in _clusters(mask, log.time_s))
+    return [_stretch("no_power", log.time_s, inside & mask, text) for inside in every]
+
+
+def of_values(log: FlightLog) -> Iterator[Stretch]:
+    """Values that cannot be, and sunlit gaps that they do not explain; close gaps are one."""
+    spans = [span for one in log.left_out for span in one.periods]
+    for one in log.left_out:
+        ends = (one.periods[0][0], one.periods[-1][1]) if one.periods else (np.nan, np.nan)
+        yield Stretch(_OF_VALUES.get(one.kind, "implausible"), *ends, one.values, one.told())
+    slack_s = GAP_STEPS * log.step_s
+    gaps = []
+    for gap in log.gaps:
+        at = int(np.searchsorted(log.time_s, gap.start_s))
+        middle_s = 0.5 * (gap.start_s + gap.end_s)
+        sun = sun_position(np.array([middle_s]), log.latitude_deg[at], log.longitude_deg[at])
+        told = any(a <= gap.start_s + slack_s and b >= gap.end_s - slack_s for a, b in spans)
+        if sun.elevation_rad[0] > 0.0 and not told:
+            gaps.append(gap)
+    starts = [
+        i for i, gap in enumerate(gaps) if not i or gap.start_s - gaps[i - 1].end_s > _MERGE_S
+    ]
+    for first, stop in zip(starts, [*starts[1:], len(gaps)], strict=False):
+        group = gaps[first:stop]
+        total_s = sum(gap.duration_s for gap in group)
+        text = f"{total_s:.0f} s without samples while the sun is up"
+        yield Stretch("missing_data", group[0].start_s, group[-1].end_s, 0, text)
+
+
+def left_out_table(stretches: tuple[Stretch, ...]) -> Table:
+    """All stretches that are left out, with their evidence."""
+    columns = (Column("why"), Column("UTC"), Column("evidence"))
+    rows = [(one.reason.replace("_", " "), _span(one), one.evidence) for one in stretches]
+    return Table("left out", columns, tuple(rows))
+
+
+def _span(one: Stretch) -> str:
+    if not np.isfinite(one.start_s):
+        return ""
+    start, end = utc_text(one.start_s), utc_text(one.end_s)
+    return f"{start} to {end[11:] if start[:10] == end[:10] else end}"
+
+
+def _stretch(reason: Reason, time_s: FloatArray, inside: BoolArray, text: str) -> Stretch:
+    times = time_s[inside]
+    return Stretch(reason, float(times[0]), float(times[-1]), int(inside.sum()), text)
+
+
+def _smooth(log: FlightLog, values: FloatArray, semi_s: float = _SMOOTH_S) -> FloatArray:
+    return moving_average(values, log.segment(), log.time_s, semi_s)
+
+
+def _clusters(flagged: BoolArray, time_s: FloatArray) -> list[slice]:
+    """Stretches of samples from the first to the last of those that are flagged and close."""
+    places = np.flatnonzero(flagged)
+    cuts = np.flatnonzero(np.diff(time_s[places]) > _MERGE_S) + 1
+    return [slice(int(one[0]), int(one[-1]) + 1) for one in np.split(places, cuts) if len(one)]
