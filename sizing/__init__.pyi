@@ -17,9 +17,6 @@ from .mass_budget import closed_design as closed_design
 from .mass_budget import design_of as design_of
 from .mass_budget import with_total_mass as with_total_mass
 from .optimisation.cells import size_cells as size_cells
-from .optimisation.objectives import Objective as Objective
-from .optimisation.result import SizingResult as SizingResult
-from .optimisation.result import SizingStatus as SizingStatus
 from .own_models import register_drag as register_drag
 from .own_models import register_propulsion_efficiency as register_propulsion_efficiency
 from .own_models import register_propulsion_mass as register_propulsion_mass
@@ -27,6 +24,9 @@ from .own_models import register_structure as register_structure
 from .performance import Performance as Performance
 from .performance import performance_of_designs as performance_of_designs
 from .performance import perpetual_days as perpetual_days
+from .program.objectives import Objective as Objective
+from .program.result import SizingResult as SizingResult
+from .program.result import SizingStatus as SizingStatus
 from .propulsion.blade_elements import BladeElementPropeller as BladeElementPropeller
 from .propulsion.electric import Controller as Controller
 from .propulsion.electric import Gear as Gear

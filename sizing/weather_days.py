@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,11 +12,10 @@ from missions.air import ZERO_CELSIUS_K, air_at
 from missions.mission import Mission
 from missions.weather.light import RecordedLight
 from missions.weather.record import SECONDS_PER_HOUR, day_of_year
-from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, bus_voltage_v
+from sizing.aircraft import Aircraft
+from sizing.design import Design
 from sizing.held_station import flight_against_wind
 from sizing.mass_budget import ImpossibleDesignError
-from sizing.module_power import Cooling, balances_heat, convection_in_flight, joined_cooling
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.varying_load import Flight, flight_of, part_load_of, part_load_over
 from solar.sun import HOURS_PER_DAY
@@ -87,32 +85,6 @@ class DayAxis:
         )
 
 
-class Aloft(NamedTuple):
-    """Light of a record at the levels of climbs.
-
-    ``power_w_per_m2``: of the modules in the flow of the aircraft's file [W/m2], ``(level, day,
-    node)``. ``cooling``: of every level, how it changes with the flow of a design; none where the
-    file's is meant.
-    """
-
-    power_w_per_m2: FloatArray
-    cooling: tuple[Cooling | None, ...] = ()
-
-    def select(self, days: IntArray) -> Aloft:
-        """Some of the days."""
-        some = (joined_cooling([one], lambda parts: parts[0][days]) for one in self.cooling)
-        return Aloft(self.power_w_per_m2[:, days], tuple(some))
-
-
-def own_flow(aircraft: Aircraft, mission: Mission) -> Cooling | None:
-    """Flow of an aircraft's file, with empty arrays; None where it is that of all designs."""
-    if isinstance(aircraft.airframe, MeasuredAirframe) or not balances_heat(mission):
-        return None
-    none, transition = np.zeros((1, 1)), aircraft.modules.thermal.transition_reynolds
-    flow = convection_in_flight(aircraft, mission)
-    return Cooling(flow, none, none, none, none, transition)
-
-
 @dataclass(frozen=True)
 class LoadInAir:
     """Electric power of a design in air that changes its temperature, relative to its own.
@@ -169,7 +141,7 @@ class LoadInAir:
         turbulence = mission.turbulence
         loads = load_range(turbulence.all_day, turbulence.thermal)
         wide = np.broadcast_to(level_w, there.thrust_w.shape)
-        part = part_load_over(own, there, wide, loads, bus_voltage_v(aircraft))
+        part = part_load_over(own, there, wide, loads, aircraft.battery.nominal_voltage_v)
         if wind_m_per_s is None and np.any(part.beyond):
             raise ImpossibleDesignError(
                 f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
@@ -180,11 +152,11 @@ class LoadInAir:
         part = replace(part, coefficients=part.coefficients[..., day])
         return cls(level_w[day], part, warm_k)
 
-    def at(self, load: FloatArray, air_c: FloatArray, bus_v: FloatArray) -> FloatArray:
+    def at(self, load: FloatArray, air_c: FloatArray) -> FloatArray:
         """Power over that of level flight in the mission's air [-]; arguments broadcast."""
-        wide = np.broadcast_arrays(load, air_c, bus_v)
-        axes = wide[0].ndim - (self.part_load.coefficients.ndim - 3)  # less that of the days
-        powers = self.part_load.spread(axes).at(wide[0], wide[2])
+        wide = np.broadcast_arrays(load, air_c)
+        axes = wide[0].ndim - (self.part_load.coefficients.ndim - 2)  # less that of the days
+        powers = self.part_load.spread(axes).at(wide[0])
         known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
         total = np.zeros(wide[0].shape)
         for k, one in enumerate(powers):

@@ -6,7 +6,7 @@ import numpy as np
 
 from sizing.aircraft import Aircraft
 from sizing.design import Design, DesignVariables
-from sizing.limits import EQUATIONS, design_requirements
+from sizing.limits import MASS_BUDGET, design_requirements
 from sizing.mass_budget import closed_design, first_chain
 from sizing.program.objectives import Objective
 from sizing.program.task import SizingTask
@@ -85,6 +85,6 @@ def missed_by(task: SizingTask, design: Design) -> FloatArray:
     missed = missed + np.maximum(mass / heaviest - 1.0, 0.0)
     conditions = task.conditions.with_payload_of(design.variables)
     for row in design_requirements(aircraft, design, conditions):
-        if row.name not in EQUATIONS:
+        if row.name != MASS_BUDGET:
             missed = missed + np.maximum(-np.asarray(row.value), 0.0)
     return np.where(np.isfinite(missed) & np.isfinite(mass), missed, np.inf)

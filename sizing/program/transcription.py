@@ -45,7 +45,7 @@ from sizing.energy.battery import (
     charge_rate_per_h,
 )
 from sizing.held_station import POWER_AGAINST_WIND
-from sizing.limits import EQUATIONS, DesignInFlight, design_requirements
+from sizing.limits import MASS_BUDGET, DesignInFlight, design_requirements
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.program.variables import (
     OWN,
@@ -362,7 +362,7 @@ def _design_symbols(
         value = one.value
         if one.name in bounds and one.name in values:
             value = eased_row(value, bounds[one.name][1], values[one.name])
-        rows.append((Constraint(one.name, equation=one.name in EQUATIONS), value))
+        rows.append((Constraint(one.name, equation=one.name == MASS_BUDGET), value))
     if OWN in values:
         space: Any = kind.design_space
         it = DesignInFlight(flown, design, airs[0])
