@@ -337,9 +337,11 @@ def flown_cycle(
         moved |= np.abs(next_nominal_w - nominal_w) > _SETTLED * nominal_w
         if not np.any(moved):
             return cycle, load_w, nominal_w
+        before_w, before_nominal_w = load_w, nominal_w
         load_w = np.where(moved[..., np.newaxis], next_w, load_w)
         nominal_w = np.where(moved, next_nominal_w, nominal_w)
-    # On the edge of perpetual flight a day may leap to and fro with its voltages.
+    # On the edge of perpetual flight a day leaps to and fro with its voltages: the heavier counts.
+    load_w, nominal_w = np.maximum(load_w, before_w), np.maximum(nominal_w, before_nominal_w)
     return flown(load_w, nominal_w, keep=keep_trajectory), load_w, nominal_w
 
 

@@ -441,6 +441,10 @@ def _block(
         )
         flown = _light_at_heights(task, number, scenario, flown, levels).ravel(order="F")
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
+    if task.aircraft.propulsion_by_parts is not None:
+        # Where a day does not close its voltages leap, and the load has no derivative.
+        closes = np.broadcast_to(perf.cycle.perpetual, shape[:2])[:, number]
+        load = np.where((closes & closes[0])[:, np.newaxis], load, load[0])
     dawn = equal_power_step(day, nominal_w[0])
     at = np.arange(len(scenario.nodes))
     first_light = at <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
