@@ -28,6 +28,7 @@ from sizing.performance import Performance
 from sizing.program.climbing import Profile, lagrange, light_at_heights, power_beyond_floor
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
+    EFFICIENCY_FACTOR,
     RESERVE_SCALE_H,
     BlockData,
     Form,
@@ -39,6 +40,7 @@ from sizing.program.variables import SOLAR_TECHNOLOGY, scales_of
 from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
+_NEVER = -10.0  # logarithm of what is far from its limit
 # For second derivatives: its square is far above what root finders leave.
 _WIDE_STEP = 0.02
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
@@ -207,6 +209,7 @@ class Linearisation:
     mass_kg: float
     parts: PartsData | None
     nodes: tuple[IntArray, ...]
+    reach: float = math.inf
 
 
 @dataclass
@@ -349,6 +352,7 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     names = limits_of_parts(task.aircraft)
     if not names:
         return None
+    task = task.eased(values)
     design, count = perf.design, len(task.variables)
     if len(np.ravel(design.total_mass_kg)) == 1:  # flown alone
         designs = task.stacked(neighbours(task, values))
@@ -360,6 +364,9 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     limits = {row.name: row.value for row in rows}
     every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
     found = np.log(np.stack([np.broadcast_to(one, len(design.total_mass_kg)) for one in every], 1))
+    found[:, 0] -= math.log(values.get(EFFICIENCY_FACTOR, 1.0))  # the program has it
+    if task.beyond_limits:
+        found[:, 2:] = _NEVER
     slopes = (found[1:] - found[0]) / STEP
     slope = np.zeros((found.shape[1], count))
     places = [task.names.index(name) for name in task.moved]
@@ -443,7 +450,7 @@ def _block(
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     if task.aircraft.propulsion_by_parts is not None:
         # Where a day does not close its voltages leap, and the load has no derivative.
-        closes = np.broadcast_to(perf.cycle.perpetual, shape[:2])[:, number]
+        closes = np.broadcast_to(perf.cycle.perpetual, (len(load), task.count))[:, number]
         load = np.where((closes & closes[0])[:, np.newaxis], load, load[0])
     dawn = equal_power_step(day, nominal_w[0])
     at = np.arange(len(scenario.nodes))
