@@ -18,7 +18,6 @@ import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import Design
-from sizing.design_space import PROPULSION_VARIABLES
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
 from sizing.energy.power_balance import PowerBalance
@@ -372,8 +371,7 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     places = [task.names.index(name) for name in task.moved]
     slope[:, places] = np.where(np.isfinite(slopes), slopes, 0.0).T
     bend = np.zeros((count, count))
-    if set(task.moved) & set(PROPULSION_VARIABLES):
-        bend[np.ix_(places, places)] = _bend(task, values)
+    bend[np.ix_(places, places)] = _bend(task, values)
     surface = _surface(task, design.mapped(lambda v: float(np.ravel(v)[0])))
     return PartsData(found[0], slope.ravel(order="F"), bend.ravel(), surface)
 
