@@ -107,6 +107,11 @@ def test_no_flight_begins_with_a_sunrise_that_there_is_not() -> None:
     assert (found.status[0], found.excess_time_h[0]) == (Status.limited, 0.0)
 
 
+def test_the_reserve_is_the_required_excess_time_by_another_name() -> None:
+    by_either = flying(DAYLIGHT), flying({"land": "sunset"}, required_excess_time_h=0.5)
+    assert [one.required_excess_time_h for one in by_either] == [0.5, 0.5]
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -118,7 +123,7 @@ def test_no_flight_begins_with_a_sunrise_that_there_is_not() -> None:
         ({"flight": {"hours": 1.0, "utc_offset_h": 2.0}}, "is that of a launch HH:MM"),
         ({"flight": {"launch": "07:30", "hours": 1.0, "utc_offset_h": 2.0}}, "longitude_deg"),
         ({"flight": DAYLIGHT, "climb": {"ceiling_m": 3000.0}}, "give flight or climb, not both"),
-        ({"flight": DAYLIGHT, "required_excess_time_h": 2.0}, "is flight.reserve_h on a flight"),
+        ({"flight": DAYLIGHT, "required_excess_time_h": 2.0}, "by another name: leave one"),
     ],
 )
 def test_a_wrong_flight_is_refused(changes: dict[str, Any], words: str) -> None:
