@@ -248,13 +248,13 @@ class Flight(Record):
 
     ``launch``: ``sunrise`` or HH:MM, of solar time, or with ``utc_offset_h`` of the local clock.
     It ends at ``land: sunset`` or after ``hours``, and ``reserve_h`` is for how long what is left
-    then must last.
+    then must last: the mission's required excess time by another name.
     """
 
     launch: Text = "sunrise"
     land: Literal["sunset"] | None = None
     hours: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 30)] | None = None
-    reserve_h: ExcessTime = 0.0
+    reserve_h: ExcessTime | None = None
     utc_offset_h: UtcOffset | None = None
 
     @field_validator("launch")
@@ -421,7 +421,7 @@ class Mission(FileRecord):
 
     @model_validator(mode="after")
     def _check_flight(self) -> Mission:
-        """The reserve of a flight is the excess time that it requires."""
+        """Refuse what contradicts a flight; its reserve is the excess time that it requires."""
         flight = self.flight
         if flight is None:
             return self
@@ -430,11 +430,13 @@ class Mission(FileRecord):
                 raise wrong_value("flight", f"give flight or {name}, not both")
         if flight.utc_offset_h is not None and self.longitude_deg is None:
             raise wrong_value("flight.utc_offset_h", "needs longitude_deg on the mission")
+        if flight.reserve_h is None:
+            return self
         if self.required_excess_time_h not in (0.0, flight.reserve_h):
             raise wrong_value(
-                "required_excess_time_h",
-                f"is flight.reserve_h on a flight: give that alone (got "
-                f"{self.required_excess_time_h:g} and {flight.reserve_h:g})",
+                "flight.reserve_h",
+                f"is required_excess_time_h by another name: leave one of them out (got "
+                f"{flight.reserve_h:g}, required_excess_time_h is {self.required_excess_time_h:g})",
             )
         object.__setattr__(self, "required_excess_time_h", flight.reserve_h)
         self.model_fields_set.discard("required_excess_time_h")

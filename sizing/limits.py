@@ -15,7 +15,7 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, FlightConditions, bus_voltage_v, flown_at
-from sizing.design_space import LimitedQuantity
+from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.parameters import label, unit
 from sizing.propulsion.shafts import shares_of_limits
 from sizing.smooth import Value
@@ -139,6 +139,9 @@ def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
     """
     propulsion, design = it.aircraft.propulsion_by_parts, it.design
     if propulsion is None or (propulsion.is_exact and propulsion.is_limited):
+        return {}
+    free = it.aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES)
+    if not (propulsion.is_exact or free):
         return {}
     own = propulsion.sized(*design.variables.of_propulsion)
     flight = design.airspeed_m_per_s, it.conditions.air

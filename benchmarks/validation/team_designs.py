@@ -97,7 +97,7 @@ def team_designs_table() -> Table:
                     *(one["name"], f"`{one['build']}`", one["requirement"], name),
                     _text(known["wingspan_m"], found and found.variables.wingspan_m),
                     _text(known["total_mass_kg"], found and found.total_mass_kg),
-                    _text(known.get("battery_mass_kg"), found and found.variables.battery_mass_kg),
+                    _battery(one, found),
                     _text(known["total_mass_kg"], apart and apart.total_mass_kg),
                 )
             )
@@ -123,10 +123,20 @@ def weighed_parts_table() -> Table:
     return Table("", (Column("aircraft"), Column("part"), Column("mass", "mass [kg]")), tuple(rows))
 
 
-def _text(published: float | None, found: Any) -> str:
-    """Published and computed value, and their difference."""
-    if published is None:
+def _battery(record: Mapping[str, Any], found: Design | None) -> str:
+    """Published and computed battery; that of a given geometry is given."""
+    published = record["published"].get("battery_mass_kg")
+    if "geometry" in record:
         return "given"
+    if published is None:
+        return (
+            "-" if found is None else f"not published: {float(found.variables.battery_mass_kg):.2f}"
+        )
+    return _text(published, found and found.variables.battery_mass_kg)
+
+
+def _text(published: float, found: Any) -> str:
+    """Published and computed value, and their difference."""
     if found is None:
         return f"{published:g}: no design"
     value = float(found)

@@ -18,7 +18,6 @@ import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import Design
-from sizing.design_space import PROPULSION_VARIABLES
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
 from sizing.energy.power_balance import PowerBalance
@@ -28,6 +27,7 @@ from sizing.performance import Performance
 from sizing.program.climbing import Profile, lagrange, light_at_heights, power_beyond_floor
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
+    EFFICIENCY_FACTOR,
     RESERVE_SCALE_H,
     BlockData,
     Form,
@@ -39,6 +39,7 @@ from sizing.program.variables import SOLAR_TECHNOLOGY, scales_of
 from solar.types import FloatArray, IntArray
 
 STEP = 1e-3  # of a neighbour, in the program's variable
+_NEVER = -10.0  # logarithm of what is far from its limit
 # For second derivatives: its square is far above what root finders leave.
 _WIDE_STEP = 0.02
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
@@ -207,6 +208,7 @@ class Linearisation:
     mass_kg: float
     parts: PartsData | None
     nodes: tuple[IntArray, ...]
+    reach: float = math.inf
 
 
 @dataclass
@@ -349,6 +351,7 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     names = limits_of_parts(task.aircraft)
     if not names:
         return None
+    task = task.eased(values)
     design, count = perf.design, len(task.variables)
     if len(np.ravel(design.total_mass_kg)) == 1:  # flown alone
         designs = task.stacked(neighbours(task, values))
@@ -360,13 +363,15 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     limits = {row.name: row.value for row in rows}
     every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
     found = np.log(np.stack([np.broadcast_to(one, len(design.total_mass_kg)) for one in every], 1))
+    found[:, 0] -= math.log(values.get(EFFICIENCY_FACTOR, 1.0))  # the program has it
+    if task.beyond_limits:
+        found[:, 2:] = _NEVER
     slopes = (found[1:] - found[0]) / STEP
     slope = np.zeros((found.shape[1], count))
     places = [task.names.index(name) for name in task.moved]
     slope[:, places] = np.where(np.isfinite(slopes), slopes, 0.0).T
     bend = np.zeros((count, count))
-    if set(task.moved) & set(PROPULSION_VARIABLES):
-        bend[np.ix_(places, places)] = _bend(task, values)
+    bend[np.ix_(places, places)] = _bend(task, values)
     surface = _surface(task, design.mapped(lambda v: float(np.ravel(v)[0])))
     return PartsData(found[0], slope.ravel(order="F"), bend.ravel(), surface)
 
@@ -441,6 +446,10 @@ def _block(
         )
         flown = _light_at_heights(task, number, scenario, flown, levels).ravel(order="F")
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
+    if task.aircraft.propulsion_by_parts is not None:
+        # Where a day does not close its voltages leap, and the load has no derivative.
+        closes = np.broadcast_to(perf.cycle.perpetual, (len(load), task.count))[:, number]
+        load = np.where((closes & closes[0])[:, np.newaxis], load, load[0])
     dawn = equal_power_step(day, nominal_w[0])
     at = np.arange(len(scenario.nodes))
     first_light = at <= 1 + np.argmin(np.abs(scenario.nodes - dawn))

@@ -57,8 +57,10 @@ class _Longest:
         """Mission of a flight for some hours from the launch of the longest."""
         minutes = round(self.launch_h * 60.0) % (24 * 60)
         launch = f"{minutes // 60:02d}:{minutes % 60:02d}"
-        flight = Flight(launch=launch, hours=hours, reserve_h=self.task.required_h)
-        return self.task.mission.model_copy(update={"flight": flight})
+        required_h = self.task.required_h
+        flight = Flight(launch=launch, hours=hours, reserve_h=required_h)
+        update = {"flight": flight, "required_excess_time_h": required_h}
+        return self.task.mission.model_copy(update=update)
 
     def closes(self, hours: float) -> bool:
         """Whether there is a design that makes that flight."""

@@ -116,6 +116,14 @@ def violations(
         rows = design_requirements(task.aircraft, nearest.design, conditions)
     where = nearest.day.scenarios.label(worst)
     found = []
+    left_h = float(nearest.cycle.excess_time_h[worst])
+    flown = (
+        f"an excess time of {task.required_h:g} h is out of reach at {where}: the nearest design"
+    )
+    flown = f"{flown} has {left_h:.2f} h"
+    if task.window_h is not None:
+        flown = f"no design lands at {where} with {task.required_h:g} h left: the nearest one "
+        flown += f"has {left_h:.2f} h" if left_h > 0.0 else f"lacks power for {-left_h:.2f} h"
     for name, shortfall in missed.items():
         by = percent(shortfall)
         texts = {one.name: one.text.format(missed=by) for one in rows} | {
@@ -125,8 +133,7 @@ def violations(
             "of its capacity",
             POWER_AGAINST_WIND: f"flight as fast as the wind at {where} takes {by} more than the "
             "rated power",
-            "excess_time": f"an excess time of {task.required_h:g} h is out of reach at {where}: "
-            f"the nearest design has {float(nearest.cycle.excess_time_h[worst]):.2f} h",
+            "excess_time": flown,
         }
         found.append(Violation(name, shortfall, texts[name]))
     return tuple(found)
@@ -155,6 +162,8 @@ def _energy_missed(
 ) -> dict[str, float]:
     """What the battery lacks for the worst night, and what the day after it does not return."""
     worst = nearest.worst_scenario()
+    if task.window_h is not None:
+        return {"excess_time": task.required_h - float(nearest.cycle.excess_time_h[worst])}
     day, out_of = day_of(task, nearest, worst), task.aircraft.battery.mean_discharge_efficiency
     full_wh = float(np.ravel(nearest.design.battery_energy_wh)[0])
     net_w = day.load_w - day.solar_w

@@ -118,6 +118,7 @@ class Search:
                 break
             self._take_in(judged)
             point = linearised(self.task, judged.values, judged.perf, self._chosen, judged.levels)
+            point = replace(point, reach=_REACH * 0.5 ** max(0, number - 2))
             missed = solution is None or solution.violation > LACKING
             elastic = not judged.accepted and missed
             worst_h = float(judged.excess_h.min())
@@ -309,6 +310,9 @@ def _left_h(perf: Performance, number: int) -> tuple[float, float]:
     return float(landing_wh / nominal_w), float((lowest_wh - lacking_wh) / nominal_w)
 
 
+# Logarithm of a propeller's or a motor's size over which second derivatives hold; halved from the
+# third round on, so that rounds end where their errors would go to and fro.
+_REACH = 0.5
 # Parts of a step that leads to where nothing flies.
 _NEARER = (0.5, 0.25, 0.1)
 _HEAVY = 3.0  # of the battery's mass: total mass of a design whose budget does not close
@@ -376,7 +380,22 @@ def size_aircraft(
     light = solar_day(aircraft, mission, solar) if day is None else day
     task = SizingTask(aircraft, mission, objective, solar, light, required_h)
     search = searched(task, start, stop_at_merit)
+    if explain and search.best is None and aircraft.propulsion_by_parts is not None:
+        _check_parts(searched(task.with_values(beyond_limits=True), start))
     return _explained(search) if explain and search.best is None else _result(search)
+
+
+def _check_parts(search: Search) -> None:
+    """Refuse parts that cannot do the level flight of a design that is enough without their limits.
+
+    ``search``: beyond the limits of the parts.
+    """
+    task, judged = search.task, search.best or search.nearest
+    if judged is None or (search.best is None and _flies(judged.perf)):
+        return
+    design = task.design_variables(judged.values)
+    if reason := operating_trouble(task.aircraft, task.mission, design):
+        raise ImpossibleDesignError(reason)
 
 
 def searched(
@@ -392,11 +411,6 @@ def searched(
     if not (task.maximises_excess and unlimited):
         searches.append(Search(task, start, stop_at_merit).run())
     best = max(searches, key=lambda one: -math.inf if one.best is None else one.best.merit)
-    nearest = searches[-1].nearest
-    if best.best is None and nearest is not None and not _flies(nearest.perf):
-        design = task.design_variables(nearest.values)
-        if reason := operating_trouble(task.aircraft, task.mission, design):
-            raise ImpossibleDesignError(reason)
     found = best if best.best is not None else searches[-1]
     found.report = sum((one.report for one in searches), SolverReport())
     return found

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from sizing.design_space import PROPULSION_VARIABLES
 from sizing.parameters import parameter_value
 from sizing.program.corrections import Linearisation
 from sizing.program.task import SizingTask
@@ -210,6 +211,10 @@ def solve(
     )
     parameters = parameters_of(task, program, point, scales, centre)
     low, high = _bounds(task, program, scales)
+    for i, name in enumerate(task.names):
+        if name in PROPULSION_VARIABLES:
+            low[i] = max(low[i], centre[i] - point.reach)
+            high[i] = min(high[i], centre[i] + point.reach)
     parts = program.parts
     start = np.zeros(parts["speed"].stop)
     start[parts["design"]], start[parts["excess"]] = centre, excess_h

@@ -57,6 +57,8 @@ class SizingTask:
     freed : mapping
         Technology, limits, payload, a bound or the wind that is free besides the design: by its
         name, aircraft and mission with a value of it.
+    beyond_limits : bool
+        Whether the propulsion's parts may do more than their limits.
     cost : mapping, optional
         Weights of variables in what is minimised, instead of the objective's.
     """
@@ -70,6 +72,7 @@ class SizingTask:
     continuous: bool = False
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     freed: Mapping[str, Eased] = field(default_factory=dict)
+    beyond_limits: bool = False
     own_cost: Mapping[str, float] | None = None
 
     @property
@@ -273,5 +276,6 @@ class SizingTask:
     def meets(self, values: Values, perf: Performance) -> bool:
         """Whether a design keeps every requirement on itself (of a batch the first one)."""
         it = self.eased(values)
-        met = meets_requirements(it.flown, it.mission, perf.design)
+        aircraft = it.aircraft if self.beyond_limits else it.flown
+        met = meets_requirements(aircraft, it.mission, perf.design)
         return bool(np.ravel(met)[0])

@@ -78,7 +78,7 @@ _NUMBERS_OF_A_KIND = (
     "airframe.propulsion.motor.speed_constant_rpm_per_v",
 )
 _POLAR = "airframe.aerodynamics."
-_EFFICIENCY_FACTOR = "airframe.propulsion.efficiency_factor"
+EFFICIENCY_FACTOR = "airframe.propulsion.efficiency_factor"
 
 
 class BlockData(NamedTuple):
@@ -394,7 +394,7 @@ def _parts_symbols(
     moved = x - data["centre"]
     found = ca.exp(data["value"] + ca.reshape(data["slope"], -1, x.shape[0]) @ moved)
     bent = ca.bilin(ca.reshape(data["bend"], x.shape[0], -1), moved, moved) / 2.0
-    efficiency = found[0] * ca.exp(bent) * relative.get(_EFFICIENCY_FACTOR, 1.0)
+    efficiency = found[0] * ca.exp(bent) * relative.get(EFFICIENCY_FACTOR, 1.0)
     used = zip(limits_of_parts(kind), ca.vertsplit(found[2:]), strict=True)
     rows = [(Constraint(name), 1.0 - share) for name, share in used]
     return chain_of_numbers(parts, efficiency, found[1]), rows

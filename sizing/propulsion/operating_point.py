@@ -349,7 +349,7 @@ def _over(
 ) -> tuple[BoolArray, str, tuple[FloatArray, ...]]:
     """Where a limit of the motor is passed, and how that is told."""
     most = np.broadcast_to(np.asarray(np.inf if limit is None else limit), values.shape)
-    text = f"{name} {{:.3g}} {unit} is above {{:g}} {unit}, the motor's limit"
+    text = f"{name} {{:.3g}} {unit} is above {{}} {unit}, the motor's limit"
     return np.asarray(values > most), text, (values, most)
 
 

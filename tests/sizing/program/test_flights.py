@@ -17,6 +17,8 @@ from sizing.energy.cycle import Status
 from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.program.endurance import longest_flight_of_all
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
 from sizing.sunlight import FINE_STEP_H, SolarDay, solar_day
 from solar.types import FloatArray
@@ -105,6 +107,11 @@ def test_no_flight_begins_with_a_sunrise_that_there_is_not() -> None:
     assert (found.status[0], found.excess_time_h[0]) == (Status.limited, 0.0)
 
 
+def test_the_reserve_is_the_required_excess_time_by_another_name() -> None:
+    by_either = flying(DAYLIGHT), flying({"land": "sunset"}, required_excess_time_h=0.5)
+    assert [one.required_excess_time_h for one in by_either] == [0.5, 0.5]
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -116,7 +123,7 @@ def test_no_flight_begins_with_a_sunrise_that_there_is_not() -> None:
         ({"flight": {"hours": 1.0, "utc_offset_h": 2.0}}, "is that of a launch HH:MM"),
         ({"flight": {"launch": "07:30", "hours": 1.0, "utc_offset_h": 2.0}}, "longitude_deg"),
         ({"flight": DAYLIGHT, "climb": {"ceiling_m": 3000.0}}, "give flight or climb, not both"),
-        ({"flight": DAYLIGHT, "required_excess_time_h": 2.0}, "is flight.reserve_h on a flight"),
+        ({"flight": DAYLIGHT, "required_excess_time_h": 2.0}, "by another name: leave one"),
     ],
 )
 def test_a_wrong_flight_is_refused(changes: dict[str, Any], words: str) -> None:
@@ -165,12 +172,19 @@ def test_the_lightest_aircraft_of_a_flight_is_that_of_a_search(flight: dict[str,
         lands = (excess_h > 0.0) & (excess_h >= one.required_excess_time_h)
         return np.where(lands, -np.asarray(perf.design.total_mass_kg), -np.inf)
 
-    found = size_aircraft(DESIGN, one)
+    found = size_aircraft(DESIGN, one, Objective.min_mass)
     assert found.simulated is not None
     assert found.simulated.cycle.excess_time_h.min() >= one.required_excess_time_h
     best, _ = searched(one, lightest, points=9, rounds=11)
     # The least mass that is known: the program may be 0.5 % above, and the search as much.
     assert found.objective_value == pytest.approx(-best, rel=5e-3)
+
+
+def test_a_flight_that_no_design_makes_is_told_with_what_the_nearest_lacks() -> None:
+    found = size_aircraft(DESIGN, flying({"hours": 70.0}, dates={"on": "12-21"}))
+    assert found.status is SizingStatus.infeasible
+    assert [one.requirement for one in found.violations] == ["excess_time"]
+    assert "the nearest one lacks power for" in found.violations[0].text
 
 
 @pytest.mark.slow
