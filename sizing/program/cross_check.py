@@ -68,10 +68,11 @@ def cross_check(
     sign = 1.0 if objective.maximised else -1.0
 
     def value(variables: DesignVariables, light: SolarDay) -> FloatArray:
-        """Objective; NaN for designs that miss a requirement."""
+        """Objective; NaN for designs that miss a requirement, by more than the time step allows."""
         perf = performance_of_designs(aircraft, mission, variables, solar, day=light)
         worst_h = np.min(perf.cycle.excess_time_h, axis=-1)
-        kept = (worst_h > 0.0) & (worst_h >= result.required_excess_time_h)
+        least_h = result.required_excess_time_h - ABSOLUTE_TOLERANCE_H * (light is fine_day)
+        kept = (worst_h > 0.0) & (worst_h >= least_h)
         kept = kept & meets_requirements(aircraft, mission, perf.design)
         return np.where(kept, objective_value(objective, perf), np.nan)
 
@@ -80,10 +81,11 @@ def cross_check(
     merits = sign * value(tried, day)
     best = np.argsort(np.where(np.isnan(merits), np.inf, -merits), kind="stable")[:_FINALISTS]
     confirmed = ~np.isnan(value(tried.mapped(lambda v: np.asarray(v)[best]), fine_day))
-    better = [i for i in best[confirmed] if sign * own < merits[i]]
+    merit = -np.inf if np.isnan(own) else sign * own
+    better = [i for i in best[confirmed] if merit < merits[i]]
     # Equal first: the excess time is infinite where the battery is never needed.
     found = sign * float(merits[better[0]]) if better else own
-    advantage = sign * (found - own) if better else 0.0
+    advantage = float(merits[better[0]] - merit) if better else 0.0
     # A payload is what is left of a mass, or of a load, that is known to a tolerance itself.
     tolerance = max(
         RELATIVE_TOLERANCE * abs(own),

@@ -10,8 +10,8 @@ import click
 
 from missions.flight_path import path_trouble
 from missions.weather.files import load_weather
-from sizing.margins.probability import check_reliability
-from sizing.margins.survival import check_survival
+from sizing.program.reliability import check_reliability
+from sizing.program.survival import check_survival
 from sizing.results import sizing
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Line, Summary

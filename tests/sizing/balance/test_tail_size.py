@@ -13,7 +13,7 @@ from missions.files.errors import InputError
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.design import Design, variables_of
 from sizing.mass_budget import ImpossibleDesignError, closed_design, design_of
-from sizing.optimisation.cross_check import cross_check
+from sizing.program.cross_check import cross_check
 from sizing.sized_structure import structure_parts
 from sizing.sunlight import UNCORRECTED_CAM
 

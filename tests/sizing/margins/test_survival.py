@@ -16,8 +16,8 @@ from sizing.limits import meets_requirements
 from sizing.margins.search import fitted
 from sizing.margins.season_flights import Powers, SeasonDays, SeasonFlights
 from sizing.margins.season_search import SeasonSearch
-from sizing.margins.survival import _SurvivalSizing
 from sizing.mass_budget import closed_design, design_of
+from sizing.program.survival import _SurvivalSizing
 from sizing.relaxed_flight import Relaxation
 from sizing.weather_run import weather_performance
 
@@ -43,8 +43,8 @@ def clouded(days=40, first="2001-06-05", seed=4, **changes):
 @pytest.fixture(scope="module", autouse=True)
 def _wide_nodes():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sizing.margins.survival.NODE_STEP_S", STEP_S)
-        patch.setattr("sizing.margins.survival._COARSE_STEP_S", STEP_S)
+        patch.setattr("sizing.program.survival.NODE_STEP_S", STEP_S)
+        patch.setattr("sizing.program.survival._COARSE_STEP_S", STEP_S)
         yield
 
 
