@@ -176,7 +176,7 @@ _SCALED_LIMITS: dict[LimitedQuantity, float] = {
 }
 
 
-def _with_storage(aircraft: Aircraft, mission: Mission, factor: float) -> tuple[Aircraft, Mission]:
+def with_storage(aircraft: Aircraft, mission: Mission, factor: float) -> tuple[Aircraft, Mission]:
     """Aircraft and mission with another storage, of which the limits on the battery know nothing.
 
     The factor is no margin of a file: it may exceed 1.
@@ -327,7 +327,7 @@ class _Search:
     def _sized(self, factors: FloatArray) -> SizingResult:
         """Sizing with factors; its flight and objective are those without them."""
         income, storage = (float(one) for one in np.exp(factors))
-        aircraft, mission = _with_storage(self.aircraft, self.mission, storage)
+        aircraft, mission = with_storage(self.aircraft, self.mission, storage)
         assert self.nominal.design is not None
         result = size_aircraft(
             *(aircraft, mission, self.objective, self.solar),

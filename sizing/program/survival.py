@@ -2,7 +2,7 @@
 
 The program finds the best design of repeated clear days with any factor on their solar energy; a
 judge flies it through all days of the record, and the factor is bisected to the largest with which
-enough of the season's days close.
+enough of the season's days close. Where that leaves no design, the battery has the factor as well.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from sizing.aircraft import Aircraft
 from sizing.mass_budget import design_of
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.program.reliability import Trial, least_margin, with_design
+from sizing.program.reliability import Trial, least_margin, with_design, with_storage
 from sizing.program.result import SizingResult, Violation
 from sizing.program.size import size_aircraft
 from sizing.sunlight import SolarModel, solar_day
@@ -88,12 +88,17 @@ class SurvivalSizing:
         clear, done = size_aircraft(*given), 0
         start = None if clear.design is None else clear.design.variables
 
-        def trial(margin: float) -> Trial | None:
+        def trial(margin: float, storage: float) -> Trial | None:
             nonlocal done
             self._tell(done, max(done + 1, _STEPS))
             done += 1
-            sun = day.scaled(math.exp(-margin))
-            result = size_aircraft(*given, day=sun, start=start, explain=False)
+            easier = with_storage(self.aircraft, self.mission, math.exp(-margin * storage))
+            result = size_aircraft(
+                *(*easier, self.objective, self.solar),
+                day=day.scaled(math.exp(-margin)),
+                start=start,
+                explain=False,
+            )
             if result.design is None:
                 return None
             flown = performance_of_designs(*given[:2], result.design.variables, self.solar)
@@ -102,7 +107,14 @@ class SurvivalSizing:
             days = int(np.count_nonzero(self.closes(result)[self.season]))
             return Trial(told.with_design(flown), days, days >= needed)
 
-        found = least_margin(trial, _ENDS, _STEP, _TOLERANCE)
+        found = least_margin(lambda m: trial(m, 0.0), _ENDS, _STEP, _TOLERANCE)
+        if found is None or not found.enough:  # dark days that only a larger battery outlasts
+            other = least_margin(lambda m: trial(m, 1.0), _ENDS, _STEP, _TOLERANCE)
+            found = max(
+                (one for one in (found, other) if one is not None),
+                key=lambda one: (one.enough, one.reached),
+                default=None,
+            )
         self._tell(max(done, _STEPS), max(done, _STEPS))
         if found is None:
             return clear, clear, None

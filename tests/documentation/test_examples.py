@@ -76,7 +76,6 @@ def run_script(
     monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 512)
     # So do longer steps through a weather record.
     monkeypatch.setattr("sizing.program.survival.NODE_STEP_S", 1800.0)
-    monkeypatch.setattr("sizing.program.survival._COARSE_STEP_S", 1800.0)
     monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 1000)
 
     def run(script: Path, *arguments: str) -> str:

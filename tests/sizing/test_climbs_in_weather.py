@@ -10,9 +10,7 @@ from missions.weather.site import mission_at_site
 from sizing.altitude import climb_days
 from sizing.altitude.climb_run import Stored
 from sizing.library import load_aircraft
-from sizing.margins.season_flights import Powers, SeasonFlights
 from sizing.mass_budget import design_of
-from sizing.sunlight import SolarModel
 from sizing.weather_run import WeatherDays, weather_performance
 
 AS2 = load_aircraft("atlantiksolar-as2")
@@ -169,19 +167,3 @@ def test_climbing_on_surplus_closes_every_day_of_a_year_that_level_flight_closes
     surplus, full = (one.recorded.closes.sum() for one in found.values())
     assert surplus >= full > 0
     assert surplus > found["surplus"].constant.closes.sum()
-
-
-def test_a_batch_of_designs_closes_the_days_that_each_closes_alone():
-    mission = mission_with(RECORD, 3000.0)
-    dates = {"from": "01-01", "to": "12-31"}
-    mission = mission.model_copy(update={"dates": type(mission.dates).model_validate(dates)})
-    flights = SeasonFlights.of(AS2, mission, RECORD, SolarModel(), step_s=STEP_S)
-    own = Powers.of(design_of(AS2, mission), flights.days)
-    income, storage = np.array([0.8, 1.0, 1.3]), np.array([1.2, 1.0, 0.7])
-    batch = flights.closes(Powers.joined([own.scaled(income, storage), own]))
-    alone = weather_performance(AS2, mission, RECORD, step_s=STEP_S).recorded.closes
-    assert batch[1].tolist() == batch[3].tolist() == alone.tolist()
-    for row, more, larger in zip(batch, income, storage, strict=False):
-        one = own.scaled(np.array([more]), np.array([larger]))
-        assert flights.closes(one)[0].tolist() == row.tolist()
-    assert len({tuple(row) for row in batch.tolist()}) == 3

@@ -7,7 +7,6 @@ import pytest
 import sizing
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.program.reliability import _next_index
 from sizing.sunlight import UNCORRECTED_CAM
 from sizing.uncertainty.inputs import uncertain_inputs
 from sizing.uncertainty.propagation import Propagation
@@ -182,18 +181,6 @@ def test_payload_and_several_scenarios():
 def test_what_cannot_be_asked(call, message):
     with pytest.raises(ValueError, match=message):
         sized(**({"reliability": 0.9} | call))
-
-
-def test_next_index_stays_between_what_was_tried():
-    tried = [(1.0, 0.8), (2.0, 1.9)]
-    assert 1.0 < _next_index(tried, 1.3) < 2.0
-    assert _next_index(tried[:1], 1.3) == pytest.approx(1.5)
-    assert np.isfinite(_next_index([(1.0, 3.0), (1.0, 3.0)], 1.3))
-    # By hand: 1 of the 2.5 from 2 to 4, though the last trial, above both, is no neighbour.
-    assert _next_index([(2.0, 1.0), (4.0, 3.5), (5.0, 5.0)], 2.0) == pytest.approx(2.8)
-    # Away from both neighbours by a tenth of their distance.
-    assert _next_index([(2.0, 0.0), (4.0, 1.06)], 1.05) == pytest.approx(3.8)
-    assert _next_index([(2.0, 0.0), (4.0, 1.06)], 0.01) == pytest.approx(2.2)
 
 
 SKY_SAILOR_INPUTS = {
