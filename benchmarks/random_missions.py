@@ -18,15 +18,15 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import variables_of
 from sizing.design_space import Range
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
-from sizing.optimisation.cross_check import cross_check, design_grid
 from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.performance import performance_of_designs
+from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
+from sizing.program.start import grid_of
 from sizing.sunlight import solar_day
 
 _OBJECTIVES = [o for o in Objective if not o.of_range]
@@ -101,14 +101,11 @@ def feasible_on_grid(
     required_h : float
         Required excess time [h].
     """
-    own = variables_of(aircraft)._replace(
-        lift_coefficient=None,
-        payload_mass_kg=mission.payload.mass_kg,
-        payload_power_w=mission.payload.power_w,
-    )
-    if objective.variable in own._fields and objective.variable.startswith("payload"):
-        own = own._replace(**{objective.variable: 0.0})
-    grid = design_grid(aircraft, Objective.max_excess_time, own)
+    carried = mission.payload
+    payload = {"payload_mass_kg": carried.mass_kg, "payload_power_w": carried.power_w}
+    payload |= {name: 0.0 for name in payload if name == objective.variable}
+    grid = grid_of(aircraft)
+    grid = grid._replace(**{k: np.full(grid.wingspan_m.shape, v) for k, v in payload.items()})
     day = solar_day(aircraft, mission, step_h=_GRID_STEP_H)
     perf = performance_of_designs(aircraft, mission, grid, day=day)
     worst = perf.cycle.excess_time_h.min(axis=-1)

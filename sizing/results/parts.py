@@ -20,7 +20,7 @@ from sizing.results.tables import UNLIMITED, Column, Line, Table
 from sizing.smooth_propulsion import put_parts_in
 
 if TYPE_CHECKING:
-    from sizing.optimisation.whole_cells import WholeCells
+    from sizing.program.whole_cells import WholeCells
 
 
 _DRAG_WORDS = {

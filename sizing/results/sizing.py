@@ -9,12 +9,8 @@ from typing import Any, cast
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import DesignVariables
-from sizing.margins.probability import check_reliability, size_reliably
 from sizing.mass_budget import check_own_models
-from sizing.module_power import balances_heat
 from sizing.optimisation.coverage import widest_range
-from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
 from sizing.optimisation.relaxations import relaxations
@@ -23,13 +19,15 @@ from sizing.optimisation.sensitivity import (
     constraint_multipliers,
     sensitivities,
 )
-from sizing.optimisation.whole_cells import size_whole_cells
 from sizing.performance import Performance, performance, performance_of_designs
+from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
 from sizing.program.own_terms import with_own_terms
+from sizing.program.reliability import check_reliability, size_reliably
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.size import size_aircraft as size_flight
+from sizing.program.whole_cells import size_whole_cells
 from sizing.relaxed_flight import Relaxation
 from sizing.results.qualities import designs_by_build
 from sizing.results.records import check_subjects
@@ -138,13 +136,12 @@ def size(
         laid = _of_whole_cells(aircraft, mission, wanted, solar, required_excess_time_h)
         if laid is not None:
             return laid
-    exact = aircraft
-    aircraft, start, settled = sized_smoothly(aircraft, mission, wanted, solar, **options)
     if reliability is not None:
         if with_sensitivities or with_cross_check:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
-        case = (aircraft, with_values(mission, required), wanted, solar)
-        return replace(_reliable(*case, least=reliability, start=start), aircraft=original)
+        return _reliable(aircraft, with_values(mission, required), wanted, solar, least=reliability)
+    exact = aircraft
+    aircraft, start, settled = sized_smoothly(aircraft, mission, wanted, solar, **options)
     coverage = None
     if wanted.of_range:
         coverage = widest_range(aircraft, mission, wanted, solar, **options)
@@ -264,23 +261,15 @@ def _reliable(
     solar: SolarModel,
     *,
     least: float,
-    start: DesignVariables | None,
 ) -> SizingStudy:
     """Sizing for a probability of the mission's required excess time."""
     case = (aircraft, mission, objective, solar)
     check_reliability(*case, least)
-    climb = mission.climb
-    highest = mission if climb is None else mission.at_altitude(climb.ceiling_m)
-    if balances_heat(highest):
-        # All draws have the modules of one flow: about that of their designs.
-        aircraft, _ = sized_in_own_flow(*case, start=start, explain=False)
-        case = (aircraft, mission, objective, solar)
-    problems = SizingProblems(aircraft)
-    result, reliability = size_reliably(*case, reliability=least, problems=problems)
+    result, reliability = size_reliably(*case, reliability=least)
     asked = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.
     failed = result.status is SizingStatus.infeasible and reliability is None
-    relaxed = tuple(relaxations(*asked, problems=problems)) if failed else ()
+    relaxed = tuple(relaxations(*asked)) if failed else ()
     return study_of(*asked, relaxations=relaxed, reliability=reliability)
 
 

@@ -18,15 +18,14 @@ from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.design import Design, DesignVariables, FlightConditions, Masses, parametric_design
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.margins.probability import Reliability
-from sizing.margins.season_flights import Survival
 from sizing.optimisation.coverage import WidestRange
-from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
-from sizing.optimisation.whole_cells import WholeCells
 from sizing.performance import Performance
+from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
+from sizing.program.reliability import Reliability
 from sizing.program.result import SizingResult, SizingStatus
+from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
 from sizing.results.conditions import battery_record, climbs_record, level_record, wind_record
@@ -36,6 +35,7 @@ from sizing.results.propulsion import PartMasses, PowerBudget, part_masses, powe
 from sizing.results.qualities import BuiltDesign
 from sizing.results.records import NEGLIGIBLE, finite, finite_values, uncertainty_record
 from sizing.results.requirements import RequirementMargin, margin_records, requirement_margins
+from sizing.results.season import Survival
 from sizing.results.tables import Result, data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment

@@ -10,15 +10,14 @@ import numpy as np
 
 from missions.dates import date_label
 from missions.mission import latitude_label
-from sizing.margins.probability import Reliability
-from sizing.margins.season_flights import Survival
 from sizing.optimisation.coverage import WidestRange
-from sizing.optimisation.cross_check import CrossCheck
 from sizing.optimisation.result import LIMITING_FRACTION
 from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.parameters import unit_text
 from sizing.performance import Performance
+from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
+from sizing.program.reliability import Reliability
 from sizing.program.result import RELATIVE_TOLERANCE, SizingStatus
 from sizing.results.conditions import battery_line, battery_record, climb_lines, wind_rows
 from sizing.results.notes import (
@@ -48,6 +47,7 @@ from sizing.results.quantities import (
 )
 from sizing.results.records import change_text, hours, with_unit
 from sizing.results.requirements import constraint_words, parameter_words, requirement_table
+from sizing.results.season import Survival
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Column, Line, Summary, Table, facts
 from sizing.sunlight import SolarModel

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from missions.mission import Mission
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.margins.survival import check_survival, in_the_record, size_surviving
-from sizing.optimisation.propulsion import with_smooth_chain
+from sizing.optimisation.relaxations import relaxations
 from sizing.program.objectives import Objective
+from sizing.program.result import SizingStatus
+from sizing.program.survival import SurvivalSizing, check_survival, in_the_record
 from sizing.results.records import check_subjects
+from sizing.results.season import SeasonDays, Survival
 from sizing.results.sizing import checked_objective, study_of
 from sizing.results.sizing_study import SizingStudy
 from sizing.sunlight import SolarModel
@@ -90,17 +91,26 @@ def size_in_weather(
             f"the mission's clearness of {mission.pessimistic_clearness:g} plays no part: the "
             "clouds are the record's",
         )
-    fixed, _ = with_smooth_chain(aircraft, moved, wanted, solar)
-    survived = size_surviving(
-        *(fixed, moved, wanted, solar),
-        weather=weather,
-        survive=survive,
+    there = in_the_record(moved)
+    search = SurvivalSizing(aircraft, there, wanted, solar, weather, survive, progress)
+    result, clear, shown = search.run()
+    if shown is None:
+        failed = clear.status is SizingStatus.infeasible
+        relaxed = tuple(relaxations(aircraft, there, clear, solar)) if failed else ()
+        return study_of(aircraft, there, result, solar, relaxations=relaxed)
+    days, of_clear = (
+        None
+        if one.design is None
+        else SeasonDays.of(search.days.axis, search.season, search.closes(one))
+        for one in (shown, clear)
+    )
+    assert days is not None
+    survival = Survival(
+        *(weather, there, survive),
+        days=days,
+        clear_sky_status=clear.status,
+        clear_sky_objective=clear.objective_value,
+        clear_sky_days=of_clear,
         notes=notes,
-        progress=progress,
     )
-    study = study_of(
-        *(fixed, in_the_record(moved), survived.result, solar),
-        relaxations=survived.relaxations,
-        survival=survived.survival,
-    )
-    return replace(study, aircraft=aircraft)
+    return study_of(aircraft, there, result, solar, survival=survival)

@@ -73,11 +73,10 @@ def run_script(
     # Other tests start processes; here they would only import everything again.
     monkeypatch.setattr("studies.engine.workers.available_cores", lambda: 1)
     # Rougher probabilities do.
-    monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 512)
+    monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 512)
     # So do longer steps through a weather record.
-    monkeypatch.setattr("sizing.margins.survival.NODE_STEP_S", 1800.0)
-    monkeypatch.setattr("sizing.margins.survival._COARSE_STEP_S", 1800.0)
-    monkeypatch.setattr("sizing.margins.probability.VERIFICATION_SAMPLES", 1000)
+    monkeypatch.setattr("sizing.program.survival.NODE_STEP_S", 1800.0)
+    monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 1000)
 
     def run(script: Path, *arguments: str) -> str:
         monkeypatch.setattr(sys, "argv", [str(script), *arguments])

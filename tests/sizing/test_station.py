@@ -253,8 +253,8 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, flown: Aircra
 def test_half_of_the_draws_hold_their_place_with_little_more(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 512)
-    monkeypatch.setattr("sizing.margins.probability.VERIFICATION_SAMPLES", 2000)
+    monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 512)
+    monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 2000)
     where = holding(in_winds(tmp_path, 4.0, 12.0))
     plain, half = size(DESIGN, where), size(DESIGN, where, reliability=0.5)
     assert half.reliability is not None

@@ -9,9 +9,9 @@ from pathlib import Path
 import click
 
 from missions.weather.files import load_weather
-from sizing.margins.probability import check_reliability
-from sizing.margins.survival import check_survival
 from sizing.module_power import path_troubles
+from sizing.program.reliability import check_reliability
+from sizing.program.survival import check_survival
 from sizing.results import sizing
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Line, Summary

@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.validation.found_designs import CASES, _elsewhere, found, found_table
 from sizing.library import load_aircraft
-from sizing.optimisation.cross_check import cross_check
+from sizing.program.cross_check import cross_check
 
 
 def test_atlantiksolars_class_is_found_from_its_requirements() -> None:

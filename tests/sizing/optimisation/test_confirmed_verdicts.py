@@ -10,9 +10,9 @@ import pytest
 
 from missions.mission import Scenarios
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
+from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.sunlight import SolarModel, solar_day

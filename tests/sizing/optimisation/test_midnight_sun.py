@@ -17,12 +17,12 @@ from sizing.design import DesignVariables, variables_of
 from sizing.energy.cycle import Status
 from sizing.mass_budget import plain_design
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.energy_constraints import growing_lit_sets
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.search import size_aircraft, size_branch
 from sizing.optimisation.solver import ProgramSolver
 from sizing.performance import performance_of_designs
+from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day

@@ -9,7 +9,6 @@ from missions.files.overrides import with_values
 from missions.library import load_mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.cross_check import CrossCheck, _elsewhere, _Judge, cross_check
 from sizing.optimisation.propulsion import sized_in_own_flow
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
@@ -19,6 +18,7 @@ from sizing.optimisation.sensitivity import (
 )
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
+from sizing.program.cross_check import CrossCheck, _elsewhere, _Judge, cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
 from sizing.results.sizing_summary import cross_check_line

@@ -28,13 +28,13 @@ from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation import coverage
 from sizing.optimisation.cells import size_cells
 from sizing.optimisation.coverage import DAYS, WidestRange, _Growth, widest_range
-from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.problem import SizingProblems
 from sizing.optimisation.relaxations import _Relaxations, relaxations
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import sensitivities
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
+from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.relaxed_flight import Relaxation, rounded

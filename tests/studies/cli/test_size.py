@@ -304,7 +304,7 @@ def test_old_name_of_the_cross_check_is_refused_with_the_new_one(run: Run) -> No
 def test_reliability_is_kept_in_the_folder(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 1024)
+    monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 1024)
     asked = ("--objective", "min_wingspan", "--required-excess-time", "3", "--reliability", "0.8")
     folder = tmp_path / "reliable"
     record = run("size", DESIGN, "-m", "rafz-july", *asked, "--out", str(folder), "--json").json()

@@ -20,10 +20,9 @@ from sizing.design_space import Limit, Range
 from sizing.energy.battery_pack import BatteryPack
 from sizing.layout.cells import CellLayout, Wing
 from sizing.layout.strings import Strings
-from sizing.optimisation.propulsion import with_smooth_chain
-from sizing.optimisation.result import SizingResult
-from sizing.optimisation.search import size_aircraft
 from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult
+from sizing.program.size import size_aircraft
 from sizing.smooth_propulsion import put_parts_in
 from sizing.sunlight import SolarModel
 from solar.modules import STC_IRRADIANCE_W_PER_M2
@@ -126,7 +125,7 @@ class CellDesigns:
         if strings is not None:
             most = max(strings.window(*self.electric).most, 1)
             plain = self._with_mppts(1.0, strings.strings_per_mppt * most)
-        return self._relaxed_sizing(plain)
+        return self._sizing(plain)
 
     def battery_kg(self, parallel: int) -> float:
         """Mass of a battery with so many cells in parallel [kg]."""
@@ -144,7 +143,7 @@ class CellDesigns:
                 if isinstance(held, str):
                     reason = held
                     continue
-                result = self._relaxed_sizing(held, start)
+                result = self._sizing(held, start)
                 if result.design is None:
                     reason = _why(result)
                     continue
@@ -238,14 +237,10 @@ class CellDesigns:
         modules = modules.model_copy(update={"mppt_mass_kg_per_w": per_w})
         return self.plain.model_copy(update={"modules": modules})
 
-    def _relaxed_sizing(
-        self, aircraft: Aircraft, start: DesignVariables | None = None
-    ) -> SizingResult:
+    def _sizing(self, aircraft: Aircraft, start: DesignVariables | None = None) -> SizingResult:
         """Sizing of a design space."""
-        mission, objective, solar = self.given
-        options: dict[str, Any] = {"required_excess_time_h": self.required_h}
-        aircraft, settled = with_smooth_chain(aircraft, mission, objective, solar, **options)
-        return size_aircraft(aircraft, mission, objective, solar, start=settled or start, **options)
+        required_h = self.required_h
+        return size_aircraft(aircraft, *self.given, required_excess_time_h=required_h, start=start)
 
     def _put_in(self, result: SizingResult, numbers: Numbers, strings: Strings | None) -> Aircraft:
         """Aircraft of a design, its cells laid on its wing and checked as a file is."""

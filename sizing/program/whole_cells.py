@@ -19,9 +19,9 @@ from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.design_space import DesignSpace
 from sizing.layout.cells import Wing
-from sizing.optimisation.result import SizingResult, SizingStatus, Violation
-from sizing.optimisation.whole_cell_designs import ROW_ROOM, CellDesigns, Found, Neighbour, Numbers
 from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus, Violation
+from sizing.program.whole_cell_designs import ROW_ROOM, CellDesigns, Found, Neighbour, Numbers
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from solar.schema import MOST_CELLS
 

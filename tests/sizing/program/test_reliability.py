@@ -24,8 +24,8 @@ def with_inputs(**inputs):
 
 @pytest.fixture(autouse=True)
 def _few_draws(monkeypatch):
-    monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 1024)
-    monkeypatch.setattr("sizing.margins.probability.VERIFICATION_SAMPLES", 4000)
+    monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 1024)
+    monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 4000)
 
 
 def sized(reliability, objective="min_wingspan", aircraft=DESIGN, mission=MISSION, **options):
@@ -35,8 +35,8 @@ def sized(reliability, objective="min_wingspan", aircraft=DESIGN, mission=MISSIO
 @pytest.fixture(scope="module")
 def reliable():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 1024)
-        patch.setattr("sizing.margins.probability.VERIFICATION_SAMPLES", 4000)
+        patch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 1024)
+        patch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 4000)
         return sized(0.9)
 
 
@@ -111,7 +111,7 @@ def test_largest_excess_time_leaves_something_for_the_requirement():
 def test_one_uncertain_number_has_an_exact_answer(monkeypatch):
     """With the battery's specific energy alone, 95 % is the design for its 5 % quantile."""
     alone = functools.partial(uncertain_inputs, model_error=False)
-    monkeypatch.setattr("sizing.margins.probability.uncertain_inputs", alone)
+    monkeypatch.setattr("sizing.program.reliability.uncertain_inputs", alone)
     found = sized(0.95, "min_mass", aircraft=with_inputs(**{ENERGY: {"relative_sigma": 0.05}}))
     quantile = DESIGN.battery.specific_energy_wh_per_kg * (1.0 - 0.05 * 1.6449)
     worse = load_aircraft("atlantiksolar-design", {ENERGY: quantile})
@@ -219,7 +219,7 @@ def test_largest_reachable_probability_is_that_of_a_scan(
     Of 2,048 draws the share has a standard error of 1 % at most, on either side: together they
     differ by less than 2.5 %. The search sees other draws than the scan.
     """
-    monkeypatch.setattr("sizing.margins.probability.SEARCH_SAMPLES", 2048)
+    monkeypatch.setattr("sizing.program.reliability.SEARCH_SAMPLES", 2048)
     changed = {**changed, "design_space.wingspan_m.maximum": span_m}
     craft = load_aircraft(name, changed)
     mission = load_mission("rafz-july", {"required_excess_time_h": required_h})

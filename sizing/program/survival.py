@@ -1,0 +1,166 @@
+"""Sizing for a share of the days of a season, as a weather record has them.
+
+The program finds the best design of repeated clear days with any factor on their solar energy; a
+judge flies it through all days of the record, and the factor is bisected to the largest with which
+enough of the season's days close. Where that leaves no design, the battery has the factor as well.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from missions.dates import date_label
+from missions.files.errors import file_error
+from missions.mission import Mission
+from missions.weather.light import NODE_STEP_S
+from missions.weather.record import Weather
+from sizing.aircraft import Aircraft
+from sizing.mass_budget import design_of
+from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective, SizingStatus
+from sizing.program.reliability import Trial, least_margin, with_design, with_storage
+from sizing.program.result import SizingResult, Violation
+from sizing.program.size import size_aircraft
+from sizing.sunlight import SolarModel, solar_day
+from sizing.weather_days import LoadInAir
+from sizing.weather_run import WeatherDays
+from solar.types import BoolArray
+
+# What has a smallest or largest design on the edge of closing enough days.
+OBJECTIVES = tuple(one for one in Objective if one.of_design)
+DAYS_THAT_CLOSE = "days_that_close"
+# Of the logarithm of what is taken off the sun: from twice a clear sky to a twentieth of it.
+_ENDS, _STEP = (-0.7, 3.0), 0.7
+_TOLERANCE = 1e-3  # of solar energy: some 0.05 % of a wingspan
+_STEPS = 12  # that it takes, about
+
+
+def check_survival(objective: Objective, survive: float) -> None:
+    """Refuse what no sizing in weather can be."""
+    if not 0.0 < survive <= 1.0:
+        raise ValueError(
+            f"the share of days that close must be above 0 and at most 1 (got {survive:g})"
+        )
+    if objective not in OBJECTIVES:
+        what = "counts days or degrees" if objective.of_range else "is that of a repeated clear day"
+        raise ValueError(
+            f"{objective.value} {what}: no share of days can be asked of it; allowed: "
+            f"{', '.join(OBJECTIVES)}"
+        )
+
+
+def in_the_record(mission: Mission) -> Mission:
+    """Mission of which clearness and required excess time play no part: the clouds are known."""
+    margins = mission.uncertainty_margins.model_copy(update={"clearness_minimum": None})
+    return mission.model_copy(
+        update={"required_excess_time_h": 0.0, "clearness": 1.0, "uncertainty_margins": margins}
+    )
+
+
+@dataclass
+class SurvivalSizing:
+    """Search for the best design for which a share of the days of a season closes.
+
+    ``mission``: at the record's site (:func:`missions.weather.site.mission_at_site`), as
+    :func:`in_the_record` has it; its dates are the season. ``required``: least share of the
+    season's days that close [-]. ``progress``: called with the steps that are done, and in all.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    objective: Objective
+    solar: SolarModel
+    weather: Weather
+    required: float
+    progress: Callable[[int, int], None] | None = None
+
+    def run(self) -> tuple[SizingResult, SizingResult, SizingResult | None]:
+        """Outcome, sizing under a clear sky, and whose days are told: none without any design."""
+        season = int(np.count_nonzero(self.season))
+        needed = max(1, math.ceil(self.required * season - 1e-9))
+        day = solar_day(self.aircraft, self.mission, self.solar)
+        given = (self.aircraft, self.mission, self.objective, self.solar)
+        clear, done = size_aircraft(*given), 0
+        start = None if clear.design is None else clear.design.variables
+
+        def trial(margin: float, storage: float) -> Trial | None:
+            nonlocal done
+            self._tell(done, max(done + 1, _STEPS))
+            done += 1
+            easier = with_storage(self.aircraft, self.mission, math.exp(-margin * storage))
+            result = size_aircraft(
+                *(*easier, self.objective, self.solar),
+                day=day.scaled(math.exp(-margin)),
+                start=start,
+                explain=False,
+            )
+            if result.design is None:
+                return None
+            flown = performance_of_designs(*given[:2], result.design.variables, self.solar)
+            active = (DAYS_THAT_CLOSE if " (" in n else n for n in result.active_constraints)
+            told = replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
+            days = int(np.count_nonzero(self.closes(result)[self.season]))
+            return Trial(told.with_design(flown), days, days >= needed)
+
+        found = least_margin(lambda m: trial(m, 0.0), _ENDS, _STEP, _TOLERANCE)
+        if found is None or not found.enough:  # dark days that only a larger battery outlasts
+            other = least_margin(lambda m: trial(m, 1.0), _ENDS, _STEP, _TOLERANCE)
+            found = max(
+                (one for one in (found, other) if one is not None),
+                key=lambda one: (one.enough, one.reached),
+                default=None,
+            )
+        self._tell(max(done, _STEPS), max(done, _STEPS))
+        if found is None:
+            return clear, clear, None
+        result = found.result
+        if found.enough:
+            return result, clear, result
+        text = (
+            f"{needed} of the season's {season} days are out of reach: the best design that was "
+            f"found closes {found.reached:.0f}, a share of {found.reached / season:.3g}"
+        )
+        missed = Violation(DAYS_THAT_CLOSE, self.required - found.reached / season, text)
+        failed = result.without_design(SizingStatus.infeasible, result.simulated, missed)
+        return failed, clear, result
+
+    @cached_property
+    def days(self) -> WeatherDays:
+        """Days of the record."""
+        return WeatherDays.of(
+            self.aircraft, self.mission, self.weather, self.solar, step_s=NODE_STEP_S
+        )
+
+    @cached_property
+    def season(self) -> BoolArray:
+        """Which days of the record are the season's."""
+        days, dates = self.days.axis.day_of_year, self.mission.dates.range()
+        season = np.isin(days, dates)
+        if not season.any():
+            asked = dict.fromkeys(date_label(dates[i]) for i in (0, -1))
+            first, last = (date_label(int(days[i])) for i in (0, -1))
+            raise file_error(
+                self.weather.source,
+                f"has no day of the season of the mission {self.mission.name}, "
+                f"{' to '.join(asked)}: the record covers {first} to {last} "
+                "(set the mission's dates)",
+            )
+        return season
+
+    def closes(self, result: SizingResult) -> BoolArray:
+        """Which days of the record a design closes, flown as by an analysis of its aircraft."""
+        assert result.design is not None
+        aircraft, mission = with_design(self.aircraft, self.mission, result.design)
+        days = replace(self.days, aircraft=aircraft, mission=mission)
+        design = design_of(aircraft, mission)
+        parts = LoadInAir.of(aircraft, mission, design, days.ambient_c, days.wind_m_per_s)
+        return days.flown(design, parts).closes
+
+    def _tell(self, done: int, steps: int) -> None:
+        if self.progress is not None:
+            self.progress(done, steps)

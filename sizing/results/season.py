@@ -1,0 +1,121 @@
+"""Days of a weather record's season, and which of them a sized design closes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from missions.dates import date_code
+from missions.mission import Mission
+from missions.weather.record import Weather, run_lengths
+from sizing.program.result import SizingStatus
+from sizing.weather_days import DayAxis
+from solar.types import BoolArray, IntArray
+
+
+@dataclass(frozen=True)
+class SeasonDays:
+    """Days of a record's season, and which of them close.
+
+    ``year``, ``day_of_year``: of each day of the season, by local date. ``closes``: whether it
+    closes. ``longest_gap_days``: most consecutive days of the season that do not close.
+    """
+
+    year: IntArray
+    day_of_year: IntArray
+    closes: BoolArray
+    longest_gap_days: int
+
+    @classmethod
+    def of(cls, axis: DayAxis, season: BoolArray, closes: BoolArray) -> SeasonDays:
+        """Days of a record's season, of all days and which of them close."""
+        return cls(
+            year=axis.year[season],
+            day_of_year=axis.day_of_year[season],
+            closes=closes[season],
+            longest_gap_days=int(np.max(run_lengths(season & ~closes), initial=0)),
+        )
+
+    def __len__(self) -> int:
+        return len(self.closes)
+
+    @property
+    def that_close(self) -> int:
+        """Days that close."""
+        return int(np.count_nonzero(self.closes))
+
+    @property
+    def share(self) -> float:
+        """Share of the days that close [-]."""
+        return self.that_close / len(self)
+
+    def by_year(self) -> list[dict[str, Any]]:
+        """Days, and days that close, of each year."""
+        return [
+            {
+                "year": int(year),
+                "days": int(np.count_nonzero(at)),
+                "days_that_close": int(np.count_nonzero(self.closes[at])),
+                "share": float(np.mean(self.closes[at])),
+            }
+            for year in np.unique(self.year)
+            if np.any(at := self.year == year)
+        ]
+
+
+@dataclass(frozen=True)
+class Survival:
+    """How a sized design flies through the season of a weather record.
+
+    ``mission``: at the record's site; its dates are the season. ``required``: share of the days
+    that was asked for [-]. ``days``: of the design; of the one with the most days that close that
+    was found, where no design has enough. ``clear_sky_status``: of the sizing for perpetual flight
+    under a clear sky on the same dates. ``clear_sky_objective``: its objective, in its unit; None
+    where it has no design. ``clear_sky_days``: what that design makes of the record. ``notes``:
+    what was changed to fly the mission at the record's site.
+    """
+
+    weather: Weather
+    mission: Mission
+    required: float
+    days: SeasonDays
+    clear_sky_status: SizingStatus
+    clear_sky_objective: float | None
+    clear_sky_days: SeasonDays | None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def achieved(self) -> float:
+        """Share of the season's days that close [-]."""
+        return self.days.share
+
+    @property
+    def several_years(self) -> bool:
+        """Whether the record tells years apart."""
+        return not self.weather.typical and len(np.unique(self.days.year)) > 1
+
+    def to_dict(self) -> dict[str, Any]:
+        """Record, JSON-ready."""
+        weather, clear = self.weather, self.clear_sky_days
+        season = self.mission.dates.range()
+        return {
+            **weather.origin(),
+            "flight_altitude_m": self.mission.altitude_m,
+            "season": {"from": date_code(season[0]), "to": date_code(season[-1])},
+            "required": self.required,
+            "achieved": self.achieved,
+            "days": len(self.days),
+            "days_that_close": self.days.that_close,
+            "longest_gap_days": self.days.longest_gap_days,
+            "by_year": self.days.by_year() if self.several_years else [],
+            "clear_sky": {
+                "status": self.clear_sky_status.name,
+                "objective": self.clear_sky_objective,
+                "days_that_close": None if clear is None else clear.that_close,
+                "share": None if clear is None else clear.share,
+            },
+            "repairs": list(weather.repairs),
+            "notes": list(self.notes),
+        }
