@@ -36,6 +36,15 @@ class Profile(NamedTuple):
         return np.interp(time_h, self.clock_h % 24.0, self.share, period=24.0)
 
 
+def flight(
+    task: SizingTask, designs: list[Values], profiles: Mapping[int, Profile]
+) -> tuple[Performance, FlightLevels | None]:
+    """Fly designs in all scenarios, on missions with climbs along their profiles."""
+    if task.mission.climb is None:
+        return task.simulate(designs), None
+    return climbing_performance(task.eased(designs[0]), designs, profiles)
+
+
 def climbing_performance(
     task: SizingTask, designs: Sequence[Values], profiles: Mapping[int, Profile]
 ) -> tuple[Performance, FlightLevels]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -194,8 +194,7 @@ class Linearisation:
 
     ``values``: of the design. ``charge``: of every block at its nodes, to start from.
     ``load_w``: nominal load that charges count in. ``mass_kg``: of the design. ``parts``: of a
-    propulsion at its operating point. ``nodes``: ends of the intervals of every block, on the axis
-    of its day.
+    propulsion at its operating point. ``known``: of the scenarios.
     """
 
     values: dict[str, float]
@@ -207,7 +206,7 @@ class Linearisation:
     load_w: float
     mass_kg: float
     parts: PartsData | None
-    nodes: tuple[IntArray, ...]
+    known: dict[int, Scenario]
     reach: float = math.inf
 
 
@@ -299,7 +298,7 @@ def linearised(
         load_w=load_w,
         mass_kg=mass_kg,
         parts=_parts(task, values, perf),
-        nodes=tuple(np.asarray(scenario.nodes) for scenario in known.values()),
+        known={number: replace(scenario) for number, scenario in known.items()},
     )
 
 

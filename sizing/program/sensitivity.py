@@ -12,6 +12,7 @@ Programming.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,14 +21,15 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import variable_keys
 from sizing.parameters import catalogue, is_doubled, parameter_value, with_parameter
-from sizing.program.corrections import Linearisation, Scenario, linearised, neighbours
+from sizing.program.climbing import Profile, flight
+from sizing.program.corrections import Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
 from sizing.program.reasons import limits_of
 from sizing.program.result import SizingResult
 from sizing.program.solve import Solution, parameters_of, solve
 from sizing.program.task import SizingTask
 from sizing.program.transcription import build_program
-from sizing.program.variables import WORST_EXCESS, Role, scales_of
+from sizing.program.variables import TOTAL_MASS, WORST_EXCESS, Role, scales_of
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 # Of a parameter: in double precision differences are then good to about five digits.
@@ -131,11 +133,16 @@ def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
         raise ValueError(f"the sizing is {result.status.name}: only an optimum has {wanted}")
     if not np.isfinite(result.objective_value):
         return found, result.objective_value
-    task = found.task
+    task, point = found.task, found.linearisation
     values = task.first_values(result.simulated.design.variables.mapped(float))
-    values["total_mass_kg"] = float(result.simulated.design.total_mass_kg)
-    known = _known(found.linearisation)
-    point = linearised(task, values, task.simulate(neighbours(task, values)), known)
+    values[TOTAL_MASS] = float(result.simulated.design.total_mass_kg)
+    known = {number: replace(one) for number, one in point.known.items()}
+    if task.mission.climb is not None:
+        for block, one in enumerate(known.values()):
+            assert one.clock_h is not None
+            one.profile = Profile(one.clock_h, found.heights(block))
+    perf, levels = flight(task, neighbours(task, values), profiles_of(known))
+    point = linearised(task, values, perf, known, levels)
     blocks = found.program.blocks
     return (
         solve(task, point, blocks, excess_h=found.excess_time_h, elastic=False),
@@ -143,13 +150,9 @@ def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
     )
 
 
-def _known(point: Linearisation) -> dict[int, Scenario]:
-    """What the search knew of the scenarios of a program, with the nodes of their days."""
-    rows = zip(point.scenarios, point.blocks, point.nodes, strict=True)
-    return {
-        number: Scenario(float(block.shift_h), float(block.margin), nodes=nodes)
-        for number, block, nodes in rows
-    }
+def profiles_of(known: Mapping[int, Scenario]) -> dict[int, Profile]:
+    """Heights that are flown in the scenarios of a program."""
+    return {number: one.profile for number, one in known.items() if one.profile is not None}
 
 
 def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:
@@ -186,7 +189,9 @@ def _lagrangian(
         if v.role is Role.payload and v.name not in task.free_names
     }
     values = point.values | held
-    flown = linearised(task, values, task.simulate([values]), _known(point))
+    known = {number: replace(one) for number, one in point.known.items()}
+    perf, levels = flight(task, [values], profiles_of(known))
+    flown = linearised(task, values, perf, known, levels)
     blocks = tuple(
         now._replace(light_slope=then.light_slope, load_slope=then.load_slope)
         for now, then in zip(flown.blocks, point.blocks, strict=True)

@@ -21,7 +21,7 @@ from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import NO_FLIGHT_W, DesignVariables, variables_of
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
-from sizing.program.climbing import Profile, alone, climbing_performance
+from sizing.program.climbing import Profile, alone, climbing_performance, flight
 from sizing.program.corrections import Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
 from sizing.program.reasons import least_mission, missed_by, names_of_limits, violations
@@ -104,10 +104,7 @@ class Search:
 
     def fly(self, values: Values) -> Flight:
         """Simulate a design and its neighbours, with climbs at the heights of the program."""
-        designs = neighbours(self.task, values)
-        if self.task.mission.climb is None:
-            return self.task.simulate(designs), None
-        return climbing_performance(self.task.eased(values), designs, self._profiles)
+        return flight(self.task, neighbours(self.task, values), self._profiles)
 
     def rounds(self) -> Generator[Values, Flight, None]:
         """Search, asking for the flight of every design and its neighbours."""
