@@ -204,6 +204,9 @@ def _lagrangian(
         if v.name in held:
             x[design][i] = centre[i] = v.to_program(held[v.name], scales[i])
     program = build_program(aircraft, optimum.program.form)
-    moved = replace(point, blocks=blocks)
+    parts = point.parts
+    if parts is not None and flown.parts is not None:
+        parts = flown.parts._replace(slope=parts.slope, bend=parts.bend)
+    moved = replace(point, blocks=blocks, parts=parts)
     cost, rows = program.evaluated(x, parameters_of(task, program, moved, scales, centre))
     return cost + float(rows @ optimum.row_multipliers)
