@@ -27,6 +27,7 @@ from sizing.optimisation.variables import HEIGHT, RELATIVE_STEP, Role
 from sizing.parameters import catalogue, is_doubled, parameter_value, with_parameter
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
+from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray
 
@@ -35,27 +36,6 @@ from solar.types import FloatArray
 _RELATIVE_STEP = 1e-6
 # Multipliers below this are what the solver leaves of an inactive constraint.
 LEAST_MULTIPLIER = 1e-5
-
-
-@dataclass(frozen=True)
-class Sensitivity:
-    """Change of the best objective with one parameter.
-
-    ``derivative`` is in units of the objective (h, m or kg) per unit of the parameter;
-    ``elasticity`` the relative change of the objective per relative change of the parameter, None
-    where one of them is zero.
-    """
-
-    parameter: str
-    unit: str
-    value: float
-    derivative: float
-    elasticity: float | None
-
-    @property
-    def per_percent(self) -> float:
-        """Change of the objective when the parameter grows by one per cent, in its units."""
-        return self.derivative * self.value / 100.0
 
 
 def sensitivities(
@@ -92,19 +72,6 @@ def _checked(result: SizingResult, wanted: str) -> tuple[Solution, Performance, 
     if result.optimum is None or result.simulated is None or result.objective_value is None:
         raise ValueError(f"the sizing is {result.status.name}: only an optimum has {wanted}")
     return result.optimum, result.simulated, result.objective_value
-
-
-@dataclass(frozen=True)
-class ConstraintMultiplier:
-    """What the objective gains when one active requirement or bound is eased.
-
-    ``gain`` is in units of the objective, positive where the objective becomes better, for easing
-    by ``step``: 1 % of a limit, 1 % of the battery's capacity, or one hour of required excess time.
-    """
-
-    constraint: str
-    gain: float
-    step: str
 
 
 def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:

@@ -4,29 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, cast
 
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.mass_budget import check_own_models
+from sizing.optimisation import propulsion, search, sensitivity
+from sizing.optimisation import relaxations as former_relaxations
 from sizing.optimisation.coverage import widest_range
-from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
-from sizing.optimisation.relaxations import relaxations
-from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.sensitivity import (
-    constraint_multipliers,
-    sensitivities,
-)
+from sizing.optimisation.propulsion import sized_smoothly
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
+from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.own_terms import with_own_terms
+from sizing.program.relaxations import relaxations
 from sizing.program.reliability import check_reliability, size_reliably
 from sizing.program.result import SizingResult, SizingStatus
-from sizing.program.size import size_aircraft as size_flight
+from sizing.program.sensitivity import constraint_multipliers, sensitivities
+from sizing.program.size import size_aircraft
 from sizing.program.whole_cells import size_whole_cells
 from sizing.relaxed_flight import Relaxation
 from sizing.results.qualities import designs_by_build
@@ -34,6 +33,30 @@ from sizing.results.records import check_subjects
 from sizing.results.sizing_study import SizingStudy
 from sizing.sunlight import SolarModel, solar_day
 from solar.names import CorrectionName, ModelName
+
+_PROGRAM = SimpleNamespace(
+    size_aircraft=size_aircraft,
+    sized_in_own_flow=sized_in_own_flow,
+    relaxations=relaxations,
+    sensitivities=sensitivities,
+    constraint_multipliers=constraint_multipliers,
+)
+_FORMER = SimpleNamespace(
+    size_aircraft=search.size_aircraft,
+    sized_in_own_flow=propulsion.sized_in_own_flow,
+    relaxations=former_relaxations.relaxations,
+    sensitivities=sensitivity.sensitivities,
+    constraint_multipliers=sensitivity.constraint_multipliers,
+)
+
+
+def _sizer(mission: Mission, objective: Objective) -> SimpleNamespace:
+    """What sizes an aircraft, and says what about it.
+
+    Climbs are sized as before until their results are those of :mod:`sizing.program.climbing`,
+    ranges until they are those of a module of :mod:`sizing.program`.
+    """
+    return _FORMER if mission.climb is not None or objective.of_range else _PROGRAM
 
 
 def size(
@@ -118,7 +141,7 @@ def size(
         flown = mission if longest.simulated is None else longest.simulated.mission
         return study_of(aircraft, flown, longest, solar)
     if mission.flight is not None:
-        day_flight = size_flight(
+        day_flight = size_aircraft(
             *(aircraft, mission, wanted, solar), required_excess_time_h=required_h
         )
         return study_of(aircraft, mission, day_flight, solar)
@@ -140,33 +163,35 @@ def size(
         if with_sensitivities or with_cross_check:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
         return _reliable(aircraft, with_values(mission, required), wanted, solar, least=reliability)
-    exact = aircraft
-    aircraft, start, settled = sized_smoothly(aircraft, mission, wanted, solar, **options)
+    by, exact, start = _sizer(mission, wanted), aircraft, None
+    settled: dict[str, Any] = {}
+    if by is _FORMER:
+        aircraft, start, known = sized_smoothly(aircraft, mission, wanted, solar, **options)
+        settled = {"settled": known}
     coverage = None
     if wanted.of_range:
         coverage = widest_range(aircraft, mission, wanted, solar, **options)
         result = coverage.sizing
     else:
-        aircraft, result = sized_in_own_flow(
-            *(aircraft, mission, wanted, solar), settled=settled, start=start, **options
+        aircraft, result = by.sized_in_own_flow(
+            *(aircraft, mission, wanted, solar), start=start, **settled, **options
         )
-    problems = SizingProblems(aircraft)
     asked = (aircraft, mission, result, solar)
     relaxed: tuple[Relaxation, ...] = ()
     if result.status is SizingStatus.infeasible and not wanted.of_range:
-        relaxed = tuple(relaxations(*asked, problems=problems))
+        relaxed = tuple(by.relaxations(*asked))
     worth = with_sensitivities and result.feasible
     multipliers = None
     if worth:
-        multipliers = constraint_multipliers(result)
+        multipliers = by.constraint_multipliers(result)
         multipliers.sort(key=lambda one: -one.gain)
     guarded = None
     if with_margin and result.feasible and coverage is None:
-        guarded = _with_margin(aircraft, mission, result, solar, problems)
+        guarded = _with_margin(aircraft, mission, result, solar)
     level = None
     if mission.climb is not None and coverage is None:
         low_flight = (aircraft, mission.at_altitude(mission.altitude_m), wanted, solar)
-        level = size_aircraft(*low_flight, start=start, explain=False, problems=problems, **options)
+        level = by.size_aircraft(*low_flight, start=start, explain=False, **options)
     rows = with_builds and coverage is None
     builds = designs_by_build(exact, mission, wanted, solar, result, **options) if rows else ()
     study = study_of(
@@ -175,7 +200,7 @@ def size(
         relaxations=relaxed,
         without_climbs=level,
         builds=builds,
-        sensitivities=sensitivities(*asked) if worth else None,
+        sensitivities=by.sensitivities(*asked) if worth else None,
         multipliers=multipliers,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         with_margin=guarded,
@@ -219,16 +244,14 @@ def _with_margin(
     mission: Mission,
     optimum: SizingResult,
     solar: SolarModel,
-    problems: SizingProblems,
 ) -> SizingStudy | None:
     """Sizing with one RMS error less solar power; None where the mission has margins itself."""
     if mission.uncertainty_margins.given or optimum.design is None:
         return None
     guarded = with_values(mission, {"uncertainty_margins.solar_model_sigmas": 1.0})
-    result = size_aircraft(
+    result = _sizer(mission, optimum.objective).size_aircraft(
         *(aircraft, guarded, optimum.objective, solar),
         required_excess_time_h=optimum.required_excess_time_h,
-        problems=problems,
         start=optimum.design.variables,
     )
     plain = _without_margins_of(aircraft, guarded, result, solar)

@@ -19,12 +19,12 @@ from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.design import Design, DesignVariables, FlightConditions, Masses, parametric_design
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.optimisation.coverage import WidestRange
-from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.performance import Performance
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.program.reliability import Reliability
 from sizing.program.result import SizingResult, SizingStatus
+from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q

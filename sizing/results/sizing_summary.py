@@ -11,14 +11,14 @@ import numpy as np
 from missions.dates import date_label
 from missions.mission import latitude_label
 from sizing.optimisation.coverage import WidestRange
-from sizing.optimisation.result import LIMITING_FRACTION
-from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.parameters import unit_text
 from sizing.performance import Performance
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
+from sizing.program.reasons import LIMITING_FRACTION
 from sizing.program.reliability import Reliability
 from sizing.program.result import RELATIVE_TOLERANCE, SizingStatus
+from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results.conditions import battery_line, battery_record, climb_lines, wind_rows
 from sizing.results.notes import (
     extrapolation_blocks,

@@ -8,8 +8,8 @@ from missions.mission import Mission
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.optimisation.relaxations import relaxations
 from sizing.program.objectives import Objective
+from sizing.program.relaxations import relaxations
 from sizing.program.result import SizingStatus
 from sizing.program.survival import SurvivalSizing, check_survival, in_the_record
 from sizing.results.records import check_subjects

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
-    from sizing.optimisation.sensitivity import Sensitivity
+    from sizing.program.sensitivity import Sensitivity
 
 _WIDTH_IN, _AROUND_IN = 9.0, 1.3  # of the figure, and what title and axis take of its height
 

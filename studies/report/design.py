@@ -8,9 +8,9 @@ from typing import Any
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import Design, FlightConditions
 from sizing.limits import DesignInFlight
-from sizing.optimisation.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
+from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results import quantities as q
 from sizing.results.conditions import wind_rows
 from sizing.results.parts import (
