@@ -16,7 +16,6 @@ from .mass_budget import ImpossibleDesignError as ImpossibleDesignError
 from .mass_budget import closed_design as closed_design
 from .mass_budget import design_of as design_of
 from .mass_budget import with_total_mass as with_total_mass
-from .optimisation.cells import size_cells as size_cells
 from .own_models import register_drag as register_drag
 from .own_models import register_propulsion_efficiency as register_propulsion_efficiency
 from .own_models import register_propulsion_mass as register_propulsion_mass
@@ -24,6 +23,7 @@ from .own_models import register_structure as register_structure
 from .performance import Performance as Performance
 from .performance import performance_of_designs as performance_of_designs
 from .performance import perpetual_days as perpetual_days
+from .program.cells import size_cells as size_cells
 from .program.objectives import Objective as Objective
 from .program.result import SizingResult as SizingResult
 from .program.result import SizingStatus as SizingStatus

@@ -256,6 +256,7 @@ def limits_of_parts(aircraft: Aircraft) -> tuple[str, ...]:
     return ("bus_voltage", "tip_mach", *(name for name, most in own.items() if most is not None))
 
 
+@lru_cache(maxsize=_PROGRAMS_KEPT)
 def build_program(aircraft: Aircraft, form: Form) -> Program:
     """Program of an aircraft in some form, unless one of its kind was built before."""
     return _program(kind_of(aircraft), tuple(limit_rows(aircraft)), form)

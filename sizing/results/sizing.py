@@ -13,7 +13,6 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.mass_budget import check_own_models
 from sizing.optimisation import propulsion, search, sensitivity
 from sizing.optimisation import relaxations as former_relaxations
-from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.propulsion import sized_smoothly
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.program.cross_check import cross_check
@@ -21,6 +20,7 @@ from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
 from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.own_terms import with_own_terms
+from sizing.program.ranges import widest_range
 from sizing.program.relaxations import relaxations
 from sizing.program.reliability import check_reliability, size_reliably
 from sizing.program.result import SizingResult, SizingStatus

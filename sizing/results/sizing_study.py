@@ -18,10 +18,10 @@ from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.design import Design, DesignVariables, FlightConditions, Masses, parametric_design
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.optimisation.coverage import WidestRange
 from sizing.performance import Performance
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
+from sizing.program.ranges import WidestRange
 from sizing.program.reliability import Reliability
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity

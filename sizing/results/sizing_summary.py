@@ -10,11 +10,11 @@ import numpy as np
 
 from missions.dates import date_label
 from missions.mission import latitude_label
-from sizing.optimisation.coverage import WidestRange
 from sizing.parameters import unit_text
 from sizing.performance import Performance
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
+from sizing.program.ranges import WidestRange
 from sizing.program.reasons import LIMITING_FRACTION
 from sizing.program.reliability import Reliability
 from sizing.program.result import RELATIVE_TOLERANCE, SizingStatus

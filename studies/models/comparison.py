@@ -17,11 +17,10 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.mass_budget import design_of
-from sizing.optimisation.propulsion import with_smooth_chain
-from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance, performance_of_designs
 from sizing.program.objectives import RESIZE_NAMES, Objective
 from sizing.program.result import SizingStatus
+from sizing.program.size import size_aircraft
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.tables import Column, Line, Result, Summary, Table
@@ -384,16 +383,12 @@ def _built(
 ) -> Built:
     """Design by a model, as the reference sees it."""
     aircraft, mission = sun.aircraft, sun.mission
-    fixed, start = with_smooth_chain(
-        *(aircraft, mission, objective, solar), required_excess_time_h=required_excess_time_h
-    )
     result = size_aircraft(
-        fixed,
+        aircraft,
         mission,
         objective,
         solar,
         required_excess_time_h=required_excess_time_h,
-        start=start,
         day=sun.day(solar),
     )
     if result.design is None:

@@ -6,7 +6,6 @@ Apart from :mod:`studies.output.gridded`, which needs no optimiser.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,13 +15,11 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, parametric_design
 from sizing.module_power import on_path, path_troubles
-from sizing.optimisation import cells as cell_sizing
-from sizing.optimisation.cells import CellSizings
-from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.propulsion import with_smooth_chain
-from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance, performance_of_designs
+from sizing.program import cells as cell_sizing
+from sizing.program.cells import CellSizings
 from sizing.program.objectives import Objective, SizingStatus
+from sizing.program.size import size_aircraft
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, PAYLOAD_MASS, REACHED
 from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
@@ -43,8 +40,7 @@ def sizing_row(
 
     ``of``: the aircraft without what the point holds.
     """
-    problems = _programs(aircraft, mission, objective, solar)
-    result = size_aircraft(problems.aircraft, mission, objective, solar, problems=problems)
+    result = size_aircraft(aircraft, mission, objective, solar)
     row: dict[str, Any] = {"status": result.status, PAYLOAD_MASS.variable: mission.payload.mass_kg}
     if result.status is SizingStatus.not_converged:
         return row | {"message": f"the solver did not converge ({result.solver.message})"}
@@ -82,10 +78,7 @@ def sized_cells(
         assert path is not None
         winds = mission.winds_on_path_m_per_s(scenarios)
         return _beside_windy_cells(sized, troubles, winds / largest_wind_m_per_s(path))
-    problems = _programs(aircraft, mission, objective, solar)
-    sizings = cell_sizing.size_cells(
-        problems.aircraft, mission, scenarios, objective, solar, problems=problems
-    )
+    sizings = cell_sizing.size_cells(aircraft, mission, scenarios, objective, solar)
     columns = _columns_of(sizings)
     columns["extrapolations"] = _extrapolations_of_cells(
         aircraft, mission, scenarios, solar, sizings
@@ -129,30 +122,12 @@ def sized_flight(
     None where there is no design.
     """
     scenario = Scenarios(np.array([cell[0]]), np.array([cell[1]]))
-    problems = _programs(aircraft, mission, objective, solar)
-    sizings = cell_sizing.size_cells(
-        problems.aircraft, mission, scenario, objective, solar, problems=problems
-    )
+    sizings = cell_sizing.size_cells(aircraft, mission, scenario, objective, solar)
     if sizings.status[0] not in SIZED:
         return None
     values = (None if v is None else np.ravel(v)[0] for v in sizings.variables)
     day = solar_day(aircraft, mission, solar, scenarios=scenario)
     return performance_of_designs(aircraft, mission, DesignVariables(*values), solar, day=day)
-
-
-@lru_cache(maxsize=1)
-def _programs(
-    aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel
-) -> SizingProblems:
-    """Programs of an aircraft, kept for the next chunk of the same map in this process.
-
-    A propulsion at its operating point has the efficiencies of the mission's own optimum.
-    """
-    return _problems(with_smooth_chain(aircraft, mission, objective, solar)[0])
-
-
-# Missions do not matter to them.
-_problems = lru_cache(maxsize=1)(SizingProblems)
 
 
 def _columns_of(sizings: CellSizings) -> dict[str, Any]:

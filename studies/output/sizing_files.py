@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from missions.dates import date_code
 from missions.mission import MAXIMUM_SCENARIOS
-from sizing.optimisation.coverage import WidestRange
 from sizing.program.objectives import Objective
+from sizing.program.ranges import WidestRange
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.notes import extrapolation_caption
 from sizing.results.sizing_study import SizingStudy, sensitivity_records

@@ -1,0 +1,382 @@
+"""Many sizings of one aircraft at once: a design for every cell of a map.
+
+Every cell is one place on one day, or a few such scenarios together, with a payload and a required
+excess time of its own if need be, and has a search of its own (:mod:`sizing.program.size`). Designs
+of all cells fly in one batch; programs are solved one after the other. Some cells far apart come
+first, then those half-way between, and so on: each starts from the mean of the designs on both
+sides, and from the multipliers of one of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.design import DesignVariables, variables_of
+from sizing.energy.cycle import joined
+from sizing.limits import meets_requirements
+from sizing.performance import Performance, performance_of_pairs
+from sizing.program.climbing import alone
+from sizing.program.corrections import neighbours
+from sizing.program.objectives import Objective
+from sizing.program.reasons import missed_by, violations
+from sizing.program.result import (
+    ABSOLUTE_TOLERANCE_H,
+    RELATIVE_TOLERANCE,
+    SizingStatus,
+    Violation,
+    merit_of,
+    objective_value,
+)
+from sizing.program.size import Flight, Search
+from sizing.program.task import SizingTask, Values
+from sizing.program.variables import WIND
+from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from solar.types import FloatArray, IntArray
+
+_STRIDE = 16  # cells between those that start from nothing
+# Cross-check: random neighbours of every optimum, and by how much one may be better.
+_NEIGHBOURS = 24
+_SPREADS = (0.03, 0.004)
+_PAYLOADS = ("payload_mass_kg", "payload_power_w")
+_NAMES = (
+    "objective_value",
+    "total_mass_kg",
+    "excess_time_h",
+    "charge_margin_h",
+    "minimum_state_of_charge",
+    "airspeed_m_per_s",
+    "load_w",
+    "shortfall",
+)
+
+
+@dataclass(frozen=True)
+class CellSizings:
+    """Designs of all cells; arrays over the cells, NaN where there is no design.
+
+    ``status``: see :class:`sizing.program.objectives.SizingStatus`; ``cross_checked`` where none
+    of the random neighbours of an optimum is better by more than 0.5 %. ``objective_value``:
+    objective as the simulator finds it. ``total_mass_kg``, ``excess_time_h``, ``charge_margin_h``,
+    ``minimum_state_of_charge``: of the design, as the simulator finds them. ``airspeed_m_per_s``,
+    ``load_w``: of level flight, and nominal load. ``requirement``: requirement that is missed most
+    where the cell is infeasible, empty elsewhere. ``shortfall``: by how much, relative to its
+    limit; excess time in hours. ``message``: the same in words, as a sizing of that cell alone says
+    it.
+    """
+
+    status: NDArray[np.int_]
+    objective_value: FloatArray
+    variables: DesignVariables
+    total_mass_kg: FloatArray
+    excess_time_h: FloatArray
+    charge_margin_h: FloatArray
+    minimum_state_of_charge: FloatArray
+    airspeed_m_per_s: FloatArray
+    load_w: FloatArray
+    requirement: NDArray[np.str_]
+    shortfall: FloatArray
+    message: NDArray[np.object_]
+
+
+def size_cells(
+    aircraft: Aircraft,
+    mission: Mission,
+    scenarios: Scenarios,
+    objective: Objective = Objective.min_wingspan,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    scenarios_per_cell: int = 1,
+    required_excess_time_h: ArrayLike | None = None,
+    payload_mass_kg: ArrayLike | None = None,
+    payload_power_w: ArrayLike | None = None,
+    seed: int = 0,
+) -> CellSizings:
+    """Size a parametric aircraft for many cells.
+
+    Neighbouring cells should follow each other. Results depend on the other cells within the
+    search's tolerance: the same cells in the same order give the same bits.
+
+    Parameters
+    ----------
+    aircraft, mission, objective, solar
+        As for :func:`sizing.program.size.size_aircraft`; latitude and dates of the mission play no
+        part.
+    scenarios : Scenarios
+        Latitude and day of every cell.
+    scenarios_per_cell : int
+        How many scenarios, following each other, make one cell; the worst of them counts.
+    required_excess_time_h : array_like, optional
+        Of all cells or of each, instead of the mission's [h].
+    payload_mass_kg, payload_power_w : array_like, optional
+        Payload of every cell, instead of the mission's.
+    seed : int
+        Of the random neighbours of the cross-check.
+
+    Returns
+    -------
+    CellSizings
+
+    Raises
+    ------
+    TypeError
+        For a measured aircraft.
+    ValueError
+        For an objective that is a range, or scenarios that do not fill the cells.
+    """
+    if scenarios_per_cell < 1 or len(scenarios) % scenarios_per_cell:
+        raise ValueError(
+            f"{len(scenarios)} scenarios do not make cells of {scenarios_per_cell} each"
+        )
+    if not isinstance(aircraft.airframe, ParametricAirframe):
+        raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
+    if objective.of_range:
+        raise ValueError(f"{objective.value} is a range of days or latitudes: use widest_range")
+    count = len(scenarios) // scenarios_per_cell
+
+    def each(given: ArrayLike | None, otherwise: float) -> list[float]:
+        return [float(v) for v in np.broadcast_to(otherwise if given is None else given, count)]
+
+    columns = zip(
+        each(required_excess_time_h, mission.required_excess_time_h),
+        each(payload_mass_kg, mission.payload.mass_kg),
+        each(payload_power_w, mission.payload.power_w),
+        strict=True,
+    )
+    day = solar_day(aircraft, mission, solar, scenarios=scenarios)
+    tasks = []
+    for cell, (required_h, mass_kg, power_w) in enumerate(columns):
+        some = day.at(np.arange(cell * scenarios_per_cell, (cell + 1) * scenarios_per_cell))
+        payload = mission.payload.model_copy(update={"mass_kg": mass_kg, "power_w": power_w})
+        own = mission.model_copy(update={"payload": payload})
+        if mission.wind_statistics is not None and not mission.holds_station:
+            own = own.in_wind(float(mission.scenario_winds_m_per_s(some.scenarios).max()))
+        tasks.append(SizingTask(aircraft, own, objective, solar, some, required_h))
+    return _Cells(tasks, day).run(seed)
+
+
+@dataclass
+class _Cells:
+    """Searches for the designs of all cells."""
+
+    tasks: Sequence[SizingTask]
+    day: SolarDay
+    found: dict[int, Search] = field(default_factory=dict)
+
+    def run(self, seed: int) -> CellSizings:
+        for wave in _waves(len(self.tasks)):
+            self._run({cell: self._search(cell) for cell in wave})
+        again = {
+            cell: Search(self.tasks[cell])
+            for cell, one in self.found.items()
+            if one.status is SizingStatus.not_converged
+        }
+        self._run(again)
+        lit = {}
+        for cell, task in enumerate(self.tasks):
+            lowest = task.day.specific_power_w_per_m2.min(axis=-1)
+            if lowest.min() > 0.0 and (task.required_h > 0.0 or task.maximises_excess):
+                lit[cell] = Search(task.with_values(continuous=True))
+        self._run(lit)
+        return self._results(seed)
+
+    def _search(self, cell: int) -> Search:
+        """Search that starts between the nearest cells on both sides that are known."""
+        before = [i for i in self.found if i < cell]
+        behind = [i for i in self.found if i > cell]
+        ends = [max(before)] if before else []
+        ends += [min(behind)] if behind else []
+        known = [one for i in ends if (one := self.found[i].outcome) is not None]
+        if not known:
+            return Search(self.tasks[cell])
+        sizes = {name: np.array([one.values[name] for one in known]) for name in known[0].values}
+        first = {n: float(np.exp(np.log(np.maximum(v, 1e-12)).mean())) for n, v in sizes.items()}
+        return Search(self.tasks[cell], first=first, warm=known[0].solution)
+
+    def _run(self, searches: dict[int, Search]) -> None:
+        """Run some searches; the designs of all fly together in every round."""
+        rounds = {cell: one.rounds() for cell, one in searches.items()}
+        asked = {cell: next(one) for cell, one in rounds.items()}
+        while asked:
+            flights = self._flown({c: (searches[c], values) for c, values in asked.items()})
+            asked = {}
+            for cell, flight in flights.items():
+                with suppress(StopIteration):
+                    asked[cell] = rounds[cell].send(flight)
+        for cell, one in searches.items():
+            known = self.found.get(cell)
+            if known is None or one.merit > known.merit:
+                self.found[cell] = one
+
+    def _flown(self, asked: dict[int, tuple[Search, Values]]) -> dict[int, Flight]:
+        """Flights of designs and their neighbours, in the scenarios of their cells."""
+        first = next(iter(asked.values()))[0].task
+        mission = first.mission  # whose flights are no batch of pairs
+        if mission.climb is not None or mission.holds_station or first.window_h is not None:
+            return {cell: search.fly(values) for cell, (search, values) in asked.items()}
+        designs = {
+            cell: [search.task.design_variables(one) for one in neighbours(search.task, values)]
+            for cell, (search, values) in asked.items()
+        }
+        stacked = [one for some in designs.values() for one in some]
+        numbers = [cell for cell, some in designs.items() for _ in some]
+        perf = self.performance(stacked, numbers, keep=True)
+        ends = np.cumsum([len(some) for some in designs.values()]).tolist()
+        parts = {c: slice(b - len(designs[c]), b) for c, b in zip(designs, ends, strict=True)}
+        return {cell: (_part(perf, some, self.tasks[cell]), None) for cell, some in parts.items()}
+
+    def performance(
+        self, designs: Sequence[DesignVariables], cells: Sequence[int], *, keep: bool = False
+    ) -> Performance:
+        """Fly designs, each in the scenarios of its cell, which are the last axis of a batch."""
+        first, each = self.tasks[0], self.tasks[0].count
+        names = designs[0].chosen()
+        stacked = {n: np.array([one.chosen()[n] for one in designs]) for n in names}
+        for name in _PAYLOADS:
+            if name not in stacked:
+                stacked[name] = np.array([self.tasks[cell].held[name] for cell in cells])
+        variables = DesignVariables(**stacked).mapped(lambda v: np.repeat(v, each))
+        places = np.asarray(cells)[:, np.newaxis] * each + np.arange(each)
+        perf = performance_of_pairs(
+            first.flown,
+            first.mission,
+            variables,
+            first.solar,
+            day=self.day.at(places.ravel()),
+            keep_trajectory=keep,
+        )
+        shape = len(cells), each
+        return replace(
+            perf,
+            design=_picked(perf.design, slice(None, None, each)),
+            solar_power_w=perf.solar_power_w.reshape(*shape, -1),
+            load_w=perf.load_w.reshape(*shape, -1),
+            nominal_load_w=perf.nominal_load_w.reshape(shape),
+            cycle=perf.cycle.reshaped(shape),
+        )
+
+    def _checked(self, kept: Sequence[int], own: FloatArray, seed: int) -> NDArray[np.bool_]:
+        """Whether no random neighbour of a design is better by more than the tolerance."""
+        rng = np.random.default_rng(seed)
+        spread = np.repeat(_SPREADS, _NEIGHBOURS // len(_SPREADS))
+        designs = []
+        moved = self.tasks[kept[0]].moved
+        factors = {name: np.exp(spread * rng.standard_normal(len(spread))) for name in moved}
+        for cell in kept:
+            best, task = self.found[cell].best, self.tasks[cell]
+            assert best is not None
+            for number in range(len(spread)):
+                near = {name: best.values[name] * factors[name][number] for name in moved}
+                values = task.within_bounds({**best.values, **near})
+                designs.append(task.design_variables(values))
+        cells = np.repeat(kept, len(spread))
+        flight = self.performance(designs, cells.tolist())
+        excess_h = flight.cycle.excess_time_h.min(axis=-1)
+        required_h = np.array([self.tasks[cell].required_h for cell in cells])
+        good = (excess_h > 0.0) & (excess_h >= required_h) & self._meets(flight, cells)
+        objective = self.tasks[0].objective
+        merit = np.where(good, merit_of(objective, flight), -np.inf)
+        best_of = merit.reshape(len(kept), -1).max(axis=1)
+        in_hours = ABSOLUTE_TOLERANCE_H if objective is Objective.max_excess_time else 0.0
+        # Sums rather than differences: the excess time may be infinite on both sides.
+        return np.asarray(best_of <= own + np.maximum(RELATIVE_TOLERANCE * np.abs(own), in_hours))
+
+    def _meets(self, perf: Performance, cells: IntArray) -> NDArray[np.bool_]:
+        """Whether designs keep every requirement on themselves, each in its cell's wind."""
+        first = self.tasks[0]
+        winds = np.array([self.tasks[cell].held[WIND] for cell in cells])
+        return meets_requirements(first.flown, first.mission, perf.design, wind_m_per_s=winds)
+
+    def _results(self, seed: int) -> CellSizings:
+        count, first = len(self.tasks), self.tasks[0]
+        numbers = {name: np.full(count, np.nan) for name in _NAMES}
+        status = np.array([self.found[cell].status for cell in range(count)], int)
+        requirement, message = np.full(count, "", "<U40"), np.full(count, "", object)
+        kept = [cell for cell in range(count) if self.found[cell].best is not None]
+        for cell in np.flatnonzero(status == SizingStatus.infeasible).tolist():
+            worst = _missed_most(self.found[cell])
+            requirement[cell], message[cell] = worst.requirement, worst.text
+            numbers["shortfall"][cell] = worst.shortfall
+        designs = {}
+        if kept:
+            best = [self.found[cell].best for cell in kept]
+            variables = [first.design_variables(one.values) for one in best if one is not None]
+            perf = self.performance(variables, kept)
+            checked = self._checked(kept, merit_of(first.objective, perf), seed)
+            status[kept] = np.where(checked, SizingStatus.cross_checked, SizingStatus.optimal)
+            worst_of = (np.arange(len(kept)), perf.cycle.excess_time_h.argmin(axis=-1))
+            values = {
+                "objective_value": objective_value(first.objective, perf),
+                "total_mass_kg": perf.design.total_mass_kg,
+                "excess_time_h": perf.cycle.excess_time_h[worst_of],
+                "charge_margin_h": perf.cycle.charge_margin_h[worst_of],
+                "minimum_state_of_charge": perf.cycle.minimum_state_of_charge[worst_of],
+                "airspeed_m_per_s": perf.design.airspeed_m_per_s,
+                "load_w": perf.nominal_load_w[:, 0],
+            }
+            designs = perf.design.variables.chosen()
+            for name, column in values.items():
+                numbers[name][kept] = column
+        names = dict.fromkeys([*variables_of(first.aircraft).chosen(), *_PAYLOADS, *designs])
+        columns = {name: np.full(count, np.nan) for name in names}
+        for name, column in designs.items():
+            columns[name][kept] = column
+        return CellSizings(
+            status=status,
+            variables=DesignVariables(**columns),
+            requirement=requirement,
+            message=message,
+            **numbers,
+        )
+
+
+def _waves(count: int) -> Iterator[range]:
+    """Every so many of some places, then those half-way between, until all are told."""
+    stride = _STRIDE
+    yield range(0, count, stride)
+    while stride > 1:
+        stride //= 2
+        yield range(stride, count, 2 * stride)
+
+
+def _picked(value: Any, some: slice) -> Any:
+    """Some of a batch of designs; of every array in nested tuples, whatever is a number stays."""
+    if isinstance(value, tuple):  # design, variables, masses
+        return type(value)._make(_picked(one, some) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
+    return value[some] if isinstance(value, np.ndarray) and value.ndim else value
+
+
+def _part(perf: Performance, some: slice, task: SizingTask) -> Performance:
+    """Performance of some designs in the scenarios of one cell."""
+    store, shape = perf.store, perf.cycle.status.shape
+    energy_wh = store.battery_energy_wh.reshape(shape)[some]
+    return replace(
+        perf,
+        design=_picked(perf.design, some),
+        mission=task.mission,
+        day=task.day,
+        solar_power_w=perf.solar_power_w[some],
+        load_w=perf.load_w[some],
+        nominal_load_w=perf.nominal_load_w[some],
+        store=replace(store, battery_energy_wh=energy_wh),
+        cycle=joined([perf.cycle], lambda parts: parts[0][some]),
+    )
+
+
+def _missed_most(search: Search) -> Violation:
+    """Requirement that the design of a cell misses most that comes nearest."""
+    nearest, task = search.nearest, search.task
+    assert nearest is not None
+    perf = alone(_part(nearest.perf, slice(0, 1), task))
+    missed = missed_by(task, nearest.solution, perf)
+    short_h = task.required_h - float(np.min(perf.cycle.excess_time_h))
+    if task.required_h > short_h > 0.0:  # it flies perpetually
+        missed = {"excess_time": short_h}
+    return max(violations(task, perf, missed), key=lambda one: one.shortfall)
