@@ -113,7 +113,7 @@ def violations(
     worst = nearest.worst_scenario()
     conditions = FlightConditions.of(nearest.mission, task.aircraft)
     with np.errstate(invalid="ignore"):  # the nearest design may be impossible
-        rows = design_requirements(task.aircraft, nearest.design, conditions)
+        rows = design_requirements(task.flown, nearest.design, conditions)
     where = nearest.day.scenarios.label(worst)
     found = []
     left_h = float(nearest.cycle.excess_time_h[worst])
