@@ -115,7 +115,8 @@ class Search:
                 break
             self._take_in(judged)
             point = linearised(self.task, judged.values, judged.perf, self._chosen, judged.levels)
-            point = replace(point, reach=_REACH * 0.5 ** max(0, number - 2))
+            if point.parts is not None:
+                point = replace(point, reach=_REACH * 0.5 ** max(0, number - 2))
             missed = solution is None or solution.violation > LACKING
             elastic = not judged.accepted and missed
             worst_h = float(judged.excess_h.min())
@@ -307,8 +308,8 @@ def _left_h(perf: Performance, number: int) -> tuple[float, float]:
     return float(landing_wh / nominal_w), float((lowest_wh - lacking_wh) / nominal_w)
 
 
-# Logarithm of a propeller's or a motor's size over which second derivatives hold; halved from the
-# third round on, so that rounds end where their errors would go to and fro.
+# Logarithm of a size over which derivatives of propulsion parts hold; halved from the third round
+# on, so that rounds end where their errors would go to and fro.
 _REACH = 0.5
 # Parts of a step that leads to where nothing flies.
 _NEARER = (0.5, 0.25, 0.1)

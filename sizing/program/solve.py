@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from sizing.design_space import PROPULSION_VARIABLES
 from sizing.parameters import parameter_value
 from sizing.program.corrections import Linearisation
 from sizing.program.task import SizingTask
@@ -211,8 +210,8 @@ def solve(
     )
     parameters = parameters_of(task, program, point, scales, centre)
     low, high = _bounds(task, program, scales)
-    for i, name in enumerate(task.names):
-        if name in PROPULSION_VARIABLES:
+    for i, v in enumerate(task.variables):
+        if v.name in task.moved and not v.linear:
             low[i] = max(low[i], centre[i] - point.reach)
             high[i] = min(high[i], centre[i] + point.reach)
     parts = program.parts

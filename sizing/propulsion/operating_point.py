@@ -241,7 +241,8 @@ def bus_power_w(
     states = zip(*(one.motor for one in shafts), strict=True)
     motor = MotorState(*(np.concatenate(one).reshape(shape) for one in states))
     inlet_v, _ = _inlet(propulsor, motor, bus_v)
-    return np.asarray(propulsor.controller.input_power_w(motor, inlet_v) * bus_v / inlet_v)
+    power_w = propulsor.controller.input_power_w(motor, inlet_v)
+    return np.asarray(power_w / _wiring_efficiency(inlet_v, bus_v))
 
 
 def propeller_state(
@@ -301,7 +302,8 @@ def _at(
     motor_w = motor.current_a * motor.voltage_v
     inlet_v, needed_v = _inlet(propulsor, motor, bus)
     inlet_w = controller.input_power_w(motor, inlet_v)
-    bus_w = inlet_w * bus / inlet_v
+    wiring = _wiring_efficiency(inlet_v, bus)
+    bus_w = inlet_w / wiring
     mach = tip_mach(v, n, d, air)
     for wrong, text, values in (
         (
@@ -338,7 +340,7 @@ def _at(
         gear_efficiency=good * gear.efficiency,
         motor_efficiency=good * shaft_w / gear.efficiency / motor_w,
         controller_efficiency=good * motor_w / inlet_w,
-        wiring_efficiency=good * inlet_v / bus,
+        wiring_efficiency=good * wiring,
         efficiency=good * thrust_w / bus_w,
         reason=np.asarray(reason, dtype=np.str_),
     )
@@ -368,6 +370,11 @@ def _inlet(
         power = propulsor.controller.input_power_w(motor, voltage)
         voltage = np.maximum(bus - resistance * power / voltage, least)
     return np.asarray(voltage), np.asarray(needed)
+
+
+def _wiring_efficiency(inlet_v: FloatArray, bus_v: FloatArray) -> FloatArray:
+    """Voltage that arrives over that of the bus, which gives no less where it does not suffice."""
+    return np.asarray(np.minimum(inlet_v / bus_v, 1.0))
 
 
 def _rotation(
