@@ -88,13 +88,16 @@ class Found:
 
 
 def without_whole_cells(aircraft: Aircraft) -> Aircraft:
-    """Aircraft with the same technology and no whole cells; not validated."""
-    return aircraft.model_copy(
-        update={
-            "modules": aircraft.modules.model_copy(update={"layout": None}),
-            "battery": aircraft.battery.model_copy(update={"pack": None}),
-        }
-    )
+    """Aircraft with the technology that its whole cells give it, and none of them; unchecked."""
+    modules, battery = aircraft.modules, aircraft.battery
+    if modules.layout is not None:
+        given = {key: getattr(modules, key) for key in ("area_m2", "mppt_mass_kg_per_w")}
+        modules = modules.model_copy(update={"layout": None, **given})
+    if battery.pack is not None:
+        keys = ("mass_kg", "specific_energy_wh_per_kg", "charge_limit")
+        given = {key: getattr(battery, key) for key in keys}
+        battery = battery.model_copy(update={"pack": None, **given})
+    return aircraft.model_copy(update={"modules": modules, "battery": battery})
 
 
 class CellDesigns:
