@@ -1,0 +1,121 @@
+"""Tests of sizing with a propulsion at its operating point: the exact chain judges every design."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from propulsors import PARTS, aircraft
+
+import sizing
+from missions.library import load_mission
+from sizing.design import DesignVariables
+from sizing.mass_budget import ImpossibleDesignError, level_point
+from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult
+from sizing.program.size import size_aircraft
+
+MISSION = load_mission("rafz-july")
+TWIN = sizing.load_aircraft("twin-boom-design")
+WEAK = {"speed_constant_rpm_per_v": 317, "resistance_ohm": 0.299, "no_load_current_a": 0.137}
+WEAK |= {"maximum_current_a": 1.4, "mass_kg": 0.48}
+CHOSEN = {
+    "propeller_diameter_m": (0.4, 1.0),
+    "propeller_pitch_m": (0.3, 1.0),
+    "gear_ratio": (2.0, 12.0),
+    "motor_speed_constant_rpm_per_v": (100.0, 800.0),
+}
+
+
+def ranged(*names: str, motor: Any = PARTS["motor"]) -> sizing.Aircraft:
+    ends = {name: dict(zip(("minimum", "maximum"), CHOSEN[name], strict=True)) for name in names}
+    space = {f"design_space.{name}": one for name, one in ends.items()}
+    return aircraft(space, motor=motor)
+
+
+def neighbours_excess_h(
+    own: sizing.Aircraft, result: SizingResult, relative: float
+) -> dict[str, tuple[float, float]]:
+    """Mass [kg] and excess time [h] of designs with one variable moved, by name."""
+    assert result.design is not None
+    variables = result.design.variables
+    chosen = {name: float(one) for name, one in variables.chosen().items()}
+    names = [name for name in chosen if name != "aspect_ratio" and chosen[name] > 0.0]
+    moved = [chosen | {name: chosen[name] * (1.0 + relative)} for name in names]
+    stacked = {name: np.array([one[name] for one in moved]) for name in chosen}
+    flown = performance_of_designs(own, MISSION, DesignVariables(**stacked))
+    pairs = zip(flown.design.total_mass_kg, flown.cycle.excess_time_h.min(axis=-1), strict=True)
+    return dict(zip(names, ((float(m), float(h)) for m, h in pairs), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("objective", "required_h", "least"),
+    [
+        # Of the program with formulas that went before, to what it left of excess time.
+        pytest.param("min_mass", 0.5, -4.897, id="lightest", marks=pytest.mark.long),
+        # With 3 kg of payload a sizing for the least mass finds a design.
+        pytest.param("max_payload_mass", 1.0, 3.0, id="payload", marks=pytest.mark.long),
+        pytest.param("max_excess_time", 0.0, 11.0, id="longest", marks=pytest.mark.long),
+    ],
+)
+def test_parts_hold_a_sizing_back_or_not(objective: str, required_h: float, least: float) -> None:
+    goal = Objective(objective)
+    result = size_aircraft(TWIN, MISSION, goal, required_excess_time_h=required_h)
+    assert result.design is not None
+    assert result.merit > least
+    # Without limits of its own the point would be NaN, and the design heavier than anything.
+    assert level_point(TWIN, MISSION, result.design).reason == ""
+    assert result.simulated is not None
+    assert result.simulated.cycle.excess_time_h.min() >= required_h
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        pytest.param((), marks=pytest.mark.long),
+        ("propeller_diameter_m", "gear_ratio"),
+        pytest.param(tuple(CHOSEN), marks=pytest.mark.long),
+    ],
+)
+def test_no_neighbour_is_lighter(names: tuple[str, ...]) -> None:
+    own = ranged(*names)
+    result = size_aircraft(own, MISSION, Objective.min_mass)
+    assert result.design is not None
+    for relative in (-0.03, 0.03):
+        for name, (mass_kg, excess_h) in neighbours_excess_h(own, result, relative).items():
+            # A sizing may leave this much of its objective.
+            better = mass_kg < result.design.total_mass_kg * (1.0 - 5e-4) and excess_h > 0.0
+            assert not better, f"{name} {relative:+g}"
+
+
+@pytest.mark.long
+def test_a_limit_of_the_motor_is_kept() -> None:
+    own = ranged(*list(CHOSEN)[:3], motor=WEAK)
+    result = size_aircraft(own, MISSION, Objective.min_mass)
+    assert result.design is not None
+    point = level_point(own, MISSION, result.design)
+    assert point.reason == ""
+    assert float(point.motor_current_a) == pytest.approx(1.4, rel=1e-3)
+    assert "motor_current" in result.active_constraints
+
+
+@pytest.mark.long
+def test_what_the_parts_cannot_do_has_a_reason() -> None:
+    fast = aircraft(gear=PARTS["gear"] | {"ratio": 9.0})
+    with pytest.raises(ImpossibleDesignError, match="level flight .* bus voltage 18 V is below"):
+        size_aircraft(fast, MISSION, Objective.min_mass)
+
+
+def test_propulsors_of_a_batch_have_sizes_of_their_own() -> None:
+    design = sizing.design_of(aircraft(), MISSION)
+    parts = aircraft().propulsion_by_parts
+    assert parts is not None
+    sizes = [(0.6, 0.5, 4.0, 280.0), (0.66, 0.6, 5.0, 317.0), (0.8, 0.7, 6.0, 350.0)]
+    flight = design.thrust_power_w, design.airspeed_m_per_s, MISSION.air_state(), (18.0, 25.2)
+    together = parts.sized(*(np.array(one) for one in zip(*sizes, strict=True))).point(
+        *(np.full(3, one) for one in flight[:2]), *flight[2:]
+    )
+    alone = [float(parts.sized(*one).point(*flight).bus_power_w) for one in sizes]
+    assert together.bus_power_w == pytest.approx(alone, rel=1e-12, nan_ok=True)
