@@ -104,7 +104,7 @@ def test_a_limit_of_the_motor_is_kept() -> None:
 @pytest.mark.long
 def test_what_the_parts_cannot_do_has_a_reason() -> None:
     fast = aircraft(gear=PARTS["gear"] | {"ratio": 9.0})
-    with pytest.raises(ImpossibleDesignError, match="level flight .* bus voltage 18 V is below"):
+    with pytest.raises(ImpossibleDesignError, match=r"level flight .* bus voltage 18 V is below"):
         size_aircraft(fast, MISSION, Objective.min_mass)
 
 
