@@ -22,12 +22,12 @@ from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
-from sizing.mass_budget import lightest_mass_kg, measured_design
+from sizing.mass_budget import design_of, lightest_mass_kg, measured_design
 from sizing.module_power import balances_heat
 from sizing.parameters import with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
+from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.part_load import PartLoad
-from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
@@ -107,6 +107,22 @@ def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -
             raise ValueError(f"{key} varies with CDM and CAM alone (got {solar.model})")
 
 
+def _with_nearby_parts(aircraft: Aircraft, mission: Mission) -> Aircraft:
+    """Aircraft with its parts near the level flight of its file.
+
+    With a propeller by tables, which have corners, it has the constant efficiencies of that flight.
+    """
+    if (parts := aircraft.propulsion_by_parts) is None or not parts.is_exact:
+        return aircraft
+    design = design_of(aircraft, mission)
+    assert design.chain is not None
+    if parts.propeller.table is not None:
+        return aircraft.with_airframe(propulsion=design.chain)
+    flight = float(design.thrust_power_w), float(design.airspeed_m_per_s)
+    air = FlightConditions.of(mission, aircraft).air
+    return aircraft.with_airframe(propulsion=NearbyPropulsion.of(parts, *flight, air))
+
+
 class Propagation:
     """Flights of an aircraft on a mission under draws of its inputs.
 
@@ -121,7 +137,7 @@ class Propagation:
         *,
         day: SolarDay | None = None,
     ) -> None:
-        self.aircraft = smooth_at(aircraft, mission)
+        self.aircraft = _with_nearby_parts(aircraft, mission)
         self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: SolarDay | None = None

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from builders import SKY_SAILOR
 from documented import DOCS, blocks
+from propulsors import aircraft
 from pydantic import ValidationError
 
 from missions.air import standard_air
@@ -17,6 +18,7 @@ from sizing.aerodynamics.parabolic import DragPolar
 from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
+from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.operating_point import Propulsor, operating_point
 from sizing.propulsion.propeller_files import read_propeller
 
@@ -357,3 +359,18 @@ def test_power_of_sky_sailor() -> None:
     )
     assert best == pytest.approx(0.797, abs=2e-3)
     assert thrust * v / (0.95 * 0.85 * 0.97 * best) + 2.0 / 0.65 == pytest.approx(17.0, abs=0.05)
+
+
+def test_parts_near_a_flight_are_the_exact_ones() -> None:
+    parts = aircraft().propulsion_by_parts
+    assert parts is not None
+    air, volts = AIR, (22.0, 25.2)
+    near = NearbyPropulsion.of(parts, 24.0, 8.6, air)
+    rng = np.random.default_rng(3)
+    thrust_w = 24.0 * np.exp(rng.uniform(-0.4, 0.4, 40))
+    speed = 8.6 * np.exp(rng.uniform(-0.15, 0.15, 40))
+    exact, found = (one.in_flight(thrust_w, speed, air, volts).efficiency for one in (parts, near))
+    # Draws scatter by less; the polynomials' error is that of their degrees.
+    assert found == pytest.approx(exact, rel=2e-4, nan_ok=True)
+    powers = (one.bus_power_w(thrust_w, speed, air, 23.0) for one in (parts, near))
+    assert next(powers) == pytest.approx(next(powers), rel=2e-4)
