@@ -398,4 +398,4 @@ def perpetual_days(
     design = design_of(aircraft, mission)
     sunlit = solar_day(aircraft, mission, solar, scenarios=scenarios, design=design)
     flown = performance(aircraft, mission, solar, day=sunlit, design=design)
-    return every[flown.cycle.perpetual]
+    return every[flown.cycle.flown]

@@ -72,8 +72,9 @@ class Status(IntEnum):
     lands = 6
 
 
-# Of a cycle that was computed.
-ENDS = (Status.limited, Status.perpetual, Status.always_lit, Status.never_lit, Status.lands)
+# Of a cycle that was computed; and of a flight to a landing as well.
+CYCLE_ENDS = (Status.limited, Status.perpetual, Status.always_lit, Status.never_lit)
+ENDS = (*CYCLE_ENDS, Status.lands)
 # Of those, the ends of flights that have all their power.
 FLOWN = (Status.perpetual, Status.always_lit, Status.lands)
 

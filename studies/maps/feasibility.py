@@ -14,7 +14,7 @@ from missions.dates import month_and_day
 from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.energy.cycle import ENDS, FLOWN, Status
+from sizing.energy.cycle import CYCLE_ENDS, ENDS, FLOWN, Status
 from sizing.mass_budget import check_own_models, design_of
 from sizing.module_power import path_troubles
 from sizing.performance import Performance, performance
@@ -144,7 +144,8 @@ def prepare(
     configuration = MapConfiguration(aircraft, mission, solar, endurance)
     numbers = grid.chunks(cell_s)
     windy = solar.needs_path and mission.wind_statistics is not None
-    ends = (*ENDS, Status.infeasible) if windy else ENDS
+    ends = ENDS if mission.flight is not None else CYCLE_ENDS
+    ends = (*ends, Status.infeasible) if windy else ends
     chunks, possible = chunks_of(grid.cells(), numbers), can_be_result(ends, ENDS)
     return GridStudy(
         Job(_map_chunk, configuration, chunks, blanks, possible),

@@ -127,7 +127,7 @@ class _Year:
         together = SolarDay.joined(list(suns.values()))
         flown = performance(self.aircraft, self.mission, day=together, keep_trajectory=False)
         ends = np.cumsum([len(sun.scenarios) for sun in suns.values()])
-        parts = np.split(flown.cycle.perpetual, ends[:-1])
+        parts = np.split(flown.cycle.flown, ends[:-1])
         return {name: part.tolist() for name, part in zip(suns, parts, strict=True)}
 
 

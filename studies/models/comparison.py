@@ -131,7 +131,7 @@ class Comparison(Result):
 
     def perpetual_line(self) -> str:
         """How many of the models and corrections say that the flight is not perpetual."""
-        return perpetual_line([case.prediction.perpetual for case in self.cases])
+        return perpetual_line([case.prediction.perpetual for case in self.cases], self.mission)
 
     def scenario_tables(self) -> tuple[Table, ...]:
         """Predictions of the worst scenario of each case, which a row names, and of all together.

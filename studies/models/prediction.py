@@ -10,7 +10,7 @@ import numpy as np
 
 from missions.dates import date_code
 from sizing.design import DesignVariables
-from sizing.energy.cycle import Cycle, Status
+from sizing.energy.cycle import FLOWN, Cycle, Status
 from sizing.energy.endurance import Endurance
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
@@ -63,8 +63,8 @@ class Prediction:
 
     @property
     def perpetual(self) -> bool:
-        """Whether the flight is perpetual in every scenario."""
-        return self.status in (Status.perpetual, Status.always_lit)
+        """Whether the flight is perpetual, or lands, in every scenario."""
+        return self.status in FLOWN
 
     @property
     def endurance_cell(self) -> float | str:
@@ -76,6 +76,8 @@ class Prediction:
         at, excess_h = self.scenario, self.excess_time_h
         if self.status is Status.always_lit:
             return "flies perpetually, as solar power always exceeds the load"
+        if self.status is Status.lands:
+            return f"lands with {excess_h:.1f} h to spare at {at}"
         if self.status is not Status.perpetual:
             return f"flies {duration(self.endurance_h)} at {at}: {self._reason()}"
         if excess_h < required_excess_time_h - _MET_H:

@@ -81,13 +81,14 @@ def model_label(solar: SolarModel) -> str:
     }[solar.correction]
 
 
-def perpetual_line(perpetual: Sequence[bool]) -> str:
-    """How many of the models and corrections say that the flight is not perpetual."""
+def perpetual_line(perpetual: Sequence[bool], mission: Mission) -> str:
+    """How many of the models and corrections say that the flight is not perpetual, or lands not."""
+    wanted = "perpetual flight" if mission.flight is None else "a landing with power left"
     count, limited = len(perpetual), sum(not one for one in perpetual)
     pairs = f"{count} pair{'' if count == 1 else 's'} of model and correction"
     if limited == 0:
-        return f"All {pairs} predict perpetual flight." if count > 1 else f"{pairs}: perpetual."
-    return f"{limited} of {pairs} {'does' if limited == 1 else 'do'} not predict perpetual flight."
+        return f"All {pairs} predict {wanted}." if count > 1 else f"{pairs}: {wanted}."
+    return f"{limited} of {pairs} {'does' if limited == 1 else 'do'} not predict {wanted}."
 
 
 def perpetual_by_model(aircraft: Aircraft, mission: Mission) -> dict[SolarModel, bool]:
@@ -96,5 +97,5 @@ def perpetual_by_model(aircraft: Aircraft, mission: Mission) -> dict[SolarModel,
     every = combinations(None, None, attitude=attitude_is_known(aircraft, mission))
     together = SolarDay.joined([sun.day(solar) for solar in every])
     found = performance(aircraft, mission, every[0], day=together, keep_trajectory=False)
-    by_model = np.reshape(found.cycle.perpetual, (len(every), -1))
+    by_model = np.reshape(found.cycle.flown, (len(every), -1))
     return {solar: bool(np.all(one)) for solar, one in zip(every, by_model, strict=True)}

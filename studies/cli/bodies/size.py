@@ -78,7 +78,7 @@ def _summary(study: SizingStudy, options: Size) -> Summary:
     blown = path_troubles(aircraft, mission)[0] is not None
     if blown or len(mission.scenarios()) > _MOST_SCENARIOS:
         return found
-    line = perpetual_line(list(perpetual_by_model(aircraft, mission).values()))
+    line = perpetual_line(list(perpetual_by_model(aircraft, mission).values()), mission)
     return Summary((*found.blocks, Line(f"the optimum by all solar power models: {line}")))
 
 
