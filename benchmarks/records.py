@@ -81,7 +81,6 @@ def _of_aircraft(aircraft: str) -> Commands:
     return commands | {
         f"analyse-{aircraft}-81h": ["analyse", aircraft, "-m", "rafz-81h"],
         f"analyse-{aircraft}-place": ["analyse", aircraft, "--latitude", "35", "--date", "10-15"],
-        f"analyse-{aircraft}-days": ["analyse", aircraft, "--days", "3"],
         f"analyse-{aircraft}-climb": [
             "analyse",
             aircraft,

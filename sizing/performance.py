@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +22,6 @@ from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import Course, Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
-from sizing.energy.settling import days_to_settle, simulate_days
 from sizing.mass_budget import closed_design, design_of
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.varying_load import DesignLoads, flown_cycle
@@ -32,27 +29,6 @@ from solar.types import BoolArray, FloatArray
 
 # Scenarios whose best launch is searched for together.
 _SCENARIOS_AT_ONCE = 2048
-
-
-class _CalledBefore(np.ndarray[Any, Any]):
-    """Array of an attribute that was a method until 1.0: a call returns it, with a warning."""
-
-    name = ""
-
-    @classmethod
-    def of(cls, values: ArrayLike, name: str) -> FloatArray:
-        array = np.asarray(values).view(cls)
-        array.name = name
-        return array
-
-    def __call__(self) -> FloatArray:
-        message = f"Performance.{self.name} is an attribute: leave the parentheses out"
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return np.asarray(self)
-
-    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
-        """Plain arrays from all arithmetic."""
-        return np.asarray(array)[()] if return_scalar else np.asarray(array)
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,7 +112,7 @@ class Performance:
     @cached_property
     def endurance_h(self) -> FloatArray:
         """Longest flight in every scenario (of a single design) [h], infinite if perpetual."""
-        return _CalledBefore.of(self._longest_flights().endurance_h, "endurance_h")
+        return self._longest_flights().endurance_h
 
     @cached_property
     def worst_endurance_h(self) -> FloatArray:
@@ -150,8 +126,7 @@ class Performance:
         wanted = (np.arange(shape[-1]) == worst) & flies
         hours = self._longest_flights(wanted & ~self.cycle.perpetual).endurance_h
         hours = np.where(flies, hours, np.nan)
-        hours = np.take_along_axis(hours, worst, axis=-1)[..., 0]
-        return _CalledBefore.of(hours, "worst_endurance_h")
+        return np.take_along_axis(hours, worst, axis=-1)[..., 0]
 
     def flight_time_h(self, scenario: int, launch_h: ArrayLike) -> FloatArray:
         """Flight times in a scenario of a single design from launches with a full battery.
@@ -232,22 +207,6 @@ class Performance:
         altitude_m = np.full_like(clock_h, self.mission.altitude_m)
         return Course(clock_h, solar, load, charge, altitude_m)
 
-    @cached_property
-    def days_to_settle(self) -> FloatArray:
-        """Days that the repeated day needs from an empty battery, in every scenario.
-
-        Infinite beyond 366, and NaN where there is no equal power in the morning: see
-        :func:`sizing.energy.settling.days_to_settle`.
-        """
-        days = days_to_settle(
-            self.day.time_h,
-            self.solar_power_w,
-            self.load_w,
-            self.store,
-            nominal_load_w=self.nominal_load_w,
-        )
-        return _CalledBefore.of(days, "days_to_settle")
-
     def _longest_flights(self, limited: BoolArray | None = None) -> Endurance:
         """Longest flights where they are limited, or where asked; infinite elsewhere."""
         shape = self.cycle.status.shape
@@ -301,31 +260,6 @@ def performance(
         solar_day(aircraft, mission, solar, step_h=step_h, design=flown) if day is None else day
     )
     return _simulate(aircraft, mission, solar, flown, sunlit, keep_trajectory=keep_trajectory)
-
-
-def performance_after_days(
-    aircraft: Aircraft,
-    mission: Mission,
-    solar: SolarModel = UNCORRECTED_CAM,
-    *,
-    dates: Sequence[SolarDay],
-) -> Performance:
-    """Simulate an aircraft on consecutive dates, from a battery empty at equal power.
-
-    ``dates``: those of :func:`sizing.sunlight.consecutive_days`; the flight begins in the morning
-    of the first. Returns of the last date, labelled with the scenarios of the first: see
-    :func:`sizing.energy.settling.simulate_days`.
-    """
-    design = design_of(aircraft, mission)
-    # Voltages are those of the end that takes more: no day's charge is known before it is flown.
-    loads = [DesignLoads.of(aircraft, mission, design, date) for date in dates]
-    solar_w, load_w = ([one.solar_w for one in loads], [one.load_w() for one in loads])
-    nominal = loads[-1].nominal_w()
-    store = Store.of(aircraft.battery, np.asarray(design.battery_energy_wh)[..., np.newaxis])
-    cycle = simulate_days(dates[-1].time_h, solar_w, load_w, store, nominal_load_w=nominal)
-    day = replace(dates[-1], scenarios=dates[0].scenarios)
-    last = (solar_w[-1], load_w[-1], nominal)
-    return Performance(design, mission, solar, day, *last, store, cycle)
 
 
 def performance_of_designs(

@@ -364,20 +364,3 @@ def solar_day(
         path, or the step is not between 1 s and 1 h.
     """
     return Sunlight(aircraft, mission, scenarios, step_h=step_h, design=design).day(solar)
-
-
-def consecutive_days(
-    aircraft: Aircraft, mission: Mission, solar: SolarModel = UNCORRECTED_CAM, *, days: int
-) -> tuple[SolarDay, ...]:
-    """Sunlight on the mission's dates and on the days that follow each of them.
-
-    ``days``: how many days follow; the last of the year is followed by the first. Returns ``days +
-    1`` of them, each with all scenarios.
-    """
-    first = mission.scenarios()
-    count = len(first)
-    after = np.repeat(np.arange(days + 1), count)
-    dates = (np.tile(first.day_of_year, days + 1) - 1 + after) % 365 + 1
-    scenarios = Scenarios(np.tile(first.latitude_deg, days + 1), dates)
-    whole = solar_day(aircraft, mission, solar, scenarios=scenarios)
-    return tuple(whole.at(np.arange(k * count, (k + 1) * count)) for k in range(days + 1))

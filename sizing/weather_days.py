@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,11 +12,10 @@ from missions.air import ZERO_CELSIUS_K, air_at
 from missions.mission import Mission
 from missions.weather.light import RecordedLight
 from missions.weather.record import SECONDS_PER_HOUR, day_of_year
-from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.aircraft import Aircraft
 from sizing.design import Design, bus_voltage_v
 from sizing.held_station import flight_against_wind
 from sizing.mass_budget import ImpossibleDesignError
-from sizing.module_power import Cooling, balances_heat, convection_in_flight, joined_cooling
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.varying_load import Flight, flight_of, part_load_of, part_load_over
 from solar.sun import HOURS_PER_DAY
@@ -85,32 +83,6 @@ class DayAxis:
             day_of_year=day_of_year(date.astype("datetime64[s]").astype(float)).astype(int),
             time_s=light.time_s[first],
         )
-
-
-class Aloft(NamedTuple):
-    """Light of a record at the levels of climbs.
-
-    ``power_w_per_m2``: of the modules in the flow of the aircraft's file [W/m2], ``(level, day,
-    node)``. ``cooling``: of every level, how it changes with the flow of a design; none where the
-    file's is meant.
-    """
-
-    power_w_per_m2: FloatArray
-    cooling: tuple[Cooling | None, ...] = ()
-
-    def select(self, days: IntArray) -> Aloft:
-        """Some of the days."""
-        some = (joined_cooling([one], lambda parts: parts[0][days]) for one in self.cooling)
-        return Aloft(self.power_w_per_m2[:, days], tuple(some))
-
-
-def own_flow(aircraft: Aircraft, mission: Mission) -> Cooling | None:
-    """Flow of an aircraft's file, with empty arrays; None where it is that of all designs."""
-    if isinstance(aircraft.airframe, MeasuredAirframe) or not balances_heat(mission):
-        return None
-    none, transition = np.zeros((1, 1)), aircraft.modules.thermal.transition_reynolds
-    flow = convection_in_flight(aircraft, mission)
-    return Cooling(flow, none, none, none, none, transition)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """A flight through a weather record: the days as they came, the charge carried over.
 
 Not the repeated day: every day has its own light and temperature, and a day begins with what the
-day before has left in the battery and, of a mission with climbs, in height. An empty battery ends a
+day before has left in the battery. An empty battery ends a
 flight; the run goes on from empty, so that every day of the record is judged by what came before
 it. A battery whose capacity depends on its temperature has each day that of the day's mean air, and
 keeps its state of charge over night.
@@ -9,8 +9,7 @@ keeps its state of charge over night.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,28 +17,22 @@ from missions.air import ZERO_CELSIUS_K
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
 from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
-from missions.weather.record import SECONDS_PER_HOUR, Weather, run_lengths
+from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_days import ClimbingDays
-from sizing.altitude.climb_levels import FlightLevels, flight_levels
-from sizing.altitude.climb_march import March
 from sizing.design import NO_FLIGHT_W, Design
 from sizing.energy.battery import Store
-from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.energy.carried_days import carried_over, dawns_of, flight_hours
 from sizing.energy.power_balance import PowerBalance
 from sizing.held_station import power_against_wind_w
 from sizing.mass_budget import design_of
-from sizing.module_power import FASTER, Cooling, own_surroundings, surroundings
-from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel
+from sizing.module_power import own_surroundings
+from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from sizing.sunlight_at_instants import Lit, power_in_light
 from sizing.varying_load import by_own_charge, load_shape
-from sizing.weather_days import Aloft, DayAxis, LoadInAir, own_flow
+from sizing.weather_days import DayAxis, LoadInAir
 from solar.clearsky import Irradiance
-from solar.heat_balance import Surroundings
-from solar.names import ATTITUDE_MODELS
 from solar.sun import HOURS_PER_DAY, declination, sun_times
-from solar.types import BoolArray, FloatArray, IntArray
+from solar.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)
@@ -97,10 +90,7 @@ class WeatherDays:
 
     def specific_power_w_per_m2(self, sky: Irradiance) -> FloatArray:
         """Solar power per module area under a sky along the record [W/m2], ``(day, node)``."""
-        return self._power_w_per_m2(sky, own_surroundings(self.aircraft, self.mission))
-
-    def _power_w_per_m2(self, sky: Irradiance, around: Surroundings | None) -> FloatArray:
-        light = self.light
+        light, around = self.light, own_surroundings(self.aircraft, self.mission)
         sunlit = Lit(
             *(light.day_of_year, light.time_solar_h, light.cos_zenith, sky),
             *(self.ambient_c, self.module_c),
@@ -108,93 +98,9 @@ class WeatherDays:
         power = power_in_light(self.aircraft, self.mission, self.solar, sunlit, around)
         return np.asarray(power[self.axis.nodes])
 
-    def aloft(self, *, clear: bool = False, of_designs: bool = False) -> Aloft:
-        """Light of the record, or of a clear sky, at the levels of the mission's climbs.
-
-        The record is carried to each level as to the lowest, so that all of its clouds are above
-        the aircraft at any height. ``of_designs``: with the flow of other designs than the file's.
-        """
-        powers, cooling = [], []
-        for level_m in self.mission.climb_levels_m:
-            there, step_s = self.mission.at_altitude(level_m), SECONDS_PER_HOUR * self.light.step_h
-            high = WeatherDays.of(self.aircraft, there, self.weather, self.solar, step_s=step_s)
-            sky = high.light.clear if clear else high.light.recorded
-            powers.append(high.specific_power_w_per_m2(sky))
-            cooling.append(high._cooling(sky) if of_designs else None)
-        return Aloft(np.stack(powers), tuple(cooling))
-
-    def _cooling(self, sky: Irradiance) -> Cooling | None:
-        """How the power changes with the flow; of VM and FM in the proportions of CAM."""
-        flow = own_flow(self.aircraft, self.mission)
-        if flow is None:
-            return None
-        model = "CAM" if self.solar.model in ATTITUDE_MODELS else self.solar.model
-        flat = replace(self, solar=replace(self.solar, model=model))
-        around = surroundings(self.mission, flow.convection)
-        cold, power = (flat._power_w_per_m2(sky, one) for one in (None, around))
-        of_nodes = around._replace(ambient_c=self.ambient_c[self.axis.nodes])
-        found = Cooling.of(cold, power, self.aircraft.modules, of_nodes)
-        if model == self.solar.model:
-            return found
-        flows = (around, around._replace(convection=FASTER * flow.convection))
-        own, faster = (self._power_w_per_m2(sky, one) for one in flows)
-        return found.scaled_to(faster / np.where(own > 0.0, own, np.inf))
-
-    @cached_property
-    def _flows(self) -> tuple[Cooling | None, ...]:
-        """Flow of the aircraft's file at the levels of the mission's climbs."""
-        levels = map(self.mission.at_altitude, self.mission.climb_levels_m)
-        return tuple(own_flow(self.aircraft, there) for there in levels)
-
-    def climbers(self, design: Design) -> FlightLevels | None:
-        """Designs between floor and ceiling, an element each, without any light; None without."""
-        if self.mission.climb is None:
-            return None
-        where = Scenarios(np.array(self.mission.latitudes()[:1]), np.ones(1, int))
-        none, time_h = np.zeros(1), self.axis.time_h
-        aloft = np.zeros((len(self.mission.climb_levels_m), 1, len(time_h)))
-        day = SolarDay(where, time_h, aloft[0], none, none, None, aloft, self._flows)
-        return flight_levels(self.aircraft, self.mission, design, day)
-
-    def climbing(
-        self,
-        climbers: FlightLevels,
-        store: Store,
-        aloft: Aloft,
-        some: IntArray | None = None,
-        load: FloatArray | None = None,
-    ) -> ClimbingDays:
-        """Flights of designs with climbs through some days of the record, by default all of them.
-
-        ``climbers``: of :meth:`climbers`; ``store``: batteries, ``day + days * design``. ``load``:
-        of the propulsion at the nodes of the days over that of calm level flight [-]. What the
-        day's air takes of it at the lowest altitude it takes at all, which is 0.5 % off at 8 km in
-        air 15 K warmer than the mission's.
-        """
-        assert self.mission.climb is not None
-        some = np.arange(len(self.axis)) if some is None else some
-        count = len(climbers.scenario)
-        each = climbers.select(np.repeat(np.arange(count), len(some)))
-        heater_w = np.tile(self.more_heater_w[some, 0], count)
-        levels = replace(
-            each,
-            specific_power_w_per_m2=aloft.power_w_per_m2,
-            cooling=aloft.cooling,
-            scenario=np.tile(np.arange(len(some)), count),
-            turbulence_factor=self.propulsion_ratio[some] if load is None else load,
-            constant_power_w=each.constant_power_w + heater_w,
-        )
-        noon_h = HOURS_PER_DAY / 2.0 - np.tile(self.axis.midnight_h[some], count)
-        march = March(self.axis.time_h, levels, store, self.mission.climb.strategy, 1)
-        return ClimbingDays(march, len(some), noon_h)
-
     def flown(self, design: Design, parts: LoadInAir | None, *, clear: bool = False) -> WeatherRun:
         """Run of a design along the record, with the efficiency of the moment."""
-        store, climbers = self.store(design.battery_energy_wh), self.climbers(design)
-        if climbers is not None:
-            load = None if parts is None else self._equal_load(climbers, parts)
-            aloft = self.aloft(clear=clear)
-            return _climbed_record(self.axis, self.climbing(climbers, store, aloft, load=load))
+        store = self.store(design.battery_energy_wh)
         sky = self.light.clear if clear else self.light.recorded
         solar_w = self.aircraft.modules.area_m2 * self.specific_power_w_per_m2(sky)
         other_w = float(design.constant_power_w) + self.more_heater_w
@@ -213,15 +119,6 @@ class WeatherDays:
             return run, run.state_of_charge()
 
         return by_own_charge(load_w, fly, self.aircraft.battery)
-
-    def _equal_load(self, climbers: FlightLevels, parts: LoadInAir) -> FloatArray:
-        """Load of level flight that takes as much in the mission's air as one in the record's."""
-        chain, axis = climbers.chain, self.axis
-        assert chain is not None
-        bus_v = np.full(axis.nodes.shape, float(chain.voltage_of(np.array(FIRST_CHARGE))))
-        load = parts.at(_profile(self.mission, axis), self.ambient_c[axis.nodes], bus_v)
-        row = np.zeros(axis.nodes.shape, int)
-        return chain.load(row, chain.places(bus_v), parts.level_w * load)
 
     def level_w(self, design: Design) -> FloatArray:
         """Propulsion power of designs in level flight in the mission's air [W], ``(design, day)``.
@@ -250,8 +147,7 @@ class WeatherRun:
     what is carried over, reaches the next dawn (of the last day: the end of the record) without an
     empty battery. ``dawn_state_of_charge``: state of charge at dawn [-]. ``endurance_h``: flight
     time of a launch with a full battery at each dawn [h]; where ``outlasts``, up to the end of the
-    record. ``outlasts``: whether that flight outlasts the record. ``altitude_m``: at the nodes [m];
-    None of a flight at one altitude.
+    record. ``outlasts``: whether that flight outlasts the record.
     """
 
     axis: DayAxis
@@ -264,7 +160,6 @@ class WeatherRun:
     dawn_state_of_charge: FloatArray
     endurance_h: FloatArray
     outlasts: BoolArray
-    altitude_m: FloatArray | None = None
 
     @property
     def longest_run_days(self) -> int:
@@ -281,8 +176,7 @@ class WeatherPerformance:
     """An aircraft in a weather record and, beside it, under a clear sky in the same air.
 
     ``mission``: at the record's site and flight altitude. ``recorded``, ``clear``: in the record's
-    light, and under the clear sky. ``constant``: in the record's light at the mission's altitude,
-    where that has climbs.
+    light, and under the clear sky.
     """
 
     weather: Weather
@@ -292,7 +186,6 @@ class WeatherPerformance:
     light: RecordedLight
     recorded: WeatherRun
     clear: WeatherRun
-    constant: WeatherRun | None = None
 
     @property
     def air_of_days_c(self) -> FloatArray:
@@ -318,12 +211,7 @@ def weather_performance(
     design = design_of(aircraft, mission)
     parts = LoadInAir.of(aircraft, mission, design, days.ambient_c, days.wind_m_per_s)
     recorded, clear = (days.flown(design, parts, clear=one) for one in (False, True))
-    constant: WeatherRun | None = None
-    if mission.climb is not None:
-        level = replace(days, mission=mission.model_copy(update={"climb": None}))
-        constant = level.flown(design, parts)
-    found = (weather, mission, design, solar, days.light, recorded, clear, constant)
-    return WeatherPerformance(*found)
+    return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
 
 
 def _march_record(
@@ -345,27 +233,6 @@ def _march_record(
         dawn_state_of_charge=carried.energy_at_wh(dawns.hour) / energy_wh,
         endurance_h=hours,
         outlasts=outlasts,
-    )
-
-
-def _climbed_record(axis: DayAxis, days: ClimbingDays) -> WeatherRun:
-    days = days.with_own_voltages()
-    flown, carried, store = days.courses(), days.carried, days.march.store
-    hours, outlasts = days.flight_hours(carried.dawn_h)
-    cells, dawn_h = np.arange(len(axis)), carried.dawn_h
-    dawn_wh = [np.interp(dawn_h[i], axis.time_h, flown.energy_wh[i]) for i in cells]
-    return WeatherRun(
-        axis=axis,
-        solar_power_w=flown.solar_power_w,
-        load_w=flown.load_w,
-        store=store,
-        energy_wh=flown.energy_wh,
-        dawn_h=dawn_h,
-        closes=carried.closes,
-        dawn_state_of_charge=np.array(dawn_wh) / store.battery_energy_wh,
-        endurance_h=hours,
-        outlasts=outlasts,
-        altitude_m=days.march.levels.altitude_at(flown.potential_wh),
     )
 
 

@@ -21,9 +21,15 @@ def mission_at_site(
     """Move a mission to the site of a weather record.
 
     ``mission``: with its latitude or latitudes, and its flight altitude. ``chosen``: whether
-    somebody chose this mission; a default one follows the record anywhere. Returns at the site,
-    without launch; climbs keep their ceiling.
+    somebody chose this mission; a default one follows the record anywhere. A mission with climbs is
+    refused. Returns at the site, without launch.
     """
+    if mission.climb is not None:
+        raise file_error(
+            weather.source,
+            f"flights through a weather record keep their altitude: leave out climb of "
+            f"{mission.name}",
+        )
     site, notes = weather.site, []
     away_km = _distance_km(mission, weather)
     if chosen and away_km > FAR_KM:
@@ -58,20 +64,7 @@ def mission_at_site(
             )
         altitude_m = site.altitude_m + DEFAULT_HEIGHT_M
         notes.append(f"flown {DEFAULT_HEIGHT_M:.0f} m above the site, at {altitude_m:.0f} m")
-    climb = mission.climb
-    if climb is not None and not altitude_m <= climb.ceiling_m < THIN_AIR_FROM_M:
-        raise file_error(
-            weather.source,
-            f"the mission's climb.ceiling_m must be from {altitude_m:g} m to below "
-            f"{THIN_AIR_FROM_M:g} m in this record (got {climb.ceiling_m:g})",
-        )
-    if climb is not None and mission.holds_station:
-        raise file_error(
-            weather.source,
-            "flights through a record hold their place at one altitude: leave out climb or "
-            f"wind.hold_station of {mission.name}",
-        )
-    elsewhere = mission.climbing_from(altitude_m) if altitude_m != mission.altitude_m else mission
+    elsewhere = mission.at_altitude(altitude_m) if altitude_m != mission.altitude_m else mission
     moved = elsewhere.model_copy(
         update={
             "latitude_deg": site.latitude_deg,
@@ -79,10 +72,6 @@ def mission_at_site(
             "launch": None,
         }
     )
-    if climb is not None:
-        notes.append(
-            f"{moved.climb_label}, with all of the record's clouds above the aircraft at any height"
-        )
     return moved, tuple(notes)
 
 

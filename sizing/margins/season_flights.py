@@ -7,7 +7,7 @@ load, and *storage*, energy of the battery over the load.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,14 +17,12 @@ from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import Design
 from sizing.energy.battery import Store
 from sizing.energy.carried_days import carried_over, dawns_of
 from sizing.energy.power_balance import PowerBalance
 from sizing.optimisation.result import SizingStatus
 from sizing.sunlight import SolarModel
-from sizing.weather_days import Aloft
 from sizing.weather_run import WeatherDays
 from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
@@ -149,15 +147,13 @@ class Powers(NamedTuple):
 
     ``area_m2``: module area [m2]. ``level_w``, ``constant_w``: propulsion power of level flight on
     the record's days, ``(design, day)`` or one for all, and what draws power at all times [W].
-    ``battery_wh``: energy at full charge in the mission's air [Wh]. ``climbers``: designs between
-    floor and ceiling, an element each; None without climbs.
+    ``battery_wh``: energy at full charge in the mission's air [Wh].
     """
 
     area_m2: FloatArray
     level_w: FloatArray
     constant_w: FloatArray
     battery_wh: FloatArray
-    climbers: FlightLevels | None = None
 
     @classmethod
     def of(cls, design: Design, days: WeatherDays) -> Powers:
@@ -167,17 +163,12 @@ class Powers(NamedTuple):
         batch = np.broadcast_shapes((len(level),), *(np.shape(np.atleast_1d(v)) for v in single))
         area, constant, battery = (np.array(np.broadcast_to(v, batch)) for v in single)
         level = np.array(np.broadcast_to(level, (*batch, level.shape[1])))
-        return cls(area, level, constant, battery, days.climbers(design))
+        return cls(area, level, constant, battery)
 
     @classmethod
     def joined(cls, several: Sequence[Powers]) -> Powers:
         """Designs of several batches, one batch after the other."""
-        climbers = [one.climbers for one in several if one.climbers is not None]
-        area, level, constant, battery = map(
-            np.concatenate, zip(*(one[:4] for one in several), strict=True)
-        )
-        joined = FlightLevels.joined(climbers) if climbers else None
-        return cls(area, level, constant, battery, joined)
+        return cls(*map(np.concatenate, zip(*several, strict=True)))
 
     def scaled(self, income: FloatArray, storage: FloatArray) -> Powers:
         """Designs with that many times the income and the storage of this single one.
@@ -189,9 +180,7 @@ class Powers(NamedTuple):
 
     def select(self, some: slice | IntArray) -> Powers:
         """Part of the designs."""
-        climbers = None if self.climbers is None else self.climbers.select(some)
-        area, level, constant, battery = (values[some] for values in self[:4])
-        return Powers(area, level, constant, battery, climbers)
+        return Powers(*(values[some] for values in self))
 
     @property
     def place(self) -> FloatArray:
@@ -213,15 +202,13 @@ class SeasonFlights:
     """Days of a record, and which of them are the season's.
 
     ``days``: of the whole record. ``kept``: days that are flown, in their order. ``counted``: which
-    of these are in the season. ``specific_w_per_m2``: solar power per module area [W/m2];
-    ``aloft``: the same at the levels of climbs, if the mission has them.
+    of these are in the season. ``specific_w_per_m2``: solar power per module area [W/m2].
     """
 
     days: WeatherDays
     kept: IntArray
     counted: BoolArray
     specific_w_per_m2: FloatArray
-    aloft: Aloft | None = None
 
     @classmethod
     def of(
@@ -255,8 +242,7 @@ class SeasonFlights:
         if lead_days is not None:
             kept = np.flatnonzero(_near(season, lead_days))
         specific = days.specific_power_w_per_m2(days.light.recorded)
-        aloft = None if mission.climb is None else days.aloft(of_designs=True).select(kept)
-        return cls(days, kept, season[kept], specific[kept], aloft)
+        return cls(days, kept, season[kept], specific[kept])
 
     def __len__(self) -> int:
         return int(np.count_nonzero(self.counted))
@@ -285,15 +271,6 @@ class SeasonFlights:
 
         full = designs.battery_wh[:, np.newaxis] * days.capacity_ratio[some]
         store = Store.of(days.aircraft.battery, full.reshape(-1))
-        climbers, aloft = designs.climbers, self.aloft
-        if climbers is not None:
-            assert aloft is not None
-            climbers = replace(climbers, module_area_m2=designs.area_m2)
-            climbing = days.climbing(climbers, store, aloft, some)
-            if len(some) == len(days.axis):
-                # What counts; a search flies its part of the record by a half charged battery.
-                climbing = climbing.with_own_voltages()
-            return np.asarray(climbing.carried.closes.reshape(count, -1)[:, self.counted])
         level = designs.level_w
         level = level if level.shape[1] == 1 else level[:, some]
         load = level[:, :, np.newaxis] * days.propulsion_ratio[some]

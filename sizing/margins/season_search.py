@@ -158,8 +158,7 @@ class SeasonSearch(MarginSearch):
         self, here: Trial, storages: FloatArray, ends: tuple[float, float], needed: int
     ) -> FloatArray:
         """Least incomes beside a trial's storages, logarithms of its own."""
-        aloft, specific = self.coarse.aloft, self.coarse.specific_w_per_m2
-        values = len(storages) * (specific if aloft is None else aloft.power_w_per_m2).size
+        values = len(storages) * self.coarse.specific_w_per_m2.size
         at_once = min(max(_VALUES_AT_ONCE // values, 1), 7)
         return least_income(self.counts(here), storages, ends, needed, at_once=at_once)
 

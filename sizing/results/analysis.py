@@ -11,14 +11,13 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.altitude.best_climb import BestClimb, best_climb
 from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
 from sizing.design import Design
 from sizing.energy.endurance import Endurance, LimitedFlight
 from sizing.mass_budget import design_of
-from sizing.performance import Performance, performance, performance_after_days
+from sizing.performance import Performance, performance
 from sizing.relaxed_flight import Relaxation, relaxed_flight
 from sizing.replay import CalendarRun, calendar_run
 from sizing.results import quantities as q
@@ -34,8 +33,6 @@ from sizing.results.propulsion import (
     varying_efficiency,
 )
 from sizing.results.records import (
-    best_climb_record,
-    check_days,
     check_subjects,
     climb_record,
     finite,
@@ -46,11 +43,10 @@ from sizing.results.records import (
 from sizing.results.tables import Result, data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
-from sizing.sunlight import SolarModel, consecutive_days, solar_day
-from sizing.validity.extrapolations import extrapolations, level_flight_at, with_worth, worst_of
+from sizing.sunlight import SolarModel, solar_day
+from sizing.validity.extrapolations import extrapolations, with_worth, worst_of
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
-from solar.types import FloatArray
 from solar.versions import software_record
 
 if TYPE_CHECKING:
@@ -78,10 +74,6 @@ class Analysis(Result):
         Replay of the mission's launch, where it has one.
     climb : ClimbPerformance or None
         For a mission with climbs, which the three performances then have.
-    days : int or None
-        Days flown from an empty battery; None for a day repeated without end.
-    best_climb : BestClimb or None
-        Best course of climbs and glides in the worst scenario, on request.
     known_mass_kg : float or None
         Total mass that :attr:`relaxations` keep [kg].
     """
@@ -93,8 +85,6 @@ class Analysis(Result):
     high: Performance
     flight: CalendarRun | None
     climb: ClimbPerformance | None = None
-    days: int | None = None
-    best_climb: BestClimb | None = None
     known_mass_kg: float | None = None
 
     renderer = "sizing.results.analysis_summary"
@@ -164,10 +154,10 @@ class Analysis(Result):
     def relaxations(self) -> tuple[Relaxation, ...]:
         """What alone would make it perpetual, smallest relative change first.
 
-        Of battery mass, module area and load; empty where it is perpetual, for a mission with
-        climbs and for a given number of days.
+        Of battery mass, module area and load; empty where it is perpetual and for a mission with
+        climbs.
         """
-        if self.climb is not None or self.days is not None:
+        if self.climb is not None:
             return ()
         return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
 
@@ -176,14 +166,7 @@ class Analysis(Result):
         """What lies outside the range of a model, each quantity once."""
         outside = extrapolations(self.aircraft, self.performance)
         outside = worst_of([*outside, *(() if self.flight is None else self.flight.extrapolations)])
-        of_what = "" if self.days is None else "of the repeated day"
-        return with_worth(outside, self.aircraft, self._repeated_day, of_what=of_what)
-
-    def _repeated_day(self) -> Performance | None:
-        """Day that repeats itself; None where none can be flown."""
-        if self.days is None:
-            return self.performance
-        return level_flight_at(self.aircraft, self.performance, self.mission.altitude_m)
+        return with_worth(outside, self.aircraft, lambda: self.performance)
 
     @cached_property
     def structure(self) -> StructureAssessment | None:
@@ -225,18 +208,7 @@ class Analysis(Result):
         Of the repeated day, with climbs that at the mission's altitude.
         """
         flown = self.performance if self.climb is None else self.climb.constant
-        return None if self.days is not None else varying_efficiency(self.aircraft, flown)
-
-    @cached_property
-    def days_to_settle(self) -> FloatArray:
-        """Days until the repeated day of every scenario has settled from an empty battery.
-
-        Infinite beyond 366 days; NaN where there is no equal power in the morning, and for a
-        mission with climbs or a given number of days, whose day is not repeated so.
-        """
-        if self.climb is not None or self.days is not None:
-            return np.full(len(self.performance.cycle.status), np.nan)
-        return self.performance.days_to_settle
+        return varying_efficiency(self.aircraft, flown)
 
     @cached_property
     def values(self) -> dict[q.Quantity, Any]:
@@ -249,7 +221,7 @@ class Analysis(Result):
             return [np.inf if e is None else float(e.endurance_h) for e in self.endurances]
         if one is q.BEST_LAUNCH:
             return [np.nan if e is None else float(e.launch_h) for e in self.endurances]
-        return self.days_to_settle if one is q.DAYS_TO_SETTLE else one.of(self.performance)
+        return one.of(self.performance)
 
     def value_in_worst(self, one: q.Quantity) -> float | str:
         """Quantity of the worst scenario: infinite where unlimited, NaN where there is none."""
@@ -273,7 +245,6 @@ class Analysis(Result):
             "mission_is_default": False,  # a command without --mission says so
             "model": solar.model,
             "correction": solar.correction,
-            "days": self.days,
             **q.design_record(design, [q.TOTAL_MASS]),
             "masses_kg": self.masses_kg,
             "structure": None if self.structure is None else self.structure.to_dict(),
@@ -338,8 +309,6 @@ def analyse(
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
     replay: bool = True,
-    days: int | None = None,
-    with_best_climb: bool = False,
     known_mass_kg: float | None = None,
 ) -> Analysis:
     """Analyse how long an aircraft flies on a mission.
@@ -355,11 +324,6 @@ def analyse(
         Correction of the model's systematic error.
     replay : bool
         Fly the mission's launch on the calendar, if it has one.
-    days : int, optional
-        Fly so many days from a battery that is empty at equal power in the morning of the mission's
-        date, while the date advances, 1 to 365. By default the day is repeated without end.
-    with_best_climb : bool
-        Find the best course of climbs and glides in the worst scenario, beside the mission's rule.
     known_mass_kg : float, optional
         Total mass of the aircraft, as :func:`with_total_mass` made it [kg]: what would make it fly
         perpetually is then told at this mass. By default the mass grows with what is added.
@@ -373,45 +337,29 @@ def analyse(
     TypeError
         For what is no aircraft or mission, such as their names.
     ValueError
-        For an unknown model or correction, a model that lacks surfaces or path, and for ``days``
-        out of range or with a mission that climbs; for the best climb of one that does not.
+        For an unknown model or correction, and a model that lacks surfaces or path.
     ImpossibleDesignError
         If a parametric aircraft cannot carry its own mass.
     """
     check_subjects(aircraft, mission)
     solar = SolarModel(model, correction)
     factors = (1.0 - solar.rms_relative, 1.0, 1.0 + solar.rms_relative)
-    check_days(mission, days)
     if mission.climb is not None:
         down, climbs, up = (
             climb_performance(aircraft, mission, solar, solar_factor=factor) for factor in factors
         )
         three = (climbs.performance, down.performance, up.performance)
-        best = best_climb(aircraft, mission, solar, own=climbs) if with_best_climb else None
-        return Analysis(aircraft, mission, *three, flight=None, climb=climbs, best_climb=best)
-    if with_best_climb:
-        raise ValueError(f"mission {mission.name} has no climb")
-    if days is None:
-        day = solar_day(aircraft, mission, solar)
-        design = design_of(aircraft, mission)
-        low, centre, high = (
-            performance(aircraft, mission, solar, day=day.scaled(factor), design=design)
-            for factor in factors
-        )
-    else:
-        dates = consecutive_days(aircraft, mission, solar, days=days)
-        low, centre, high = (
-            performance_after_days(
-                aircraft, mission, solar, dates=[date.scaled(factor) for date in dates]
-            )
-            for factor in factors
-        )
+        return Analysis(aircraft, mission, *three, flight=None, climb=climbs)
+    day = solar_day(aircraft, mission, solar)
+    design = design_of(aircraft, mission)
+    low, centre, high = (
+        performance(aircraft, mission, solar, day=day.scaled(factor), design=design)
+        for factor in factors
+    )
     flight = None
     if replay and mission.launch is not None:
         flight = calendar_run(aircraft, mission, solar)
-    return Analysis(
-        *(aircraft, mission, centre, low, high, flight), days=days, known_mass_kg=known_mass_kg
-    )
+    return Analysis(*(aircraft, mission, centre, low, high, flight), known_mass_kg=known_mass_kg)
 
 
 def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
@@ -422,9 +370,7 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
         one.name: value if isinstance(value, str) else finite(value)
         for one, value in analysis.scenario(index).items()
     }
-    settled = record[q.DAYS_TO_SETTLE.name]
     record |= {
-        q.DAYS_TO_SETTLE.name: None if settled is None else int(settled),
         "model": perf.solar.model,
         "correction": perf.solar.correction,
         "latitude_deg": finite(scenarios.latitude_deg[index]),
@@ -434,6 +380,4 @@ def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
     }
     if analysis.climb is not None:
         record["climb"] = climb_record(analysis.climb, analysis.mission, index)
-    if analysis.best_climb is not None and index == analysis.best_climb.scenario:
-        record["best_climb"] = best_climb_record(analysis.best_climb)
     return record

@@ -11,8 +11,6 @@ import numpy as np
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
 from sizing.aircraft import MeasuredAirframe
-from sizing.altitude.best_climb import BestClimb
-from sizing.energy.settling import MAXIMUM_DAYS, SETTLED
 from sizing.limits import ROW_TOLERANCE
 from sizing.replay import CalendarRun
 from sizing.results import quantities as q
@@ -36,9 +34,8 @@ from solar.sun import solar_time_h
 def headline(analysis: Analysis) -> str:
     """Aircraft, mission, place and excess time in one line."""
     values = analysis.scenario()
-    flown = "" if analysis.days is None else f" after {_days(analysis.days)}"
     return (
-        f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}{flown}: "
+        f"{analysis.aircraft.name} on {analysis.mission.name} at {_where(analysis)}: "
         f"{' '.join(q.EXCESS_TIME.fact(values[q.EXCESS_TIME]))}, {_status(values)}"
     )
 
@@ -47,14 +44,11 @@ def summary(analysis: Analysis) -> Summary:
     """What is shown of an analysis, in the order in which it is read."""
     several = len(analysis.performance.cycle.status) > 1
     worst = ", worst scenario" if several else ""
-    flown = "" if analysis.days is None else f", after {_days(analysis.days)} from an empty battery"
     title = (
-        f"{analysis.aircraft.name} on {analysis.mission.name}, {_where(analysis)}{worst}{flown}: "
+        f"{analysis.aircraft.name} on {analysis.mission.name}, {_where(analysis)}{worst}: "
         f"{_status(analysis.scenario())}"
     )
-    blocks: list[Any] = [Line(title, "strong")]
-    if analysis.days is None:
-        blocks.append(Line(answer(analysis)))
+    blocks: list[Any] = [Line(title, "strong"), Line(answer(analysis))]
     table, masses = facts("", _scenario_rows(analysis)), analysis.masses_kg
     blocks.append(table if masses is None else (table, mass_table(masses)))
     blocks.append(power_line(analysis.power_budget, analysis.mission))
@@ -77,9 +71,6 @@ def summary(analysis: Analysis) -> Summary:
     beyond = coverage_line(analysis)
     if beyond is not None:
         blocks.append(Line(beyond, "warning"))
-    slow = settling_line(analysis)
-    if slow is not None:
-        blocks.append(Line(slow, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
     blocks += source_blocks(analysis.aircraft)
     if analysis.excess_time_h < 0.0:
@@ -142,31 +133,6 @@ def coverage_line(analysis: Analysis) -> str | None:
         f"The modules cover {100.0 * covered:.0f} % of the wing, more than the "
         f"{100.0 * most:g} % of airframe.maximum_module_coverage."
     )
-
-
-# More days than these are told: at an equinox at 47.6 N the energy of a day has changed by 5 % by
-# then, about as much as the solar power model errs.
-_A_FEW_DAYS = 5
-
-
-def settling_line(analysis: Analysis) -> str | None:
-    """Warning that the date advances before the repeated day settles; None if it settles soon."""
-    days = analysis.days_to_settle
-    slow = days > _A_FEW_DAYS
-    if not slow.any():
-        return None
-    which = analysis.worst if slow[analysis.worst] else int(np.argmax(np.where(slow, days, 0.0)))
-    number = f"{days[which]:.0f}" if np.isfinite(days[which]) else f"more than {MAXIMUM_DAYS}"
-    where = "" if len(days) == 1 else f" at {analysis.performance.day.scenarios.label(which)}"
-    return (
-        f"From an empty battery the day{where} must repeat itself {number} times until the charge "
-        f"in the morning is within {100 * SETTLED:.0f} % of the battery's energy of the one shown. "
-        "The date advances meanwhile: --days 2 flies from an empty battery on successive dates."
-    )
-
-
-def _days(count: int) -> str:
-    return "1 day" if count == 1 else f"{count} days"
 
 
 def _where(analysis: Analysis) -> str:
@@ -232,19 +198,6 @@ def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
             q.EXCESS_TIME.fact(q.EXCESS_TIME.of(analysis.climb.constant)[worst])[1],
         ),
         ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
-        *_best_climb_rows(analysis.best_climb),
-    ]
-
-
-def _best_climb_rows(best: BestClimb | None) -> list[tuple[str, str]]:
-    """Best course of climbs beside the better of the rules."""
-    if best is None:
-        return []
-    rule = max(best.by_rule_h, key=lambda name: best.by_rule_h[name])
-    return [
-        ("excess time by the best course", q.EXCESS_TIME.fact(best.excess_time_h)[1]),
-        (f"gained over {rule}", f"{round(best.gain_h, 2) + 0.0:+.2f} h"),
-        ("full charge by the best course", clock_label(best.full_h)),
     ]
 
 

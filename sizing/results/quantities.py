@@ -219,7 +219,6 @@ EQUAL_POWER_EVENING = _of_cycle(
     "solar time at which solar power last equals the load",
 )
 FULL_CHARGE = _of_cycle("full_charge_h", "full charge", "", "solar time of the first full charge")
-DAYS_TO_SETTLE = Quantity("days_to_settle", of=attrgetter("days_to_settle"))
 LOAD = Quantity(
     *("power_out_w", "load", "W", ".1f"),
     of=lambda found: np.broadcast_to(found.nominal_load_w, found.cycle.status.shape),
@@ -248,12 +247,11 @@ CHARGE_PERCENT = Column("minimum_state_of_charge_percent", "min. SoC", "%", ".1f
 # Record of a scenario, and the frame of them all.
 SCENARIO = (
     *(EXCESS_TIME, CHARGE_MARGIN, ENDURANCE, BEST_LAUNCH, MINIMUM_CHARGE, STATUS, SUNRISE, SUNSET),
-    *(EQUAL_POWER_MORNING, EQUAL_POWER_EVENING, FULL_CHARGE, DAYS_TO_SETTLE, LOAD, SOLAR_ENERGY),
+    *(EQUAL_POWER_MORNING, EQUAL_POWER_EVENING, FULL_CHARGE, LOAD, SOLAR_ENERGY),
     *(LOAD_ENERGY, CURTAILED_ENERGY),
 )
 SCENARIO_FRAME = (
     *(STATUS, EXCESS_TIME, CHARGE_MARGIN, ENDURANCE, MINIMUM_CHARGE, SOLAR_ENERGY, LOAD_ENERGY),
-    DAYS_TO_SETTLE,
 )
 # Beside the total mass, of what is analysed and of what is sized.
 ANALYSED = (BATTERY_ENERGY, PROPULSION_POWER, AIRSPEED)

@@ -19,7 +19,6 @@ from solar.schema import Record
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
-    from sizing.altitude.best_climb import BestClimb
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.optimisation.objectives import Objective
     from sizing.performance import Performance
@@ -58,20 +57,6 @@ def _check_copies(record: Record) -> None:
     if record.is_unchecked():
         unknown = record.model_fields_set - type(record).model_fields.keys()
         with_values(record, {name: getattr(record, name) for name in unknown})
-
-
-def check_days(mission: Mission, days: int | None) -> None:
-    """Refuse a number of days that cannot be flown."""
-    if days is None:
-        return
-    if isinstance(days, bool) or not isinstance(days, int | np.integer):
-        raise TypeError(f"days must be a whole number or None (got {days!r})")
-    if not 1 <= days <= 365:
-        raise ValueError(f"days must be from 1 to 365 (got {days})")
-    if mission.climb is not None:
-        raise ValueError(
-            f"days cannot be given for mission {mission.name} with climb: its day repeats itself"
-        )
 
 
 def finite(value: Any) -> float | None:
@@ -159,20 +144,6 @@ def uncertainty_record(
         "solar_power_rms_relative": low.solar.rms_relative,
         "excess_time_low_h": finite(low_h),
         "excess_time_high_h": finite(high_h),
-    }
-
-
-def best_climb_record(best: BestClimb) -> dict[str, Any]:
-    """Best course of climbs and glides, JSON-ready."""
-    return {
-        "excess_time_h": finite(best.excess_time_h),
-        "gain_in_excess_time_h": finite(best.gain_h),
-        "excess_time_by_rule_h": {name: finite(one) for name, one in best.by_rule_h.items()},
-        "full_charge_h": finite(best.full_h),
-        "time_solar_h": best.time_h.tolist(),
-        "altitude_m": best.altitude_m.tolist(),
-        "state_of_charge": best.state_of_charge.tolist(),
-        "motor_power_w": best.motor_power_w.tolist(),
     }
 
 

@@ -25,7 +25,6 @@ from sizing.results.records import (
     percentiles,
 )
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
-from sizing.results.weather_climbs import climbs_columns, climbs_record, climbs_rows
 from sizing.results.weather_years import (
     YearInWeather,
     year_rows,
@@ -227,7 +226,6 @@ class WeatherAnalysis(Result):
             "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
             "share_of_clear_sky_light": self.share_of_clear_light(),
             "wind_above_airspeed_share": self.wind_above_airspeed_share(),
-            "climb": climbs_record(done),
             "battery_condition": self._battery_record(),
             "extrapolations": extrapolation_records(self.extrapolations),
             "repairs": list(weather.repairs),
@@ -279,7 +277,6 @@ class WeatherAnalysis(Result):
                 "clear_sky_solar_energy_wh": _daily_wh(clear),
                 "load_energy_wh": np.trapezoid(run.load_w, axis.time_h, axis=1),
             }
-            | climbs_columns(self.performance)
         )
 
     def to_years_frame(self) -> pd.DataFrame:
@@ -300,7 +297,6 @@ class WeatherAnalysis(Result):
         rows = [
             ("days that close", f"{int(run.closes.sum())} of {days}"),
             ("the same under a clear sky", f"{int(clear.closes.sum())} of {days}"),
-            *climbs_rows(self.performance),
             *year_rows(self.years),
             ("longest run of days that close", f"{run.longest_run_days} days"),
             ("longest run under a clear sky", f"{clear.longest_run_days} days"),
@@ -315,7 +311,7 @@ class WeatherAnalysis(Result):
             ("light, share of the clear sky's", f"{100 * self.share_of_clear_light():.0f} %"),
             ("dawn: earliest, latest (solar time)", dawns),
             (
-                "flight altitude" if self.mission.climb is None else "lowest altitude",
+                "flight altitude",
                 f"{self.mission.altitude_m:.0f} m",
             ),
             *(wind_rows(self.mission) if self.mission.holds_station else []),

@@ -66,20 +66,19 @@ def size_in_weather(
     Raises
     ------
     InputError
-        If the mission is far from the site, flies below its ground, or has no day in the record.
+        If the mission climbs, is far from the site, flies below its ground, or has no day in the
+        record.
     TypeError
         For a measured aircraft, or what is no aircraft or mission.
     ValueError
-        For an unknown objective, model or correction, one that no share of days can be asked of, a
-        share that is none, or altitudes that are to be chosen.
+        For an unknown objective, model or correction, one that no share of days can be asked of, or
+        a share that is none.
     """
     check_subjects(aircraft, mission)
     wanted, solar = checked_objective(objective), SolarModel(model, correction)
     check_survival(wanted, survive)
     if isinstance(aircraft.airframe, MeasuredAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
-    if mission.climb is not None and mission.climb.design_space.ranges():
-        raise ValueError(f"{mission.name} has climb.design_space: a record keeps its altitudes")
     moved, notes = mission_at_site(mission, weather)
     if mission.required_excess_time_h > 0.0:
         notes += (

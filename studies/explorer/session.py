@@ -28,7 +28,6 @@ from sizing.mass_budget import ImpossibleDesignError
 from sizing.optimisation.objectives import Objective
 from sizing.parameters import MISSION_PREFIX
 from sizing.results.analysis import Analysis, analyse
-from sizing.results.analysis_summary import settling_line
 from sizing.results.records import finite
 from sizing.sunlight import SolarModel
 from solar._version import __version__
@@ -211,7 +210,6 @@ class Session:
             airspeed, wind = record["airspeed_m_per_s"], analysis.mission.strongest_wind_m_per_s
             held = "is raised to" if analysis.mission.holds_station else "is below"
             notes.insert(0, f"airspeed {airspeed:.1f} m/s {held} the wind of {wind:g} m/s")
-        slow = settling_line(analysis)
         charge = perf.cycle.energy_wh[0] / float(perf.design.battery_energy_wh)
         view: dict[str, Any] = {
             "curve": {
@@ -224,7 +222,7 @@ class Session:
             "numbers": record,
             "masses_kg": {name: float(mass) for name, mass in perf.design.masses._asdict().items()},
             "headline": analysis.headline(),
-            "notes": notes if slow is None else [slow, *notes],
+            "notes": notes,
         }
         if analysis.climb is not None:
             climb = analysis.climb.climb

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sizing.altitude.best_climb import BestClimb
     from sizing.altitude.climb_cycle import ClimbPerformance
     from sizing.energy.endurance import Endurance
     from sizing.performance import Performance
@@ -63,8 +62,7 @@ def plot_cycle(
     """State of charge and power over the cycle of one scenario, or over its flight if that ends.
 
     An aircraft that flies perpetually is drawn on its repeated day. One that does not has none: it
-    is drawn from the launch of its longest flight until the battery is empty, unless the best
-    course of its climbs was searched for: that is one of the repeated day.
+    is drawn from the launch of its longest flight until the battery is empty.
 
     Parameters
     ----------
@@ -82,8 +80,7 @@ def plot_cycle(
     perf = analysis.performance
     index = analysis.worst if scenario is None else scenario
     longest = None if perf.cycle.perpetual[index] else analysis.endurances[index]
-    repeated = analysis.days is None and not _has_best_climb(analysis, index)
-    if repeated and longest is not None and np.isfinite(longest.endurance_h):
+    if longest is not None and np.isfinite(longest.endurance_h):
         return _plot_own_flight(analysis, index, longest, figure)
     panels = 2 if analysis.climb is None else 3
     where = f"{analysis.mission.name}, {perf.day.scenarios.label(index)}"
@@ -103,19 +100,11 @@ def plot_cycle(
     drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     if analysis.climb is not None:
         _draw_altitude(every[2], analysis.climb, index)
-        if _has_best_climb(analysis, index):
-            assert analysis.best_climb is not None
-            _draw_best_climb(every[1], every[2], analysis.best_climb)
     sunrise, sunset = perf.day.sunrise_h[index], perf.day.sunset_h[index]
     for axes in every:
         shade(axes, [(a, b) for a, b in ((0.0, sunrise), (sunset, 24.0)) if b > a])
     every[-1].set(xlim=(0, 24), xticks=range(0, 25, 2), xlabel="solar time [h]")
     return drawn
-
-
-def _has_best_climb(analysis: Analysis, index: int) -> bool:
-    """Whether there is a best course of climbs, which is one of the repeated day."""
-    return analysis.best_climb is not None and analysis.best_climb.scenario == index
 
 
 def _draw_power(axes: Axes, perf: Performance, index: int) -> None:
@@ -200,12 +189,6 @@ def _set_altitudes(axes: Axes, altitude_m: FloatArray) -> None:
     lowest, top = float(altitude_m.min()), float(altitude_m.max())
     margin = max(0.1 * (top - lowest), 50.0)
     axes.set(ylabel="altitude [m]", ylim=(lowest - margin, top + margin))
-
-
-def _draw_best_climb(charge: Axes, altitude: Axes, best: BestClimb) -> None:
-    altitude.plot(best.time_h, best.altitude_m, "--", color=LOAD, label="best course")
-    charge.plot(best.time_h, 100.0 * best.state_of_charge, "--", color=CHARGE)
-    altitude.legend(loc="upper right")
 
 
 def _draw_margin(axes: Axes, full_h: float, margin_h: float) -> None:

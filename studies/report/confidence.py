@@ -20,7 +20,6 @@ from sizing.energy.cycle import Cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import cycle_of_variants
-from sizing.results.analysis_summary import settling_line
 from sizing.results.conditions import battery_line, battery_record
 from sizing.results.notes import uncertainty_line
 from sizing.results.records import relative_change
@@ -63,9 +62,6 @@ def belief_section(subject: Subject) -> Section:
         blocks.append(
             Text(uncertainty_line(analysis.low, analysis.high, analysis.worst, subject.mission))
         )
-        slow = settling_line(analysis)
-        if slow is not None:
-            blocks.append(Text(slow, "warning"))
         condition = battery_line(
             subject.aircraft, battery_record(subject.aircraft, subject.mission)
         )
@@ -102,7 +98,7 @@ def _left_out(subject: Subject) -> tuple[str, ...]:
         else f"The light is {100.0 * mission.pessimistic_clearness:.0f} % of a clear sky's"
     )
     sentences = [f"{sky} all day; clouds come in with a weather record (--weather)."]
-    if subject.verification is None and subject.analysis.days is None:
+    if subject.verification is None:
         sentences.append(
             "The day repeats itself: the date does not advance, and the battery's state at dawn is "
             "that of the settled cycle."

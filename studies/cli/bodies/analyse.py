@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import click
-
 from sizing.results import analysis
 from studies.cli.commands.analyse import Analyse
 from studies.cli.files import Case, load, require_climber, require_path
@@ -16,10 +14,6 @@ def analyse(options: Analyse) -> None:
     for option, path in (("--table", options.table_file), ("--table-years", options.table_years)):
         refuse_to_overwrite(option, path, (options.weather_file,))
     case = load(options.case, options.place, total_mass_kg=options.mass_kg)
-    if options.days is not None and case.mission.climb is not None:
-        raise click.UsageError("--days flies at constant altitude: give it or mission.climb")
-    if options.with_best_climb and case.mission.climb is None:
-        raise click.UsageError("--best-climb needs mission.climb: climb: {ceiling_m: ...}")
     require_path(case)
     require_climber(case)
     if options.weather_file is not None:
@@ -27,12 +21,7 @@ def analyse(options: Analyse) -> None:
 
         analyse_in_weather(case, options, options.weather_file)
         return
-    result = analysis.analyse(
-        **case.arguments,
-        days=options.days,
-        with_best_climb=options.with_best_climb,
-        known_mass_kg=case.total_mass_kg,
-    )
+    result = analysis.analyse(**case.arguments, known_mass_kg=case.total_mass_kg)
     flown = result.flight
     files = {
         options.table_file: table_of(result.trajectory, "cycle"),

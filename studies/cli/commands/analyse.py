@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import click
 
-from studies.cli.command import Command, option
+from studies.cli.command import Command
 from studies.cli.options import (
     CaseOptions,
     PlaceOptions,
@@ -28,17 +28,6 @@ class Analyse:
     case: CaseOptions = case_options()
     place: PlaceOptions = place_options()
     mass_kg: float | None = mass_option()
-    days: int | None = option(
-        "--days",
-        type=click.IntRange(1, 365),
-        help="Fly so many days from an empty battery, the date advancing, not one day without end.",
-    )
-    with_best_climb: bool = option(
-        "--best-climb",
-        is_flag=True,
-        help="Find the best course of climbs and glides in the worst scenario, beside the rule of "
-        "the mission's climb.",
-    )
     weather_file: str | None = weather_option(
         "Fly through a weather record: EPW, TMY2, TMY3, PVGIS, SAM, BSRN, POWER, ERA5 or plain CSV."
     )
@@ -57,10 +46,6 @@ class Analyse:
                     "--table-years needs --weather: years are those of a weather record"
                 )
             return
-        if self.with_best_climb:
-            raise click.UsageError("--best-climb flies a repeated day: leave out --weather")
-        if self.days is not None:
-            raise click.UsageError("give --days or --weather, not both")
         self.place.refuse_with_weather()
 
 
