@@ -328,7 +328,7 @@ def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle
     store = Store.of(battery, energy_wh[:, np.newaxis])
     climb, day = first.mission.climb, first.day
     if climb is None:
-        return flown_cycle([one for _, one in variants], store, battery, keep_trajectory=False)[0]
+        return flown_cycle([one for _, one in variants], store, keep_trajectory=False)[0]
     batch = len(variants), len(day.scenarios)
     levels = FlightLevels.joined(
         [flight_levels(aircraft, one.mission, one.design, one.day) for aircraft, one in variants]
@@ -361,9 +361,7 @@ def _simulate(
             *(design, mission, solar, day, loads.solar_w, level_w, nominal, store),
             *(cycle.reshaped(batch), highest_m.reshape(batch), levels),
         )
-    cycle, load_w, nominal = flown_cycle(
-        loads, store, aircraft.battery, keep_trajectory=keep_trajectory
-    )
+    cycle, load_w, nominal = flown_cycle(loads, store, keep_trajectory=keep_trajectory)
     return Performance(design, mission, solar, day, loads.solar_w, load_w, nominal, store, cycle)
 
 

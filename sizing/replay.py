@@ -20,7 +20,7 @@ from sizing.sunlight_at_instants import power_on_calendar
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import told
 from sizing.validity.ranges import Extrapolation
-from sizing.varying_load import by_own_charge, load_profile, part_load_of
+from sizing.varying_load import load_profile, part_load_of
 from solar.sun import declination, solar_time_h, sun_times
 from solar.types import FloatArray
 
@@ -115,19 +115,9 @@ def calendar_run(
     parts = part_load_of(aircraft, mission, design)
     hour_h, around = (solar_clock % 24.0)[:, np.newaxis], (times.sunrise_h, times.sunset_h)
 
-    def load_w(bus_v: FloatArray | None) -> FloatArray:
-        volts = None if bus_v is None else np.atleast_1d(bus_v)[:, np.newaxis]
-        return np.asarray(load_profile(hour_h, design, mission, *around, parts, volts)[:, 0])
-
-    def fly(load: FloatArray) -> tuple[_Flown, FloatArray]:
-        flown = _charge_until_empty(PowerBalance.of(clock, power, load), store, launch)
-        charge = flown[0] / float(store.battery_energy_wh)
-        # An empty battery ends the flight.
-        return (*flown, load), np.append(charge, np.zeros(count - len(charge)))
-
-    stored, full, empty, load = (
-        fly(load_w(None))[0] if parts is None else by_own_charge(load_w, fly, aircraft.battery)
-    )
+    load = np.asarray(load_profile(hour_h, design, mission, *around, parts)[:, 0])
+    balance = PowerBalance.of(clock, power, load)
+    stored, full, empty = _charge_until_empty(balance, store, launch)
     flown = slice(len(stored))
     return CalendarRun(
         launch=launch,

@@ -1,16 +1,15 @@
 """Load of an aircraft whose propulsion has the efficiency of the moment.
 
 With parts at their operating point the electric power follows the thrust power of turbulence and
-thermals, and the voltage of the battery. The voltage follows the charge, which follows the load: a
-day is marched with the voltages of the march before, until they stay.
+thermals. The bus has the voltage of a half charged battery.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,9 +17,8 @@ from numpy.typing import ArrayLike
 from missions.air import Air
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import NO_FLIGHT_W, Design, FlightConditions, bus_voltage_v
-from sizing.energy.battery import Battery, Store
-from sizing.energy.battery_voltage import CHARGE_SHARES, FIRST_CHARGE
+from sizing.design import NO_FLIGHT_W, Design, FlightConditions
+from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.held_station import flight_against_wind
 from sizing.mass_budget import ImpossibleDesignError
@@ -30,19 +28,13 @@ from sizing.smooth import Value
 from sizing.sunlight import SolarDay
 from solar.types import BoolArray, FloatArray
 
-# A day is marched again until load and nominal load stay within this, relative, which is 1e-5 h of
-# excess time. Each march leaves less than a hundredth of the error of the one before.
-_SETTLED, _ROUNDS = 1e-6, 6
-
-Flown = TypeVar("Flown")
-
 
 def part_load_of(
     aircraft: Aircraft,
     mission: Mission,
     design: Design,
 ) -> PartLoad | None:
-    """Power of the propulsion over load and voltage; None where its efficiencies are constants.
+    """Power of the propulsion over load; None where its efficiencies are constants.
 
     The load is that of the mission's turbulence and thermals. Raises
     :class:`ImpossibleDesignError` for a single design whose propeller's data end before.
@@ -53,18 +45,18 @@ def part_load_of(
     ends = load_range(turbulence.all_day, turbulence.thermal)
     level_w = np.asarray(design.propulsion_power_w, float)
     own, flight = flight_of(aircraft, mission, design)
-    volts, flies = bus_voltage_v(aircraft), np.isfinite(level_w)
+    bus_v, flies = aircraft.battery.nominal_voltage_v, np.isfinite(level_w)
     if not (own.is_exact and level_w.ndim == 0 and flies):
-        return part_load_over(own, flight, np.where(flies, level_w, np.inf), ends, volts)
+        return part_load_over(own, flight, np.where(flies, level_w, np.inf), ends, bus_v)
     numbers = Flight(
         float(flight.thrust_w),
         float(flight.airspeed_m_per_s),
         Air(*(float(one) for one in flight.air)),  # type: ignore[arg-type]  # as a cache's key
     )
     load = float(ends[0]), float(ends[1])
-    found = _part_load_of_one(own, numbers, float(level_w), load, volts)
+    found = _part_load_of_one(own, numbers, float(level_w), load, bus_v)
     if found.beyond:
-        reason = own.point(flight.thrust_w * load[1], *flight[1:], volts).reason
+        reason = own.point(flight.thrust_w * load[1], *flight[1:], (bus_v, bus_v)).reason
         raise ImpossibleDesignError(
             f"the propulsion of {aircraft.name} cannot do {load[1]:.3g} times the power of level "
             f"flight, in turbulence and thermals of {mission.name}: {reason}"
@@ -72,33 +64,14 @@ def part_load_of(
     return found
 
 
-def by_own_charge(
-    load_w: Callable[[FloatArray], FloatArray],
-    fly: Callable[[FloatArray], tuple[Flown, FloatArray]],
-    battery: Battery,
-) -> Flown:
-    """Flight whose load has the voltages of its own charge.
-
-    ``load_w``: of voltages; ``fly``: flight of a load, and its state of charge where that is.
-    """
-    load = load_w(battery.bus_voltage_v(np.array(FIRST_CHARGE)))
-    for _ in range(_ROUNDS):
-        flown, charge = fly(load)
-        before, load = load, load_w(battery.bus_voltage_v(charge))
-        if np.all(np.abs(load - before) <= _SETTLED * before):
-            break
-    return flown
-
-
 def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
     """Largest relative error of a single design's table, half-way between its nodes."""
     part = part_load_of(aircraft, mission, design)
     assert part is not None
     own, flight = flight_of(aircraft, mission, design)
-    load, bus_v = part.between()
-    load = load[:, np.newaxis]
+    load, bus_v = part.between(), aircraft.battery.nominal_voltage_v
     exact_w = own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
-    return float(np.max(np.abs(part.at(load, bus_v) * design.propulsion_power_w / exact_w - 1.0)))
+    return float(np.max(np.abs(part.at(load) * design.propulsion_power_w / exact_w - 1.0)))
 
 
 class Flight(NamedTuple):
@@ -133,17 +106,17 @@ def part_load_over(
     flight: Flight,
     level_w: FloatArray,
     loads: tuple[FloatArray, FloatArray],
-    volts: tuple[float, float],
+    bus_v: float,
 ) -> PartLoad:
-    """Power of a propulsion over loads and voltages, relative to that of a level flight.
+    """Power of a propulsion over loads at a voltage, relative to that of a level flight.
 
     ``level_w``: electric power of that flight [W], of the shape of what ``flight`` has.
     """
 
-    def power_w(load: FloatArray, bus_v: FloatArray) -> Any:
+    def power_w(load: FloatArray) -> Any:
         return own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
 
-    return PartLoad.of(power_w, level_w, loads, volts)
+    return PartLoad.of(power_w, level_w, loads)
 
 
 def _part_load_against_wind(
@@ -154,7 +127,7 @@ def _part_load_against_wind(
     thrust_w: FloatArray,
     airspeed_m_per_s: FloatArray,
 ) -> PartLoad | None:
-    """Power over load and voltage of flight at airspeeds of its own; None by constants.
+    """Power over load of flight at airspeeds of its own; None by constants.
 
     ``power_w``: of level flight at them; of scenarios, ``design`` with an axis for them.
     """
@@ -164,7 +137,7 @@ def _part_load_against_wind(
     air = FlightConditions.of(mission, aircraft).air
     flight = Flight.where(np.isfinite(power_w), thrust_w, airspeed_m_per_s, air)
     loads = load_range(mission.turbulence.all_day, mission.turbulence.thermal)
-    return part_load_over(own, flight, power_w, loads, bus_voltage_v(aircraft))
+    return part_load_over(own, flight, power_w, loads, aircraft.battery.nominal_voltage_v)
 
 
 @lru_cache(maxsize=16)
@@ -173,11 +146,11 @@ def _part_load_of_one(
     flight: Flight,
     level_w: float,
     loads: tuple[float, float],
-    volts: tuple[float, float],
+    bus_v: float,
 ) -> PartLoad:
     """Table of one design, which several flights share: its rotations are searched for once."""
     ends = np.asarray(loads[0]), np.asarray(loads[1])
-    return part_load_over(own, flight, np.asarray(level_w), ends, volts)
+    return part_load_over(own, flight, np.asarray(level_w), ends, bus_v)
 
 
 @dataclass(frozen=True)
@@ -232,32 +205,26 @@ class DesignLoads:
         power = self.day.power_of(self.design, self.mission, paired=self.paired)
         return np.asarray(area * power)
 
-    @property
-    def follows_voltage(self) -> bool:
-        """Whether the charge makes a difference to the load."""
-        return self.part_load is not None and self.part_load.follows_voltage
-
-    def load_w(self, bus_v: FloatArray | None = None) -> FloatArray:
-        """Load at voltages at the nodes [W], by default those of the end that takes more."""
+    def load_w(self) -> FloatArray:
+        """Load at the nodes [W]."""
         day, part = self.day, self._part
         load: FloatArray = load_profile(
-            day.time_h, self._in_scenarios, self.mission, day.sunrise_h, day.sunset_h, part, bus_v
+            day.time_h, self._in_scenarios, self.mission, day.sunrise_h, day.sunset_h, part
         )
         return np.broadcast_to(load, np.broadcast_shapes(load.shape, self.solar_w.shape))
 
-    def nominal_w(self, bus_v: FloatArray | None = None) -> FloatArray:
-        """Nominal load [W], ``(..., scenario)``; at voltages ``(..., scenario, step)``."""
+    def nominal_w(self) -> FloatArray:
+        """Nominal load [W], ``(..., scenario)``."""
         flown, part = self._in_scenarios, self._part
         if part is None:
             return np.asarray(flown.nominal_load_w(self.mission))
         load, _ = load_range(self.mission.turbulence.all_day, 0.0)
-        ratio = part.at(load[..., np.newaxis], bus_v)
+        ratio = part.at(load[..., np.newaxis])
         level_w, constant_w = (
             np.asarray(one)[..., np.newaxis]
             for one in (flown.propulsion_power_w, flown.constant_power_w)
         )
-        nominal: FloatArray = level_w * ratio + constant_w
-        return nominal[..., 0] if bus_v is None else nominal
+        return np.asarray((level_w * ratio + constant_w)[..., 0])
 
     @cached_property
     def _in_scenarios(self) -> Design:
@@ -284,65 +251,20 @@ class DesignLoads:
 
 
 def flown_cycle(
-    loads: DesignLoads | Sequence[DesignLoads],
-    store: Store,
-    battery: Battery,
-    *,
-    keep_trajectory: bool = True,
+    loads: DesignLoads | Sequence[DesignLoads], store: Store, *, keep_trajectory: bool = True
 ) -> tuple[Cycle, FloatArray, FloatArray]:
-    """Cycle, load and nominal load [W]; of a sequence stacked on a first axis.
-
-    A load that follows the voltage has that of its own charge. Its nominal load, by which a battery
-    lasts for the excess time, is the mean over the voltages from the charge at the morning's equal
-    power down to the empty battery.
-    """
-    variants = [loads] if isinstance(loads, DesignLoads) else list(loads)
-
-    def joined(parts: Sequence[FloatArray]) -> FloatArray:
-        return parts[0] if isinstance(loads, DesignLoads) else np.stack(parts)
-
-    def each(voltages: FloatArray) -> Iterator[tuple[DesignLoads, FloatArray]]:
-        parts = [voltages] if isinstance(loads, DesignLoads) else list(voltages)
-        return zip(variants, parts, strict=True)
-
-    time_h, solar_w = variants[0].day.time_h, joined([one.solar_w for one in variants])
-
-    def flown(load_w: FloatArray, nominal_w: FloatArray, *, keep: bool) -> Cycle:
-        return simulate_cycle(
-            time_h, solar_w, load_w, store, nominal_load_w=nominal_w, keep_trajectory=keep
-        )
-
-    if not any(one.follows_voltage for one in variants):
-        load_w = joined([one.load_w() for one in variants])
-        nominal_w = joined([one.nominal_w() for one in variants])
-        return flown(load_w, nominal_w, keep=keep_trajectory), load_w, nominal_w
-    first_v = battery.bus_voltage_v(np.array([FIRST_CHARGE]))
-    load_w = joined([one.load_w(first_v) for one in variants])
-    nominal_w = joined([one.nominal_w(first_v)[..., 0] for one in variants])
-    for _ in range(_ROUNDS):
-        cycle = flown(load_w, nominal_w, keep=True)
-        charge = cycle.energy_wh / np.asarray(store.battery_energy_wh)[..., np.newaxis]
-        by_night = _charge_at_dawn(cycle, nominal_w, store)[..., np.newaxis] * CHARGE_SHARES
-        here, later = (battery.bus_voltage_v(one) for one in (charge, by_night))
-        next_w = joined([one.load_w(bus_v) for one, bus_v in each(here)])
-        over_night = joined([one.nominal_w(bus_v) for one, bus_v in each(later)])
-        next_nominal_w = 1.0 / np.mean(1.0 / over_night, axis=-1)
-        # Element by element: what becomes of one does not depend on the others.
-        moved = np.any(np.abs(next_w - load_w) > _SETTLED * load_w, axis=-1)
-        moved |= np.abs(next_nominal_w - nominal_w) > _SETTLED * nominal_w
-        if not np.any(moved):
-            return cycle, load_w, nominal_w
-        load_w = np.where(moved[..., np.newaxis], next_w, load_w)
-        nominal_w = np.where(moved, next_nominal_w, nominal_w)
-    # On the edge of perpetual flight a day may leap to and fro with its voltages.
-    return flown(load_w, nominal_w, keep=keep_trajectory), load_w, nominal_w
-
-
-def _charge_at_dawn(cycle: Cycle, nominal_w: FloatArray, store: Store) -> FloatArray:
-    """State of charge at the morning's equal power, which the excess time was taken from."""
-    hours = np.where(np.isfinite(cycle.excess_time_h), np.maximum(cycle.excess_time_h, 0.0), 0.0)
-    usable_wh = np.asarray(store.battery_energy_wh) * store.discharge_efficiency
-    return np.clip(hours * nominal_w / usable_wh, 0.0, 1.0)
+    """Cycle, load and nominal load [W]; of a sequence stacked on a first axis."""
+    every = [loads] if isinstance(loads, DesignLoads) else list(loads)
+    each = zip(*((one.solar_w, one.load_w(), one.nominal_w()) for one in every), strict=True)
+    solar_w, load_w, nominal_w = (
+        parts[0] if isinstance(loads, DesignLoads) else np.stack(parts) for parts in each
+    )
+    cycle = simulate_cycle(
+        *(every[0].day.time_h, solar_w, load_w, store),
+        nominal_load_w=nominal_w,
+        keep_trajectory=keep_trajectory,
+    )
+    return cycle, load_w, nominal_w
 
 
 def load_profile(
@@ -352,14 +274,12 @@ def load_profile(
     sunrise_h: ArrayLike,
     sunset_h: ArrayLike,
     part_load: PartLoad | None = None,
-    bus_v: FloatArray | None = None,
 ) -> Value:
     """Load over the day: level flight, turbulence and thermals.
 
     ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: power of a
-    propulsion whose efficiency is that of the moment, with axes for scenarios and time; ``bus_v``:
-    voltage at the nodes, by default that of :meth:`PartLoad.at`. Returns power that the aircraft
-    draws [W].
+    propulsion whose efficiency is that of the moment, with axes for scenarios and time. Returns
+    power that the aircraft draws [W].
     """
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
     constant = np.asarray(design.constant_power_w)[..., np.newaxis]
@@ -369,7 +289,7 @@ def load_profile(
         shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))
         return np.broadcast_to(load, shape)
     thrust = load_shape(mission, time_h, sunrise_h, sunset_h)
-    return propulsion * (thrust if part_load is None else part_load.at(thrust, bus_v)) + constant
+    return propulsion * (thrust if part_load is None else part_load.at(thrust)) + constant
 
 
 def load_shape(

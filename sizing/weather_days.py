@@ -13,7 +13,7 @@ from missions.mission import Mission
 from missions.weather.light import RecordedLight
 from missions.weather.record import SECONDS_PER_HOUR, day_of_year
 from sizing.aircraft import Aircraft
-from sizing.design import Design, bus_voltage_v
+from sizing.design import Design
 from sizing.held_station import flight_against_wind
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.propulsion.part_load import PartLoad, load_range
@@ -141,7 +141,7 @@ class LoadInAir:
         turbulence = mission.turbulence
         loads = load_range(turbulence.all_day, turbulence.thermal)
         wide = np.broadcast_to(level_w, there.thrust_w.shape)
-        part = part_load_over(own, there, wide, loads, bus_voltage_v(aircraft))
+        part = part_load_over(own, there, wide, loads, aircraft.battery.nominal_voltage_v)
         if wind_m_per_s is None and np.any(part.beyond):
             raise ImpossibleDesignError(
                 f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
@@ -152,11 +152,11 @@ class LoadInAir:
         part = replace(part, coefficients=part.coefficients[..., day])
         return cls(level_w[day], part, warm_k)
 
-    def at(self, load: FloatArray, air_c: FloatArray, bus_v: FloatArray) -> FloatArray:
+    def at(self, load: FloatArray, air_c: FloatArray) -> FloatArray:
         """Power over that of level flight in the mission's air [-]; arguments broadcast."""
-        wide = np.broadcast_arrays(load, air_c, bus_v)
-        axes = wide[0].ndim - (self.part_load.coefficients.ndim - 3)  # less that of the days
-        powers = self.part_load.spread(axes).at(wide[0], wide[2])
+        wide = np.broadcast_arrays(load, air_c)
+        axes = wide[0].ndim - (self.part_load.coefficients.ndim - 2)  # less that of the days
+        powers = self.part_load.spread(axes).at(wide[0])
         known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
         total = np.zeros(wide[0].shape)
         for k, one in enumerate(powers):

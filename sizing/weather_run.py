@@ -28,7 +28,7 @@ from sizing.mass_budget import design_of
 from sizing.module_power import own_surroundings
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from sizing.sunlight_at_instants import Lit, power_in_light
-from sizing.varying_load import by_own_charge, load_shape
+from sizing.varying_load import load_shape
 from sizing.weather_days import DayAxis, LoadInAir
 from solar.clearsky import Irradiance
 from solar.sun import HOURS_PER_DAY, declination, sun_times
@@ -111,14 +111,8 @@ class WeatherDays:
         level_w = np.atleast_1d(parts.level_w)[:, np.newaxis]
         level_w = np.where(np.isfinite(level_w), level_w, NO_FLIGHT_W)
 
-        def load_w(bus_v: FloatArray) -> FloatArray:
-            return np.asarray(level_w * parts.at(profile, air_c, bus_v) + other_w)
-
-        def fly(load_w: FloatArray) -> tuple[WeatherRun, FloatArray]:
-            run = _march_record(self.axis, solar_w, load_w, store)
-            return run, run.state_of_charge()
-
-        return by_own_charge(load_w, fly, self.aircraft.battery)
+        load = np.asarray(level_w * parts.at(profile, air_c) + other_w)
+        return _march_record(self.axis, solar_w, load, store)
 
     def level_w(self, design: Design) -> FloatArray:
         """Propulsion power of designs in level flight in the mission's air [W], ``(design, day)``.

@@ -1,10 +1,10 @@
-"""Propulsion at the load, level and bus voltage of the moment, for flights with climbs.
+"""Propulsion at the load, level of the moment, for flights with climbs.
 
 A climb takes several times the thrust power of level flight, a glide less than it, in air that
-changes with the level, and the voltage of the bus falls with the charge. The exact propeller is
-evaluated at some loads and levels; motor, controller and wiring behind it are formulas
-(:mod:`sizing.propulsion.shafts`). Logarithms of power over load, and of load over power, are tables
-with cubics between their nodes, linear in the voltage.
+changes with the level. The exact propeller is evaluated at some loads and levels; motor, controller
+and wiring behind it are formulas (:mod:`sizing.propulsion.shafts`), at the voltage of a half
+charged battery. Logarithms of power over load, and of load over power, are tables with cubics
+between their nodes.
 
 Below a quarter of level flight's thrust power the motor runs at that quarter for a part of the
 time: no propeller that turns along costs power.
@@ -12,7 +12,7 @@ time: no propeller that turns along costs power.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -22,7 +22,7 @@ import numpy as np
 from missions.air import Air
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import NO_FLIGHT_W, Design, FlightConditions, bus_voltage_v
+from sizing.design import NO_FLIGHT_W, Design, FlightConditions
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.shafts import power_of_shafts_w, shares_of_limits
 from solar.types import BoolArray, FloatArray, IntArray
@@ -30,44 +30,28 @@ from solar.types import BoolArray, FloatArray, IntArray
 # Thrust power over that of level flight: steps of 4^(1/6) from a quarter to eight times.
 _LEAST, _RATIO = 0.25, 4.0 ** (1.0 / 6.0)
 _LOADS = _LEAST * _RATIO ** np.arange(16)
-# Nodes of the inverse table, how finely it is made, voltages, and levels of the exact propeller.
-_POWERS, _FINE, _VOLTS, _LEVELS = 24, 241, 5, 6
-
-
-class Volts(NamedTuple):
-    """Places of voltages between the nodes of a table: the one below, and the share beyond it."""
-
-    below: IntArray
-    share: FloatArray
-
-    def at(self, some: int | slice | IntArray) -> Volts:
-        """Those at some nodes."""
-        return Volts(np.asarray(self.below[some]), np.asarray(self.share[some]))
+# Nodes of the inverse table, how finely it is made, and levels of the exact propeller.
+_POWERS, _FINE, _LEVELS = 24, 241, 6
 
 
 class _Table(NamedTuple):
-    """Logarithms over logarithms at even nodes, ``(row, voltage, node)``; proportional below."""
+    """Logarithms over logarithms at even nodes, ``(row, node)``; proportional below."""
 
     values: FloatArray
     first: FloatArray
     per_step: FloatArray
 
-    def at(self, row: IntArray, volts: Volts, value: FloatArray) -> FloatArray:
-        """Values of rows at voltages; all broadcast."""
-        _, voltages, nodes = self.values.shape
+    def at(self, row: IntArray, value: FloatArray) -> FloatArray:
+        """Values of rows; both broadcast."""
         flat, given = self.values.ravel(), np.log(np.maximum(value, 1e-300))
-        place = row * voltages + volts.below + np.zeros(given.shape, int)
-        if voltages > 1:
-            place = np.array([place, place + 1])
-        beyond = given - self.first.ravel()[place]
-        along = beyond * self.per_step.ravel()[place]
+        nodes = self.values.shape[1]
+        place = row + np.zeros(given.shape, int)
+        beyond = given - self.first[place]
+        along = beyond * self.per_step[place]
         node, weights = _cubic(along, nodes)
         at = place * nodes
         found = sum(one * flat[at + node + k] for k, one in enumerate(weights))
-        found = np.where(along < 0.0, flat[at] + beyond, found)
-        if voltages > 1:
-            found = found[0] + volts.share * (found[1] - found[0])
-        return np.asarray(np.exp(found))
+        return np.asarray(np.exp(np.where(along < 0.0, flat[at] + beyond, found)))
 
 
 class _Tables(NamedTuple):
@@ -86,8 +70,8 @@ class ClimbChain:
     """Propulsion of designs in level flight at some levels, and what it does at other loads.
 
     ``parts``: with an efficiency factor of 1, the designs' own in ``factor``. ``thrust_w``,
-    ``airspeed_m_per_s``, ``air``: of level flight, of shape ``(level, design)``. ``volts``: of an
-    empty and a full battery; ``voltage_of``: of states of charge [V].
+    ``airspeed_m_per_s``, ``air``: of level flight, of shape ``(level, design)``. ``bus_v``: voltage
+    of a half charged battery [V].
     """
 
     parts: OperatingPointPropulsion
@@ -97,8 +81,7 @@ class ClimbChain:
     airspeed_m_per_s: FloatArray
     air: Air
     flies: BoolArray
-    volts: tuple[float, float]
-    voltage_of: Callable[[FloatArray], FloatArray]
+    bus_v: float
 
     @classmethod
     def of(
@@ -130,15 +113,14 @@ class ClimbChain:
             np.where(flies, speed, 1.0),
             Air(*(rows(list(one)) for one in zip(*airs, strict=True))),
             np.asarray(flies),
-            bus_voltage_v(aircraft),
-            aircraft.battery.bus_voltage_v,
+            aircraft.battery.nominal_voltage_v,
         )
 
     @classmethod
     def joined(cls, several: Sequence[ClimbChain]) -> ClimbChain:
-        """Chains of designs at the same levels, with the voltages of the first."""
+        """Chains of designs at the same levels, with the voltage of the first."""
         first = several[0]
-        parts = [replace(one, volts=first.volts) for one in several]
+        parts = [replace(one, bus_v=first.bus_v) for one in several]
         levels = len(first.thrust_w)
 
         def together(arrays: list[FloatArray]) -> FloatArray:
@@ -174,52 +156,34 @@ class ClimbChain:
             flies=self.flies[some],
         )
 
-    @property
-    def follows_voltage(self) -> bool:
-        """Whether the voltage changes with the charge."""
-        return self.volts[1] > self.volts[0]
-
-    def places(self, bus_v: FloatArray) -> Volts:
-        """Places of voltages in the tables."""
-        low, high = self.volts
-        if not self.follows_voltage:
-            return Volts(np.zeros(np.shape(bus_v), int), np.zeros(np.shape(bus_v)))
-        along = np.clip((bus_v - low) / (high - low), 0.0, 1.0) * (_VOLTS - 1)
-        below = np.minimum(along.astype(int), _VOLTS - 2)
-        return Volts(below, along - below)
-
-    def power_w(self, row: IntArray, volts: Volts, load: FloatArray) -> FloatArray:
+    def power_w(self, row: IntArray, load: FloatArray) -> FloatArray:
         """Electric power of thrust powers over that of level flight [W]."""
-        return self._tables.power.at(row, volts, load)
+        return self._tables.power.at(row, load)
 
-    def load(self, row: IntArray, volts: Volts, power_w: FloatArray) -> FloatArray:
+    def load(self, row: IntArray, power_w: FloatArray) -> FloatArray:
         """Thrust power over that of level flight, of electric power [-]."""
-        return self._tables.load.at(row, volts, power_w)
+        return self._tables.load.at(row, power_w)
 
-    def most_w(self, row: IntArray, volts: Volts) -> FloatArray:
+    def most_w(self, row: IntArray) -> FloatArray:
         """Electric power at the limits of the parts [W]."""
-        low = self._tables.most_w[row, volts.below]
-        above = np.minimum(volts.below + 1, self._tables.most_w.shape[1] - 1)
-        return np.asarray(low + volts.share * (self._tables.most_w[row, above] - low))
+        return np.asarray(self._tables.most_w[row])
 
     @cached_property
     def _tables(self) -> _Tables:
         """Tables of all designs and levels."""
         turns, shaft_w = self._propellers()
-        bus_v = np.linspace(*self.volts, _VOLTS if self.follows_voltage else 1)
-        volts = bus_v[:, np.newaxis, np.newaxis, np.newaxis]
         parts, air = self._sized_parts(), Air(*(one[np.newaxis] for one in self.air))
         with np.errstate(invalid="ignore", over="ignore"):
-            power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, volts)) / self.factor
-            shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, volts)
+            power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, self.bus_v)) / self.factor
+            shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, self.bus_v)
             used = np.max(np.broadcast_arrays(*shares.values(), power)[:-1], axis=0)
             # Where the propeller's data end, or the wiring cannot pass the power, the tables go on,
             # beyond a limit.
-            rises = np.diff(power, axis=1, prepend=0.0) > 0.0
+            rises = np.diff(power, axis=0, prepend=0.0) > 0.0
             known = np.isfinite(power) & (power > 0.0) & np.isfinite(used) & rises
         power, used = _continued(power, known), np.where(known, used, 2.0)
         log_power, used = np.log(_rows_first(power)), _rows_first(used)
-        rows, voltages, _ = log_power.shape
+        rows = len(log_power)
         fine = np.linspace(0.0, len(_LOADS) - 1.0, _FINE)
         over, log_load = _between(fine, log_power), np.log(_LEAST) + np.log(_RATIO) * fine
         beyond = _between(fine, used) > 1.0
@@ -229,11 +193,11 @@ class ClimbChain:
         step = (ends[1] - ends[0]) / (_POWERS - 1)
         nodes = ends[0][..., np.newaxis] + step[..., np.newaxis] * np.arange(_POWERS)
         inverse = np.empty(nodes.shape)
-        for place in np.ndindex(rows, voltages):
-            inverse[place] = np.interp(nodes[place], np.maximum.accumulate(over[place]), log_load)
-        flies = np.tile(self.flies, rows // self.count)[:, np.newaxis]
-        log_power = np.where(flies[..., np.newaxis], log_power, np.log(NO_FLIGHT_W))
-        same = np.ones((rows, voltages))
+        for row in range(rows):
+            inverse[row] = np.interp(nodes[row], np.maximum.accumulate(over[row]), log_load)
+        flies = np.tile(self.flies, rows // self.count)
+        log_power = np.where(flies[:, np.newaxis], log_power, np.log(NO_FLIGHT_W))
+        same = np.ones(rows)
         return _Tables(
             _Table(log_power, np.log(_LEAST) * same, same / np.log(_RATIO)),
             _Table(inverse, ends[0], 1.0 / step),
@@ -269,7 +233,7 @@ class ClimbChain:
 
 
 class Place(NamedTuple):
-    """Where a step is flown: levels around it, the share of the upper one, and voltages.
+    """Where a step is flown: levels around it and the share of the upper one.
 
     ``chain``: of the designs. ``motor_w``, ``thrust_w``: mean electric and thrust power of level
     flight there [W].
@@ -279,7 +243,6 @@ class Place(NamedTuple):
     below: IntArray
     above: IntArray
     upper: FloatArray
-    volts: Volts
     motor_w: FloatArray
     thrust_w: FloatArray
 
@@ -295,7 +258,7 @@ class Place(NamedTuple):
             return level
         at_w = np.array([motor_w, np.maximum(motor_w + more_w, 0.0)])
         rows = np.array([self.below, self.above])[:, np.newaxis]
-        loads = self.chain.load(rows, self.volts, at_w)
+        loads = self.chain.load(rows, at_w)
         below, above = self.chain.thrust_w.ravel()[rows] * loads
         before, after = (1.0 - self.upper) * below + self.upper * above
         gain = (after - before) / np.where(moved, more_w, 1.0)
@@ -303,8 +266,8 @@ class Place(NamedTuple):
 
 
 def _rows_first(values: FloatArray) -> FloatArray:
-    """Values of voltages, loads, levels and designs with rows of levels and designs first."""
-    return np.moveaxis(values, (0, 1), (2, 3)).reshape(-1, *values.shape[:2])
+    """Values of loads, levels and designs with rows of levels and designs first."""
+    return np.moveaxis(values, 0, 2).reshape(-1, len(values))
 
 
 def _efficiency(design: Design) -> FloatArray:
@@ -336,15 +299,15 @@ def _through(values: FloatArray, some: IntArray, every: IntArray) -> FloatArray:
 
 
 def _continued(values: FloatArray, known: BoolArray) -> FloatArray:
-    """Powers along the second axis, loads; unknown ones go on from the next with the load."""
+    """Powers along the first axis, loads; unknown ones go on from the next with the load."""
     if known.all():
         return values
     found = np.where(known, values, 1.0)
-    count = found.shape[1]
+    count = len(found)
     for order, grow in ((range(1, count), _RATIO), (range(count - 2, -1, -1), 1.0 / _RATIO)):
-        done = known[:, order.start - order.step].copy()
+        done = known[order.start - order.step].copy()
         for k in order:
-            take = done & ~known[:, k]
-            found[:, k] = np.where(take, found[:, k - order.step] * grow, found[:, k])
-            done |= known[:, k]
+            take = done & ~known[k]
+            found[k] = np.where(take, found[k - order.step] * grow, found[k])
+            done |= known[k]
     return found

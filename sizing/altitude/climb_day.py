@@ -15,15 +15,11 @@ from sizing.altitude.climb_levels import FlightLevels
 from sizing.altitude.climb_march import March, Strategy
 from sizing.altitude.climb_repetition import repeated_day
 from sizing.energy.battery import Store
-from sizing.energy.battery_voltage import CHARGE_SHARES
 from sizing.energy.cycle import Cycle, EnergyBudget, EqualPower, cycle_of, equal_power, joined
 from sizing.energy.power_balance import blocks
 from solar.types import FloatArray
 
 _ELEMENTS_AT_ONCE = 512  # so that the arrays of a day stay near the processor
-# A day is marched again until its voltages stay within the first, relative, and its nominal load
-# within the second: the load follows the voltage with a tenth at the most.
-SETTLED_VOLTS, _SETTLED, ROUNDS = 1e-4, 1e-5, 6
 
 
 @dataclass(frozen=True)
@@ -103,7 +99,7 @@ def simulate_climb(
     Returns arrays of the elements.
     """
     steps = climb_march.STEPS_PER_NODE if steps_per_node is None else steps_per_node
-    return settled_day(March(time_h, levels, store, strategy, steps)).result()
+    return Day(March(time_h, levels, store, strategy, steps)).result()
 
 
 def cycles_with_climb(
@@ -116,29 +112,10 @@ def cycles_with_climb(
     """
     parts, highest_m = [], []
     for some in blocks(len(levels.scenario), _ELEMENTS_AT_ONCE):
-        day = settled_day(March(time_h, levels.select(some), store.select(some), strategy, 1))
+        day = Day(March(time_h, levels.select(some), store.select(some), strategy, 1))
         parts.append(day.cycle())
         highest_m.append(day.maximum_altitude_m())
     return joined(parts), np.concatenate(highest_m)
-
-
-def settled_day(march: March) -> Day:
-    """Day with the voltages of its own charge, where the propulsion follows them."""
-    day, chain = Day(march), march.levels.chain
-    if chain is None or not chain.follows_voltage:
-        return day
-    bus_v, nominal_w = march.bus_v, march.nominal_w
-    assert bus_v is not None
-    for _ in range(ROUNDS):
-        next_v, next_w = day.voltages(), day.nominal_over_night_w()
-        # Element by element: what becomes of one does not depend on the others.
-        moved = np.any(np.abs(next_v - bus_v) > SETTLED_VOLTS * bus_v, axis=0)
-        moved |= np.abs(next_w - nominal_w) > _SETTLED * nominal_w
-        if not np.any(moved):
-            break
-        bus_v, nominal_w = np.where(moved, next_v, bus_v), np.where(moved, next_w, nominal_w)
-        day = Day(march.at_voltages(bus_v, nominal_w))
-    return day
 
 
 class Day:
@@ -235,23 +212,6 @@ class Day:
             level_h = np.maximum(energy - for_avionics, 0.0) / self.march.nominal_w
             shortened = np.where(energy < for_avionics, energy / levels.constant_power_w, glide_h)
         return shortened + level_h
-
-    def voltages(self) -> FloatArray:
-        """Voltage of the bus at the nodes of the steps [V]."""
-        chain = self.march.levels.chain
-        assert chain is not None
-        return chain.voltage_of(self.energy / self.march.store.battery_energy_wh)
-
-    def nominal_over_night_w(self) -> FloatArray:
-        """Nominal load over the voltages from the charge at dawn down to the empty battery [W]."""
-        march, levels, chain = self.march, self.march.levels, self.march.levels.chain
-        assert chain is not None
-        dawn_h = self._equal.morning_h
-        at = np.where(np.isnan(dawn_h), 0.0, dawn_h)
-        charge = _at_times(self.time_h, self.energy, at) / march.store.battery_energy_wh
-        volts = chain.places(chain.voltage_of(charge * CHARGE_SHARES[:, np.newaxis]))
-        power_w = chain.power_w(march.row_at[march.floor], volts, levels.nominal_factor)
-        return np.asarray(1.0 / np.mean(1.0 / (power_w + levels.constant_power_w), axis=0))
 
     def _full_h(self) -> tuple[FloatArray, FloatArray]:
         """First and last instant of full charge [h], NaN without one."""

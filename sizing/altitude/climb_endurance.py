@@ -16,7 +16,6 @@ from typing import ClassVar
 import numpy as np
 
 from sizing.altitude.climb_chain import Place
-from sizing.altitude.climb_day import settled_day
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.altitude.climb_march import March, Strategy, at_nodes
 from sizing.altitude.climb_run import Moves, Power, Stored
@@ -48,8 +47,8 @@ class ClimbFlights(Flights):
     def of(
         cls, time_h: FloatArray, levels: FlightLevels, store: Store, strategy: Strategy
     ) -> ClimbFlights:
-        """Flights of elements in the light and with the voltages of their repeated day."""
-        return cls.over(settled_day(March(time_h, levels, store, strategy, 1)).march)
+        """Flights of elements in the light of their repeated day."""
+        return cls.over(March(time_h, levels, store, strategy, 1))
 
     @classmethod
     def over(cls, march: March) -> ClimbFlights:

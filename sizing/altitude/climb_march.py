@@ -14,7 +14,6 @@ from sizing.altitude.climb_chain import Place
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.altitude.climb_run import DayRun, Drawn, Moves, Power, Record, Stored, mean_of_ends
 from sizing.energy.battery import Store
-from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.energy.cycle import FULL
 from sizing.energy.power_balance import PowerBalance, crossing_fraction, positive_part_wh
 from solar.types import BoolArray, FloatArray, IntArray
@@ -29,10 +28,8 @@ class March:
     """Steps through the day of aircraft in scenarios with both storages.
 
     ``levels``: the aircraft between the lowest altitude and the ceiling. ``steps_per_node``: steps
-    in one of the day's axis. ``bus_v``: voltages at the nodes of the steps, ``(node, element)``, by
-    which a propulsion has the efficiency of the moment; by default those of a half charged battery.
-    ``nominal_w``: load that equal power and excess time count by; by default that at the lowest
-    altitude without thermals.
+    in one of the day's axis. ``nominal_w``: load that equal power and excess time count by; by
+    default that at the lowest altitude without thermals.
     """
 
     def __init__(
@@ -43,7 +40,6 @@ class March:
         strategy: Strategy,
         steps_per_node: int,
         *,
-        bus_v: FloatArray | None = None,
         nominal_w: FloatArray | None = None,
     ) -> None:
         self.node_h, self.levels, self.store = np.asarray(time_h, float), levels, store
@@ -67,32 +63,21 @@ class March:
         self._hours = [np.array(hours) for hours in self.hours[:, 0]]
         self._constant_w = np.array([levels.constant_power_w] * 2)
         self._floor_steps = dict[int, tuple[Power, _Phases]]()
-        chain, shape = levels.chain, (len(self._hours) + 1, self.count)
+        chain = levels.chain
         if chain is not None:
             # Rows of the propulsion's tables at the levels, which designs share.
             rows = np.arange(len(levels.altitude_m))[:, np.newaxis] * chain.count + levels.design
             self.row_at, self.thrust_at = rows.T.ravel(), levels.thrust_power_w.T.ravel()
-            if bus_v is None:
-                bus_v = np.full(shape, float(chain.voltage_of(np.array(FIRST_CHARGE))))
-            self.volts = chain.places(bus_v)
             if nominal_w is None:
-                at = self.volts.at(0)
-                thrust = chain.power_w(rows[0], at, levels.nominal_factor)
+                thrust = chain.power_w(rows[0], levels.nominal_factor)
                 nominal_w = thrust + levels.constant_power_w
-        self.bus_v = bus_v
         self.nominal_w = levels.nominal_load_w if nominal_w is None else nominal_w
 
     def select(self, some: IntArray | BoolArray) -> March:
         """Steps of some of the elements."""
         levels, store = self.levels.select(some), self.store.select(some)
-        bus_v = None if self.bus_v is None else self.bus_v[:, some]
         given = (self.node_h, levels, store, self.strategy, self.steps_per_node)
-        return March(*given, bus_v=bus_v, nominal_w=self.nominal_w[some])
-
-    def at_voltages(self, bus_v: FloatArray, nominal_w: FloatArray) -> March:
-        """Steps of the same flights with other voltages, and with the nominal load by them."""
-        given = (self.node_h, self.levels, self.store, self.strategy, self.steps_per_node)
-        return March(*given, bus_v=bus_v, nominal_w=nominal_w)
+        return March(*given, nominal_w=self.nominal_w[some])
 
     @cached_property
     def solar_at(self) -> FloatArray:
@@ -175,10 +160,9 @@ class March:
         solar_w = self._ends(self.solar_at[:, floor])
         if chain is None:
             return self._balance(solar_w, self.motor_at[floor] * self.factor, hours)
-        row, volts = self.row_at[floor], self.volts
-        ends = np.arange(len(hours))[:, np.newaxis] + np.arange(2)
-        motor_w = chain.power_w(row, volts.at(ends), self.factor)
-        return self._balance(solar_w, motor_w, hours, chain.most_w(row, volts.at(slice(None, -1))))
+        row = self.row_at[floor]
+        motor_w = chain.power_w(row, self.factor)
+        return self._balance(solar_w, motor_w, hours, chain.most_w(row))
 
     def floor_balance(self) -> PowerBalance:
         """Power of the whole day at the lowest altitude, at the nodes of its steps."""
@@ -195,10 +179,10 @@ class March:
 
     def _floor_place(self, number: int, power: Power) -> Place:
         """Where a step at the lowest altitude is flown."""
-        chain, row, volts = self.levels.chain, self.row_at[self.floor], self.volts.at(number)
+        chain, row = self.levels.chain, self.row_at[self.floor]
         assert chain is not None
         thrust_w = self.floor_thrust_w[number]
-        return Place(chain, row, row, self._nothing, volts, mean_of_ends(power.motor_w), thrust_w)
+        return Place(chain, row, row, self._nothing, mean_of_ends(power.motor_w), thrust_w)
 
     def _floor_step(self, number: int) -> tuple[Power, _Phases]:
         """One step at the lowest altitude, kept for the next day."""
@@ -246,16 +230,15 @@ class March:
             motor_w = _between(self.motor_at[below], self.motor_at[above], upper)
             return self._balance(solar_w, motor_w * factor, hours), None
         rows = np.array([self.row_at[below], self.row_at[above]])[:, np.newaxis]
-        volts = self.volts.at(slice(number, number + 2))
-        motors_w = chain.power_w(rows, volts, factor)
+        motors_w = chain.power_w(rows, factor)
         motor_w = _between(motors_w[0], motors_w[1], upper)
         thrust_w = _between(self.thrust_at[below], self.thrust_at[above], upper)
         at = Place(
-            *(chain, self.row_at[below], self.row_at[above], upper, volts.at(0)),
+            *(chain, self.row_at[below], self.row_at[above], upper),
             motor_w=mean_of_ends(motor_w),
             thrust_w=thrust_w * mean_of_ends(factor),
         )
-        most_w = _between(chain.most_w(at.below, at.volts), chain.most_w(at.above, at.volts), upper)
+        most_w = _between(chain.most_w(at.below), chain.most_w(at.above), upper)
         return self._balance(solar_w, motor_w, hours, most_w), at
 
     def _gain(self, place: Place | None, more_wh: FloatArray, hours: FloatArray) -> FloatArray:

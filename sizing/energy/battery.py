@@ -237,6 +237,11 @@ class Battery(OfCatalogue):
         low, high = self.bus_voltage_v(np.array([0.0, 1.0]))
         return float(low), float(high)
 
+    @property
+    def nominal_voltage_v(self) -> float:
+        """Voltage of the bus with a half charged battery, by which a day is flown [V]."""
+        return float(self.bus_voltage_v(np.array(0.5)))
+
     def bus_voltage_v(self, state_of_charge: FloatArray) -> FloatArray:
         """Voltage of the bus at shares of the usable energy [V]; held where the table ends.
 

@@ -9,11 +9,6 @@ from pydantic import Field, model_validator
 from solar.schema import CellCount, PositiveReal, Record, UnitInterval
 from solar.types import FloatArray
 
-# State of charge whose voltage the first march of a day has.
-FIRST_CHARGE = 0.5
-# Shares of the charge over whose voltages a nominal load is averaged, in the middle of equal steps.
-CHARGE_SHARES = (np.arange(32) + 0.5) / 32.0
-
 
 class BatteryVoltage(Record):
     """Voltage of a battery over its state of charge.

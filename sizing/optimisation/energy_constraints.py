@@ -19,7 +19,6 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, FlightConditions
 from sizing.energy.battery import ChargeLimit, NoChargeLimit, RuleChargeLimit, TableChargeLimit
-from sizing.energy.battery_voltage import FIRST_CHARGE
 from sizing.held_station import flown_faster
 from sizing.smooth import Value, smooth_maximum
 from sizing.sunlight import SolarDay
@@ -237,7 +236,7 @@ def powers_of_loads_w(
         return None
     thrust_w = design.thrust_power_w
     own = propulsion.sized(*design.variables.of_propulsion)
-    bus_v = float(aircraft.battery.bus_voltage_v(np.array(FIRST_CHARGE)))
+    bus_v = aircraft.battery.nominal_voltage_v
     speed, air = design.airspeed_m_per_s, conditions.air
     return [own.bus_power_w(thrust_w * load, speed, air, bus_v) for load in loads]
 

@@ -264,12 +264,11 @@ def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficie
         nominal_load_w=design.nominal_load_w(mission),
     )
     charge = flown.cycle.energy_wh[at] / float(np.ravel(flown.store.battery_energy_wh)[0])
-    volts = aircraft.battery.bus_voltage_v(charge)
+    bus_v = aircraft.battery.nominal_voltage_v
     load = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)[0]
     own, flight = flight_of(aircraft, mission, design)
 
     def instant(node: int) -> Instant:
-        bus_v = float(volts[node])
         point = own.point(flight.thrust_w * load[node], *flight[1:], (bus_v, bus_v))
         hour, share, soc = (float(one[node]) for one in (day.time_h, load, charge))
         return Instant(hour, share, soc, bus_v, float(point.efficiency), str(point.reason))
@@ -292,7 +291,7 @@ def varying_line(found: VaryingEfficiency) -> str:
     hours = f"excess time {ours:.2f} h" if np.isfinite(ours) else "unlimited excess time"
     night = found.night
     parts = [
-        f"propulsion at the load and voltage of the moment: {hours}, {theirs:.2f} h by level "
+        f"propulsion at the load of the moment: {hours}, {theirs:.2f} h by level "
         f"flight's efficiency; {_told(night)} at {night.bus_voltage_v:.1f} V at the end of the "
         f"night, {100.0 * night.state_of_charge:.0f} % charge"
     ]

@@ -330,8 +330,7 @@ class Propagation:
         )
         if case.mission.holds_station:
             loads = loads.against_wind(case.aircraft)
-        battery = self.aircraft.battery
-        cycle, load_w, _ = flown_cycle(loads, case.store, battery, keep_trajectory=False)
+        cycle, load_w, _ = flown_cycle(loads, case.store, keep_trajectory=False)
         return cycle, solar_w, load_w
 
     def _solar_of_draws(self, case: _Case, scenario: int) -> FloatArray:

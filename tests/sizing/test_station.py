@@ -191,8 +191,6 @@ def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path: Path) -
     assert faster.chain is not None
     assert float(faster.airspeed_m_per_s) == pytest.approx(wind)
     thrust_w = float(faster.propulsion_power_w) * faster.chain.efficiency
-    charge = flown.cycle.energy_wh[0] / float(design.battery_energy_wh)
-    bus_v = own.battery.bus_voltage_v(charge)
     day = flown.day
     half = (day.sunset_h[0] - day.sunrise_h[0]) / 2.0
     load = 1.05 + 0.3 * np.maximum(1.0 - np.abs(day.time_h - 12.0) / half, 0.0)
@@ -200,7 +198,7 @@ def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path: Path) -
     some = slice(0, None, 24)
     point = operating_point(
         *(parts.propulsor, (thrust_w * load / wind / parts.propulsors)[some], wind, air),
-        bus_v[some],
+        own.battery.nominal_voltage_v,
     )
     power_w = flown.load_w[0, some] - float(design.constant_power_w)
     assert power_w == pytest.approx(parts.propulsors * point.bus_power_w, rel=3e-5)

@@ -40,6 +40,9 @@ def flown() -> ClimbPerformance:
     return climb_performance(TWIN, HIGH)
 
 
+BUS_V = TWIN.battery.bus_voltage_v(np.array(0.5))  # that days are flown by
+
+
 def exact_w(altitude_m: float, thrust_w: FloatArray, bus_v: FloatArray) -> FloatArray:
     """Electric power by the public function; NaN where the parts cannot do it."""
     parts = getattr(TWIN.airframe, "propulsion", None)
@@ -72,22 +75,21 @@ def test_the_table_is_the_exact_chain(ceiling_m: float) -> None:
     where, rng = mission(ceiling_m), np.random.default_rng(3)
     chain = chain_of(where)
     for number, altitude_m in enumerate(where.climb_levels_m):
-        load, bus_v = rng.uniform(0.3, 3.0, 8), rng.uniform(18.0, 25.2, 8)
-        exact = exact_w(altitude_m, level(altitude_m)[0] * load, bus_v)
-        ours = chain.power_w(np.full(8, number), chain.places(bus_v), load)
+        load = rng.uniform(0.3, 3.0, 8)
+        exact = exact_w(altitude_m, level(altitude_m)[0] * load, BUS_V)
+        ours = chain.power_w(np.full(8, number), load)
         able = np.isfinite(exact)
         assert able.sum() > 3
         # Where the blades begin to stall the cubics are 1e-4 off.
         assert ours[able] == pytest.approx(exact[able], rel=2e-4)
-        back = chain.load(np.full(8, number), chain.places(bus_v), ours)
+        back = chain.load(np.full(8, number), ours)
         assert back == pytest.approx(load, rel=2e-4)
 
 
 def test_level_flight_is_exact_in_the_table() -> None:
     chain = chain_of(mission(2536.0))
-    bus_v = np.array([18.0, 21.6, 25.2])
-    ours = chain.power_w(np.zeros(3, int), chain.places(bus_v), np.ones(3))
-    exact = exact_w(536.0, np.full(3, level(536.0)[0]), bus_v)
+    ours = chain.power_w(np.zeros(1, int), np.ones(1))
+    exact = exact_w(536.0, np.full(1, level(536.0)[0]), BUS_V)
     assert ours == pytest.approx(exact, rel=1e-8)  # its rotation is found to 1e-9
 
 
@@ -101,8 +103,6 @@ def test_every_step_has_the_power_of_the_exact_chain(flown: ClimbPerformance) ->
     half = (sun.sunset_h[0] - sun.sunrise_h[0]) / 2.0
     factor = 1.05 + 0.2 * np.maximum(1.0 - np.abs(middle_h - 12.0) / half, 0.0)
     height = (day.altitude_m[0][1:] + day.altitude_m[0][:-1]) / 2.0
-    charge = day.energy_wh[0] / float(design.battery_energy_wh)
-    bus_v = TWIN.battery.bus_voltage_v((charge[1:] + charge[:-1]) / 2.0)
     climbs, sinks = gains_w > 1.0, gains_w < -1.0
     kinds = {"climb": climbs, "glide": sinks, "level": ~climbs & ~sinks & (gains_w == 0.0)}
     for name, marks in kinds.items():
@@ -113,9 +113,9 @@ def test_every_step_has_the_power_of_the_exact_chain(flown: ClimbPerformance) ->
             thrust_w = level_w * factor[step] + gains_w[step]
             if thrust_w < 0.3 * level_w:
                 # The motor is off, or runs for a part of the time.
-                assert motor_w[step] < 0.5 * exact_w(height[step], np.array(25.0), bus_v[step])
+                assert motor_w[step] < 0.5 * exact_w(height[step], np.array(25.0), BUS_V)
                 continue
-            exact = exact_w(float(height[step]), np.array(thrust_w), np.array(bus_v[step]))
+            exact = exact_w(float(height[step]), np.array(thrust_w), BUS_V)
             # Between levels 500 m apart the march is linear, and so is a step over a minute.
             assert motor_w[step] == pytest.approx(float(exact), rel=2e-3), (name, step)
 
@@ -143,22 +143,6 @@ def test_without_height_it_is_the_day_of_level_flight(thermal: float) -> None:
     assert ours.minimum_state_of_charge == pytest.approx(theirs.minimum_state_of_charge, abs=2e-4)
     # The means of a minute stand half a minute later.
     assert found.climb.load_w[0, ::5] == pytest.approx(found.constant.load_w[0], rel=5e-4)
-
-
-def test_a_battery_of_one_voltage_has_one_march(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert TWIN.battery.voltage is not None
-    flat = TWIN.battery.voltage.model_copy(
-        update={"state_of_charge": (0.0, 1.0), "cell_voltage_v": (3.6, 3.6)}
-    )
-    own = TWIN.model_copy(update={"battery": TWIN.battery.model_copy(update={"voltage": flat})})
-    monkeypatch.setattr("sizing.altitude.climb_day.ROUNDS", 0)
-    found = climb_performance(own, HIGH)
-    levels = flight_levels(own, HIGH, design_of(own, HIGH), solar_day(own, HIGH))
-    assert levels.chain is not None
-    assert not levels.chain.follows_voltage
-    night = found.climb.load_w[0][-20:] - float(found.constant.design.constant_power_w)
-    parts = level(536.0)[0] * 1.05
-    assert night == pytest.approx(float(exact_w(536.0, np.array(parts), np.array(21.6))), rel=1e-3)
 
 
 def test_no_more_is_climbed_with_than_the_parts_can_do() -> None:

@@ -17,7 +17,6 @@ from missions.winds.table import COLUMNS
 from sizing import analyse, size
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aircraft import Aircraft
-from sizing.altitude.best_climb import best_climb
 from sizing.altitude.climb_levels import flight_levels
 from sizing.design import DesignVariables, variables_of
 from sizing.limits import meets_requirements
@@ -178,12 +177,6 @@ def test_stronger_winds_aloft_leave_less(tmp_path: Path) -> None:
     assert np.all(strong <= calm + 1e-8)
     level = excess_h(HIGH, held(tmp_path, STRONG_ALOFT, climb=None))
     assert np.all(strong >= level - 1e-3)
-
-
-def test_the_best_course_keeps_below_a_wind_that_is_not_held(tmp_path: Path) -> None:
-    found = best_climb(HIGH, held(tmp_path, STRONG_ALOFT, dates={"on": "06-21"}))
-    assert found.excess_time_h >= max(found.by_rule_h.values()) - 0.02
-    assert found.altitude_m.max() < 21900.0
 
 
 @pytest.mark.parametrize(
