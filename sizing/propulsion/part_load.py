@@ -53,9 +53,11 @@ class PartLoad:
         ratio = np.where(known, power, 1.0) / np.where(known, level_w, 1.0)
         ratio = np.where(known, ratio, np.where(np.isfinite(level_w), _BEYOND, 1.0))
         shape = (len(points), *np.shape(level_w))
-        values = np.broadcast_to(ratio, shape).reshape(len(points), -1)
-        solved = np.linalg.solve(np.vander(points, increasing=True), values)
-        return cls(np.asarray(solved, float).reshape(shape), (centre, half))
+        inverse = np.linalg.inv(np.vander(points, increasing=True))
+        # One after the other, so that a design does not depend on its batch to the last bit.
+        values = zip(inverse.T, np.broadcast_to(ratio, shape), strict=True)
+        found = sum(weights.reshape(-1, *(1,) * one.ndim) * one for weights, one in values)
+        return cls(np.asarray(found), (centre, half))
 
     @property
     def beyond(self) -> BoolArray:
@@ -110,7 +112,7 @@ def _from_centre(
 
 def _horner(coefficients: list[FloatArray], place: FloatArray) -> FloatArray:
     """Polynomial of rising powers."""
-    found = coefficients[-1]
+    found = coefficients[-1] + 0.0 * place
     for one in reversed(coefficients[:-1]):
         found = one + found * place
     return np.asarray(found)
