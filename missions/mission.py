@@ -33,7 +33,6 @@ from solar.schema import (
     Record,
     Text,
     UnitInterval,
-    check_below,
     wrong_value,
 )
 from solar.sun import declination, sun_times
@@ -236,47 +235,23 @@ class Launch(Record):
         return int(hours) + int(minutes) / 60.0
 
 
-class AltitudeRange(Record):
-    """Altitudes within which a sizing may choose."""
-
-    minimum: Altitude
-    maximum: Altitude
-
-    @model_validator(mode="after")
-    def _check_altitudes(self) -> AltitudeRange:
-        check_below(self, "minimum", "maximum")
-        return self
-
-
-class AltitudeSpace(Record):
-    """Ends of a flight with climbs that a sizing chooses; one without a range stays as it is."""
-
-    ceiling_m: AltitudeRange | None = None
-    minimum_altitude_m: AltitudeRange | None = None
-
-    def ranges(self) -> dict[str, AltitudeRange]:
-        """Ranges that are given, by the key of what is chosen."""
-        values = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name: value for name, value in values.items() if value is not None}
-
-
 class Climb(Record):
     """Surplus power stored as height by day, to sink to the mission's altitude in the evening.
 
     ``battery_full`` climbs once the battery is full, ``surplus`` with whatever the charger leaves
     over at any time. ``minimum_altitude_m``: the night's floor, which the aircraft does not sink
     below; another name for the mission's altitude, which need not be given beside it.
-    ``design_space``: what a sizing chooses of both; all else flies between them as they are.
     """
 
     explained_keys: ClassVar[Mapping[str, str]] = {
-        "maximum_altitude_m": "the highest altitude is climb.ceiling_m"
+        "maximum_altitude_m": "the highest altitude is climb.ceiling_m",
+        "design_space": "altitudes are not chosen by size: give climb.ceiling_m, and vary it with "
+        "sweep --resize --vary mission.climb.ceiling_m=...",
     }
 
     ceiling_m: Altitude
     minimum_altitude_m: Altitude | None = None
     strategy: Literal["battery_full", "surplus"] = "battery_full"
-    design_space: AltitudeSpace = AltitudeSpace()
 
     @property
     def when(self) -> str:
@@ -379,30 +354,11 @@ class Mission(FileRecord):
                 f"must be at least the mission's altitude_m of {self.altitude_m:g} (got "
                 f"{self.climb.ceiling_m:g})",
             )
-        self._check_altitude_space(self.climb)
         if self.launch is not None:
             raise wrong_value(
                 "climb", "a replayed flight keeps its altitude: give launch or climb, not both"
             )
         return self
-
-    def _check_altitude_space(self, climb: Climb) -> None:
-        """Refuse floors to choose from that are all above the ceiling."""
-        floors, ceilings = climb.design_space.minimum_altitude_m, climb.design_space.ceiling_m
-        lowest_m = self.altitude_m if floors is None else floors.minimum
-        highest_m = climb.ceiling_m if ceilings is None else ceilings.maximum
-        if lowest_m <= highest_m:
-            return
-        if ceilings is None:
-            raise wrong_value(
-                "climb.design_space.minimum_altitude_m",
-                f"must begin at climb.ceiling_m of {highest_m:g} at most (got {lowest_m:g})",
-            )
-        floor = "altitude_m" if floors is None else "lowest floor"
-        raise wrong_value(
-            "climb.design_space.ceiling_m",
-            f"must reach the mission's {floor} of {lowest_m:g} at least (got {highest_m:g})",
-        )
 
     @model_validator(mode="after")
     def _check_launch(self) -> Mission:
@@ -466,19 +422,13 @@ class Mission(FileRecord):
         return self
 
     def _altitudes_in_wind_m(self) -> list[float]:
-        """Altitudes whose wind must be known: those of flight, and the ends of those to choose.
+        """Altitudes of flight, whose wind must be known.
 
         Above the floor the wind plays a part where the place is held, and on a flight path.
         """
         found = [self.altitude_m]
-        if self.climb is not None:
-            space = self.climb.design_space
-            ranges = [space.minimum_altitude_m]
-            if self.holds_station or self.flight_path is not None:
-                found.append(self.climb.ceiling_m)
-                ranges.append(space.ceiling_m)
-            for one in ranges:
-                found += [] if one is None else [one.minimum, one.maximum]
+        if self.climb is not None and (self.holds_station or self.flight_path is not None):
+            found.append(self.climb.ceiling_m)
         return found
 
     @property
@@ -631,33 +581,6 @@ class Mission(FileRecord):
             return level
         climb = self.climb.model_copy(update={"minimum_altitude_m": level.altitude_m})
         return level.model_copy(update={"climb": climb})
-
-    def flown_between(self, floor_m: float, ceiling_m: float) -> Mission:
-        """Same mission with climbs between other altitudes, through the same weather.
-
-        Parameters
-        ----------
-        floor_m, ceiling_m : float
-            Night's floor and ceiling [m].
-
-        Returns
-        -------
-        Mission
-        """
-        assert self.climb is not None
-        there = self if floor_m == self.altitude_m else self.climbing_from(floor_m)
-        assert there.climb is not None
-        climb = there.climb.model_copy(update={"ceiling_m": ceiling_m})
-        return there.model_copy(update={"climb": climb})
-
-    def with_fixed_altitudes(self) -> Mission:
-        """Same mission without altitudes to choose from."""
-        if self.climb is None:
-            return self
-        update = {"design_space": AltitudeSpace()}
-        fixed = self.climb.model_copy(update=update)
-        fixed.model_fields_set.discard("design_space")
-        return self.model_copy(update={"climb": fixed})
 
     def module_temperature_c(self) -> float:
         """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""

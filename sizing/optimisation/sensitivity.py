@@ -33,8 +33,6 @@ from solar.types import FloatArray
 # Charge limited by the sun turns into charge limited by the charger within a relative change of
 # some 1e-5, and optima like to sit at such a turn: a longer step would average over both sides.
 _RELATIVE_STEP = 1e-6
-# Of a difference over altitude; what the gain of a further one is told for [m].
-_ALTITUDE_STEP_M, _ALTITUDE_TOLD_M = 1.0, 100.0
 # Multipliers below this are what the solver leaves of an inactive constraint.
 LEAST_MULTIPLIER = 1e-5
 
@@ -144,39 +142,6 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
         add(f"{variable} at its bound", multiplier, RELATIVE_STEP, "1 % of the bound")
     multipliers = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
     return sorted(multipliers, key=lambda one: -one.gain)
-
-
-def altitude_multipliers(
-    aircraft: Aircraft, mission: Mission, result: SizingResult, solar: SolarModel = UNCORRECTED_CAM
-) -> list[ConstraintMultiplier]:
-    """What the objective gains where the range of a chosen altitude is longer at its end.
-
-    ``mission``: between the altitudes that were chosen, see
-    :func:`sizing.optimisation.altitudes.with_best_altitudes`.
-    """
-    optimum, perf, objective_value = _checked(result, "multipliers")
-    if mission.climb is None or not np.isfinite(objective_value):
-        return []
-    every, blocks = perf.day.scenarios, list(optimum.scenarios)
-    scenarios = Scenarios(every.latitude_deg[blocks], every.day_of_year[blocks])
-    lagrangian = _Lagrangian(optimum, solar, scenarios)
-    floor_m, ceiling_m = mission.altitude_m, mission.climb.ceiling_m
-    at_own = lagrangian.at(aircraft, mission)
-    gains = []
-    for key, ends in mission.climb.design_space.ranges().items():
-        of_floor = key == "minimum_altitude_m"
-        own_m = floor_m if of_floor else ceiling_m
-        if own_m not in (ends.minimum, ends.maximum):
-            continue
-        further_m = own_m + (_ALTITUDE_STEP_M if own_m == ends.maximum else -_ALTITUDE_STEP_M)
-        moved = (further_m, ceiling_m) if of_floor else (floor_m, further_m)
-        change = lagrangian.at(aircraft, mission.flown_between(*moved)) - at_own
-        gain = -abs(_objective_per_cost(result)) * change * _ALTITUDE_TOLD_M / _ALTITUDE_STEP_M
-        if gain > 0.0:
-            name = "mission.altitude_m" if of_floor else f"mission.climb.{key}"
-            step = f"{_ALTITUDE_TOLD_M:g} m"
-            gains.append(ConstraintMultiplier(f"{name} at its bound", gain, step))
-    return gains
 
 
 def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:

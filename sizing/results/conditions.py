@@ -182,7 +182,7 @@ def climb_lines(
             f"{float(flown.maximum_potential_energy_wh[0]):.1f} Wh; glides {hours(gliding_h)} in "
             f"the evening; at dawn at {_dawn_altitude_m(climbs):.0f} m"
         )
-    lines: list[Any] = [*_chosen_altitudes(mission), text]
+    lines: list[Any] = [text]
     if level is not None:
         lines.append(Line(_without(mission, result, level)))
     return lines
@@ -206,22 +206,6 @@ def _without(mission: Mission, result: SizingResult, level: SizingResult) -> str
         change = change_text(result.objective_value, level.objective_value)
         parts.insert(0, f"{result.objective.label} {value} ({change})")
     return f"{where}: {', '.join(parts)}"
-
-
-def _chosen_altitudes(mission: Mission) -> list[Line]:
-    """Altitudes that the sizing has chosen, and from where."""
-    assert mission.climb is not None
-    values = {
-        "minimum_altitude_m": ("night's floor", mission.altitude_m),
-        "ceiling_m": ("ceiling", mission.climb.ceiling_m),
-    }
-    space = mission.climb.design_space.ranges()
-    parts = [
-        f"{name} {value:.0f} m (from {space[key].minimum:.0f} to {space[key].maximum:.0f} m)"
-        for key, (name, value) in values.items()
-        if key in space
-    ]
-    return [Line(f"chosen altitudes: {', '.join(parts)}")] if parts else []
 
 
 def _dawn_altitude_m(climbs: ClimbPerformance) -> float:

@@ -147,15 +147,6 @@ def uncertainty_record(
     }
 
 
-def chosen_altitudes(mission: Mission) -> dict[str, Any]:
-    """Floor and the ranges that a sizing chooses altitudes from, JSON-ready; empty without any."""
-    space = None if mission.climb is None else mission.climb.design_space.ranges()
-    if not space:
-        return {}
-    ranges = {key: one.model_dump() for key, one in space.items()}
-    return {"minimum_altitude_m": mission.altitude_m, "design_space": ranges}
-
-
 def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
     """What climbing does in one scenario, JSON-ready."""
     assert mission.climb is not None
@@ -164,7 +155,6 @@ def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict
     return {
         "strategy": mission.climb.strategy,
         "ceiling_m": mission.climb.ceiling_m,
-        **chosen_altitudes(mission),
         **({} if held_m is None else {"held_up_to_m": finite(held_m[index])}),
         "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
         "gliding_h": finite(flown.gliding_h[index]),

@@ -13,7 +13,6 @@ from sizing.design import DesignVariables
 from sizing.margins.probability import check_reliability, size_reliably
 from sizing.mass_budget import check_own_models
 from sizing.module_power import balances_heat
-from sizing.optimisation.altitudes import with_best_altitudes
 from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.cross_check import cross_check
 from sizing.optimisation.objectives import Objective
@@ -24,7 +23,6 @@ from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.result import SizingResult, SizingStatus
 from sizing.optimisation.search import size_aircraft
 from sizing.optimisation.sensitivity import (
-    altitude_multipliers,
     constraint_multipliers,
     sensitivities,
 )
@@ -61,8 +59,7 @@ def size(
     aircraft : Aircraft
         A parametric one; its ``design_space`` bounds what is chosen.
     mission : Mission
-        All of its latitudes and dates must be flown. Altitudes of climbs with a range in
-        ``climb.design_space`` are chosen as well, with a reliability as without it.
+        All of its latitudes and dates must be flown.
     objective : Objective, str or callable
         ``min_mass``, ``min_wingspan``, ``max_excess_time``, ``max_payload_mass``,
         ``max_payload_power``, ``longest_season`` or ``widest_latitude_band``; or a function of the
@@ -121,7 +118,6 @@ def size(
         required = {"required_excess_time_h": required_excess_time_h}
         required_excess_time_h = with_values(mission, required).required_excess_time_h
     options: dict[str, Any] = {"required_excess_time_h": required_excess_time_h}
-    mission = with_best_altitudes(aircraft, mission, wanted, solar, **options)
     if whole_cells:
         if with_sensitivities or with_cross_check or reliability is not None:
             raise ValueError(
@@ -153,7 +149,7 @@ def size(
     worth = with_sensitivities and result.feasible
     multipliers = None
     if worth:
-        multipliers = constraint_multipliers(result) + altitude_multipliers(*asked)
+        multipliers = constraint_multipliers(result)
         multipliers.sort(key=lambda one: -one.gain)
     guarded = None
     if with_margin and result.feasible and coverage is None:

@@ -174,7 +174,7 @@ class SizingStudy(Result):
             for key, value in (("mass_kg", design.masses.payload), ("power_w", power_w))
         }
         payload = self.mission.payload.model_copy(update=carried)
-        return self.mission.with_fixed_altitudes().model_copy(update={"payload": payload})
+        return self.mission.model_copy(update={"payload": payload})
 
     def _optimum(self) -> Design:
         if self.result.design is None:

@@ -152,18 +152,15 @@ def with_worth(
     extrapolations: Iterable[Extrapolation],
     aircraft: Aircraft,
     flown: Callable[[], Performance | None],
-    *,
-    of_what: str = "",
 ) -> tuple[Extrapolation, ...]:
     """Add to what is told of modules and battery in cold air what the assumption is worth.
 
     ``flown``: gives a single design's repeated day, whose worst scenario is flown again, of climbs
     in level flight at their highest altitude; asked only where an assumption is told. None where
-    nothing flies. ``of_what``: which excess time it is, where it is not the one that the result
-    tells. Returns in the same order.
+    nothing flies. Returns in the same order.
     """
     notes = tuple(extrapolations)
-    perf = None
+    perf, of_what = None, ""
     if any((one.quantity, one.model) in _WITHOUT for one in notes):
         perf = flown()
     if perf is not None and perf.maximum_altitude_m is not None:

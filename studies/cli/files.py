@@ -346,14 +346,6 @@ def refuse_climb(case: Case, command: str, why: str) -> None:
         raise located_error(case.mission_file.document, ("climb",), message)
 
 
-def refuse_chosen_altitudes(case: Case, command: str) -> None:
-    """Refuse altitudes to choose from where every design is sized for the mission's own."""
-    climb = case.mission.climb
-    if climb is not None and climb.design_space.ranges():
-        message = f"size alone chooses altitudes, {command} keeps them; leave it out"
-        raise located_error(case.mission_file.document, ("climb", "design_space"), message)
-
-
 def require_climber(case: Case) -> None:
     """Refuse an aircraft that cannot climb on a mission that has climbs."""
     if case.mission.climb is None:

@@ -153,7 +153,7 @@ def sizing_record(task: SizingTask) -> dict[str, Any]:
         raise ValueError(f"polar night: the sun never rises at {where}, so that no design flies")
     study = size(
         # Sliders have the altitudes.
-        *(task.aircraft, task.mission.with_fixed_altitudes(), task.objective),
+        *(task.aircraft, task.mission, task.objective),
         model=task.solar.model,
         correction=task.solar.correction,
         with_margin=True,

@@ -38,9 +38,6 @@ def sized_inputs(study: SizingStudy, inputs: RunInputs) -> RunInputs:
     """
     mission = _at_the_site(_on_range(inputs.mission, study.coverage), study)
     sized = study.sized_mission()
-    if study.mission.climb is not None and study.mission.climb.design_space.ranges():
-        own = sized.model_dump(mode="json", exclude_unset=True, exclude_none=True)
-        mission |= {key: own[key] for key in ("altitude_m", "air", "climb") if key in own}
     carried = sized.payload
     if carried != study.mission.payload:
         mission["payload"] = carried.model_dump()

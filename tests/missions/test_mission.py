@@ -322,48 +322,6 @@ def test_bad_floors_are_one_line(changes: str, message: str) -> None:
     assert str(caught.value) == f"m.yaml:6:23: climb.minimum_altitude_m: {message}"
 
 
-@pytest.mark.parametrize(
-    ("key", "ends", "message"),
-    [
-        (
-            "minimum_altitude_m",
-            "{minimum: 19000, maximum: 20000}",
-            "must begin at climb.ceiling_m of 18000 at most (got 19000)",
-        ),
-        (
-            "ceiling_m",
-            "{minimum: 2000, maximum: 4000}",
-            "must reach the mission's altitude_m of 5000 at least (got 4000)",
-        ),
-        (
-            "ceiling_m",
-            "{minimum: 9000, maximum: 7000}",
-            "minimum must be below maximum (got 9000 and 7000)",
-        ),
-    ],
-)
-def test_altitudes_to_choose_from_are_refused_in_one_line(
-    key: str, ends: str, message: str
-) -> None:
-    text = (
-        "name: a\nlatitude_deg: 47\ndates: {on: 06-21}\naltitude_m: 5000\nclimb:\n"
-        f"  ceiling_m: 18000\n  design_space:\n    {key}: {ends}"
-    )
-    with pytest.raises(InputError) as caught:
-        validate(parse_yaml(text, "m.yaml"), Mission)
-    (problem,) = caught.value.problems
-    assert problem.line == 8
-    assert problem.key == f"climb.design_space.{key}"
-    assert problem.message == message
-
-
-def test_wind_must_be_known_at_all_floors_to_choose_from() -> None:
-    floors = {"minimum_altitude_m": {"minimum": 5000.0, "maximum": 20000.0}}
-    climb = {"ceiling_m": 22000.0, "design_space": floors}
-    with pytest.raises(ValidationError, match="5000"):
-        mission(altitude_m=18000.0, climb=climb, wind={"percentile": 95})
-
-
 def test_null_altitude_leaves_it_to_the_floor() -> None:
     climb = {"ceiling_m": 18000.0, "minimum_altitude_m": 12000.0}
     assert mission(altitude_m=None, climb=climb).altitude_m == 12000.0

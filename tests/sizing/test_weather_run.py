@@ -5,7 +5,6 @@ import pytest
 from weather_files import SITE, clear_record
 
 from missions.air import air_at
-from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.weather.light import light_at_altitude
 from missions.weather.record import Site, run_lengths
@@ -88,13 +87,6 @@ def test_a_held_place_is_flown_as_fast_as_the_wind_in_the_air_of_each_day(windy_
         # The structure that is sized in the other air is up to 0.1 % heavier or lighter.
         assert np.allclose(done.recorded.load_w, there, rtol=2e-3)
         assert abs(there / flown.load_w[0, 0] - 1.0) > 0.005
-
-
-def test_climbs_in_a_record_hold_no_place(windy_file):
-    wind = {"percentile": 95.0, "hold_station": True, "file": windy_file}
-    mission = load_mission("rafz-july", {"wind": wind, "climb": {"ceiling_m": 1500.0}})
-    with pytest.raises(InputError, match=r"leave out climb or wind\.hold_station of rafz-july"):
-        mission_at_site(mission, clear_record(1))
 
 
 def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):

@@ -8,7 +8,6 @@ from studies.cli.commands.map import Map
 from studies.cli.files import (
     Case,
     load,
-    refuse_chosen_altitudes,
     require_climb_power,
     require_climber,
     require_parametric,
@@ -37,7 +36,6 @@ def map_(options: Map) -> None:
     else:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
         require_climb_power(case)
-        refuse_chosen_altitudes(case, "map --resize")
     study = _prepared(case, options)
     record = results.designs_record if resized else results.seasons_record
     table = results.designs_table if resized else results.seasons_table

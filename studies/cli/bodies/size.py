@@ -86,8 +86,6 @@ def _refuse_unsizable(case: Case, options: Size) -> None:
     """Refuse an aircraft or a mission that cannot be sized so."""
     measured = "a measured aircraft cannot be sized; allowed: parametric"
     checks.require_parametric(case, measured)
-    if options.weather_file is not None:
-        checks.refuse_chosen_altitudes(case, "size --weather")
     checks.require_climb_power(case)
     if not options.goal.of_range and options.weather_file is None:
         checks.refuse_polar_night(case)

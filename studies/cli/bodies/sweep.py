@@ -16,7 +16,6 @@ from studies.cli.commands.sweep import Sweep
 from studies.cli.files import (
     Case,
     load,
-    refuse_chosen_altitudes,
     require_climb_power,
     require_climber,
     require_path,
@@ -50,7 +49,6 @@ def sweep(options: Sweep) -> None:
         require_climber(case)
     else:
         require_climb_power(case)
-        refuse_chosen_altitudes(case, "sweep --resize")
     prepared = _prepared(case, options)
     with completed(prepared.job, options.work, out_file, "points") as outcome:
         data = dataset(prepared, outcome)

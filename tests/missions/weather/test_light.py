@@ -104,19 +104,6 @@ def test_distances_are_told_of_missions_with_a_longitude_alone():
     assert note.endswith("km from the mission's")
 
 
-def test_climbs_are_kept_above_the_ground_and_below_thin_air():
-    there = clear_record(1, site=Site("Far", -30.0, 150.0, 1500.0, 10.0))
-    climbing = [load_mission("rafz-july", {"climb": {"ceiling_m": m}}) for m in (4000, 1600, 12000)]
-    moved, notes = mission_at_site(climbing[0], there, chosen=False)
-    assert (moved.altitude_m, moved.climb.ceiling_m) == (1620.0, 4000.0)
-    assert moved.climb_levels_m[0] == 1620.0
-    assert "climbs from 1620 to 4000 m" in notes[-1]
-    assert "all of the record's clouds above the aircraft" in notes[-1]
-    for mission in climbing[1:]:
-        with pytest.raises(InputError, match=r"from 1620 m to below 12000 m in .*got \d+"):
-            mission_at_site(mission, there, chosen=False)
-
-
 def test_a_moved_mission_keeps_the_weather_of_its_air():
     mission = load_mission("rafz-july")
     there = clear_record(1, site=Site("", 47.0, 8.0, 400.0, 1.0))

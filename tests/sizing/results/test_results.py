@@ -58,75 +58,6 @@ def test_an_analysis_has_the_same_numbers_as_frame_and_dictionary(analysis: Anal
     assert trajectory["state_of_charge"].between(0.0, 1.0).all()
 
 
-SLOW = {"dates.on": "09-21", "clearness": 0.805}
-
-
-def test_a_day_that_settles_slowly_is_told() -> None:
-    aircraft = sizing.load_aircraft("atlantiksolar-as2")
-    slow = sizing.analyse(aircraft, missions.load_mission("rafz-july", SLOW))
-    assert slow.is_perpetual
-    assert slow.to_dict()["days_to_settle"] == slow.to_frame()["days_to_settle"][0] == 19
-    assert "must repeat itself 19 times" in " ".join(str(slow).split())
-    quick = sizing.analyse(aircraft, missions.load_mission("rafz-july"))
-    assert quick.to_dict()["days_to_settle"] == 1
-    assert "repeat itself" not in str(quick)
-
-
-def test_days_from_an_empty_battery_while_the_date_advances() -> None:
-    aircraft = sizing.load_aircraft("atlantiksolar-as2")
-    autumn = missions.load_mission("rafz-july", SLOW)
-    two = sizing.analyse(aircraft, autumn, days=2)
-    assert not two.is_perpetual
-    assert "21 Sep, after 2 days from an empty battery" in " ".join(str(two).split())
-    assert "after 2 days" in repr(two)
-    record = two.to_dict()
-    assert (record["days"], record["days_to_settle"]) == (2, None)
-    # The light is that of 23 September, from which a repeated day has as much.
-    later = sizing.analyse(
-        aircraft, missions.load_mission("rafz-july", SLOW | {"dates.on": "09-23"})
-    )
-    assert record["solar_energy_wh"] == pytest.approx(later.to_dict()["solar_energy_wh"])
-    # In June the battery is full after a day, and the date hardly matters.
-    june = missions.load_mission("rafz-july", {"dates.on": "06-20"})
-    repeated, flown = (sizing.analyse(aircraft, june, days=n).excess_time_h for n in (None, 2))
-    assert flown == pytest.approx(repeated, abs=0.005)
-
-
-def test_days_advance_across_the_end_of_the_year() -> None:
-    aircraft = sizing.load_aircraft("atlantiksolar-as2")
-    on = {"dates.on": "12-31", "latitude_deg": -30.0}
-    over = sizing.analyse(aircraft, missions.load_mission("rafz-july", on), days=2).to_dict()
-    later = missions.load_mission("rafz-july", on | {"dates.on": "01-02"})
-    expected = sizing.analyse(aircraft, later).to_dict()
-    assert over["solar_energy_wh"] == pytest.approx(expected["solar_energy_wh"])
-    assert over["date"] == "12-31"
-
-
-@pytest.mark.parametrize(
-    ("days", "error", "message"),
-    [
-        (0, ValueError, r"days must be from 1 to 365 \(got 0\)"),
-        (366, ValueError, r"from 1 to 365 \(got 366\)"),
-        (2.0, TypeError, r"days must be a whole number or None \(got 2.0\)"),
-        (True, TypeError, "whole number"),
-    ],
-)
-def test_days_out_of_range_are_refused(days: int, error: type[Exception], message: str) -> None:
-    aircraft, mission = (
-        sizing.load_aircraft("atlantiksolar-as2"),
-        missions.load_mission("rafz-july"),
-    )
-    with pytest.raises(error, match=message):
-        sizing.analyse(aircraft, mission, days=days)
-
-
-def test_days_are_not_flown_with_climbs() -> None:
-    aircraft = sizing.load_aircraft("atlantiksolar-as2")
-    climbing = missions.load_mission("rafz-july", {"climb.ceiling_m": 1000})
-    with pytest.raises(ValueError, match="rafz-july with climb: its day repeats itself"):
-        sizing.analyse(aircraft, climbing, days=2)
-
-
 def test_a_sizing_prints_itself_in_37_lines_of_80_columns(sized: SizingStudy) -> None:
     lines = str(sized).splitlines()
     assert len(lines) <= 37  # a page of a terminal, the table of margins included
@@ -337,28 +268,11 @@ def test_the_numbers_of_the_record_are_attributes_of_an_analysis() -> None:
         keys = [one.name for one in (*q.SCENARIO, q.TOTAL_MASS, *q.ANALYSED)]
         for key in (*keys, "masses_kg"):
             value, written = getattr(analysis, key), record[key]
-            if key == "days_to_settle":  # of every scenario
-                value = value[analysis.worst]
             if isinstance(value, float) and not np.isfinite(value):
                 assert written is None
             else:
                 assert value == written
         assert np.isinf(analysis.endurance_h) == analysis.is_perpetual
-
-
-def test_numbers_of_a_performance_that_were_methods_may_still_be_called() -> None:
-    aircraft, mission = (
-        sizing.load_aircraft("atlantiksolar-as2"),
-        missions.load_mission("rafz-july", {"dates.on": "12-21"}),
-    )
-    found = sizing.analyse(aircraft, mission).performance
-    for name in ("endurance_h", "worst_endurance_h", "days_to_settle"):
-        value = getattr(found, name)
-        assert type(value + 0.0) is not type(value)  # plain arrays from arithmetic
-        with pytest.warns(DeprecationWarning, match=f"{name} is an attribute"):
-            called = value()
-        np.testing.assert_array_equal(called, value)
-    assert float(found.worst_endurance_h) == float(found.endurance_h[0])
 
 
 def test_frames_of_an_infeasible_sizing_hold_nan(design: Aircraft) -> None:

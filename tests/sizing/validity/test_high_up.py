@@ -84,11 +84,7 @@ def test_the_worth_of_a_warm_battery_is_the_flight_with_an_unheated_one(
     assert f"excess time is {unheated:.2f} h instead of {result.excess_time_h:.2f} h" in one.text
 
 
-def test_days_in_a_row_and_climbs_say_what_their_worth_is_of() -> None:
-    level = notes(analyse(DESIGN, HIGH))
-    days = notes(analyse(DESIGN, HIGH, days=2))
-    assert "excess time of the repeated day" in days[BATTERY].text
-    assert days[BATTERY].excess_time_h == pytest.approx(level[BATTERY].excess_time_h, abs=0.05)
+def test_climbs_say_what_their_worth_is_of() -> None:
     climbing = mission(dates={"on": "06-21"}, climb={"ceiling_m": 10000.0})
     climbs = analyse(AS2, climbing)
     assert climbs.climb is not None

@@ -52,20 +52,6 @@ def test_analysis_as_json(run: Run) -> None:
     assert {key: record[key] for key in scenario} == scenario
 
 
-def test_days_are_flown_from_an_empty_battery(run: Run) -> None:
-    record = run("analyse", AS2, "--days", "2", "--json").json()
-    assert (record["days"], record["days_to_settle"]) == (2, None)
-    assert record["status"] == "perpetual"
-    climbing = run("analyse", AS2, "--days", "2", "--set", "mission.climb={ceiling_m: 1000}")
-    assert climbing.code == 2
-    assert "--days flies at constant altitude: give it or mission.climb" in climbing.err
-    weather = run("analyse", AS2, "--days", "2", "--weather", "record.csv")
-    assert weather.code == 2
-    assert "give --days or --weather, not both" in weather.err
-    for days in ("0", "366", "1:9:2"):
-        assert run("analyse", AS2, "--days", days).code == 2
-
-
 def test_limited_flight_has_an_endurance_and_no_full_charge(run: Run) -> None:
     record = run("analyse", AS2, "--date", "12-21", "--json").json()
     assert record["status"] == "limited"

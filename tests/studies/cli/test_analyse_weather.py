@@ -1,7 +1,6 @@
 import csv
 import io
 
-import pandas as pd
 import pytest
 from weather_files import clear_record, write_epw, write_plain
 
@@ -93,51 +92,9 @@ def test_what_plays_no_part_in_a_record_is_said(run, tmp_path):
     assert "the mission's launch plays no part" in out
 
 
-def test_climbs_are_flown_and_told_beside_constant_altitude(run, tmp_path):
-    path = str(write_plain(tmp_path / "hazy.csv", clear_record(5, first="2001-09-10", share=0.85)))
-    climb = ("--set", "mission.climb={ceiling_m: 3536, strategy: surplus}")
-    call = ("analyse", AS2, *climb, "--weather", path)
-    told = " ".join(run(*call, "--table", "days.csv", "--plot", "days.png").out.split())
-    for text in ("in the record at constant altitude", "highest altitude of a day, median 3536 m"):
-        assert text in told
-    assert "with all of the record's clouds above the aircraft at any height" in told
-    weather = run(*call, "--json").json()["weather"]
-    climbs = weather["climb"]
-    assert (climbs["ceiling_m"], climbs["strategy"]) == (3536.0, "surplus")
-    assert climbs["constant_altitude_days_that_close"] <= weather["days_that_close"]
-    assert climbs["constant_altitude_median_endurance_h"] <= weather["endurance_h"]["p50"]
-    table = pd.read_csv(tmp_path / "days.csv")
-    assert table["highest_altitude_m"].max() == pytest.approx(3536.0)
-    assert table["constant_altitude_closes"].sum() == climbs["constant_altitude_days_that_close"]
-    plain = run("analyse", AS2, "--weather", path, "--json").json()["weather"]
-    assert plain["climb"] is None
-    assert plain["days_that_close"] == climbs["constant_altitude_days_that_close"]
-    mapped = run("map", AS2, *climb, "--weather", path, "--batteries", "1:1:1", "--json").json()
-    mapped = mapped["days_in_weather"]
-    assert mapped["days_that_close"] == [weather["days_that_close"]]
-    assert any("climbs from 536 to 3536 m on any surplus" in note for note in mapped["notes"])
-
-
-@pytest.mark.parametrize("command", ["analyse", "map"])
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            ["mission.climb={ceiling_m: 12000}"],
-            "from 536 m to below 12000 m in this record",
-        ),
-        (
-            ["mission.climb={ceiling_m: 3000}", "airframe.level_flight.propulsion_efficiency=null"],
-            "required key is missing: the mission has climb",
-        ),
-    ],
-)
-def test_climbs_that_cannot_be_flown_end_with_two_and_one_line(
-    run, tmp_path, command, changes, message
-):
+def test_climbs_in_a_record_are_refused_in_one_line(run, tmp_path):
     path = str(write_plain(tmp_path / "clear.csv", clear_record(3, first="2001-07-14")))
-    sets = [word for one in changes for word in ("--set", one)]
-    done = run(command, AS2, *sets, "--weather", path)
+    done = run("analyse", AS2, "--set", "mission.climb={ceiling_m: 3000}", "--weather", path)
     assert done.code == 2
-    assert message in done.err
+    assert "keep their altitude: leave out climb" in done.err
     assert len(done.err.strip().splitlines()) == 1
