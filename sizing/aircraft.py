@@ -316,12 +316,6 @@ class Aircraft(FileRecord):
         return self.model_copy(update={"airframe": airframe})
 
     @property
-    def sizes_tail(self) -> bool:
-        """Whether the horizontal tail has the size that a static margin asks for."""
-        balance = getattr(self.airframe, "balance", None)
-        return balance is not None and bool(balance.sizes_tail)
-
-    @property
     def propulsion_by_parts(self) -> OperatingPointPropulsion | None:
         """Propulsion that has an operating point; None for constants and measured aircraft."""
         propulsion = getattr(self.airframe, "propulsion", None)

@@ -12,19 +12,14 @@ from functools import cache
 from types import MappingProxyType
 from typing import NamedTuple
 
-import numpy as np
-
 from missions.air import GAS_CONSTANT_AIR, GRAVITY_M_PER_S2, Air
 from missions.mission import Mission
 from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar, Polar, level_flight_power_w
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.in_design import (
-    margin_error,
     polar_with_tail,
     structure_with_tail,
-    tail_volume,
-    with_horizontal_tail,
 )
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.parameters import catalogue, replaced
@@ -33,7 +28,6 @@ from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs, gust_speed_fraction
 from sizing.structures.rib_wing import RibWingStructure
 from solar.modules import STC_IRRADIANCE_W_PER_M2
-from solar.types import FloatArray
 
 NO_FLIGHT_W = 1e12  # load of what cannot carry itself, or be as fast as the wind
 
@@ -107,8 +101,7 @@ class Design(NamedTuple):
     ``propulsion_power_w`` is electric, of level flight in calm air; ``constant_power_w`` is what
     avionics, payload and the battery's heater draw; ``airspeed_m_per_s`` may be unknown (None) for
     a measured aircraft. ``chain``: efficiencies of the propulsion in level flight; None for a
-    measured aircraft. ``horizontal_volume``: volume coefficient of the horizontal tail, where its
-    size follows from the static margin; None leaves the file's.
+    measured aircraft.
     """
 
     variables: DesignVariables
@@ -119,7 +112,6 @@ class Design(NamedTuple):
     constant_power_w: Value
     airspeed_m_per_s: Value
     chain: Propulsion | None = None
-    horizontal_volume: Value | None = None
 
     @property
     def wing_area_m2(self) -> Value:
@@ -134,9 +126,6 @@ class Design(NamedTuple):
             propulsion_power_w=function(self.propulsion_power_w),
             airspeed_m_per_s=function(self.airspeed_m_per_s),
             chain=None if self.chain is None else self.chain.mapped(function),
-            horizontal_volume=(
-                None if self.horizontal_volume is None else function(self.horizontal_volume)
-            ),
         )
 
     @property
@@ -254,43 +243,16 @@ def parametric_design(
     variables: DesignVariables,
     total_mass_kg: Value,
     chain: Propulsion | None = None,
-    horizontal_volume: Value | None = None,
 ) -> Design:
     """Masses and power of a parametric aircraft for an assumed total mass.
 
     The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``. ``chain``: assumed
-    efficiencies of the propulsion, instead of those of the aircraft. ``horizontal_volume``: of the
-    tail, by default that of the file, or the one that the static margin asks for (numbers only).
+    efficiencies of the propulsion, instead of those of the aircraft.
 
     Returns of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
     """
     airframe = aircraft.parametric
     air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
-
-    def with_tail(volume: Value | None) -> Design:
-        own = with_horizontal_tail(aircraft, volume)
-        return _with_own_tail(own, air, variables, total_mass_kg, chain, volume)
-
-    if horizontal_volume is None and airframe.balance is not None and airframe.balance.sizes_tail:
-
-        def error(volume: FloatArray) -> FloatArray:
-            design = with_tail(volume)
-            return np.asarray(margin_error(*balance_inputs(aircraft, air, design)), float)
-
-        horizontal_volume = unwrapped(tail_volume(airframe.balance, error))
-    return with_tail(horizontal_volume)
-
-
-def _with_own_tail(
-    aircraft: Aircraft,
-    air: FlightConditions,
-    variables: DesignVariables,
-    total_mass_kg: Value,
-    chain: Propulsion | None,
-    horizontal_volume: Value | None,
-) -> Design:
-    """Design of an aircraft whose file has its tail, and the payload that it carries."""
-    airframe = aircraft.parametric
     found, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
     weight_n = total_mass_kg * GRAVITY_M_PER_S2
     propulsion_kg = found.mass_kg(found.rated_power_w(electric_w, weight_n=weight_n))
@@ -318,15 +280,13 @@ def _with_own_tail(
         constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
         chain=found,
-        horizontal_volume=horizontal_volume,
     )
 
 
 def balance_inputs(
     aircraft: Aircraft, conditions: FlightConditions, design: Design
 ) -> tuple[ParametricAirframe, Masses, StructureInputs]:
-    """Airframe with the tail of a design, its masses, and what its structure is sized from."""
-    airframe = with_horizontal_tail(aircraft, design.horizontal_volume).parametric
+    """Airframe, masses of a design, and what its structure is sized from."""
     inputs = structure_inputs(
         aircraft,
         design.variables,
@@ -335,7 +295,7 @@ def balance_inputs(
         design.airspeed_m_per_s,
         design.masses.propulsion,
     )
-    return airframe, design.masses, inputs
+    return aircraft.parametric, design.masses, inputs
 
 
 def level_flight(

@@ -14,15 +14,12 @@ from numpy.typing import NDArray
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.balance.in_design import balance_rows
-from sizing.design import Design, FlightConditions, balance_inputs, bus_voltage_v, flown_at
+from sizing.design import Design, FlightConditions, bus_voltage_v, flown_at
 from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.parameters import label, unit
 from sizing.smooth import Value
 
-MASS_BUDGET, STATIC_MARGIN = "mass_budget", "static_margin"
-# Requirements that are met where their value is 0; closed designs meet the first.
-EQUATIONS = (MASS_BUDGET, STATIC_MARGIN)
+MASS_BUDGET = "mass_budget"  # met where its value is 0, as of closed designs
 # What is missed by less, relative to its limit, is met: the solver meets its rows to about 1e-8.
 ROW_TOLERANCE = 1e-5
 
@@ -124,13 +121,6 @@ class Requirement(NamedTuple):
     text: str
 
 
-_MOVED = "the mass that is moved for the static margin lies {missed} of a chord beyond its end"
-_OF_MARGIN = {
-    "moved_mass_foremost": _MOVED,
-    "moved_mass_rearmost": _MOVED,
-    STATIC_MARGIN: "the static margin is off by {missed} of a chord with the horizontal tail at an "
-    "end of its volume coefficients",
-}
 # Limits of the propulsion's parts.
 _OF_PROPULSION = {
     "bus_voltage": "the empty battery's voltage falls short of the motor's need by {missed}",
@@ -189,10 +179,6 @@ def design_requirements(
         if limit.maximum is not None:
             text = f"{label(name)} exceeds its maximum {limit.maximum:g}{of} by {{missed}}"
             rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
-    balance = aircraft.parametric.balance
-    if balance is not None and balance.static_margin is not None:
-        margin = balance_rows(*balance_inputs(aircraft, conditions, design))
-        rows += [Requirement(name, value, _OF_MARGIN[name]) for name, value in margin.items()]
     if aircraft.design_space.requested_ranges().keys() & set(PROPULSION_VARIABLES):
         margins = _propulsion_margins(it)
         rows += [Requirement(name, one, _OF_PROPULSION[name]) for name, one in margins.items()]
@@ -215,6 +201,6 @@ def meets_requirements(
     met = np.isfinite(mass) & (mass <= heaviest * (1.0 + ROW_TOLERANCE))
     with np.errstate(invalid="ignore"):
         for row in design_requirements(aircraft, design, carried):
-            if row.name not in EQUATIONS:  # closed
+            if row.name != MASS_BUDGET:  # closed
                 met = met & (np.asarray(row.value) >= -ROW_TOLERANCE)
     return np.asarray(met)

@@ -15,23 +15,19 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aerodynamics.parabolic import OwnDragPolar, scaled_power_w
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.balance.in_design import margin_error, with_horizontal_tail
 from sizing.design import (
     Design,
     DesignVariables,
     FlightConditions,
     Masses,
-    balance_inputs,
     bus_voltage_v,
     constant_power_w,
     parametric_design,
     variables_of,
 )
-from sizing.parameters import all_replaced
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
-from sizing.smooth import Value
 from sizing.structures.models import OwnStructure
-from solar.types import FloatArray, IntArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
@@ -91,8 +87,8 @@ def closed_design(
 ) -> Design:
     """Design whose mass budget adds up, for variables that may be arrays.
 
-    The lightest solution; where there is none (the aircraft cannot carry itself, or no tail has the
-    static margin asked for) mass and power are infinite. See :func:`lightest_mass_kg`.
+    The lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
+    infinite. See :func:`lightest_mass_kg`.
 
     Parameters
     ----------
@@ -131,27 +127,16 @@ def closed_design(
         )
         with np.errstate(over="ignore", invalid="ignore"):
             total = mass.reshape(np.shape(arrays.wingspan_m))
-            volume = None
-            if chain is not None and aircraft.sizes_tail:
-                # With the chain of the budget, as its own one takes long to compute.
-                assumed = parametric_design(aircraft, conditions, arrays, total, chain)
-                volume = assumed.horizontal_volume
-            return parametric_design(aircraft, conditions, arrays, total, horizontal_volume=volume)
+            return parametric_design(aircraft, conditions, arrays, total)
 
     propulsion = aircraft.propulsion_by_parts
     if propulsion is None or not propulsion.is_exact:
-        design = closed(None)
-    else:
-        chain = first_chain(propulsion).mapped(lambda one: np.full(np.shape(arrays[0]), one))
-        design = _settled(closed, chain)
-    if not aircraft.sizes_tail:
-        return design
-    with np.errstate(invalid="ignore"):
-        off = np.abs(margin_error(*balance_inputs(aircraft, conditions, design)))
-    return _impossible_where(design, ~(off <= MARGIN_TOLERANCE))
+        return closed(None)
+    chain = first_chain(propulsion).mapped(lambda one: np.full(np.shape(arrays[0]), one))
+    return _settled(closed, chain)
 
 
-def _impossible_where(design: Design, missing: Value) -> Design:
+def _impossible_where(design: Design, missing: BoolArray) -> Design:
     """Design of arrays with infinite mass and power where something is missing."""
     return design._replace(
         total_mass_kg=np.where(missing, np.inf, design.total_mass_kg),
@@ -269,7 +254,6 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
     if not np.isfinite(design.total_mass_kg):
         raise ImpossibleDesignError(
             operating_trouble(aircraft, mission)
-            or _tail_trouble(aircraft, mission)
             or f"{aircraft.name} cannot carry its own mass on mission {mission.name}: structure "
             "and propulsion grow faster than the lift they add"
         )
@@ -286,34 +270,6 @@ def plain_design(design: Design) -> Design:
     masses = Masses(*(float(mass) for mass in design.masses))
     variables = design.variables.mapped(float)
     return Design(variables=variables, masses=masses, chain=design.chain, **numbers)
-
-
-def _tail_trouble(aircraft: Aircraft, mission: Mission) -> str:
-    """Why no horizontal tail has the static margin asked for, as a sentence; empty where one has.
-
-    The static margins of the smallest and of the largest tail are those that would do.
-    """
-    if not aircraft.sizes_tail:
-        return ""
-    balance = aircraft.parametric.balance
-    assert balance is not None
-    assert balance.static_margin is not None
-    kept, ends = {"static_margin": None, "held_by": "moved_mass"}, []
-    for volume in (balance.minimum_horizontal_volume, balance.maximum_horizontal_volume):
-        own = with_horizontal_tail(aircraft, volume)
-        free = all_replaced(own, {f"airframe.balance.{key}": one for key, one in kept.items()})
-        conditions = FlightConditions.of(mission, aircraft)
-        design = closed_design(free, conditions, variables_of(aircraft))
-        error = margin_error(*balance_inputs(own, conditions, design))
-        ends.append(float(error) + balance.static_margin)
-    if not np.isfinite(ends).all():
-        return ""
-    return (
-        f"no horizontal tail gives {aircraft.name} the static margin of {balance.static_margin:g} "
-        f"on {mission.name}: it is {ends[0]:.3f} with the smallest volume coefficient, "
-        f"{balance.minimum_horizontal_volume:g}, and {ends[1]:.3f} with the largest, "
-        f"{balance.maximum_horizontal_volume:g}"
-    )
 
 
 def operating_trouble(
@@ -357,9 +313,7 @@ def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> Operati
     propulsion = aircraft.propulsion_by_parts
     assert propulsion is not None
     usual, mass_kg = first_chain(propulsion), design.total_mass_kg
-    flown = parametric_design(
-        aircraft, mission, design.variables, mass_kg, usual, design.horizontal_volume
-    )
+    flown = parametric_design(aircraft, mission, design.variables, mass_kg, usual)
     power_w = flown.propulsion_power_w * usual.efficiency
     air = FlightConditions.of(mission, aircraft).air
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)

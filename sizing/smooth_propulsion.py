@@ -130,12 +130,8 @@ def _middle(ends: Range | None, value: float) -> tuple[float, float]:
 
 
 def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> None:
-    """Put the chosen propeller, gear and tail into an aircraft's file as data, in place."""
-    variables, volume = design.variables, design.horizontal_volume
-    if volume is not None:
-        tail = data["airframe"]["tail"]
-        tail.pop("horizontal_area_m2", None)
-        tail["horizontal_volume"] = float(volume)
+    """Put the chosen propeller and gear into an aircraft's file as data, in place."""
+    variables = design.variables
     if all(one is None for one in variables.of_propulsion):
         return
     propulsion = aircraft.propulsion_by_parts

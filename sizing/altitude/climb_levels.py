@@ -370,10 +370,7 @@ def _same_aircraft_at(aircraft: Aircraft, there: Mission, design: Design) -> Des
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, there)
     with np.errstate(over="ignore", invalid="ignore"):
-        flown = parametric_design(
-            *(aircraft, there, design.variables, design.total_mass_kg),
-            horizontal_volume=design.horizontal_volume,
-        )
+        flown = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
     if np.ndim(design.total_mass_kg) == 0 and not np.isfinite(flown.propulsion_power_w):
         raise ImpossibleDesignError(operating_trouble(aircraft, there))
     return flown

@@ -12,8 +12,8 @@ from sizing.balance.drag import DragShares
 from sizing.balance.in_design import (
     balance_items,
     body_volume_m3,
+    holding_volume,
     polar_with_tail,
-    with_horizontal_tail,
 )
 from sizing.balance.masses import Item, centre_of_gravity
 from sizing.balance.stability import (
@@ -36,17 +36,17 @@ _SLOW = 1.2  # speed over the stall speed at which the controls are assessed
 class BalanceAssessment:
     """Balance in level flight, controls at 1.2 times the stall speed.
 
-    ``items``: masses with their places. ``moved``: the one that is put where the static margin
-    asks for it; None where none is. ``sized_volume``: volume coefficient of a horizontal tail of
-    the size that the static margin asks for; None where the file's holds. ``design_mass_kg``: of
-    the mass budget, which a weighed list need not meet. ``found``: neutral point.
-    ``sideslip_deg``: held by the whole rudder. ``motor_out``: share of the rudder that one of two
-    motors, at the fronts of two booms, needs; None with another number of them.
+    ``items``: masses with their places. ``asked_margin``: static margin that the file asks for;
+    ``holding_volume``: volume coefficient of the horizontal tail that would have it, None where
+    none does. ``design_mass_kg``: of the mass budget, which a weighed list need not meet.
+    ``found``: neutral point. ``sideslip_deg``: held by the whole rudder. ``motor_out``: share of
+    the rudder that one of two motors, at the fronts of two booms, needs; None with another number
+    of them.
     """
 
     items: tuple[Item, ...]
-    moved: Item | None
-    sized_volume: float | None
+    asked_margin: float | None
+    holding_volume: float | None
     design_mass_kg: float
     wing: Wing
     planes: TailPlanes
@@ -80,8 +80,7 @@ class BalanceAssessment:
         """JSON-ready."""
         return {
             "items": [item._asdict() for item in self.items],
-            "moved": None if self.moved is None else self.moved.name,
-            "sized_horizontal_volume": self.sized_volume,
+            "horizontal_volume_for_static_margin": self.holding_volume,
             "mass_kg": self.mass_kg,
             "centre_of_gravity_m": self.gravity_m,
             "neutral_point_m": float(self.found.x_m),
@@ -107,7 +106,7 @@ class BalanceAssessment:
 def drag_shares(aircraft: Aircraft, mission: Mission, design: Design) -> DragShares | None:
     """Drag of the parts in level flight; None where the file does not build it up."""
     it = DesignInFlight(aircraft, design, FlightConditions.of(mission, aircraft))
-    airframe = with_horizontal_tail(aircraft, design.horizontal_volume).airframe
+    airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
         return None
     polar = _polar(airframe, design, it.lift_coefficient)
@@ -129,7 +128,7 @@ def balance_assessment(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> BalanceAssessment | None:
     """Balance of a design of floats; None where the file has no tail or no balance."""
-    airframe = with_horizontal_tail(aircraft, design.horizontal_volume).airframe
+    airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.balance is None:
         return None
     tail, balance = airframe.tail, airframe.balance
@@ -146,8 +145,6 @@ def balance_assessment(
         for one in balance_items(*balance_inputs(aircraft, conditions, design))
         if float(one.mass_kg) > 0.0
     )
-    asked = balance.moved if balance.moves_mass else None
-    moved = next((item for item in items if item.name == asked), None)
     gravity_m = float(centre_of_gravity(items))
     lift = float(it.lift_coefficient)
     stall_lift = lift * float(it.stall_margin) ** 2
@@ -178,8 +175,8 @@ def balance_assessment(
     yawing = slow_drag * planes.horizontal_span_m / 2.0 / wing.wingspan_m
     return BalanceAssessment(
         items=items,
-        moved=moved,
-        sized_volume=design.horizontal_volume,
+        asked_margin=balance.static_margin,
+        holding_volume=holding_volume(airframe, wing, gravity_m),
         design_mass_kg=float(design.total_mass_kg),
         wing=wing,
         planes=planes,

@@ -101,8 +101,6 @@ def check_balance(airframe: Any) -> None:
             if (value := getattr(polar, key)) > 0.0:
                 text = f"must be 0 with airframe.drag, which has that part (got {value:g})"
                 raise wrong_value(f"aerodynamics.{key}", text)
-    if balance is not None and balance.moves_mass:
-        _check_moved(airframe)
 
 
 def _check_structure(structure: Any) -> None:
@@ -117,17 +115,3 @@ def _check_structure(structure: Any) -> None:
             raise wrong_value(
                 f"structure.{key}", f"follows from airframe.tail; give one (got {value:g})"
             )
-
-
-def _check_moved(airframe: Any) -> None:
-    assert airframe.balance is not None
-    moved = airframe.balance.moved
-    nothing = {
-        "battery": airframe.distributed_battery_fraction == 1.0,
-        "avionics": airframe.avionics_mass_kg == 0.0,
-        "other": airframe.other_mass_kg == 0.0,
-    }
-    if nothing[moved]:
-        allowed = ", ".join(name for name, none in nothing.items() if not none) or "none has mass"
-        why = "is all in the wing's spar" if moved == "battery" else "has no mass"
-        raise wrong_value("balance.moved", f"{moved} {why}; allowed here: {allowed} (got {moved})")

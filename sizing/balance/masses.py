@@ -6,20 +6,16 @@ with the wing; those of weighed masses are in metres.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Literal, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Annotated, ClassVar, NamedTuple
 
 from pydantic import Field, Strict, model_validator
 
 from sizing.balance.surfaces import Wing
 from sizing.smooth import Value
 from sizing.structures.rib_wing_keys import StructureParts
-from solar.schema import Name, PositiveReal, Real, Record, check_order, wrong_value
+from solar.schema import Name, PositiveReal, Real, Record, wrong_value
 
-# What a static margin may be had by: a mass that is free to lie anywhere.
-Movable = Literal["battery", "avionics", "other"]
-# What a static margin is held by: the place of that mass, or the size of the horizontal tail.
-Holder = Literal["moved_mass", "horizontal_tail"]
 _Margin = Annotated[float, Strict(), Field(gt=-1.0, lt=2.0)]
 # Centroids of the wing's parts over its chord: the spar where the section is thickest; skin of both
 # sides; area of a four-digit section (Abbott and von Doenhoff, Theory of Wing Sections, section
@@ -73,46 +69,30 @@ class Balance(Record):
     """Key ``airframe.balance``: masses with their places, and the static margin that is asked for.
 
     ``weighed``: every mass of the aircraft, instead of the build-up. ``static_margin``: neutral
-    point behind the centre of gravity, over the mean aerodynamic chord. ``held_by``: either
-    ``moved`` is put where it comes out, which a sizing keeps between ``foremost_chords`` and
-    ``rearmost_chords``, or the horizontal tail has the volume coefficient at which it comes out.
+    point behind the centre of gravity, over the mean aerodynamic chord; trim has the drag of it.
     """
+
+    explained_keys: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        (
+            *("held_by", "moved", "foremost_chords", "rearmost_chords"),
+            *("minimum_horizontal_volume", "maximum_horizontal_volume"),
+        ),
+        "nothing is moved or sized for a static margin: give positions_chords and airframe.tail; "
+        "analyse tells the tail that would have the margin",
+    )
 
     positions_chords: Positions = Positions()
     weighed: tuple[WeighedMass, ...] = ()
     static_margin: _Margin | None = None
-    held_by: Holder = "moved_mass"
-    minimum_horizontal_volume: PositiveReal = 0.05
-    maximum_horizontal_volume: PositiveReal = 2.0
-    moved: Movable = "battery"
-    foremost_chords: Real | None = None
-    rearmost_chords: Real | None = None
     pitching_moment_coefficient: Real = -0.1
 
     @model_validator(mode="after")
     def _check_choice(self) -> Balance:
-        fore, rear = self.foremost_chords, self.rearmost_chords
         margin = self.static_margin
         if self.weighed and margin is not None:
             text = f"follows from weighed; give one of them (got {margin:g})"
             raise wrong_value("static_margin", text)
-        if fore is not None and rear is not None:
-            check_order(self, "foremost_chords", "rearmost_chords")
-        if self.held_by == "horizontal_tail" and margin is None:
-            text = "required key is missing: held_by is horizontal_tail"
-            raise wrong_value("static_margin", text)
-        check_order(self, "minimum_horizontal_volume", "maximum_horizontal_volume")
         return self
-
-    @property
-    def sizes_tail(self) -> bool:
-        """Whether the horizontal tail has the size that the static margin asks for."""
-        return self.static_margin is not None and self.held_by == "horizontal_tail"
-
-    @property
-    def moves_mass(self) -> bool:
-        """Whether a mass lies where the static margin asks for it."""
-        return self.static_margin is not None and self.held_by == "moved_mass"
 
 
 def wing_and_tail_items(

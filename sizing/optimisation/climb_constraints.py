@@ -142,10 +142,7 @@ def climb_values(
     for level in range(1, LEVELS_ALOFT + 1):
         of_level = aloft[(level - 1) * _EACH_LEVEL : level * _EACH_LEVEL]
         there = FlightConditions(*(of_level[i] for i in range(_EACH_LEVEL - 1)))
-        own = parametric_design(
-            *(aircraft, there, design.variables, design.total_mass_kg),
-            horizontal_volume=design.horizontal_volume,
-        )
+        own = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
         one = flown(there, own, level)
         faster = one.airspeed_m_per_s**2 - floor.airspeed_m_per_s**2
         height_m = of_level[_EACH_LEVEL - 1] + faster / (2.0 * GRAVITY_M_PER_S2)

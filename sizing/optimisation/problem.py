@@ -35,7 +35,7 @@ from sizing.aerodynamics.parabolic import AtLiftCoefficient
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, FlightConditions, parametric_design
 from sizing.held_station import POWER_AGAINST_WIND
-from sizing.limits import EQUATIONS, STATIC_MARGIN, DesignInFlight, Requirement, design_requirements
+from sizing.limits import MASS_BUDGET, DesignInFlight, Requirement, design_requirements
 from sizing.optimisation.climb_constraints import (
     ALOFT_PARAMETERS,
     CLIMB_SUN_PARAMETERS,
@@ -54,7 +54,6 @@ from sizing.optimisation.solver_options import OPTIONS, TOLERANCE, Effort
 from sizing.optimisation.variables import (
     EXCESS_SCALE_H,
     HEIGHT,
-    HORIZONTAL_VOLUME,
     OWN,
     SOLAR_TECHNOLOGY,
     TOTAL_MASS,
@@ -333,11 +332,7 @@ def _program(
     )
     rows = [
         (
-            Constraint(
-                one.name,
-                equation=one.name in (*EQUATIONS, OWN),
-                two_sided=one.name == STATIC_MARGIN,
-            ),
+            Constraint(one.name, equation=one.name in (MASS_BUDGET, OWN)),
             values[k],
         )
         for k, one in enumerate(requirements)
@@ -456,10 +451,7 @@ def _design_functions(
     conditions = conditions.with_payload_of(chosen)
     if WIND in values:
         conditions = conditions._replace(wind_m_per_s=values[WIND])
-    design = parametric_design(
-        *(flown, conditions, chosen, values[TOTAL_MASS]),
-        horizontal_volume=values.get(HORIZONTAL_VOLUME),
-    )
+    design = parametric_design(flown, conditions, chosen, values[TOTAL_MASS])
     limits = limit_rows(kind)
     requirements = [
         row._replace(value=eased_row(row.value, limits[row.name][1], values[row.name]))

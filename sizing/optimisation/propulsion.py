@@ -94,10 +94,8 @@ class _Request:
         """Chain of the parts at an optimum."""
         assert result.design is not None
         variables = result.design.variables
-        exact = parametric_design(
-            *(self.aircraft, self.mission, variables, result.design.total_mass_kg),
-            horizontal_volume=result.design.horizontal_volume,
-        )
+        mass_kg = result.design.total_mass_kg
+        exact = parametric_design(self.aircraft, self.mission, variables, mass_kg)
         assert exact.chain is not None
         if not isfinite(exact.chain.efficiency):
             raise ImpossibleDesignError(operating_trouble(self.aircraft, self.mission, variables))

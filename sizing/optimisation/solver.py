@@ -24,7 +24,6 @@ from sizing.optimisation.result import FlownSun, ProblemInstance, Solution, Solv
 from sizing.optimisation.solver_options import Effort
 from sizing.optimisation.variables import (
     HEIGHT,
-    HORIZONTAL_VOLUME,
     TOTAL_MASS,
     WIND,
     WORST_EXCESS,
@@ -444,8 +443,6 @@ class ProgramSolver:
         guess |= {n: v for n, v in own.items() if v is not None and n not in guess}
         guess |= {name: float(value) for name, value in variables.chosen().items()}
         guess["module_area_m2"] = max(guess["module_area_m2"], 1e-3)
-        if design.horizontal_volume is not None and np.isfinite(design.horizontal_volume):
-            guess[HORIZONTAL_VOLUME] = float(design.horizontal_volume)
         return np.array([v.to_program(guess.get(v.name, v.first_guess)) for v in problem.variables])
 
 

@@ -21,7 +21,6 @@ from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd, Range
 from sizing.parameters import catalogue, is_doubled, parameter_value, unit
 
 TOTAL_MASS = "total_mass_kg"
-HORIZONTAL_VOLUME = "horizontal_volume"  # of a tail whose size holds a static margin
 WORST_EXCESS = "worst_excess_time_h"
 # Technology to which the power of the modules is proportional.
 SOLAR_TECHNOLOGY = "modules.efficiency_stc"
@@ -77,7 +76,6 @@ class Constraint(NamedTuple):
     ``block`` is the scenario block it belongs to, None for the design itself; the row is the
     quantity over ``scale`` in ``unit``: over its limit, over the battery's capacity, or in hours.
     ``firm``: whether it must not be missed for the sake of others, since it can always be met.
-    ``two_sided``: an equation that may be missed to either side.
     """
 
     name: str
@@ -86,7 +84,6 @@ class Constraint(NamedTuple):
     scale: float = 1.0
     equation: bool = False
     firm: bool = False
-    two_sided: bool = False
 
     @property
     def step(self) -> float:
@@ -98,8 +95,7 @@ class Constraint(NamedTuple):
         """Variables by which the requirement may be missed, one for all blocks, with their sign."""
         if self.firm:
             return {}
-        below = {f"slack.{self.name}": 1.0}
-        return below | {f"slack.{self.name}.above": -1.0} if self.two_sided else below
+        return {f"slack.{self.name}": 1.0}
 
 
 def all_variables(
@@ -157,12 +153,6 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool) -> tuple[Variable, ...]
         Variable("payload_mass_kg", "kg", 0.0, math.inf, _payload_scale_kg(space), Role.payload),
         Variable("payload_power_w", "W", 0.0, math.inf, _payload_scale_w(space), Role.payload),
     )
-    if aircraft.sizes_tail:
-        balance = aircraft.airframe.balance
-        assert balance is not None
-        ends_of_tail = balance.minimum_horizontal_volume, balance.maximum_horizontal_volume
-        tail = Variable(HORIZONTAL_VOLUME, unit(HORIZONTAL_VOLUME), *ends_of_tail)
-        always = (*always, tail)
     own = getattr(space, "own_objective", None)
     if own is not None:
         value = Variable(OWN, "1", -math.inf, math.inf, own.scale, Role.objective, own.first)

@@ -103,13 +103,10 @@ def balance_lines(balance: BalanceAssessment) -> list[str]:
         f"{balance.sideslip_deg:.0f}° of sideslip, {balance.crosswind_m_per_s:.1f} m/s of crosswind"
         + ("." if out is None else f"; one motor out needs {100.0 * out:.0f} % of it."),
     ]
-    if (moved := balance.moved) is not None:
-        where = f"{abs(moved.x_m):.3f} m {'behind' if moved.x_m >= 0.0 else 'ahead of'}"
-        lines[0] += f" For it {moved.mass_kg:.3f} kg ({moved.name}) lie {where} the leading edge."
-    if balance.sized_volume is not None:
-        lines[0] += (
-            f" For it the horizontal tail has a volume coefficient of {balance.sized_volume:.3f}."
-        )
+    if (margin := balance.asked_margin) is not None:
+        volume = balance.holding_volume
+        would = "no horizontal tail" if volume is None else f"a horizontal volume of {volume:.3f}"
+        lines[0] += f" The {100.0 * margin:g} % asked for would take {would}."
     off = balance.mass_kg / balance.design_mass_kg - 1.0
     if abs(off) > _CLOSE:
         lines.append(

@@ -43,9 +43,6 @@ _REQUIREMENTS = {
     "excess_time": ("required excess time", "mission.required_excess_time_h"),
     "days_that_close": ("days of the record that close", ""),
     "whole_cells": ("wing that holds the cells", "modules.layout"),
-    "static_margin": ("static margin", "airframe.balance.static_margin"),
-    "moved_mass_foremost": ("moved mass at its foremost", "airframe.balance.foremost_chords"),
-    "moved_mass_rearmost": ("moved mass at its rearmost", "airframe.balance.rearmost_chords"),
     "height": ("surplus that the climbs need", ""),
     "climb_ceiling": ("ceiling of the climbs", "mission.climb.ceiling_m"),
     "always_lit": ("solar power above the load at all times", ""),
@@ -214,9 +211,7 @@ def _of_climb(
     highest_m = mission.altitude_m if mission.climb is None else mission.climb.ceiling_m
     there = mission.at_altitude(highest_m) if highest_m > mission.altitude_m else mission
     mass_kg = float(design.total_mass_kg)
-    aloft = parametric_design(
-        aircraft, there, design.variables, mass_kg, horizontal_volume=design.horizontal_volume
-    )
+    aloft = parametric_design(aircraft, there, design.variables, mass_kg)
     assert aloft.chain is not None
     weight_n = mass_kg * GRAVITY_M_PER_S2
     spare_w = (rated_w - float(aloft.propulsion_power_w)) * float(aloft.chain.efficiency)

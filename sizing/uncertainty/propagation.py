@@ -22,7 +22,7 @@ from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle
 from sizing.energy.endurance import longest_flight
 from sizing.energy.power_balance import blocks
-from sizing.mass_budget import design_of, lightest_mass_kg, measured_design
+from sizing.mass_budget import lightest_mass_kg, measured_design
 from sizing.module_power import balances_heat
 from sizing.parameters import with_parameter
 from sizing.propulsion.chain import PARTS, Propulsion
@@ -125,9 +125,6 @@ class Propagation:
         self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: SolarDay | None = None
-        # The tail that is built is the same in every draw.
-        built = design_of(self.aircraft, mission) if aircraft.sizes_tail else None
-        self._horizontal_volume = None if built is None else built.horizontal_volume
         # Of a propeller by tables, whose efficiencies are constants here.
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
         self._parts = aircraft.propulsion_by_parts if by_table else None
@@ -282,7 +279,7 @@ class Propagation:
             if key != SOLAR_MODEL:
                 aircraft, mission = with_parameter(aircraft, mission, key, value)
         count = len(next(iter(values.values()))) if values else 1
-        design = _drawn_design(aircraft, mission, count, self._horizontal_volume)
+        design = _drawn_design(aircraft, mission, count)
 
         def each(value: object) -> FloatArray:
             return np.array(np.broadcast_to(np.asarray(value, float), (count,)))
@@ -419,13 +416,8 @@ class _Case:
     count: int
 
 
-def _drawn_design(
-    aircraft: Aircraft, mission: Mission, count: int, horizontal_volume: float | None
-) -> Design:
-    """Design of every draw; its mass budget closes again, infinite where it cannot.
-
-    ``horizontal_volume``: of a tail whose size held a static margin before anything was drawn.
-    """
+def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
+    """Design of every draw; its mass budget closes again, infinite where it cannot."""
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, mission)
     variables = variables_of(aircraft)
@@ -435,14 +427,10 @@ def _drawn_design(
         # What is drawn is an array of all draws: it cannot be taken apart.
         every = np.ones(count)
         every[draws] = assumed_kg
-        closing = parametric_design(
-            *(aircraft, conditions, variables, every), horizontal_volume=horizontal_volume
-        )
+        closing = parametric_design(aircraft, conditions, variables, every)
         return np.broadcast_to(np.asarray(closing.masses.total_kg, float), (count,))[draws]
 
     start_kg = np.broadcast_to(np.asarray(variables.battery_mass_kg, float), (count,))
     mass = lightest_mass_kg(budget_kg, start_kg, relative_tolerance=_TOLERANCE)
     with np.errstate(over="ignore", invalid="ignore"):
-        return parametric_design(
-            *(aircraft, conditions, variables, mass), horizontal_volume=horizontal_volume
-        )
+        return parametric_design(aircraft, conditions, variables, mass)

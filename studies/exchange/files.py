@@ -10,7 +10,6 @@ from pathlib import Path
 from missions.files.writing import write_bytes_atomically
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.balance.in_design import with_horizontal_tail
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.tables import UNLIMITED
 from solar.names import CorrectionName, ModelName
@@ -85,10 +84,8 @@ def design_bytes(analysis: Analysis, path: str) -> bytes:
     """Content of a file of a design."""
     ending = design_format(path)
     if ending is not None and ending in GEOMETRY_FORMATS:
-        volume = analysis.performance.design.horizontal_volume
         gravity_m = None if analysis.balance is None else analysis.balance.gravity_m
-        flown = with_horizontal_tail(analysis.aircraft, volume)
-        return airplane_text(flown, ending, gravity_m).encode()
+        return airplane_text(analysis.aircraft, ending, gravity_m).encode()
 
     sheet = design_sheet(analysis)
     if ending == "tex":

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.balance.in_design import with_horizontal_tail
 from sizing.design import Design, FlightConditions
 from sizing.limits import DesignInFlight
 from sizing.optimisation.cross_check import CrossCheck
@@ -45,8 +44,7 @@ def aircraft_section(subject: Subject) -> Section:
     """Three views to scale, and the quantities of the design."""
     aircraft = subject.aircraft
     balance = subject.analysis.balance
-    drawn = None if balance is None else balance.sized_volume
-    drawing = aircraft_drawing(with_horizontal_tail(aircraft, drawn))
+    drawing = aircraft_drawing(aircraft)
     points = {}
     if balance is not None:
         points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.found.x_m)}

@@ -20,7 +20,7 @@ from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.design_space import DesignSpace, Range
 from sizing.energy.cycle import Status
-from sizing.limits import EQUATIONS, MASS_BUDGET, design_requirements
+from sizing.limits import MASS_BUDGET, design_requirements
 from sizing.mass_budget import (
     ImpossibleDesignError,
     closed_design,
@@ -295,13 +295,11 @@ def _missed(
         rows = {
             one.name: (np.asarray(one.value), one.text)
             for one in design_requirements(aircraft, design, conditions)
-            if one.name not in EQUATIONS
+            if one.name != MASS_BUDGET
         }
     mass = np.asarray(design.total_mass_kg)
     afloat = np.where(np.isfinite(mass), 0.0, -np.inf)
     unable = "the design cannot carry its own mass"
-    if aircraft.sizes_tail:
-        unable += ", or no horizontal tail gives it the static margin asked for"
     if known_kg is None:
         rows[MASS_BUDGET] = (afloat, unable)
     else:

@@ -11,7 +11,7 @@ from builders import DESIGN, aircraft, shipped_mission
 import missions
 import sizing
 from missions.files.errors import InputError
-from sizing.balance.assessment import BalanceAssessment, balance_assessment
+from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.design import variables_of
 from sizing.mass_budget import closed_design, design_of
 from sizing.structures.rib_wing import RibWingStructure
@@ -35,17 +35,18 @@ def test_the_items_are_the_mass_budget() -> None:
     assert found.gravity_m == pytest.approx(moments / found.mass_kg)
 
 
-@pytest.mark.parametrize("margin", [-0.05, 0.0, 0.08, 0.2])
-def test_the_moved_mass_brings_the_margin_that_is_asked_for(margin: float) -> None:
-    found = balance(f"airframe.balance.static_margin={margin}")
-    assert found.static_margin == pytest.approx(margin, abs=1e-9)
-    (moved,) = (item for item in found.items if item.name == "battery")
-    assert found.moved == moved
-    # 1.3 of 6.5 kg move: the centre of gravity by a fifth of it.
-    other = balance(f"airframe.balance.static_margin={margin + 0.01}")
-    assert other.moved is not None
-    way = (moved.x_m - other.moved.x_m) * moved.mass_kg / found.mass_kg
-    assert way == pytest.approx(0.01 * found.wing.aerodynamic_chord_m, rel=1e-4)
+def test_the_tail_that_is_told_has_the_margin_that_is_asked_for() -> None:
+    asked = "airframe.balance.static_margin=0.2"
+    volume = balance(asked).holding_volume
+    assert volume is not None
+    held = balance(asked, f"airframe.tail.horizontal_volume={volume}")
+    # The larger tail is heavier itself, which draws the centre of gravity back.
+    assert 0.17 < held.static_margin < 0.2
+    assert balance("airframe.balance.static_margin=0.1").holding_volume == pytest.approx(
+        0.45,
+        abs=1e-3,  # that of the file, which has its margin; places of four digits
+    )
+    assert balance("airframe.balance.static_margin=1.9").holding_volume is None
 
 
 def test_trim_drag_of_the_margin_is_in_the_power() -> None:
@@ -57,9 +58,9 @@ def test_trim_drag_of_the_margin_is_in_the_power() -> None:
     )  # fmt: skip
     designs = [design_of(craft, MISSION) for craft in (one, two)]
     drags = [
-        found.level.drag / found.drag_coefficient
+        found.trim / found.total
         for craft, design in zip((one, two), designs, strict=True)
-        if (found := balance_assessment(craft, MISSION, design)) is not None
+        if (found := drag_shares(craft, MISSION, design)) is not None
     ]
     powers = [design.propulsion_power_w for design in designs]
     assert powers[1] > powers[0]
@@ -106,22 +107,9 @@ def test_arrays_of_designs_are_the_same_as_single_ones() -> None:
     assert many.total_mass_kg[1] == pytest.approx(design_of(TWIN, MISSION).total_mass_kg, rel=1e-9)
 
 
-@pytest.mark.parametrize("rear", [1.2, 0.3])
-def test_a_sizing_keeps_the_margin_within_the_ends_of_the_moved_mass(rear: float) -> None:
-    craft = aircraft("twin-boom-design", f"airframe.balance.rearmost_chords={rear}")
-    study = sizing.size(craft, MISSION, required_excess_time_h=2.0)
-    found = study.balance
-    assert study.status.name == "optimal"
-    assert found is not None
-    assert found.static_margin == pytest.approx(0.1, abs=1e-6)
-    assert found.moved is not None
-    assert found.moved.x_m / found.wing.mean_chord_m <= rear + 1e-4
-    assert ("moved_mass_rearmost" in study.result.active_constraints) == (rear == 0.3)
-
-
 def test_results_have_what_the_file_asks_for() -> None:
     record = sizing.analyse(TWIN, MISSION).to_dict()
-    assert record["balance"]["static_margin"] == pytest.approx(0.1)
+    assert record["balance"]["static_margin"] == pytest.approx(0.1, abs=1e-4)
     parts = record["drag_coefficients"]
     assert parts["total"] == pytest.approx(
         sum(v for k, v in parts.items() if k not in ("total", "parasitic"))
@@ -176,13 +164,7 @@ def test_cells_lie_on_the_wing_of_the_airframe() -> None:
             {"airframe.structure.fuselage_chords": 4.0},
             r"structure.fuselage_chords: follows from airframe.tail; give one \(got 4\)",
         ),
-        (
-            "twin-boom-design",
-            {"airframe.distributed_battery_fraction": 1.0},
-            r"all in the wing's spar; allowed here: avionics, other \(got battery\)",
-        ),
-        ("twin-boom-design", {"airframe.balance.moved": "payload"}, "'battery', 'avionics' or 'ot"),
-        ("twin-boom-design", {"airframe.balance.rearmost_chords": -2.0}, "above foremost_chords"),
+        ("twin-boom-design", {"airframe.balance.moved": "battery"}, "moved: .* give positions_cho"),
         (
             "twin-boom-design",
             {"airframe.balance.weighed": [{"name": "a", "mass_kg": 1.0, "x_m": 0.0}]},
