@@ -55,7 +55,7 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autodoc_default_options = {
     "members": True,
-    "exclude-members": "model_config, model_post_init, renamed_keys",
+    "exclude-members": "model_config, model_post_init",
 }
 napoleon_google_docstring = False
 napoleon_use_ivar = False

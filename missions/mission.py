@@ -267,8 +267,6 @@ class Climb(Record):
 class Mission(FileRecord):
     """Where, when and how an aircraft flies."""
 
-    renamed_keys: ClassVar[Mapping[str, str]] = {"bands": "uncertainty_margins"}
-
     name: Name
     description: str = ""
     latitude_deg: Latitude | LatitudeRange

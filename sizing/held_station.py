@@ -18,14 +18,6 @@ POWER_AGAINST_WIND = "power_against_wind"  # requirement of a scenario
 _ROUNDING = 1e-6  # of the rated power: what the solver of a sizing leaves
 
 
-def refuse_held_station(mission: Mission, study: str) -> None:
-    """Refuse a mission that holds its place where one power is flown in all scenarios."""
-    if mission.holds_station:
-        raise ValueError(
-            f"{study} flies at the design's airspeed: leave out wind.hold_station of {mission.name}"
-        )
-
-
 def refuse_one_airspeed(aircraft: Aircraft, what: str) -> None:
     """Refuse an aircraft whose power is known at one airspeed alone."""
     if not isinstance(aircraft.airframe, ParametricAirframe):

@@ -6,9 +6,8 @@ A file is read in three steps: the text is parsed into plain data and the place 
 the user ends as an `InputError`, whose problems name file, line and column.
 
 A record whose keys had other names in earlier versions lists them, old to new, in class variables:
-those of ``deprecated_keys`` are read, with a warning; those of ``renamed_keys``, which were given
-up, are refused with the new name. Keys that people look for and that there are not have a sentence
-in ``explained_keys``.
+those of ``deprecated_keys`` are read, with a warning; those that were given up, and keys that people
+look for and that there are not, are refused with the new name or a sentence of ``explained_keys``.
 """
 
 from __future__ import annotations
@@ -254,9 +253,7 @@ def _keys_at(
     """Return the keys that the mapping found at a location may have, and new names of old ones."""
     models = _models_at(model, loc)
     best = max(models, key=lambda one: len(_hints(one).keys() & keys.keys()))
-    names = (
-        getattr(best, known, {}) for known in ("deprecated_keys", "renamed_keys", "explained_keys")
-    )
+    names = (getattr(best, known, {}) for known in ("deprecated_keys", "explained_keys"))
     return list(_hints(best)), {old: new for some in names for old, new in some.items()}
 
 

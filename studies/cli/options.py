@@ -303,16 +303,6 @@ def check_format(path: str, found: str | None, allowed: Iterable[str], option: s
         raise click.BadParameter(missing, param_hint=option)
 
 
-def write_option(text: str) -> Any:
-    """Option ``--write FILE`` of commands that make an aircraft's file."""
-    return option("--write", type=OutputFile(), metavar="FILE", help=text)
-
-
-def markdown_option() -> Any:
-    """Option ``--markdown FILE``."""
-    return option("--markdown", type=OutputFile(), help="Write the table to a file.")
-
-
 def report_option() -> Any:
     """Option ``--report`` of commands whose results a page may show."""
     text = "Also write a report, .html or .pdf; see docs/report.md."

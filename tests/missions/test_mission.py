@@ -499,20 +499,3 @@ def test_unknown_sky_is_refused() -> None:
     assert str(caught.value) == (
         "--set mission.clear_sky: unknown clear sky 'bright'; choose from ashrae"
     )
-
-
-# ---- earlier versions ----
-
-
-def test_bands_are_called_uncertainty_margins() -> None:
-    with pytest.raises(InputError) as caught:
-        load_mission("rafz-july", ["bands.clearness_minimum=0.8"])
-    assert str(caught.value) == (
-        "--set mission.bands.clearness_minimum: bands: this key is called 'uncertainty_margins' now"
-    )
-    text = "name: old\nlatitude_deg: 47.6\ndates: {on: 07-15}\nbands: {clearness_minimum: 0.8}\n"
-    with pytest.raises(InputError) as caught:
-        validate(parse_yaml(text, "old.yaml"), Mission)
-    assert str(caught.value) == (
-        "old.yaml:4:1: bands: this key is called 'uncertainty_margins' now"
-    )

@@ -262,7 +262,7 @@ def test_a_wrong_item_does_not_make_a_list_too_short() -> None:
 
 def test_key_of_an_earlier_version_is_refused_with_its_new_name() -> None:
     class Pack(Battery):
-        renamed_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}
+        explained_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}
 
     class Model(Record):
         packs: tuple[Pack, ...]
