@@ -6,8 +6,8 @@ A file is read in three steps: the text is parsed into plain data and the place 
 the user ends as an `InputError`, whose problems name file, line and column.
 
 A record whose keys had other names in earlier versions lists them, old to new, in class variables:
-those of ``deprecated_keys`` are read, with a warning; those that were given up, and keys that people
-look for and that there are not, are refused with the new name or a sentence of ``explained_keys``.
+those of ``deprecated_keys`` are read, with a warning; those that were given up, and keys that
+people look for and that there are not, are refused with what ``explained_keys`` says.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ import click
 from missions.files.errors import InputError, did_you_mean
 from solar._version import __version__
 from solar.versions import DeprecatedKeyWarning
-from studies.cli.command import Command
+from studies.cli.command import Command, write_examples
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
 from studies.cli.telling import tell_error
 from studies.engine.signals import Signals, interruptible
@@ -60,6 +60,11 @@ _COMMANDS = {
 
 
 _SPELLED = {"analyze": "analyse"}
+_EXAMPLES = (
+    "solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15",
+    "solar-uav size atlantiksolar-design -m central-europe-summer --required-excess-time 3",
+    "solar-uav init albatross",
+)
 
 
 class _LazyGroup(click.Group):
@@ -92,6 +97,11 @@ class _LazyGroup(click.Group):
             meant = did_you_mean(args[0], _COMMANDS)
             raise click.UsageError(f"{error.message.rstrip('.')}{meant}", ctx) from None
 
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples, and what the command is for."""
+        write_examples(formatter, _EXAMPLES)
+        super().format_help_text(ctx, formatter)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands by what they are for."""
         longest = max(map(len, _COMMANDS))
@@ -108,7 +118,7 @@ def cli() -> None:
 
     AIRCRAFT and missions are shipped names (see list) or paths of YAML files (see init). AIRCRAFT
     may also be a folder that --out wrote. Solar cells, batteries, motors and propellers have names,
-    too (list --cells). COMMAND --help shows options and an example.
+    too (list --cells). COMMAND --help shows examples and options.
     """
 
 

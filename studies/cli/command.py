@@ -93,8 +93,7 @@ class Command(click.Command):
     """Command whose options are the fields of a data class, whose help text is its docstring.
 
     ``body``: what is called with an instance, ``module:function`` of :mod:`studies.cli.bodies`.
-    ``*examples``: calls as they are typed, shown at the end of the help text, below options by
-    subject.
+    ``*examples``: calls as they are typed, shown first in the help text; options stand by subject.
     """
 
     def __init__(self, name: str, options: type[Any], body: str, *examples: str) -> None:
@@ -134,21 +133,26 @@ class Command(click.Command):
                 with formatter.section(name):
                     formatter.write_dl(some)
 
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the examples."""
-        if self.examples:
-            with formatter.section("Example" if len(self.examples) == 1 else "Examples"):
-                indent = " " * formatter.current_indent
-                for example in self.examples:
-                    lines = textwrap.wrap(
-                        example,
-                        formatter.width - len(" \\"),
-                        initial_indent=indent,
-                        subsequent_indent=f"{indent}    ",
-                        break_long_words=False,
-                        break_on_hyphens=False,
-                    )
-                    formatter.write(" \\\n".join(lines) + "\n")
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples, and what the command is for."""
+        write_examples(formatter, self.examples)
+        super().format_help_text(ctx, formatter)
+
+
+def write_examples(formatter: click.HelpFormatter, examples: Sequence[str]) -> None:
+    """Write calls as they are typed under a heading of their own."""
+    with formatter.section("Example" if len(examples) == 1 else "Examples"):
+        indent = " " * formatter.current_indent
+        for example in examples:
+            lines = textwrap.wrap(
+                example,
+                formatter.width - len(" \\"),
+                initial_indent=indent,
+                subsequent_indent=f"{indent}    ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+            formatter.write(" \\\n".join(lines) + "\n")
 
 
 def _parameters(declared: _Group) -> Iterator[click.Parameter]:
