@@ -172,13 +172,10 @@ def test_calls_within_the_text_name_commands_and_options_that_exist(page: Path) 
 
 # Options of other programs that the pages name.
 FOREIGN = {
-    "upgrade.md": {
-        "--as-logged",
-        "--explain",
-        "--season",
-        "--static",
-        "--batteries",
-    },  # of versions before
+    "upgrade.md": {  # of versions before
+        *("--as-logged", "--explain", "--season", "--static", "--batteries", "--best-climb"),
+        "--days",
+    },
     "CONTRIBUTING.md": {
         "--airfoil",
         "--out",

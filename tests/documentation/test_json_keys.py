@@ -40,7 +40,7 @@ CASES: dict[str, tuple[str, list[list[str]], set[str]]] = {
         "cli.md",
         [
             [AS2, "--mission", "rafz-28h"],
-            [AS2, *CLIMB, "--best-climb"],
+            [AS2, *CLIMB],
             [AS2, "--set", "battery.ageing.cycles=180", "--set", "modules.cell=sunpower-c60"],
             [AS2, *CELLS],
         ],
