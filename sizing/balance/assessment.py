@@ -140,9 +140,10 @@ def balance_assessment(
     wing = Wing(*(float(one) for one in wing))
     planes, body_m3 = tail.planes(wing), body_volume_m3(airframe)
     found = neutral_point(wing, tail, planes, body_m3)
+    inputs = balance_inputs(aircraft, conditions, design)
     items = tuple(
         Item(one.name, float(one.mass_kg), float(one.x_m))
-        for one in balance_items(*balance_inputs(aircraft, conditions, design))
+        for one in balance_items(*inputs)
         if float(one.mass_kg) > 0.0
     )
     gravity_m = float(centre_of_gravity(items))
@@ -176,7 +177,7 @@ def balance_assessment(
     return BalanceAssessment(
         items=items,
         asked_margin=balance.static_margin,
-        holding_volume=holding_volume(airframe, wing, gravity_m),
+        holding_volume=holding_volume(*inputs),
         design_mass_kg=float(design.total_mass_kg),
         wing=wing,
         planes=planes,

@@ -16,12 +16,13 @@ from sizing.aircraft import ParametricAirframe
 from sizing.balance.drag import Booms, BuiltUpPolar
 from sizing.balance.masses import (
     Item,
+    centre_of_gravity,
     spar_x_m,
     tail_mass_x_m,
     wing_and_tail_items,
 )
 from sizing.balance.stability import neutral_point
-from sizing.balance.surfaces import Wing, wing_of
+from sizing.balance.surfaces import wing_of
 from sizing.parameters import all_replaced
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs
@@ -112,21 +113,26 @@ def balance_items(
 _LEAST_VOLUME, _MOST_VOLUME = 0.01, 3.0
 
 
-def holding_volume(airframe: ParametricAirframe, wing: Wing, gravity_m: float) -> float | None:
+def holding_volume(
+    airframe: ParametricAirframe, masses: Any, inputs: StructureInputs
+) -> float | None:
     """Volume coefficient of the horizontal tail that has the static margin asked for [-].
 
-    At the centre of gravity of the masses as they are. None where no margin is asked for, and where
-    no tail has it.
+    With the mass of that tail, and all others as they are. None where no margin is asked for, and
+    where no tail has it.
     """
     tail, balance = airframe.tail, airframe.balance
     assert tail is not None
     assert balance is not None
     if (margin := balance.static_margin) is None:
         return None
+    wing = wing_of(airframe.planform, inputs.wingspan_m, inputs.aspect_ratio)
 
     def error(volume: float) -> float:
-        own = tail.with_volume(volume)
-        neutral_m = neutral_point(wing, own, own.planes(wing), body_volume_m3(airframe)).x_m
+        sized = tail.with_volume(volume)
+        neutral_m = neutral_point(wing, sized, sized.planes(wing), body_volume_m3(airframe)).x_m
+        own = airframe.model_copy(update={"tail": sized})
+        gravity_m = centre_of_gravity(balance_items(own, masses, inputs))
         return float((neutral_m - gravity_m) / wing.aerodynamic_chord_m) - margin
 
     if error(_LEAST_VOLUME) > 0.0 or error(_MOST_VOLUME) < 0.0:

@@ -78,7 +78,7 @@ class Balance(Record):
             *("minimum_horizontal_volume", "maximum_horizontal_volume"),
         ),
         "nothing is moved or sized for a static margin: give positions_chords and airframe.tail; "
-        "analyse tells the tail that would have the margin",
+        "the tail that would have the margin is reported",
     )
 
     positions_chords: Positions = Positions()
