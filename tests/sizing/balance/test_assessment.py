@@ -46,7 +46,7 @@ def test_the_reported_tail_has_the_margin_that_is_asked_for() -> None:
         0.45,
         abs=1e-3,  # that of the file, which has its margin; places of four digits
     )
-    assert balance("airframe.balance.static_margin=1.9").holding_volume is None
+    assert balance("airframe.balance.static_margin=-0.3").holding_volume is None
 
 
 def test_trim_drag_of_the_margin_is_in_the_power() -> None:
