@@ -191,7 +191,6 @@ FOREIGN = {
     },
     "performance.md": {"--markdown", "--json", "--only"},
     "maps.md": {"--long"},
-    "scale.md": {"--scheduler"},
     "validation.md": {"--count", "--rows", "--cases"},
 }
 
