@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from scipy.optimize import brentq
+import numpy as np
 
 from sizing.aerodynamics.parabolic import DragPolar, Polar
 from sizing.aerodynamics.wing_polar import WingPolar
@@ -24,10 +24,12 @@ from sizing.balance.masses import (
 from sizing.balance.stability import neutral_point
 from sizing.balance.surfaces import wing_of
 from sizing.parameters import all_replaced
+from sizing.roots import bracketed_root
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import StructureModel
 from sizing.structures.rib_wing import RibWingStructure
+from solar.types import FloatArray
 
 
 def structure_with_tail(
@@ -128,13 +130,12 @@ def holding_volume(
         return None
     wing = wing_of(airframe.planform, inputs.wingspan_m, inputs.aspect_ratio)
 
-    def error(volume: float) -> float:
+    def error(volume: FloatArray) -> FloatArray:
         sized = tail.with_volume(volume)
         neutral_m = neutral_point(wing, sized, sized.planes(wing), body_volume_m3(airframe)).x_m
         own = airframe.model_copy(update={"tail": sized})
         gravity_m = centre_of_gravity(balance_items(own, masses, inputs))
-        return float((neutral_m - gravity_m) / wing.aerodynamic_chord_m) - margin
+        return np.asarray((neutral_m - gravity_m) / wing.aerodynamic_chord_m - margin)
 
-    if error(_LEAST_VOLUME) > 0.0 or error(_MOST_VOLUME) < 0.0:
-        return None
-    return float(brentq(error, _LEAST_VOLUME, _MOST_VOLUME))
+    found = bracketed_root(error, np.array([_LEAST_VOLUME]), np.array([_MOST_VOLUME]))
+    return None if np.isnan(found[0]) else float(found[0])

@@ -173,10 +173,11 @@ def test_cells_of_a_map_have_their_own_operating_points() -> None:
 
 def test_draws_have_their_own_operating_points() -> None:
     inputs = {FACTOR: {"relative_sigma": 0.03}}
-    own = aircraft({"uncertainty.inputs": inputs})
+    built = {"airframe.structure.build": 1.0}  # a class would scatter as well
+    own = aircraft({"uncertainty.inputs": inputs, **built})
     drawn = sizing.analyse_uncertainty(own, MISSION, samples=64)
     least = int(np.argmin(drawn.values[FACTOR]))
-    worst = aircraft({FACTOR: float(drawn.values[FACTOR][least])})
+    worst = aircraft({FACTOR: float(drawn.values[FACTOR][least]), **built})
     power_w = sizing.design_of(worst, MISSION).propulsion_power_w
     assert drawn.flights.propulsion_power_w[least] == pytest.approx(power_w, rel=1e-3)
 

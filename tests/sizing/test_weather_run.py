@@ -101,7 +101,7 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
     chain = twin.airframe.propulsion.sized(*design.variables.of_propulsion)
     run, warm_k = flown.recorded, flown.light.temperature_c[flown.recorded.axis.nodes] + 273.15
     assert np.ptp(warm_k) > 15.0
-    volts = twin.battery.bus_voltage_v(run.state_of_charge())
+    volts = twin.battery.nominal_voltage_v
     for day, node in ((0, 10), (0, 150), (0, 280), (1, 0), (1, 144), (1, 200)):
         # The lift coefficient of the wind in the day's mean air, in that of the hour.
         mean_k = float(np.mean(warm_k[day]))
@@ -115,8 +115,8 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
         there = air_at(warm_k[day, node], own_air.pressure_pa)
         load = _profile(mission, run.axis)[day, node]
         thrust_w = level_w * level.efficiency * faster * load
-        exact_w = chain.bus_power_w(thrust_w, speed * faster, there, volts[day, node])
-        # Polynomials of load, voltage and temperature: 1e-4; the voltages settle within 1e-6.
+        exact_w = chain.bus_power_w(thrust_w, speed * faster, there, volts)
+        # Polynomials of load and temperature: 1e-4.
         expected = float(exact_w) + float(design.constant_power_w)
         assert run.load_w[day, node] == pytest.approx(expected, rel=2e-4)
     # With the efficiency of each airspeed alone it would be up to 3 % off.

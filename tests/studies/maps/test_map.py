@@ -223,16 +223,11 @@ def test_a_map_as_a_table_has_a_row_for_each_cell(tmp_path: Path) -> None:
 
 
 def test_what_a_map_cannot_be_written_to_is_refused(tmp_path: Path) -> None:
-    weather = ["--weather", "colorado-2023"]
-    for name, more, what in (
-        ("map.txt", [], "must end in .nc, .csv"),
-        ("map.csv", weather, "must end in .nc with --weather"),
-    ):
-        target = tmp_path / name
-        answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target), *more])
-        assert answer.exit_code == 2
-        assert what in " ".join(answer.output.split())
-        assert not target.exists()
+    target = tmp_path / "map.txt"
+    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target)])
+    assert answer.exit_code == 2
+    assert "must end in .nc, .csv" in " ".join(answer.output.split())
+    assert not target.exists()
 
 
 def test_picture_shows_a_map_of_one_cell() -> None:
