@@ -60,7 +60,7 @@ def test_every_heading_is_printed(open_page: Any, report: Path) -> None:
 def test_inputs_are_one_sheet_at_the_end(open_page: Any, report: Path) -> None:
     printed = sheets(open_page(report).pdf(format="A4"))
     *others, last = (" ".join(sheet.text.split()) for sheet in printed)
-    for words in ("format_version: 1", "mission rafz-july", "airspeed_m_per_s"):
+    for words in ("format_version: 1", "mission rafz-july", "pitch_deg: 0.0"):
         assert words in last
         assert not any(words in text for text in others)
 

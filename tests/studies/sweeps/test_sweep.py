@@ -528,7 +528,9 @@ def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
     assert "not today" in str(data["message"].values[1])
     figure = sweep_plots.plot_sweep(data)
     assert "1 of 3 points failed" in heading(figure)
-    assert [t.get_text() for t in figure.axes[0].get_legend().get_texts()] == ["failed"]
+    assert [t.get_text() for t in figure.axes[0].get_legend().get_texts()] == [
+        "could not be computed"
+    ]
     table = invoke("atlantiksolar-design", *vary)
     assert table.exit_code == 1
     assert "1 failed" in " ".join(table.stdout.split())
