@@ -10,11 +10,11 @@ import pytest
 
 from missions.mission import Scenarios
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
+from sizing.program.size import size_aircraft
 from sizing.sunlight import SolarModel, solar_day
 
 pytestmark = pytest.mark.slow

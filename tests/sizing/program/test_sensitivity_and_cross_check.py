@@ -9,18 +9,18 @@ from missions.files.overrides import with_values
 from missions.library import load_mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.propulsion import sized_in_own_flow
-from sizing.optimisation.search import size_aircraft
-from sizing.optimisation.sensitivity import (
-    Sensitivity,
-    constraint_multipliers,
-    sensitivities,
-)
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.cross_check import CrossCheck, cross_check
 from sizing.program.objectives import Objective
+from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.result import SizingResult
+from sizing.program.sensitivity import (
+    Sensitivity,
+    constraint_multipliers,
+    sensitivities,
+)
+from sizing.program.size import size_aircraft
 from sizing.results.sizing_summary import cross_check_line
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from studies.output.design_plots import plot_sensitivities
