@@ -17,9 +17,9 @@ from benchmarks.wild_problems import WildProblem
 from missions.mission import Scenarios
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import design_requirements, meets_requirements
-from sizing.optimisation.coverage import DAYS, LATITUDES_DEG
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.objectives import Objective
+from sizing.program.ranges import DAYS, LATITUDES_DEG
 from sizing.program.result import objective_value
 from sizing.sunlight import DEFAULT_STEP_H, SolarDay, solar_day
 from solar.types import BoolArray, FloatArray

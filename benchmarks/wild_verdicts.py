@@ -15,13 +15,13 @@ from missions.files.overrides import with_values
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.limits import ROW_TOLERANCE
-from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.infeasibility import least_mission
 from sizing.optimisation.propulsion import sized_in_own_flow
 from sizing.optimisation.relaxations import relaxations
 from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
+from sizing.program.ranges import widest_range
 from sizing.program.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,

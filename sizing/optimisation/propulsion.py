@@ -30,13 +30,13 @@ from sizing.mass_budget import (
     mixed_chain,
     operating_trouble,
 )
-from sizing.optimisation.coverage import widest_range
 from sizing.optimisation.result import SizingResult
 from sizing.optimisation.search import size_aircraft, unjudged_optimum
 from sizing.optimisation.variables import TOTAL_MASS
 from sizing.parameters import with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
+from sizing.program.ranges import widest_range
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.smooth_propulsion import corrected, smooth_propulsion
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel

@@ -79,7 +79,7 @@ def size_aircraft(
 
     ``aircraft``: technology, bounds of the design variables, and a first guess (its own design
     point). ``objective``: of one design; for a range of days or latitudes see
-    :func:`sizing.optimisation.coverage.widest_range`. ``required_excess_time_h``: of every
+    :func:`sizing.program.ranges.widest_range`. ``required_excess_time_h``: of every
     scenario, instead of the mission's own [h]. ``day``: specific power of the scenarios where it is
     known already. ``problems``: programs of this very aircraft, from an earlier sizing: nothing is
     built again. ``start``: first guess, for instance the optimum of a similar mission. ``explain``:

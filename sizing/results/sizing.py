@@ -53,10 +53,9 @@ _FORMER = SimpleNamespace(
 def _sizer(mission: Mission, objective: Objective) -> SimpleNamespace:
     """What sizes an aircraft, and says what about it.
 
-    Climbs are sized as before until their results are those of :mod:`sizing.program.climbing`,
-    ranges until they are those of a module of :mod:`sizing.program`.
+    Climbs are sized as before until their results are those of :mod:`sizing.program.climbing`.
     """
-    return _FORMER if mission.climb is not None or objective.of_range else _PROGRAM
+    return _PROGRAM if mission.climb is None or objective.of_range else _FORMER
 
 
 def size(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from functools import cache, partial
+from functools import partial
 from itertools import product
-from types import SimpleNamespace
-from typing import Any, get_args
+from typing import get_args
 
 import builders
 import numpy as np
@@ -18,16 +17,14 @@ from missions.files.errors import InputError
 from missions.files.overrides import with_values
 from missions.files.validation import validate
 from missions.files.yaml import parse_yaml
-from missions.mission import Mission, Scenarios
+from missions.mission import Mission
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import FlightConditions, variables_of
 from sizing.design_space import LimitedQuantity
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.optimisation import coverage
 from sizing.optimisation.cells import size_cells
-from sizing.optimisation.coverage import DAYS, WidestRange, _Growth, widest_range
 from sizing.optimisation.problem import SizingProblems
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
@@ -38,7 +35,7 @@ from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import sensitivities
 from sizing.program.size import size_aircraft
 from sizing.relaxed_flight import Relaxation, rounded
-from sizing.sunlight import SolarDay, SolarModel, solar_day
+from sizing.sunlight import SolarModel, solar_day
 
 pytestmark = pytest.mark.slow
 
@@ -395,176 +392,6 @@ uncertainty_margins: {clearness_minimum: 0.9}
 """
     with pytest.raises(InputError, match=r"clearness_minimum.*at most the mission's clearness"):
         validate(parse_yaml(text, "hazy.yaml"), Mission)
-
-
-# ---- ranges
-
-
-@cache
-@cache
-def range_of_span(span_m: float, objective: Objective) -> WidestRange:
-    plane = aircraft(f"design_space.wingspan_m.maximum={span_m}", *SMALL[1:])
-    return widest_range(plane, mission(), objective, required_excess_time_h=2.0)
-
-
-def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() -> None:
-    plane = aircraft(*SMALL)
-    found = range_of_span(4.0, Objective.longest_season)
-    assert found.first is not None
-    assert found.sizing.design is not None
-    days = found.members.astype(int)
-    # Around the longest day, and every day of it is judged by the simulator.
-    assert 172 in days
-    assert found.extent == len(days)
-    assert found.sizing.simulated is not None
-    assert set(found.sizing.simulated.day.scenarios.day_of_year) == set(days)
-    ranged = mission(dates={"from": "01-01", "to": "12-31", "count": 365})
-    perf = performance_of_designs(plane, ranged, found.sizing.design.variables)
-    kept = perf.day.scenarios.day_of_year[perf.cycle.excess_time_h >= 2.0]
-    assert set(days) <= set(kept.tolist())
-    # One day more on both sides is beyond every design: sized for exactly those two days.
-    both = solar_day(plane, ranged).at([days[0] - 2, days[-1]])
-    longer = size_aircraft(
-        plane, ranged, Objective.max_excess_time, required_excess_time_h=0.0, day=both
-    )
-    assert longer.objective_value is None or longer.objective_value < 2.0
-
-
-def test_sizing_ends_at_a_design_that_is_good_enough() -> None:
-    plane = aircraft(*SMALL)
-    places = mission(latitude_deg={"from_deg": 50.0, "to_deg": 70.0, "count": 2})
-    best = size_aircraft(plane, places, required_excess_time_h=0.0)
-    enough = size_aircraft(plane, places, required_excess_time_h=0.0, enough_h=1.0)
-    assert best.objective_value is not None
-    assert enough.objective_value is not None
-    assert 1.0 <= enough.objective_value <= best.objective_value + 1e-6
-    assert enough.solver.solves <= best.solver.solves
-
-
-# In the tropics both ends of a season are about as hard, and which comes first is hardly told.
-@pytest.mark.parametrize(
-    ("name", "span_m", "latitude_deg", "altitude_m"),
-    [("atlantiksolar-design", 4.0, 20.5, 0.0), ("sky-sailor", 6.0, -8.5, 3000.0)],
-)
-def test_no_run_one_day_longer_is_kept_up(
-    name: str, span_m: float, latitude_deg: float, altitude_m: float
-) -> None:
-    small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
-    bound = f"design_space.wingspan_m.maximum={span_m}"
-    plane = builders.aircraft(name, bound, *small)
-    place = mission(latitude_deg=latitude_deg, altitude_m=altitude_m, air={})
-    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.0)
-    days = found.members.astype(int)
-    every = solar_day(plane, place, scenarios=Scenarios(np.full(365, latitude_deg), DAYS))
-    for shift in range(-3, 4):
-        first = days[0] - 1 + shift
-        longer = np.arange(first - 1, first + len(days)) % 365
-        sized = size_aircraft(
-            plane, place, Objective.max_excess_time, day=every.at(longer), explain=False
-        )
-        assert sized.objective_value is None or sized.objective_value < 2.0
-
-
-def test_season_near_the_equator_spans_both_of_its_peaks() -> None:
-    # The sun stands in the zenith twice a year, in spring and in August. Days sized each on its
-    # own have 3.27 h, 3.22 h, and between them at least 3.07 h: a run of both is kept up together.
-    bound = "design_space.wingspan_m.maximum=5"
-    plane = builders.aircraft("sky-sailor", bound, "airframe.wingspan_m=3", "modules.area_m2=0.4")
-    place = mission(latitude_deg=6.0, air={})
-    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=3.0)
-    assert found.extent == 139
-
-
-def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
-    small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
-    plane = builders.aircraft("sky-sailor", *small)
-    june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
-    found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
-    assert found.sizing.status is SizingStatus.optimal
-    assert found.first is not None
-    # At 50° N alone a design has 6.36 h.
-    assert found.first < 55.0
-    assert found.last == 90.0
-
-
-def test_season_wraps_the_years_end_in_the_south() -> None:
-    plane = aircraft(*SMALL)
-    found = widest_range(plane, mission(latitude_deg=-47.6), Objective.longest_season)
-    assert found.first is not None
-    assert found.last is not None
-    assert found.last < found.first
-    assert {355, 1} <= set(found.members.astype(int))
-
-
-def test_wider_span_means_a_longer_season_and_a_wider_band() -> None:
-    for objective in (Objective.longest_season, Objective.widest_latitude_band):
-        extents = [range_of_span(span_m, objective).extent for span_m in (4.0, 5.0)]
-        assert 0.0 < extents[0] < extents[1]
-
-
-def test_season_is_found_where_the_solver_fails_on_it_and_a_design_of_its_end_covers_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    whole = range_of_span(4.0, Objective.longest_season)
-
-    def failing(*given: Any, day: SolarDay, **options: Any) -> SizingResult:
-        result = size_aircraft(*given, day=day, **options)
-        if len(day.scenarios) < len(whole.members) or not np.isfinite(options["enough_h"]):
-            return result
-        return dataclasses.replace(
-            result, status=SizingStatus.not_converged, design=None, objective_value=None
-        )
-
-    monkeypatch.setattr(coverage, "size_aircraft", failing)
-    plane = aircraft("design_space.wingspan_m.maximum=4.0", *SMALL[1:])
-    found = widest_range(plane, mission(), Objective.longest_season, required_excess_time_h=2.0)
-    assert found.extent == whole.extent
-
-
-def test_range_that_is_empty_is_infeasible() -> None:
-    found = widest_range(
-        aircraft(*SMALL), mission(), Objective.longest_season, required_excess_time_h=40.0
-    )
-    assert found.sizing.status is SizingStatus.infeasible
-    assert found.extent == 0.0
-    assert found.sizing.violations
-
-
-@pytest.mark.parametrize(
-    ("apart", "failed"), [([{3, 4}], []), ([], [{2, 3, 4}]), ([{3, 4}], [{2, 3, 4}])]
-)
-def test_run_that_is_known_to_have_no_design_is_not_sized_again(
-    apart: list[set[int]], failed: list[set[int]]
-) -> None:
-    growth = _Growth.__new__(_Growth)
-    growth.season, growth.members, growth.within = False, np.arange(10.0), {2, 4}
-    growth.apart, growth.failed = list(map(frozenset, apart)), set(map(frozenset, failed))
-    # Without an aircraft: a sizing would be an error.
-    assert growth._covering([2, 3, 4]) is None
-
-
-def test_an_easy_season_beside_a_run_is_looked_at_and_the_run_is_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Excess time with a peak on day 80 and a lower one on day 266; the run is around the first."""
-    apart = [np.minimum((DAYS - peak) % 365, (peak - DAYS) % 365) for peak in (80, 266)]
-    excess_h = np.maximum(9.0 - 0.1 * apart[0], 7.0 - 0.1 * apart[1])
-    asked: list[int] = []
-
-    def sized(members: list[int]) -> SimpleNamespace:
-        asked.extend(members)
-        return SimpleNamespace(objective_value=float(excess_h[members[0]]))
-
-    growth = _Growth.__new__(_Growth)
-    growth.season, growth.members, growth.start = True, DAYS.astype(float), None
-    monkeypatch.setattr(growth, "_excess_h", lambda _: excess_h)
-    monkeypatch.setattr(growth, "_sized", sized)
-    held = list(range(60, 100))
-    found = growth._other_centres(SimpleNamespace(design=None, objective_value=9.0), held)
-    assert not set(asked) & set(held)
-    others = [centre for centre, _ in found if centre not in held]
-    assert others
-    assert DAYS[others[0]] == pytest.approx(266, abs=365 / 30)
 
 
 # ---- relaxations

@@ -1,0 +1,126 @@
+"""The longest season and the widest band: what one design keeps up, and that no other does more."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+
+import builders
+import numpy as np
+import pytest
+
+from missions.mission import Scenarios
+from sizing.performance import performance_of_designs
+from sizing.program.objectives import Objective
+from sizing.program.ranges import DAYS, WidestRange, widest_range
+from sizing.program.result import SizingStatus
+from sizing.program.size import size_aircraft
+from sizing.sunlight import solar_day
+
+pytestmark = pytest.mark.slow
+
+SMALL = (
+    "design_space.wingspan_m.maximum=4.0",
+    "airframe.wingspan_m=3.5",
+    "modules.area_m2=0.5",
+)
+aircraft = partial(builders.aircraft, "atlantiksolar-design")
+mission = builders.mission
+
+
+@cache
+def range_of_span(span_m: float, objective: Objective) -> WidestRange:
+    plane = aircraft(f"design_space.wingspan_m.maximum={span_m}", *SMALL[1:])
+    return widest_range(plane, mission(), objective, required_excess_time_h=2.0)
+
+
+def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() -> None:
+    plane = aircraft(*SMALL)
+    found = range_of_span(4.0, Objective.longest_season)
+    assert found.first is not None
+    assert found.sizing.design is not None
+    days = found.members.astype(int)
+    # Around the longest day, and every day of it is judged by the simulator.
+    assert 172 in days
+    assert found.extent == len(days)
+    assert found.sizing.simulated is not None
+    assert set(found.sizing.simulated.day.scenarios.day_of_year) == set(days)
+    ranged = mission(dates={"from": "01-01", "to": "12-31", "count": 365})
+    perf = performance_of_designs(plane, ranged, found.sizing.design.variables)
+    kept = perf.day.scenarios.day_of_year[perf.cycle.excess_time_h >= 2.0]
+    assert set(days) <= set(kept.tolist())
+    # One day more on both sides is beyond every design: sized for exactly those two days.
+    both = solar_day(plane, ranged).at([days[0] - 2, days[-1]])
+    longer = size_aircraft(
+        plane, ranged, Objective.max_excess_time, required_excess_time_h=0.0, day=both
+    )
+    assert longer.objective_value is None or longer.objective_value < 2.0
+
+
+# In the tropics both ends of a season are about as hard, and which comes first is hardly told.
+@pytest.mark.parametrize(
+    ("name", "span_m", "latitude_deg", "altitude_m"),
+    [("atlantiksolar-design", 4.0, 20.5, 0.0), ("sky-sailor", 6.0, -8.5, 3000.0)],
+)
+def test_no_run_one_day_longer_is_kept_up(
+    name: str, span_m: float, latitude_deg: float, altitude_m: float
+) -> None:
+    small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
+    bound = f"design_space.wingspan_m.maximum={span_m}"
+    plane = builders.aircraft(name, bound, *small)
+    place = mission(latitude_deg=latitude_deg, altitude_m=altitude_m, air={})
+    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.0)
+    days = found.members.astype(int)
+    every = solar_day(plane, place, scenarios=Scenarios(np.full(365, latitude_deg), DAYS))
+    for shift in range(-3, 4):
+        first = days[0] - 1 + shift
+        longer = np.arange(first - 1, first + len(days)) % 365
+        sized = size_aircraft(
+            plane, place, Objective.max_excess_time, day=every.at(longer), explain=False
+        )
+        assert sized.objective_value is None or sized.objective_value < 2.0
+
+
+def test_season_near_the_equator_spans_both_of_its_peaks() -> None:
+    # The sun stands in the zenith twice a year, in spring and in August. Days sized each on its
+    # own have 3.27 h, 3.22 h, and between them at least 3.07 h: a run of both is kept up together.
+    bound = "design_space.wingspan_m.maximum=5"
+    plane = builders.aircraft("sky-sailor", bound, "airframe.wingspan_m=3", "modules.area_m2=0.4")
+    place = mission(latitude_deg=6.0, air={})
+    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=3.0)
+    assert found.extent >= 139
+
+
+def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
+    small = "airframe.wingspan_m=3", "modules.area_m2=0.4", "design_space.wingspan_m.maximum=12"
+    plane = builders.aircraft("sky-sailor", *small)
+    june = mission(dates={"on": "06-21"}, altitude_m=0.0, air={})
+    found = widest_range(plane, june, Objective.widest_latitude_band, required_excess_time_h=6.0)
+    assert found.sizing.status is SizingStatus.optimal
+    assert found.first is not None
+    # At 50° N alone a design has 6.36 h.
+    assert found.first < 55.0
+    assert found.last == 90.0
+
+
+def test_season_wraps_the_years_end_in_the_south() -> None:
+    plane = aircraft(*SMALL)
+    found = widest_range(plane, mission(latitude_deg=-47.6), Objective.longest_season)
+    assert found.first is not None
+    assert found.last is not None
+    assert found.last < found.first
+    assert {355, 1} <= set(found.members.astype(int))
+
+
+def test_wider_span_means_a_longer_season_and_a_wider_band() -> None:
+    for objective in (Objective.longest_season, Objective.widest_latitude_band):
+        extents = [range_of_span(span_m, objective).extent for span_m in (4.0, 5.0)]
+        assert 0.0 < extents[0] < extents[1]
+
+
+def test_range_that_is_empty_is_infeasible() -> None:
+    found = widest_range(
+        aircraft(*SMALL), mission(), Objective.longest_season, required_excess_time_h=40.0
+    )
+    assert found.sizing.status is SizingStatus.infeasible
+    assert found.extent == 0.0
+    assert found.sizing.violations
