@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import resources
 from math import sqrt
 from typing import Any, get_args
 
@@ -10,6 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from missions.air import standard_air
+from sizing.aircraft import SolarModules
 from sizing.catalogues.choice import KINDS, Kind, entries
 from sizing.catalogues.entries import (
     BatteryEntry,
@@ -118,6 +120,14 @@ def test_the_mppts_of_atlantiksolar_are_half_a_gram_per_watt() -> None:
     # 1/2368 kg per W of peak power; the mass of the entry has three digits.
     own = entries("mppts")["atlantiksolar-mppt"]
     assert own.parameters({})["mppt_mass_kg_per_w"] == pytest.approx(1.0 / 2368.0, rel=0.001)
+
+
+def test_modules_without_a_word_on_mppts_have_the_board_that_init_writes() -> None:
+    starter = resources.files("studies").joinpath("templates", "aircraft.yaml").read_text()
+    assert "mppt_board: genasun-gvb-8-board" in starter
+    board = entries("mppts")["genasun-gvb-8-board"]
+    assert isinstance(board, MpptEntry)
+    assert SolarModules(area_m2=1.0).mppt_mass_kg_per_w == board.mass_kg_per_w
 
 
 def test_cells_are_compared_on_what_their_data_sheets_guarantee() -> None:

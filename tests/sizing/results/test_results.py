@@ -5,18 +5,21 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import missions
 import sizing
+from missions.files.writing import to_yaml
 from sizing.aircraft import Aircraft
 from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table
 from sizing.results.notes import relaxation_table
+from sizing.results.parts import sized_data
 from sizing.results.sizing_study import SizingStudy
 
 
@@ -326,3 +329,19 @@ def test_modules_beyond_their_coverage_are_told() -> None:
     assert "The modules cover 93 % of the wing, more than the 85 %" in text
     narrow = sizing.load_aircraft("atlantiksolar-design")
     assert "The modules cover" not in str(sizing.analyse(narrow, mission))
+
+
+def test_an_optimum_without_the_whole_cells_of_its_file_can_be_read(tmp_path: Path) -> None:
+    """What boards and cells of the catalogue gave is in the file, beside their names no value."""
+    cells = {"cell": "lg-mh1", "voltage": {"cells_in_series": 6}, "pack": {"cells_in_parallel": 9}}
+    own = sizing.load_aircraft("twin-boom-design", {"battery": cells})
+    design = sizing.analyse(own, missions.load_mission("rafz-july"), replay=False).design
+    file = tmp_path / "sized.yaml"
+    file.write_text(to_yaml(sized_data(own, design, whole_cells=False)), encoding="utf-8")
+    sized = sizing.load_aircraft(file)
+    # Three boards of 108 g; the area is that of 138 halves of a cell.
+    rated_w = 1000.0 * own.modules.efficiency_stc * own.modules.area_m2
+    assert sized.modules.mppt_mass_kg_per_w * rated_w == pytest.approx(0.324)
+    assert sized.modules.mppt_efficiency == 0.95
+    of_pack = sized.battery.specific_energy_wh_per_kg, sized.battery.charge_limit
+    assert of_pack == (own.battery.specific_energy_wh_per_kg, own.battery.charge_limit)
