@@ -201,7 +201,7 @@ def _ceiling() -> Any:
 
 @cache
 def _verified() -> studies.Verification:
-    from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, synthetic_log
+    from synthetic_logs import START_UTC_S, Faults, Settings, synthetic_log
 
     settings = Settings(
         start_utc_s=START_UTC_S + 18.3 * 3600.0,

@@ -22,6 +22,7 @@ from builders import AS2, DESIGN, aircraft, mission, shipped_mission
 from command_line import Run
 from hypothesis import given
 from hypothesis import strategies as st
+from synthetic_logs import Settings, synthetic_log
 
 from missions.mission import Mission
 from missions.weather.files import load_weather
@@ -30,7 +31,6 @@ from sizing.results.analysis import analyse
 from sizing.results.sizing import size
 from sizing.sunlight import SolarModel
 from studies import make_report
-from studies.flight_logs.synthetic import Settings, synthetic_log
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars, Tables
 from studies.report.confidence import margin_table, margins_section
