@@ -232,7 +232,6 @@ def test_measured_aircraft_flies_as_measured() -> None:
 
 def test_measured_aircraft_without_airspeed_has_none() -> None:
     airframe = AS2.airframe
-    assert isinstance(airframe, MeasuredAirframe)
     flight = airframe.level_flight.model_copy(update={"airspeed_m_per_s": None})
     plane = AS2.model_copy(
         update={"airframe": airframe.model_copy(update={"level_flight": flight})}

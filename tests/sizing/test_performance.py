@@ -133,7 +133,6 @@ def test_performance_is_the_cycle_of_its_own_powers() -> None:
 def test_endurance_of_the_dark_is_the_battery_and_of_perpetual_flight_has_no_end() -> None:
     polar = performance(AS2, mission(latitude_deg=80.0, dates={"on": "12-21"}))
     (endurance,) = polar.endurances()
-    assert endurance is not None
     load = float(polar.nominal_load_w.ravel()[0])
     # Energy over power; rounding of some hundred summed intervals.
     assert float(endurance.endurance_h) == pytest.approx(2.918 * 251 * 0.97 / load, rel=1e-9)

@@ -120,7 +120,6 @@ def test_flights_from_sunrise_and_noon_are_those_marched_by_the_minute() -> None
         "atlantiksolar-as2", "battery.charge_limit={kind: none}", "power.avionics_w=30"
     )
     flight = analysis.limited_flight
-    assert flight is not None
     sunrise_h = float(analysis.performance.day.sunrise_h[0])
     assert flight.from_noon_h == pytest.approx(flown_h(analysis, 12.0), abs=0.02)
     assert flight.from_sunrise_h == pytest.approx(flown_h(analysis, sunrise_h), abs=0.02)

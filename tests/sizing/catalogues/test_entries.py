@@ -140,7 +140,6 @@ def test_cells_are_compared_on_what_their_data_sheets_guarantee() -> None:
         ("lg-m50lt", 17.6, 0.0685),
     ):
         one = batteries[name]
-        assert isinstance(one, BatteryEntry)
         assert one.basis == "min/max"
         assert one.specific_energy == pytest.approx(wh / kg)
 
@@ -202,7 +201,6 @@ def test_best_efficiency_is_the_maximum_over_the_current(motor: MotorEntry) -> N
 def test_motor_of_a_data_sheet_with_its_maximum_efficiency() -> None:
     # maxon, RE 40, 148867: maximum efficiency 92 %, no-load 7580 rpm, stall 80.2 A, at 24 V.
     motor = entries("motors")["maxon-re40-148867"]
-    assert isinstance(motor, MotorEntry)
     assert motor.best_efficiency(24.0) == pytest.approx(0.92, abs=0.005)
     no_load_rpm = motor.speed_constant_rpm_per_v * (
         24.0 - motor.no_load_current_a * motor.resistance_ohm

@@ -216,21 +216,18 @@ def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same() -> None:
     masses = [one.objective_value for one in sized]
     assert masses[0] == pytest.approx(masses[1], rel=1e-6)
     assert masses[0] > 1.02 * masses[2]
-    assert sized[0].simulated is not None
     assert float(np.min(sized[0].simulated.cycle.excess_time_h)) >= 0.0
 
 
 def test_the_line_says_temperature_age_and_what_is_left() -> None:
     craft = aircraft("atlantiksolar-as2", *IN_FLIGHT)
     line = battery_line(craft, battery_record(craft, COLD))
-    assert line is not None
     assert line.startswith(
         "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
     )
     text = analyse(craft, COLD).summary().to_text()
     assert "after 180 cycles" in text
     record = battery_record(craft, COLD)
-    assert record is not None
     assert record["capacity_fraction"] == craft.battery.capacity_fraction(-5.0)
     plain = aircraft("atlantiksolar-as2")
     assert battery_line(plain, battery_record(plain, COLD)) is None

@@ -49,7 +49,6 @@ def test_atlantiksolar_holds_its_88_cells_around_the_joints() -> None:
     # 1.35 m2 are published for the 88 cells, rounded to three digits.
     assert plane.modules.area_m2 == pytest.approx(1.35, abs=0.005)
     layout = plane.modules.layout
-    assert layout is not None
     # No cell more would fit: the published count is that of full rows.
     assert layout.capacity(plane.wing) == 44
 
@@ -79,7 +78,6 @@ def test_sky_sailor_holds_its_216_cells() -> None:
     assert len(plane.placed_cells()) == 216
     assert plane.modules.area_m2 == pytest.approx(0.51, abs=0.005)
     layout = plane.modules.layout
-    assert layout is not None
     # A rectangle of the wing's area would hold more.
     assert 2 * layout.capacity(plane.wing) == 294
 
@@ -102,7 +100,6 @@ def test_cells_lie_on_the_wing_apart_from_each_other_and_from_keep_outs() -> Non
         ],
     )
     cells, wing, layout = plane.placed_cells(), plane.wing, plane.modules.layout
-    assert layout is not None
     assert len(cells) == layout.count == 46
     assert not any(overlaps(*pair) for pair in combinations(cells, 2))
     chord_m = wing.chord_m
@@ -142,7 +139,6 @@ def test_cells_on_the_tail() -> None:
         },
     )
     tail = plane.modules.tail
-    assert tail is not None
     on_tail = [cell for cell in plane.placed_cells() if cell.front_m > tail.horizontal_aft_m]
     assert len(on_tail) == 6
     assert sum(cell.left_m + cell.right_m for cell in on_tail) == pytest.approx(0.0, abs=1e-9)
@@ -218,8 +214,6 @@ def test_half_a_cell_has_half_the_current() -> None:
         },
     )
     layout = plane.modules.layout
-    assert layout is not None
-    assert layout.strings is not None
     assert layout.strings.mpp_current_a == pytest.approx(5.93 / 2.0)
 
 

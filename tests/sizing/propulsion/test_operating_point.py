@@ -13,7 +13,6 @@ from documented import DOCS, blocks
 from pydantic import ValidationError
 
 from missions.air import standard_air
-from sizing.aerodynamics.parabolic import DragPolar
 from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
@@ -333,7 +332,6 @@ def test_a_motor_of_150_rpm_per_volt_cannot_turn_that_propeller() -> None:
 def test_power_of_sky_sailor() -> None:
     # 2.44 kg at the lift coefficient and with the drag of the method, at 500 m.
     polar, air = SKY_SAILOR.airframe.aerodynamics, standard_air(500.0)
-    assert isinstance(polar, DragPolar)
     lift = polar.lift_coefficient
     v = float(np.sqrt(2 * 2.44 * 9.81 / (air.density_kg_per_m3 * 0.776 * lift)))
     drag_coefficient = 0.0126 + 0.006 + lift**2 / (np.pi * 0.9 * 13.2)

@@ -18,7 +18,6 @@ def envelope(**changes: object) -> FlightEnvelope:
     structure = sizing.analyse(
         sizing.load_aircraft("atlantiksolar-design", keys), MISSION
     ).structure
-    assert structure is not None
     assert structure.envelope is not None
     return structure.envelope
 

@@ -270,7 +270,6 @@ def test_models_of_the_structure_that_differ_are_told_with_both_masses() -> None
     ):
         perf = performance(craft, mission())
         both = structure_by_both(craft, perf.mission, perf.design)
-        assert both is not None
         assert tuple(both) == names
         own, other = (float(mass) for mass in both.values())
         (one,) = (e for e in extrapolations(craft, perf) if e.quantity == "structure_mass_ratio")
