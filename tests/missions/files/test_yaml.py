@@ -233,13 +233,10 @@ def test_alias_bomb_is_refused_at_once() -> None:
     assert "too many values after the expansion of aliases" in message
 
 
-def test_too_many_aliases_are_refused() -> None:
+def test_too_many_aliases_or_values_are_refused() -> None:
     assert parse_yaml("a: &x 1\nb: [" + "*x, " * 50 + "]", "a.yaml").data["b"] == [1] * 50
     message = parse_problem("a: &x 1\nb: [" + "*x, " * 51 + "]")
     assert "too many aliases (at most 50)" in message
-
-
-def test_too_many_values_are_refused() -> None:
     assert "too many values in one file" in parse_problem("a: [" + "1," * 50_001 + "]")
 
 
@@ -261,13 +258,17 @@ def read_problem(path: Path) -> str:
     return str(caught.value)
 
 
-def test_missing_file(tmp_path: Path) -> None:
-    path = tmp_path / "none.yaml"
-    assert read_problem(path) == f"{path}: no such file"
-
-
-def test_folder(tmp_path: Path) -> None:
-    assert read_problem(tmp_path) == f"{tmp_path}: is a folder, not a file"
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("none.yaml", "no such file"),
+        ("", "is a folder, not a file"),
+        ("file/a.yaml", "cannot be read: not a directory"),
+    ],
+)
+def test_files_that_cannot_be_read(tmp_path: Path, name: str, reason: str) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    assert read_problem(tmp_path / name) == f"{tmp_path / name}: {reason}"
 
 
 def test_unreadable_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -279,16 +280,8 @@ def test_unreadable_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert read_problem(path) == f"{path}: cannot be read: permission denied"
 
 
-def test_path_through_a_file(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("", encoding="utf-8")
-    assert "cannot be read: not a directory" in read_problem(tmp_path / "file" / "a.yaml")
-
-
 def test_file_name_that_cannot_be() -> None:
     assert read_problem(Path("a\0b")) == r"a\x00b: is not a valid file name"
-
-
-def test_file_name_outside_unicode() -> None:
     message = read_problem(Path("a\udcff.yaml"))
     assert message.encode("utf-8") == rb"a\udcff.yaml: no such file"
 
