@@ -83,11 +83,6 @@ def test_fade_is_the_published_law() -> None:
     assert cycle == pytest.approx(0.073, abs=1e-3)
 
 
-def test_a_new_battery_has_all_of_its_capacity() -> None:
-    assert Ageing().capacity_fraction() == 1.0
-    assert Ageing().resistance_factor() == 1.0
-
-
 @given(st.floats(0.0, 500.0), st.floats(0.0, 36.0), st.floats(1.0, 300.0), st.floats(0.05, 1.0))
 def test_capacity_falls_and_resistance_rises_with_age(
     cycles: float, months: float, more: float, depth: float
@@ -104,6 +99,7 @@ def test_capacity_falls_and_resistance_rises_with_age(
 def test_a_season_is_its_cycles_and_a_year() -> None:
     season = Ageing(seasons_flown=2.0, cycles_per_season=150.0)
     assert season.capacity_fraction() == Ageing(cycles=300.0, months=24.0).capacity_fraction()
+    assert Ageing().capacity_fraction() == Ageing().resistance_factor() == 1.0
 
 
 def test_life_ends_where_the_law_says_and_sooner_deep_or_warm() -> None:
