@@ -8,24 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import DESIGN
-from propulsors import PARTS, VOLTAGE, aircraft
+from propulsors import PARTS, PROPULSOR, VOLTAGE, aircraft
 
 import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
 from sizing.design import parametric_design
 from sizing.mass_budget import level_point
-from sizing.propulsion.operating_point import Propulsor, operating_point
+from sizing.propulsion.operating_point import operating_point
 from sizing.results.propulsion import power_budget
 
 MISSION = load_mission("rafz-july")
-PROPULSOR = Propulsor(
-    propeller=sizing.BladeElementPropeller(0.66, 0.60),
-    motor=sizing.Motor.from_catalogue("maxon-re40-148867"),
-    controller=sizing.Controller(resistance_ohm=0.02, freewheel_voltage_v=0.7),
-    gear=sizing.Gear(ratio=5.0, efficiency=0.96),
-    wiring_resistance_ohm=0.03,
-)
 
 
 def test_power_is_that_of_the_chain_at_the_worse_end_of_the_battery() -> None:

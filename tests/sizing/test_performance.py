@@ -181,12 +181,17 @@ def test_halving_the_time_step_moves_no_metric(
         ("excess_time_h", 0.005),
         ("charge_margin_h", 0.005),
         ("equal_power_morning_h", 0.005),
+        ("equal_power_evening_h", 0.005),
         ("full_charge_h", 0.005),
         ("minimum_state_of_charge", 5e-4),
     ):
         np.testing.assert_allclose(
             getattr(coarse, metric), getattr(fine, metric), rtol=1e-3, atol=floor, err_msg=metric
         )
+    # Energies of the day relative to the sun's: the same three digits.
+    for name in ("solar_wh", "curtailed_wh", "charge_loss_wh", "discharge_loss_wh", "unserved_wh"):
+        difference = getattr(coarse.energy_budget, name) - getattr(fine.energy_budget, name)
+        assert np.abs(difference) <= 1e-3 * fine.energy_budget.solar_wh, name
 
 
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM", "FM"])

@@ -19,7 +19,7 @@ from sizing.energy.battery import (
     Store,
     TableChargeLimit,
 )
-from sizing.energy.cycle import Cycle, Status, equal_power, simulate_cycle
+from sizing.energy.cycle import Status, equal_power, simulate_cycle
 from sizing.sunlight import day_axis_h
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
@@ -366,73 +366,3 @@ def test_no_limit_is_never_worse_than_a_limit(
     for limit in (RuleChargeLimit(), MEASURED):
         # Rounding of the clock's table: 1e-9 of the charge at the longest nights.
         assert free >= excess(power, load, battery(energy, limit)) - 1e-6
-
-
-# ---- batches
-
-
-def test_batch_of_batteries_suns_and_loads_equals_scalar_loops() -> None:
-    energies = np.array([[200.0], [732.0], [1500.0]])
-    places = [(47.6, 196), (0.0, 80), (70.0, 172), (47.6, 355)]
-    solar = np.stack([sun(*place) for place in places])
-    nominal = np.array([30.0, 40.0, 20.0, 35.0])
-    load = nominal[:, np.newaxis] * np.ones_like(TIME)
-    one = battery(732.0, MEASURED)
-    batch = simulate_cycle(TIME, solar, load, Store.of(one, energies), nominal_load_w=nominal)
-    assert batch.excess_time_h.shape == (3, 4)
-    assert batch.energy_wh.shape == (3, 4, len(TIME))
-    names = [
-        n for n in Cycle.__dataclass_fields__ if n not in ("energy_budget", "time_h", "energy_wh")
-    ]
-    for (i, j), _ in np.ndenumerate(batch.excess_time_h):
-        store = Store.of(one, energies[i, 0])
-        single = simulate_cycle(TIME, solar[j], load[j], store, nominal_load_w=nominal[j])
-        for name in names:
-            # The same arithmetic element by element: rounding.
-            np.testing.assert_allclose(
-                getattr(batch, name)[i, j], getattr(single, name), rtol=1e-9, atol=1e-9
-            )
-
-
-# ---- time step
-
-
-STEP_CASES = [
-    (latitude, day, energy, load, limit)
-    for latitude, day in ((0.0, 80), (30.0, 355), (47.6, 196), (60.0, 130), (66.0, 172), (-45.0, 1))
-    for energy, load in ((300.0, 25.0), (732.0, 43.0), (1400.0, 36.0))
-    for limit in (NoChargeLimit(), RuleChargeLimit(), MEASURED)
-]
-
-
-@pytest.mark.parametrize(
-    ("latitude", "day", "energy", "load", "limit"),
-    STEP_CASES,
-    ids=[f"{c[0]:g}deg-day{c[1]}-{c[2]:g}Wh-{c[4].kind}" for c in STEP_CASES],
-)
-def test_halving_the_time_step_changes_nothing(
-    latitude: float, day: int, energy: float, load: float, limit: ChargeLimit
-) -> None:
-    found = []
-    for time in (day_axis_h(), day_axis_h(1.0 / 24.0)):
-        solar = sun(latitude, day, time)
-        store = Store.of(battery(energy, limit))
-        found.append(simulate_cycle(time, solar, np.full_like(time, load), store))
-    coarse, fine = found
-    # Three digits are promised. Hours near zero have no digits to keep: 0.005 h, 18 s, is a
-    # sixteenth of the step. A state of charge near zero: 5e-4, a twentieth of a percent.
-    for name, floor in (
-        ("excess_time_h", 0.005),
-        ("charge_margin_h", 0.005),
-        ("equal_power_morning_h", 0.005),
-        ("equal_power_evening_h", 0.005),
-        ("full_charge_h", 0.005),
-        ("minimum_state_of_charge", 5e-4),
-    ):
-        assert float(getattr(coarse, name)) == pytest.approx(
-            float(getattr(fine, name)), rel=1e-3, abs=floor, nan_ok=True
-        ), name
-    # Energies of the day relative to the sun's: the same three digits.
-    for name in ("solar_wh", "curtailed_wh", "charge_loss_wh", "discharge_loss_wh", "unserved_wh"):
-        difference = getattr(coarse.energy_budget, name) - getattr(fine.energy_budget, name)
-        assert abs(float(difference)) <= 1e-3 * float(fine.energy_budget.solar_wh), name

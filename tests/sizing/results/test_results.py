@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -165,9 +166,14 @@ def test_a_variable_at_its_bound_is_said_first(design: Aircraft) -> None:
     assert "wingspan at its maximum (design_space.wingspan_m.maximum)" in said
 
 
-def test_an_infeasible_sizing_has_no_design_and_says_why(design: Aircraft) -> None:
+@pytest.fixture(scope="module")
+def infeasible(design: Aircraft) -> SizingStudy:
     mission = missions.load_mission("central-europe-summer", {"clearness": 0.3})
-    none = sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
+    return sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
+
+
+def test_an_infeasible_sizing_has_no_design_and_says_why(infeasible: SizingStudy) -> None:
+    none = infeasible
     assert none.status is sizing.SizingStatus.infeasible
     assert not none.feasible
     assert "infeasible" in repr(none)
@@ -201,10 +207,14 @@ def test_reasons_name_the_scenario_that_limits_and_the_wind_is_told() -> None:
         ({"objective": "least_mass"}, "objective must be one of max_excess_time, min_wingspan"),
         ({"model": "XX"}, "unknown model 'XX'; allowed: CDM, CAM, VM, FM"),
         ({"correction": "best"}, "unknown correction 'best'; allowed: none, report, loiter"),
+        *(
+            ({"required_excess_time_h": hours}, "required_excess_time_h: must be")
+            for hours in (-1.0, math.nan, 1e9, "3")
+        ),
     ],
 )
-def test_names_are_checked_at_the_call(
-    design: Aircraft, options: dict[str, str], message: str
+def test_options_are_checked_at_the_call(
+    design: Aircraft, options: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
         sizing.size(design, missions.load_mission("rafz-july"), **options)
@@ -219,12 +229,6 @@ def test_endurance_is_infinite_in_a_frame_where_flight_is_perpetual() -> None:
     short = sizing.analyse(aircraft, missions.load_mission("rafz-july", ["dates={on: 12-21}"]))
     assert not short.is_perpetual
     assert math.isfinite(short.to_frame()["endurance_h"][0])
-
-
-@pytest.mark.parametrize("hours", [-1.0, math.nan, 1e9, "3"])
-def test_an_impossible_required_excess_time_is_refused(design: Aircraft, hours: float) -> None:
-    with pytest.raises(ValueError, match="required_excess_time_h: must be"):
-        sizing.size(design, missions.load_mission("rafz-july"), required_excess_time_h=hours)
 
 
 def test_names_are_no_aircraft_and_no_mission(design: Aircraft) -> None:
@@ -276,21 +280,20 @@ def test_the_numbers_of_the_record_are_attributes_of_an_analysis() -> None:
         assert np.isinf(analysis.endurance_h) == analysis.is_perpetual
 
 
-def test_frames_of_an_infeasible_sizing_hold_nan(design: Aircraft) -> None:
-    mission = missions.load_mission("central-europe-summer", {"clearness": 0.3})
-    none = sizing.size(design, mission, "min_wingspan", required_excess_time_h=12.0)
-    best = sizing.size(design, missions.load_mission("central-europe-summer"))
-    assert none.masses_kg is None
+def test_frames_of_an_infeasible_sizing_hold_nan(
+    infeasible: SizingStudy, sized: SizingStudy
+) -> None:
+    assert infeasible.masses_kg is None
     for frame, full in (
-        (none.to_frame(), best.to_frame()),
-        (none.masses(), best.masses()),
-        (none.scenarios(), best.scenarios()),
+        (infeasible.to_frame(), sized.to_frame()),
+        (infeasible.masses(), sized.masses()),
+        (infeasible.scenarios(), sized.scenarios()),
     ):
         assert list(frame.columns) == list(full.columns)
         assert len(frame) == len(full)
-    assert none.to_frame()["value"].isna().all()
-    assert none.masses()["mass_kg"].isna().all()
-    assert none.scenarios()["excess_time_h"].isna().all()
+    assert infeasible.to_frame()["value"].isna().all()
+    assert infeasible.masses()["mass_kg"].isna().all()
+    assert infeasible.scenarios()["excess_time_h"].isna().all()
 
 
 @pytest.mark.parametrize(

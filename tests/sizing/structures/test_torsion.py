@@ -102,14 +102,7 @@ def test_nose_encloses_the_front_quarter_of_a_section() -> None:
 
 def wing_inputs(aspect_ratio: float) -> StructureInputs:
     speed = (2.0 * 6.92 * 9.80665 * aspect_ratio / (1.1 * 5.65**2)) ** 0.5
-    return StructureInputs(
-        wingspan_m=5.65,
-        aspect_ratio=aspect_ratio,
-        total_mass_kg=6.92,
-        span_load_kg=3.7,
-        airspeed_m_per_s=speed,
-        density_kg_per_m3=1.1,
-    )
+    return StructureInputs(5.65, aspect_ratio, 6.92, 3.7, speed, 1.1)
 
 
 def test_nose_of_a_slender_wing_is_sized_by_flutter_and_no_stiffer() -> None:
