@@ -134,16 +134,13 @@ def test_other_latitudes_are_refused(latitude: Any) -> None:
         LatitudeRange(from_deg=latitude, to_deg=50.0)
 
 
-@pytest.mark.parametrize("latitude", [90, -90, 0, 47])
-def test_whole_latitudes_and_poles_are_accepted(latitude: int) -> None:
-    assert mission(latitude_deg=latitude).latitudes() == [float(latitude)]
-
-
 @pytest.mark.parametrize(
-    ("latitude", "label"), [(47.6, "47.6° N"), (-33.0, "33° S"), (0.0, "0°"), (-0.25, "0.25° S")]
+    ("latitude", "label"),
+    [(47.6, "47.6° N"), (-33, "33° S"), (0, "0°"), (-0.25, "0.25° S"), (-90, "90° S")],
 )
-def test_latitude_labels(latitude: float, label: str) -> None:
-    assert latitude_label(latitude) == label
+def test_latitudes_are_accepted_and_labelled(latitude: float, label: str) -> None:
+    assert mission(latitude_deg=latitude).latitudes() == [float(latitude)]
+    assert latitude_label(float(latitude)) == label
 
 
 # ---- Missions

@@ -134,15 +134,13 @@ def test_the_heater_of_an_insulated_pack_grows_with_its_faces() -> None:
 
 def test_a_battery_without_temperature_is_heated_high_up() -> None:
     for craft in (AS2, DESIGN):
-        result = analyse(craft, mission(altitude_m=10000.0, dates={"on": "06-21"}))
+        where = mission(altitude_m=10000.0, dates={"on": "06-21"})
+        result = analyse(craft, where)
         heater_w = result.to_dict()["battery_condition"]["heater_power_w"]
         given = craft.battery.model_copy(
             update={"temperature": BatteryTemperature(held_c=25.0, insulation=Insulation())}
         )
-        same = analyse(
-            craft.model_copy(update={"battery": given}),
-            mission(altitude_m=10000.0, dates={"on": "06-21"}),
-        )
+        same = analyse(craft.model_copy(update={"battery": given}), where)
         assert heater_w > 1.0
         assert same.excess_time_h == pytest.approx(result.excess_time_h, abs=1e-9)
 

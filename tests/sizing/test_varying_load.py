@@ -219,13 +219,8 @@ def test_parts_beyond_their_limits_are_told() -> None:
 
 def test_a_flight_on_the_calendar_has_the_load_of_the_exact_chain() -> None:
     own = AIRCRAFT["twin-boom"]
-    launch = {
-        "date": "06-21",
-        "time_local": "12:00",
-        "utc_offset_h": 2.0,
-        "state_of_charge": 0.8,
-        "duration_h": 24.0,
-    }
+    noon = {"date": "06-21", "time_local": "12:00", "utc_offset_h": 2.0}
+    launch = noon | {"state_of_charge": 0.8, "duration_h": 24.0}
     mission = load_mission("rafz-july", {"launch": launch, "longitude_deg": 8.53})
     flown = calendar_run(own, mission)
     power_w = exact_w(own, mission, np.array(1.0), half_charged_v(own))

@@ -153,6 +153,8 @@ def test_a_copy_with_another_entry_takes_that_ones_values(tmp_path: Path) -> Non
 def test_cells_count_for_their_share_of_the_pack(tmp_path: Path) -> None:
     aircraft = load_aircraft(written(tmp_path, battery={"cell_mass_fraction": 0.9}))
     assert aircraft.battery.specific_energy_wh_per_kg == pytest.approx(0.9 * NCR18650B, rel=1e-5)
+    with pytest.raises(InputError, match="goes with cell"):
+        load_aircraft(DESIGN, {"battery.cell_mass_fraction": 0.9})
     again = with_values(aircraft, {"battery.cell_mass_fraction": 0.8})
     assert again.battery.specific_energy_wh_per_kg == pytest.approx(0.8 * NCR18650B, rel=1e-5)
 
@@ -220,11 +222,6 @@ def test_mistakes_of_ones_own_file_have_the_lines_of_that_file(tmp_path: Path) -
     cell.write_text("a: [" * 50, encoding="utf-8")
     with pytest.raises(InputError, match=r"cell\.yaml:1"):
         load_aircraft(tmp_path / "aircraft.yaml")
-
-
-def test_a_share_of_cells_needs_a_cell() -> None:
-    with pytest.raises(InputError, match="goes with cell"):
-        load_aircraft(DESIGN, {"battery.cell_mass_fraction": 0.9})
 
 
 def test_a_cell_brings_the_curve_of_its_voltage(tmp_path: Path) -> None:

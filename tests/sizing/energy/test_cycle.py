@@ -354,15 +354,3 @@ def test_excess_time_grows_with_the_battery_at_equal_load(
     small, large = (excess(power, load, battery(e, limit)) for e in (energy, energy * more))
     # As for the module area.
     assert large >= small - 2e-3
-
-
-@settings(max_examples=20, deadline=None)
-@given(latitude=latitudes, day=days, load=loads, energy=st.floats(50.0, 2000.0))
-def test_no_limit_is_never_worse_than_a_limit(
-    latitude: float, day: int, load: float, energy: float
-) -> None:
-    power = sun(latitude, day)
-    free = excess(power, load, battery(energy))
-    for limit in (RuleChargeLimit(), MEASURED):
-        # Rounding of the clock's table: 1e-9 of the charge at the longest nights.
-        assert free >= excess(power, load, battery(energy, limit)) - 1e-6

@@ -103,14 +103,6 @@ def test_positive_part_is_the_integral_of_the_positive_part(
     assert found == pytest.approx(expected * hours, rel=1e-7, abs=1e-8)
 
 
-@given(left=powers, right=powers)
-def test_positive_and_negative_part_add_up_to_the_mean(left: float, right: float) -> None:
-    a, b = np.asarray(left), np.asarray(right)
-    net = positive_part_wh(a, b, 2.0) - positive_part_wh(-a, -b, 2.0)
-    # Rounding of squares that cancel.
-    assert float(net) == pytest.approx(left + right, abs=1e-9)
-
-
 @given(left=st.floats(-500.0, -0.01), right=st.floats(0.01, 500.0))
 def test_crossing_is_where_the_line_is_zero(left: float, right: float) -> None:
     s = float(crossing_fraction(np.asarray(left), np.asarray(right)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -302,20 +303,11 @@ def test_power_of_sky_sailor() -> None:
     thrust = 2.44 * 9.81 * drag_coefficient / lift
     assert thrust * v / (0.95 * 0.85 * 0.97 * 0.85) + 2.0 / 0.65 == pytest.approx(16.1, abs=0.05)
     # Its propeller's efficiency of 0.85 is beyond any of model propellers' sections of its size.
-    best = max(
-        float(
-            operating_point(
-                Propulsor(
-                    BladeElementPropeller(d, d * ratio), RE40, Controller(resistance_ohm=0.0)
-                ),
-                thrust,
-                v,
-                air,
-                100.0,
-            ).propeller_efficiency
-        )
-        for d in (0.4, 0.5, 0.6, 0.7)
-        for ratio in (0.8, 1.0, 1.2, 1.4)
-    )
+    efficiencies = []
+    for d, ratio in product((0.4, 0.5, 0.6, 0.7), (0.8, 1.0, 1.2, 1.4)):
+        own = Propulsor(BladeElementPropeller(d, d * ratio), RE40, Controller(resistance_ohm=0.0))
+        found = operating_point(own, thrust, v, air, 100.0)
+        efficiencies.append(float(found.propeller_efficiency))
+    best = max(efficiencies)
     assert best == pytest.approx(0.797, abs=2e-3)
     assert thrust * v / (0.95 * 0.85 * 0.97 * best) + 2.0 / 0.65 == pytest.approx(17.0, abs=0.05)
