@@ -1,7 +1,5 @@
 """Tables of JSON keys in the documentation name what the commands print, and all of it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -161,7 +159,6 @@ def section(page: str, command: str) -> str:
     if page != "cli.md":
         return text
     found = re.search(rf"^## `{command}`$.*?(?=^## |\Z)", text, re.M | re.S)
-    assert found is not None
     return found[0]
 
 

@@ -1,7 +1,5 @@
 """Studies of missions with climbs: every result beside the analysis of the same flight."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -107,7 +105,6 @@ def test_cell_of_a_map_is_the_analysis_of_its_day(model: Any) -> None:
             place = {"latitude_deg": latitude, "dates": {"on": date_code(day)}}
             alone = analysed(AS2, with_values(flown, place), model=model)
             assert float(cell["excess_time"]) == pytest.approx(alone.excess_time_h, abs=STEP_H)
-            assert alone.climb is not None
             assert float(cell["maximum_altitude"]) == pytest.approx(
                 alone.climb.climb.maximum_altitude_m[0],
                 abs=4.0,  # of 400 m of climb, in steps of five minutes and of one
@@ -196,7 +193,6 @@ def test_models_are_compared_on_flights_with_climbs() -> None:
 def test_highest_floor_is_where_climbs_end_perpetual_flight() -> None:
     flown = mission(14000.0)
     found = highest_perpetual_altitude(AS2, flown, step_m=1000.0)
-    assert found.highest is not None
     edge_m = found.highest.altitude_m
     below, above = (
         analysed(AS2, flown.climbing_from(edge_m + shift_m)).excess_time_h
@@ -207,7 +203,6 @@ def test_highest_floor_is_where_climbs_end_perpetual_flight() -> None:
     assert below > above
     # Height carries through a part of the night that the battery alone does not.
     level = highest_perpetual_altitude(AS2, flown.at_altitude(536.0), step_m=1000.0)
-    assert level.highest is not None
     assert edge_m > level.highest.altitude_m
     assert found.flights[-1].altitude_m == 14000.0
     same = flight_at_altitude(AS2, flown, UNCORRECTED_CAM, 14000.0)
@@ -256,7 +251,6 @@ def test_draw_is_what_it_is_alone(aircraft: Any, changes: dict[str, float]) -> N
     alone = performance(with_values(aircraft, of[False]), with_values(flown, of[True]))
     # Both in the same steps; the modules of a draw are as much above its air as the file's.
     assert found.excess_time_h[-1] == pytest.approx(alone.cycle.excess_time_h.min(), abs=0.01)
-    assert alone.maximum_altitude_m is not None
     assert found.maximum_altitude_m[-1] == pytest.approx(alone.maximum_altitude_m.max(), abs=1e-3)
 
 

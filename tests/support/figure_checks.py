@@ -3,8 +3,6 @@
 The figures are those of the shipped aircraft, on grids as coarse as a figure bears.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext

@@ -1,7 +1,5 @@
 """An aircraft whose propulsion is at its operating point, for tests."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import sizing

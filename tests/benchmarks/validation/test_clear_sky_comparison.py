@@ -1,7 +1,5 @@
 """Our clear sky beside pvlib's: simplified Solis up to 25 km, and both by day on the ground."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pvlib

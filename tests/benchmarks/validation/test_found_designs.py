@@ -1,7 +1,5 @@
 """Built aircraft, found from their requirements."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.validation.found_designs import CASES, _elsewhere, found, found_table
@@ -12,7 +10,6 @@ from sizing.optimisation.cross_check import cross_check
 def test_atlantiksolars_class_is_found_from_its_requirements() -> None:
     case = next(c for c in CASES if "60 %" in c.label and "mass" in c.label)
     design = found(case).design
-    assert design is not None
     span, battery, area, mass = case.built.size
     # A class of aircraft, not its drawing: requirements are published in part only, and the sizing
     # knows no margins of its makers. A fifth of the area is one row of cells.

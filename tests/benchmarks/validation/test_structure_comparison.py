@@ -1,7 +1,5 @@
 """Structural models beside built aircraft: cases, figure, tables, and the script that draws."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -66,7 +64,6 @@ def test_parts_of_a_design_add_up_to_its_structure() -> None:
     aircraft, mission = load_aircraft(DESIGN), load_mission("rafz-july")
     design = closed_design(aircraft, mission, variables_of(aircraft))
     parts = structure_parts(aircraft, mission, design)
-    assert parts is not None
     assert float(parts.total_kg) == pytest.approx(float(design.masses.structure), rel=1e-12)
 
 

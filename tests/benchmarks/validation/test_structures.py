@@ -1,7 +1,5 @@
 """The rib wing beside the published masses of aircraft of 3 to 75 m."""
 
-from __future__ import annotations
-
 import csv
 from importlib import resources
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Ceiling and climbs on the command line: results, files, messages and exit codes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

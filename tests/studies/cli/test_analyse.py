@@ -1,7 +1,5 @@
 """Tests of ``solar-uav analyse``: results, tables and files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

@@ -1,7 +1,5 @@
 """Tests of the command line: small commands, odd names, and the command as a process."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -562,8 +560,6 @@ def test_closed_pipe_ends_quietly(tmp_path: Path) -> None:
         cwd=tmp_path,
         env=environment(),
     ) as running:
-        assert running.stdout is not None
-        assert running.stderr is not None
         running.stdout.close()
         said = running.stderr.read()
     assert b"Traceback" not in said

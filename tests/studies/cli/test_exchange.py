@@ -1,7 +1,5 @@
 """Tests of ``solar-uav export`` and ``schema``, and of tables in other formats."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import zipfile

@@ -1,7 +1,5 @@
 """Every command tells once what lies outside the range of a model, and nothing where all is in."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The same numbers and files on any machine: language, encoding, time zone, folders, Windows."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """What commands print: lines that fit with whole words, and what to do next."""
 
-from __future__ import annotations
-
 import sys
 
 import click

@@ -1,7 +1,5 @@
 """Tests of ``solar-uav size``: results, files and exit codes."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """``solar-uav station``: time on station by month."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is told: no message steers a terminal, and none goes on for pages."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Tests of whole cells from the command line: output, files, reports and mistakes."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

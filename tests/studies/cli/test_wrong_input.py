@@ -1,7 +1,5 @@
 """Mistakes in files and options: messages and exit codes of the command line."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tests of the engine: the same result whoever computes it, however often it was stopped."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json
@@ -318,7 +316,6 @@ def test_parts_keep_what_they_were_given(tmp_path: Path) -> None:
     with ChunkStore(tmp_path / "p").opened() as store:
         store.write(KEY, part)
         again = store.read(KEY, {"a": np.float64(0), "b": np.str_("")}, 3)
-        assert again is not None
         assert again.failures == {1: "why"}
         assert again.columns["a"].tobytes() == np.array([1.5, np.nan, np.inf]).tobytes()
         assert again.columns["b"].tolist() == ["x", "", "ü"]
@@ -383,7 +380,6 @@ def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
         stdout=subprocess.PIPE,
         env=environment(),
     )
-    assert holder.stdout is not None
     assert holder.stdout.readline() == b"locked\n"
     with (
         pytest.raises(OutputError, match=f"another run .process {holder.pid} on"),

@@ -1,7 +1,5 @@
 """Signals become an exception that comes again where it was swallowed, and only there."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

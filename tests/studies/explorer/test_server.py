@@ -529,7 +529,6 @@ def test_command_prints_its_address_first_and_ends_by_a_signal(busy: bool) -> No
         stderr=subprocess.PIPE,
         text=True,
     )
-    assert process.stdout is not None
     address = process.stdout.readline().strip()
     assert address.startswith(f"http://{ADDRESS}:")
     port, _, token = address.removeprefix(f"http://{ADDRESS}:").partition("/?token=")

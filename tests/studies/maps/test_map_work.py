@@ -1,7 +1,5 @@
 """Tests of maps on the engine: in parallel, stopped and continued, sized cell by cell."""
 
-from __future__ import annotations
-
 import json
 import os
 import pickle

@@ -1,7 +1,5 @@
 """Comparison of models: numbers of single analyses, files, messages and exit codes."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path
@@ -82,13 +80,9 @@ def test_designs_are_those_of_single_sizings_judged_by_the_reference(
     assert designs.reference.solar == reference
     for case in designs.cases:
         built = case.built
-        assert built is not None
-        assert built.judged is not None
         alone = size_aircraft(
             AIRCRAFT, MISSION, Objective.min_wingspan, case.solar, required_excess_time_h=3.0
         )
-        assert alone.design is not None
-        assert built.sizing.design is not None
         # The sun differs in its last digits; the solver's tolerance is 1e-8.
         assert built.sizing.design.variables.wingspan_m == pytest.approx(
             alone.design.variables.wingspan_m, rel=1e-5
@@ -108,25 +102,15 @@ def test_optimism_builds_too_small_and_the_reference_keeps_its_promise(
     designs: study.Comparison,
 ) -> None:
     cdm, cam, full = (case.built for case in designs.cases)
-    assert cdm is not None
-    assert cam is not None
-    assert full is not None
     spans_m = [b.sizing.design.variables.wingspan_m for b in (cdm, full, cam) if b.sizing.design]
     # Uncorrected CDM takes most sun, CAM with the report's error least.
     assert spans_m == sorted(spans_m)
-    assert cdm.judged is not None
-    assert full.judged is not None
     assert not cdm.judged.perpetual
     assert full.judged.excess_time_h >= 3.0
 
 
 def test_headline_of_the_designs_has_their_numbers(designs: study.Comparison) -> None:
     cdm, full = designs.cases[0].built, designs.cases[2].built
-    assert cdm is not None
-    assert full is not None
-    assert cdm.sizing.design is not None
-    assert full.sizing.design is not None
-    assert cdm.judged is not None
     told = designs.headline()
     assert told.startswith(
         f"Sized with uncorrected CDM, {DESIGN} has a span of "
@@ -151,8 +135,6 @@ def test_headline_where_nothing_is_feasible() -> None:
     aircraft = load_aircraft(DESIGN, ["design_space.wingspan_m.maximum=4.1"])
     both = study.compare(aircraft, MISSION, models=[SolarModel("CDM")], required_excess_time_h=3.0)
     built = both.cases[0].built
-    assert built is not None
-    assert built.judged is not None
     assert both.headline() == (
         f"Sized with uncorrected CDM, {DESIGN} has a span of "
         f"{built.sizing.objective_value:.2f} m; evaluated by corrected FM it "

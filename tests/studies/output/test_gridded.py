@@ -1,7 +1,5 @@
 """What an earlier run has kept is believed where it can be a result, and nowhere else."""
 
-from __future__ import annotations
-
 import errno
 import tempfile
 from pathlib import Path

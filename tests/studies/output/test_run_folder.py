@@ -1,7 +1,5 @@
 """Folders of results: complete, and good for the next command."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

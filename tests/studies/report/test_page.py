@@ -1,7 +1,5 @@
 """The report in a browser: it asks for nothing, fits any window, can be read by all, and prints."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

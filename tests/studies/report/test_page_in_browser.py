@@ -1,7 +1,5 @@
 """A report as its readers see it: wide and narrow, light and dark, by a screen reader, printed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

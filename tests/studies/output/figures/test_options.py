@@ -1,7 +1,5 @@
 """Size, resolution and style of figures, as options and in Python."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
