@@ -429,18 +429,6 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(
     assert_identical(again, run(job))
 
 
-def test_targets_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match="folder does not exist"):
-        check_writable_file(tmp_path / "none" / "map.nc")
-    with pytest.raises(OutputError, match="it is a folder"):
-        check_writable_file(tmp_path)
-    with pytest.raises(OutputError, match="a part of the path is a file"):
-        check_writable_file(tmp_path / "file" / "map.nc")
-    check_writable_file(tmp_path / "map.nc")
-    assert [p.name for p in tmp_path.iterdir()] == ["file"]
-
-
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that takes no file")
 def test_a_folder_that_takes_no_file_is_refused() -> None:
     with pytest.raises(OutputError, match=r"cannot write /proc/self/map\.nc"):

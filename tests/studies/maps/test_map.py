@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from command_line import Run
 from figure_checks import heading
 from matplotlib.contour import ContourSet
 
@@ -222,14 +223,6 @@ def test_a_map_as_a_table_has_a_row_for_each_cell(tmp_path: Path) -> None:
         assert set(table["status"]) <= set(data["status"].attrs["flag_meanings"].split())
 
 
-def test_what_a_map_cannot_be_written_to_is_refused(tmp_path: Path) -> None:
-    target = tmp_path / "map.txt"
-    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--out", str(target)])
-    assert answer.exit_code == 2
-    assert "must end in .nc, .csv" in " ".join(answer.output.split())
-    assert not target.exists()
-
-
 def test_picture_shows_a_map_of_one_cell() -> None:
     one = study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[196])
     axes = plot_map(one).axes[0]
@@ -260,12 +253,19 @@ def test_resized_map_tells_an_excess_time_without_end(tmp_path: Path) -> None:
 BAD_GRIDS = ["50:40:1", "-95:0:5", "0:10", "a:b:c", "0:10:0", "0:nan:1", "0:9:inf", "0:9:1e-320"]
 
 
-@pytest.mark.parametrize("grid", BAD_GRIDS)
-def test_bad_grids_are_refused(grid: str) -> None:
-    answer = CliRunner().invoke(cli, ["map", "atlantiksolar-as2", "--latitudes", grid])
-    assert answer.exit_code == 2
-    assert "--latitudes" in answer.output
-    assert "Traceback" not in answer.output
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [
+        *[("--latitudes", grid, "--latitudes") for grid in BAD_GRIDS],
+        ("--latitudes", "45N:", "is no number and not first:last:step"),
+        ("--out", "map.txt", "must end in .nc, .csv"),
+    ],
+)
+def test_wrong_values_are_refused(run: Run, option: str, value: str, said: str) -> None:
+    outcome = run("map", "atlantiksolar-as2", option, value)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert said in " ".join(outcome.err.split())
+    assert "Traceback" not in outcome.err
 
 
 def test_endurance_of_the_days_without_perpetual_flight_is_told() -> None:

@@ -18,7 +18,6 @@ import xarray as xr
 from click.testing import CliRunner, Result
 from figure_checks import heading
 
-from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.mission import Dates
 from sizing.energy.cycle import Status
@@ -75,17 +74,6 @@ def test_map_of_chunks_is_that_of_one_block(monkeypatch: pytest.MonkeyPatch) -> 
     one = whole.dataset(compute(whole.job))
     xr.testing.assert_allclose(alone, one, rtol=1e-7, atol=1e-9)
     assert alone.attrs == one.attrs
-
-
-def test_command_is_the_same_with_processes_and_leaves_no_parts(
-    invoke: Any, tmp_path: Path
-) -> None:
-    for name, options in (("one.nc", ["--workers", "1"]), ("two.nc", ["--workers", "2"])):
-        answer = invoke(*SMALL, "--out", name, *options)
-        assert answer.exit_code == 0, answer.output
-    one, two = (xr.load_dataset(tmp_path / n, engine="h5netcdf") for n in ("one.nc", "two.nc"))
-    xr.testing.assert_identical(one, two)
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["one.nc", "two.nc"]
 
 
 def test_kept_parts_are_used_again(invoke: Any, tmp_path: Path, monkeypatch: Any) -> None:
@@ -218,6 +206,8 @@ def test_a_stopped_command_says_how_to_go_on(
             "cannot write to /proc/x: no folder can be made there",
         ),
         (["--plot", "none/map.png"], 1, "folder does not exist"),
+        (["--resize", "min_mass"], 2, "airframe.kind: "),
+        (["--days", "1:3:0.5"], 2, "whole numbers"),
         (["--resize", "min_mass", "--endurance"], 2, "--endurance"),
         (["--scheduler", "tcp://a:1", "--workers", "2"], 2, "--workers"),
     ],
@@ -231,12 +221,6 @@ def test_what_cannot_work_is_refused_at_once(
     text = answer.output if answer.exception is None else f"{answer.output}{answer.exception}"
     assert words in text
     assert answer.exit_code == code
-
-
-def test_a_measured_aircraft_cannot_be_sized(invoke: Any) -> None:
-    answer = invoke(*SMALL, "--resize", "min_mass")
-    assert isinstance(answer.exception, InputError)
-    assert "parametric" in str(answer.exception)
 
 
 # ---- the best design of each cell
@@ -337,25 +321,37 @@ def test_maps_in_python_are_those_of_the_command(invoke: Any, tmp_path: Path) ->
     assert found.attrs["required_excess_time_h"] == 2.0
 
 
+BOTH = [
+    ({"model": "XX"}, "unknown model 'XX'; allowed: CDM, CAM, VM, FM"),
+    ({"correction": "some"}, "unknown correction 'some'; allowed: none, report, loiter"),
+    ({"latitudes": [50, 40]}, "latitudes must ascend within -90 to 90"),
+    ({"latitudes": []}, "latitudes must ascend"),
+    ({"latitudes": [float("nan")]}, "latitudes must ascend"),
+    ({"days": [0, 1]}, "days must ascend within 1 to 365"),
+    ({"days": [1.5]}, "days must be whole numbers"),
+    ({"workers": 0}, "workers must be at least 1"),
+]
+UNKNOWN = "unknown objective '{}'; allowed: max_excess_time"
+RESIZED = [
+    *[({"objective": one}, UNKNOWN.format(one)) for one in ("min_price", "longest_season")],
+    ({"aircraft": AS2}, "atlantiksolar-as2 is measured"),
+    ({"required_excess_time_h": -1.0}, "required_excess_time_h must be >= 0"),
+]
+
+
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("make", "options", "words"),
     [
-        ({"model": "XX"}, "unknown model 'XX'; allowed: CDM, CAM, VM, FM"),
-        ({"correction": "some"}, "unknown correction 'some'; allowed: none, report, loiter"),
-        ({"latitudes": [50, 40]}, "latitudes must ascend within -90 to 90"),
-        ({"latitudes": []}, "latitudes must ascend"),
-        ({"latitudes": [float("nan")]}, "latitudes must ascend"),
-        ({"days": [0, 1]}, "days must ascend within 1 to 365"),
-        ({"days": [1.5]}, "days must be whole numbers"),
-        ({"workers": 0}, "workers must be at least 1"),
+        *[(feasibility.feasibility_map, *case) for case in BOTH],
+        *[(resized_map, *case) for case in (*BOTH, *RESIZED)],
     ],
 )
-def test_python_refuses_what_is_not_allowed(options: dict[str, Any], words: str) -> None:
-    small = {"latitudes": [40.0], "days": [172]}
+def test_python_refuses_what_is_not_allowed(make: Any, options: dict[str, Any], words: str) -> None:
+    asked = {"aircraft": DESIGN, "mission": JULY, "latitudes": [40.0], "days": [172]}
+    if make is resized_map:
+        asked["objective"] = "min_mass"
     with pytest.raises(ValueError, match=re.escape(words)):
-        feasibility.feasibility_map(AS2, JULY, **(small | options))
-    with pytest.raises(ValueError, match=re.escape(words)):
-        resized_map(DESIGN, JULY, "min_mass", **(small | options))
+        make(**(asked | options))
 
 
 def test_python_names_what_a_model_needs() -> None:
@@ -363,18 +359,6 @@ def test_python_names_what_a_model_needs() -> None:
     for options in ({"model": "FM"}, {"correction": "loiter"}):
         with pytest.raises(ValueError, match="needs a flight_path on the mission rafz-july"):
             feasibility.feasibility_map(AS2, bare, latitudes=[0.0], days=[1], **options)
-
-
-def test_python_refuses_other_objectives_and_measured_aircraft() -> None:
-    for name in ("min_price", "longest_season"):
-        with pytest.raises(
-            ValueError, match=f"unknown objective '{name}'; allowed: max_excess_time"
-        ):
-            resized_map(DESIGN, JULY, name)
-    with pytest.raises(ValueError, match="atlantiksolar-as2 is measured"):
-        resized_map(AS2, JULY, "min_mass")
-    with pytest.raises(ValueError, match="required_excess_time_h must be >= 0"):
-        resized_map(DESIGN, JULY, "min_mass", required_excess_time_h=-1.0)
 
 
 def test_python_warns_of_failed_cells_and_raises_where_all_failed(
@@ -410,9 +394,3 @@ def test_a_grid_that_does_not_meet_its_end_says_so(invoke: Any, grid: list[str],
     assert note in answer.stderr
     assert bool(note) == ("ends at" in answer.stderr)
     json.loads(answer.stdout)
-
-
-def test_days_are_whole(invoke: Any) -> None:
-    answer = invoke("atlantiksolar-as2", "--days", "1:3:0.5")
-    assert answer.exit_code == 2
-    assert "whole numbers" in answer.output
