@@ -81,12 +81,8 @@ def test_bad_axes_are_refused(text: str) -> None:
 
 
 def test_names_and_units_of_axes() -> None:
-    keys = [
-        "battery.mass_kg",
-        "mission.payload.mass_kg",
-        "mission.latitude_deg",
-        "power.avionics_w",
-    ]
+    keys = ["battery.mass_kg", "mission.payload.mass_kg", "mission.latitude_deg"]
+    keys.append("power.avionics_w")
     names = axis_names([Axis(key, (1.0,)) for key in keys])
     assert names == ["battery_mass_kg", "payload_mass_kg", "latitude_deg", "power_avionics_w"]
     labels = [axis_label(key) for key in (*keys, "mission.flight_path.radius_m")]
