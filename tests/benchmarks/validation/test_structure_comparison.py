@@ -16,7 +16,6 @@ from benchmarks.validation.structure_comparison import (
     structure_tables,
     variations,
 )
-from missions.files.validation import InputError
 from missions.library import load_mission
 from sizing.aircraft import ParametricAirframe
 from sizing.design import variables_of
@@ -90,26 +89,6 @@ def test_every_model_is_chosen_by_a_file() -> None:
         assert isinstance(aircraft.airframe, ParametricAirframe)
         assert aircraft.airframe.structure.model == choice
     assert isinstance(aircraft.airframe.structure, AllPowerLawStructure)
-
-
-def test_two_ratings_are_refused_by_name() -> None:
-    with pytest.raises(InputError, match="alternative to climb_power_ratio"):
-        load_aircraft(DESIGN, ["airframe.propulsion.climb_rate_m_per_s=2.0"])
-
-
-def test_climb_rate_weighs_what_the_climb_takes() -> None:
-    mission = load_mission("rafz-july")
-    rated = load_aircraft(
-        DESIGN,
-        [
-            "airframe.propulsion.climb_power_ratio=null",
-            "airframe.propulsion.climb_rate_m_per_s=2.0",
-        ],
-    )
-    design = design_of(rated, mission)
-    efficiency = 0.97 * 0.82 * 0.96 * 0.82
-    climb_w = design.propulsion_power_w + 2.0 * design.total_mass_kg * 9.80665 / efficiency
-    assert design.masses.propulsion == pytest.approx(0.0011 * climb_w, rel=1e-9)
 
 
 def test_figure_shows_every_model_and_both_aircraft() -> None:

@@ -98,9 +98,28 @@ def test_workers_use_one_thread_and_the_environment_is_restored(functions: Any) 
 # ---- cells that go wrong
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_a_raising_cell_fails_alone(functions: Any, workers: int) -> None:
-    outcome = run(functions.job(functions.Settings(raising=(5, 19))), LocalPool(workers))
+@pytest.fixture
+def pool(request: pytest.FixtureRequest) -> Iterator[Pool]:
+    """Processes of this machine, or two of dask."""
+    if request.param != "dask":
+        yield LocalPool(request.param)
+        return
+    pytest.importorskip("distributed")
+    import dask
+
+    # A task is given up after two workers, not four: each takes a second to start again, which is
+    # no reason to take it for lost.
+    settings = {"scheduler.allowed-failures": 1, "deploy.lost-worker-timeout": "0 s"}
+    with dask.config.set({f"distributed.{key}": value for key, value in settings.items()}):
+        yield DaskPool("local-cluster", 2)
+
+
+DASK = pytest.param("dask", marks=[pytest.mark.slow, pytest.mark.extra])
+
+
+@pytest.mark.parametrize("pool", [1, 2, DASK], indirect=True)
+def test_a_raising_cell_fails_alone(functions: Any, pool: Pool) -> None:
+    outcome = run(functions.job(functions.Settings(raising=(5, 19))), pool)
     assert outcome.failures == {
         5: "ArithmeticError: cell 5 is bad",
         19: "ArithmeticError: cell 19 is bad",
@@ -113,16 +132,18 @@ def test_a_raising_cell_fails_alone(functions: Any, workers: int) -> None:
 
 
 @pytest.mark.long
-def test_a_deadly_cell_fails_alone(functions: Any) -> None:
-    outcome = run(functions.job(functions.Settings(deadly=(6,)), cells=12), LocalPool(2))
+@pytest.mark.parametrize("pool", [2, DASK], indirect=True)
+def test_a_deadly_cell_fails_alone(functions: Any, pool: Pool) -> None:
+    outcome = run(functions.job(functions.Settings(deadly=(6,)), cells=12), pool)
     assert outcome.failures == {6: "the worker process died"}
     good = np.delete(np.arange(12), 6)
     np.testing.assert_array_equal(outcome.columns["number"][good], good)
 
 
-def test_a_worker_killed_once_changes_nothing(functions: Any, tmp_path: Path) -> None:
+@pytest.mark.parametrize("pool", [2, DASK], indirect=True)
+def test_a_worker_killed_once_changes_nothing(functions: Any, tmp_path: Path, pool: Pool) -> None:
     killed = functions.job(functions.Settings(once=str(tmp_path / "died")))
-    outcome = run(killed, LocalPool(2))
+    outcome = run(killed, pool)
     assert (tmp_path / "died").exists()
     assert_identical(outcome, run(functions.job(functions.Settings())))
 
@@ -152,26 +173,6 @@ def test_finished_chunks_are_not_computed_again(functions: Any, tmp_path: Path) 
     again = run(job, LocalPool(2), folder)
     assert computed(log) == {"8"}
     assert (again.computed_chunks, again.kept_chunks) == (1, 4)
-    assert_identical(first, again)
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        lambda data: data[:-40],
-        lambda data: b"",
-        lambda data: data[:200] + bytes([data[200] ^ 1]) + data[201:],
-        lambda data: data + b"more",
-    ],
-    ids=["cut", "empty", "a flipped bit", "longer"],
-)
-def test_a_damaged_part_is_computed_again(functions: Any, tmp_path: Path, damage: Any) -> None:
-    job = functions.job(functions.Settings())
-    first = run(job, folder=tmp_path)
-    path = ChunkStore(tmp_path).path(job.keys()[1])
-    path.write_bytes(damage(path.read_bytes()))
-    again = run(job, folder=tmp_path)
-    assert again.computed_chunks == 1
     assert_identical(first, again)
 
 
@@ -237,16 +238,29 @@ MADE_UP = [
 ]
 
 
+# What becomes of a part's bytes, and of the part's key before it.
+DAMAGES: list[Callable[[bytes, bytes], bytes]] = [
+    lambda whole, other: whole[:-40],
+    lambda whole, other: b"",
+    lambda whole, other: whole[:200] + bytes([whole[200] ^ 1]) + whole[201:],
+    lambda whole, other: whole + b"more",
+    lambda whole, other: other,
+]
+
+
 # By number: the bytes themselves are no names, and not the same in every process.
-@pytest.mark.parametrize("body", MADE_UP, ids=range(len(MADE_UP)))
-def test_a_part_that_was_made_up_is_computed_again(
-    functions: Any, tmp_path: Path, body: bytes
+@pytest.mark.parametrize("damage", [*DAMAGES, *MADE_UP], ids=range(len(DAMAGES) + len(MADE_UP)))
+def test_a_part_that_is_damaged_or_made_up_is_computed_again(
+    functions: Any, tmp_path: Path, damage: Any
 ) -> None:
     job = functions.job(functions.Settings())
     first = run(job, folder=tmp_path)
-    key = job.keys()[1]
-    made_up = chunk_store._head(key, body) + b"\n" + body
-    ChunkStore(tmp_path).path(key).write_bytes(made_up)
+    other, key = job.keys()[:2]
+    path = ChunkStore(tmp_path).path(key)
+    if isinstance(damage, bytes):
+        path.write_bytes(chunk_store._head(key, damage) + b"\n" + damage)
+    else:
+        path.write_bytes(damage(path.read_bytes(), ChunkStore(tmp_path).path(other).read_bytes()))
     again = run(job, folder=tmp_path)
     assert again.computed_chunks == 1
     assert_identical(first, again)
@@ -281,16 +295,6 @@ def test_a_pipe_in_place_of_a_part_is_not_waited_for(functions: Any, tmp_path: P
     job = functions.job(functions.Settings())
     os.mkfifo(ChunkStore(tmp_path).path(job.keys()[1]))
     assert run(job, folder=tmp_path).computed_chunks == 5
-
-
-def test_a_part_under_another_name_is_not_believed(functions: Any, tmp_path: Path) -> None:
-    job = functions.job(functions.Settings())
-    first = run(job, folder=tmp_path)
-    store, keys = ChunkStore(tmp_path), job.keys()
-    store.path(keys[0]).write_bytes(store.path(keys[1]).read_bytes())
-    again = run(job, folder=tmp_path)
-    assert again.computed_chunks == 1
-    assert_identical(first, again)
 
 
 def test_another_configuration_or_version_is_another_chunk(
@@ -651,39 +655,6 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(WorkersUnavailableError, match="pip install distributed"):
         DaskPool("local-cluster")
-
-
-@pytest.mark.slow
-@pytest.mark.extra
-def test_dask_agrees_to_the_last_bit_and_isolates_failures(functions: Any) -> None:
-    pytest.importorskip("distributed")
-    job = functions.job(functions.Settings(raising=(5,)))
-    assert_identical(run(job), run(job, DaskPool("local-cluster", 2)))
-
-
-@pytest.mark.slow
-@pytest.mark.extra
-def test_a_killed_dask_worker_changes_nothing(functions: Any, tmp_path: Path) -> None:
-    pytest.importorskip("distributed")
-    killed = functions.job(functions.Settings(once=str(tmp_path / "died")))
-    outcome = run(killed, DaskPool("local-cluster", 2))
-    assert (tmp_path / "died").exists()
-    assert_identical(outcome, run(functions.job(functions.Settings())))
-
-
-@pytest.mark.slow
-@pytest.mark.extra
-def test_a_deadly_cell_fails_alone_on_dask(functions: Any) -> None:
-    pytest.importorskip("distributed")
-    import dask
-
-    job = functions.job(functions.Settings(deadly=(6,)), cells=12)
-    # Given up after two workers, not four: each takes a second to start again, which is no reason
-    # to take it for lost.
-    settings = {"scheduler.allowed-failures": 1, "deploy.lost-worker-timeout": "0 s"}
-    with dask.config.set({f"distributed.{key}": value for key, value in settings.items()}):
-        outcome = run(job, DaskPool("local-cluster", 2))
-    assert outcome.failures == {6: "the worker process died"}
 
 
 @pytest.mark.slow
