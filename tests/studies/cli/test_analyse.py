@@ -58,13 +58,6 @@ def test_top_level_is_the_worst_of_many_scenarios(run: Run) -> None:
     assert record["excess_time_h"] == min(s["excess_time_h"] for s in record["scenarios"])
 
 
-def test_analysis_as_table(run: Run) -> None:
-    outcome = run("analyse", AS2, "-m", "central-europe-summer")
-    assert (outcome.code, outcome.err) == (0, "")
-    for words in ("worst scenario", "perpetual", "excess time", "CAM, uncorrected"):
-        assert words in outcome.out
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "overrides"),
@@ -249,11 +242,6 @@ def test_extreme_values_end_in_valid_json(run: Run, aircraft: str, overrides: li
     assert outcome.err == "" or outcome.code == 1
     if outcome.code == 0:
         assert outcome.json().keys() >= ANALYSE_KEYS
-
-
-def test_no_file_is_written_if_one_cannot_be(run: Run, tmp_path: Path) -> None:
-    assert run("analyse", AS2, "--csv", "a.csv", "--plot", "no/a.png").code == 1
-    assert files(tmp_path) == set()
 
 
 @pytest.mark.long
