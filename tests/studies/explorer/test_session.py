@@ -251,7 +251,6 @@ def refusals(data: object, one: Session = DESIGN) -> dict[str, Any]:
         *[(DAY, day, "out of range") for day in (0, 366, 10**400, -(10**400))],
         *[(DAY, day, "must be a") for day in (True, "196", [196])],
         (DAY, 196.5, "whole number"),
-        ("modules.area_m2", 5.0, "wing area"),
         (LATITUDE, 90.5, "out of range"),
         ("model", "cam", "not one of the names"),
         ("correction", ["none"], "not one of the names"),
@@ -269,6 +268,7 @@ def test_everything_that_is_wrong_is_told_together() -> None:
     wrong = {"battery.mass_kg": "x", "model": 1, "unknown": 2}
     assert set(refusals(wrong)) == set(wrong)
     assert "object" in refusals([1, 2])["settings"].message
+    assert "wing area" in refusals({"modules.area_m2": 5.0})["modules.area_m2"].message
     plain = session("sky-sailor")
     for key, value in (("model", "FM"), ("correction", "loiter")):
         assert "module surfaces" in refusals({key: value}, plain)[key].message
