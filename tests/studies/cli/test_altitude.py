@@ -211,6 +211,8 @@ def test_resized_maps_and_sweeps_climb(run: Run, climb: str, tmp_path: Path) -> 
     assert high < 0.95 * level
 
 
+LEVEL = "airframe.level_flight"
+LAUNCH = "mission.launch={date: 07-01, time_local: '10:00', duration_h: 20}"
 DESIGN, CLIMB_POWER = "atlantiksolar-design", "airframe.propulsion.climb_power_ratio"
 
 
@@ -221,24 +223,9 @@ DESIGN, CLIMB_POWER = "atlantiksolar-design", "airframe.propulsion.climb_power_r
         ("analyse", ["mission.climb.ceiling_m=40000"], "ceiling_m: must be at most 32000"),
         ("analyse", ["mission.climb.strategy=up"], "'battery_full' or 'surplus'"),
         ("analyse", ["mission.climb.cieling_m=100"], "did you mean 'ceiling_m'"),
-        (
-            "analyse",
-            ["airframe.level_flight.propulsion_efficiency=null"],
-            "airframe.level_flight.propulsion_efficiency: required key is missing",
-        ),
-        (
-            "analyse",
-            ["airframe.level_flight.maximum_electric_power_w=20"],
-            "maximum_electric_power_w must be at least electric_power_w",
-        ),
-        (
-            "analyse",
-            [
-                "mission.longitude_deg=8.5",
-                "mission.launch={date: 07-01, time_local: '10:00', duration_h: 20}",
-            ],
-            "give launch or climb, not both",
-        ),
+        ("analyse", [f"{LEVEL}.propulsion_efficiency=null"], "propulsion_efficiency: required key"),
+        ("analyse", [f"{LEVEL}.maximum_electric_power_w=20"], "must be at least electric_power_w"),
+        ("analyse", ["mission.longitude_deg=8.5", LAUNCH], "give launch or climb, not both"),
         ("analyse sky-sailor", [], f"{CLIMB_POWER}: "),
         ("analyse sky-sailor", [], "leaves nothing to climb with"),
         ("ceiling", ["mission.climb.ceiling_m=536"], "must be above the night's floor of 536 (got"),

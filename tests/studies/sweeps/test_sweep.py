@@ -3,7 +3,6 @@
 import io
 import json
 import re
-from collections.abc import Callable
 from importlib import resources
 from itertools import product
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from click.testing import CliRunner, Result
+from command_line import Run
 from figure_checks import heading
 
 from missions.files.errors import InputError
@@ -29,7 +28,6 @@ from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
 from sizing.results.tables import Table
 from sizing.sunlight import SolarModel
-from studies.cli.__main__ import cli
 from studies.engine.run import compute
 from studies.maps import feasibility
 from studies.output.gridded import SizingStatus, to_table
@@ -359,16 +357,10 @@ def test_points_without_a_design_are_not_drawn_over() -> None:
 # ---- command and files
 
 
-@pytest.fixture
-def invoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
-    monkeypatch.chdir(tmp_path)
-    return lambda *arguments: CliRunner().invoke(cli, ["sweep", *arguments])
-
-
-def test_command_writes_files_that_hold_everything(invoke: Any, tmp_path: Path) -> None:
+def test_command_writes_files_that_hold_everything(run: Run, tmp_path: Path) -> None:
     vary = ["--vary", "wingspan_m=4:6:1", "--vary", "battery_mass_kg=2,3"]
-    answer = invoke("atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png")
-    assert answer.exit_code == 0, answer.output
+    answer = run("sweep", "atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png")
+    assert answer.code == 0
     assert sorted(p.name for p in tmp_path.iterdir()) == ["s.nc", "s.png"]
     data = xr.open_dataset(tmp_path / "s.nc", engine="h5netcdf")
     assert data["excess_time"].dims == ("wingspan_m", "battery_mass_kg")
@@ -377,10 +369,10 @@ def test_command_writes_files_that_hold_everything(invoke: Any, tmp_path: Path) 
     assert json.loads(data.attrs["vary"])["battery.mass_kg"] == [2.0, 3.0]
     assert data.attrs["source"].startswith("solar-uav ")
     assert data["status"].attrs["flag_meanings"].split()[1:3] == ["limited", "perpetual"]
-    answer = invoke("atlantiksolar-design", *vary, "--out", "s.csv", "--json")
-    assert answer.exit_code == 0, answer.output
+    answer = run("sweep", "atlantiksolar-design", *vary, "--out", "s.csv", "--json")
+    assert answer.code == 0
     table = pd.read_csv(tmp_path / "s.csv", comment="#")
-    record = json.loads(answer.stdout)
+    record = answer.json()
     assert table["excess_time"].tolist() == data["excess_time"].values.ravel().tolist()
     assert [p["excess_time"] for p in record["points"]] == table["excess_time"].tolist()
     assert record["status"] == table["status"].value_counts().to_dict()
@@ -390,18 +382,18 @@ def test_command_writes_files_that_hold_everything(invoke: Any, tmp_path: Path) 
         }
 
 
-def test_command_draws_a_front(invoke: Any, tmp_path: Path) -> None:
+def test_command_draws_a_front(run: Run, tmp_path: Path) -> None:
     vary = ["--vary", "battery_mass_kg=2:4:0.5", "--plot", "s.png"]
-    answer = invoke("atlantiksolar-design", *vary, "--pareto", "total_mass", "excess_time")
-    assert answer.exit_code == 0, answer.output
+    answer = run("sweep", "atlantiksolar-design", *vary, "--pareto", "total_mass", "excess_time")
+    assert answer.code == 0
     assert (tmp_path / "s.png").exists()
     (tmp_path / "s.png").unlink()
-    answer = invoke("atlantiksolar-design", *vary, "--pareto", "mass", "excess_time")
-    assert answer.exit_code == 2
+    answer = run("sweep", "atlantiksolar-design", *vary, "--pareto", "mass", "excess_time")
+    assert answer.code == 2
     # The varied key comes first; texts and flags are no axes of a chart.
-    assert "'mass' is not one of battery_mass_kg, wingspan" in answer.output
-    assert "message" not in answer.output
-    assert "perpetual" not in answer.output  # refused before a point is flown
+    assert "'mass' is not one of battery_mass_kg, wingspan" in answer.err
+    assert "message" not in answer.err
+    assert "perpetual" not in answer.err  # refused before a point is flown
     assert not (tmp_path / "s.png").exists()
 
 
@@ -419,19 +411,19 @@ def test_command_draws_a_front(invoke: Any, tmp_path: Path) -> None:
         ([], "--vary"),
     ],
 )
-def test_command_names_mistakes(invoke: Any, arguments: list[str], words: str) -> None:
-    answer = invoke("atlantiksolar-design", *arguments)
-    assert answer.exit_code == 2
-    assert words in answer.output
-    assert "Traceback" not in answer.output
+def test_command_names_mistakes(run: Run, arguments: list[str], words: str) -> None:
+    answer = run("sweep", "atlantiksolar-design", *arguments)
+    assert answer.code == 2
+    assert words in answer.err
+    assert "Traceback" not in answer.err
 
 
 @pytest.mark.extra
-def test_parquet_holds_table_and_configuration(invoke: Any, tmp_path: Path) -> None:
+def test_parquet_holds_table_and_configuration(run: Run, tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     vary = ["--vary", "battery_mass_kg=2,3", "--out", "s.parquet"]
-    answer = invoke("atlantiksolar-design", *vary)
-    assert answer.exit_code == 0, answer.output
+    answer = run("sweep", "atlantiksolar-design", *vary)
+    assert answer.code == 0
     table = pd.read_parquet(tmp_path / "s.parquet")
     assert table["battery_mass_kg"].tolist() == [2.0, 3.0]
     assert json.loads(table.attrs["mission"])["name"] == "rafz-july"
@@ -448,16 +440,18 @@ def _failing(configuration: Any, cells: Any) -> Any:
 
 @pytest.mark.long
 def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
-    invoke: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("studies.sweeps.study.judge_points", _failing)
     vary = ["--vary", "battery_mass_kg=2,3,4", "--workers", "1"]
-    answer = invoke("atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png", "--json")
-    assert answer.exit_code == 1
-    first, *_, last = answer.stderr.splitlines()
+    answer = run(
+        "sweep", "atlantiksolar-design", *vary, "--out", "s.nc", "--plot", "s.png", "--json"
+    )
+    assert answer.code == 1
+    first, *_, last = answer.err.splitlines()
     for line in (first, last):
         assert "1 of 3 points failed; the first: FloatingPointError: not today" in line
-    assert json.loads(answer.stdout)["status"]["failed"] == 1
+    assert answer.json()["status"]["failed"] == 1
     data = xr.load_dataset(tmp_path / "s.nc", engine="h5netcdf")
     assert data["status"].values.tolist()[1] == Status.failed
     assert data.attrs["failed_cells"] == "battery_mass_kg 3: FloatingPointError: not today"
@@ -467,9 +461,9 @@ def test_a_sweep_with_failed_points_says_so_and_ends_with_an_error(
     assert [t.get_text() for t in figure.axes[0].get_legend().get_texts()] == [
         "could not be computed"
     ]
-    table = invoke("atlantiksolar-design", *vary)
-    assert table.exit_code == 1
-    assert "1 failed" in " ".join(table.stdout.split())
+    table = run("sweep", "atlantiksolar-design", *vary)
+    assert table.code == 1
+    assert "1 failed" in " ".join(table.out.split())
 
 
 def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -481,10 +475,10 @@ def test_contours_hatch_failed_points(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "could not be computed" in [text.get_text() for text in legend.get_texts()]
 
 
-def test_python_is_the_command(invoke: Any, tmp_path: Path) -> None:
+def test_python_is_the_command(run: Run, tmp_path: Path) -> None:
     vary = ["--vary", "aircraft.battery.mass_kg=2:3:0.5", "--vary", "mission.clearness=0.8,1"]
-    answer = invoke("atlantiksolar-as2", *vary, "--model", "CDM", "--out", "s.nc")
-    assert answer.exit_code == 0, answer.output
+    answer = run("sweep", "atlantiksolar-as2", *vary, "--model", "CDM", "--out", "s.nc")
+    assert answer.code == 0
     found = sweep(
         AS2, JULY, {"battery_mass_kg": [2, 2.5, 3], "mission.clearness": (0.8, 1)}, model="CDM"
     )
@@ -520,12 +514,12 @@ def test_python_refuses_what_is_not_allowed(
         sweep(DESIGN, JULY, vary, **options)
 
 
-def test_steps_that_do_not_meet_their_end_are_told(invoke: Any) -> None:
-    answer = invoke("atlantiksolar-design", "--vary", "battery_mass_kg=2:4:0.7", "--json")
-    assert answer.exit_code == 0, answer.output
-    assert "--vary battery_mass_kg=2:4:0.7 ends at 3.4: no whole number of" in answer.stderr
-    answer = invoke("atlantiksolar-design", "--vary", "battery_mass_kg=0.1:0.4:0.1", "--json")
-    assert answer.stderr == ""
+def test_steps_that_do_not_meet_their_end_are_told(run: Run) -> None:
+    answer = run("sweep", "atlantiksolar-design", "--vary", "battery_mass_kg=2:4:0.7", "--json")
+    assert answer.code == 0
+    assert "--vary battery_mass_kg=2:4:0.7 ends at 3.4: no whole number of" in answer.err
+    answer = run("sweep", "atlantiksolar-design", "--vary", "battery_mass_kg=0.1:0.4:0.1", "--json")
+    assert answer.err == ""
 
 
 # ---- Airfoils of one's own
