@@ -45,9 +45,12 @@ CASES: dict[str, tuple[str, list[str], set[str]]] = {
             f"{AS2} --set battery.ageing.cycles=180 --set modules.cell=sunpower-c60",
             f"{AS2} CELLS",
         ],
-        # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size", and of
-        # winds that are held, whose keys stand on their page.
-        {"balance", "drag_coefficients", "part_masses", "varying_efficiency", "held_up_to_m"},
+        # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size", of winds
+        # that are held, whose keys stand on their page, and of tables that other programs wrote.
+        {
+            *("balance", "drag_coefficients", "part_masses", "varying_efficiency", "held_up_to_m"),
+            "reading_notes",
+        },
     ),
     "size": (
         "cli.md",
@@ -61,7 +64,7 @@ CASES: dict[str, tuple[str, list[str], set[str]]] = {
             f"{DESIGN} --mission rafz-july CLIMB",
             f"{DESIGN} --mission rafz-july --whole-cells CELLS",
         ],
-        {"range", "weather", "part_masses"},
+        {"range", "weather", "part_masses", "reading_notes"},
     ),
     "size --weather": (
         "season.md",

@@ -567,19 +567,6 @@ def test_a_signal_ends_a_command_with_one_line(
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_signal_ends_a_process_with_one_line(tmp_path: Path, name: str) -> None:
-    number = getattr(signal, name)
-    target = "sizing.results.analysis:analyse"
-    arguments = ("analyse", AS2, "--csv", "a.csv")
-    done = stopped(tmp_path, arguments, target, f"os.kill(os.getpid(), {int(number)})")
-    assert done.returncode == 128 + number
-    assert (done.stdout, done.stderr.strip()) == ("", STOPPED[name])
-    assert files(tmp_path) == set()
-
-
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("act", "code"),
     [("swallow()", 130), ("[swallow(), time.sleep(60)]", 130), ("stubborn()", -signal.SIGINT)],

@@ -540,9 +540,29 @@ def _session(leader: int) -> list[str]:
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
 
 
-def kill_and_finish(driver: Driver, expected: bytes, kills: list[int]) -> None:
-    """Kill the driver whenever so many parts are there, then let it finish."""
-    for parts in kills:
+def expected_values(functions: Any) -> bytes:
+    outcome = run(functions.job(functions.Settings(), cells=60, each=2))
+    return bytes(outcome.columns["root"].tobytes())
+
+
+@needs_proc
+@pytest.mark.slow
+# A start takes 0.3 s of processor time, one with a cluster twice that.
+@pytest.mark.parametrize(
+    ("workers", "scheduler", "kills"),
+    [
+        (1, "", [3, 11, 20]),
+        (2, "", [4, 5, 13, 18, 24, 27]),
+        pytest.param(2, "local-cluster", [7, 22], marks=pytest.mark.extra),
+    ],
+)
+def test_killed_runs_go_on_and_end_alike(
+    functions: Any, tmp_path: Path, workers: int, scheduler: str, kills: list[int]
+) -> None:
+    if scheduler:
+        pytest.importorskip("distributed")
+    driver, expected = Driver(tmp_path, workers, scheduler), expected_values(functions)
+    for parts in kills:  # killed whenever so many parts are there
         process = driver.started_until(parts)
         process.kill()
         process.communicate()
@@ -551,32 +571,6 @@ def kill_and_finish(driver: Driver, expected: bytes, kills: list[int]) -> None:
     values, kept = driver.finish()
     assert values == expected
     assert kept >= min(before, 30) - 1  # the part under the knife may be half
-
-
-def expected_values(functions: Any) -> bytes:
-    outcome = run(functions.job(functions.Settings(), cells=60, each=2))
-    return bytes(outcome.columns["root"].tobytes())
-
-
-@needs_proc
-@pytest.mark.slow
-@pytest.mark.parametrize("workers", [1, 2])
-def test_killed_runs_go_on_and_end_alike(functions: Any, tmp_path: Path, workers: int) -> None:
-    kill_and_finish(Driver(tmp_path, workers), expected_values(functions), [3, 11, 20])
-
-
-@needs_proc
-@pytest.mark.slow
-# A start takes 0.3 s of processor time, one with a cluster twice that.
-@pytest.mark.parametrize(
-    ("scheduler", "count"), [("", 6), pytest.param("local-cluster", 2, marks=pytest.mark.extra)]
-)
-def test_many_kills(functions: Any, tmp_path: Path, scheduler: str, count: int) -> None:
-    if scheduler:
-        pytest.importorskip("distributed")
-    kills = np.random.default_rng(7).choice(np.arange(1, 29), count, replace=False)
-    driver = Driver(tmp_path, 2, scheduler)
-    kill_and_finish(driver, expected_values(functions), sorted(kills.tolist()))
 
 
 @needs_proc

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from command_line import Run
 from figure_checks import heading
 from matplotlib.contour import ContourSet
@@ -20,7 +19,6 @@ from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.sunlight import SolarModel, solar_day
-from studies.cli.__main__ import cli
 from studies.maps import feasibility as study
 from studies.maps.plots import plot_map
 from studies.output.gridded import to_netcdf_bytes
@@ -146,15 +144,13 @@ def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
     assert "[h]" in bar.get_ylabel()
 
 
-def test_command_writes_map_and_picture(tmp_path: Path) -> None:
+def test_command_writes_map_and_picture(run: Run, tmp_path: Path) -> None:
     target, picture = tmp_path / "map.nc", tmp_path / "map.png"
     options = ["--latitudes", "40:50:5", "--days", "1:361:40", "--json"]
-    answer = CliRunner().invoke(
-        cli,
-        ["map", "atlantiksolar-as2", *options, "--out", str(target), "--plot", str(picture)],
-    )
-    assert answer.exit_code == 0, answer.output
-    record = json.loads(answer.stdout)
+    files = ["--out", str(target), "--plot", str(picture)]
+    answer = run("map", "atlantiksolar-as2", *options, *files)
+    assert answer.code == 0
+    record = answer.json()
     assert record["latitude_deg"] == [40.0, 45.0, 50.0]
     assert record["perpetual_days"] == sorted(record["perpetual_days"], reverse=True)
     assert target.stat().st_size > 1000
@@ -191,11 +187,11 @@ def edge(axis: np.ndarray, value: float, side: int) -> float:
     return float(beyond[-1] if side < 0 else beyond[0])
 
 
-def test_a_map_as_a_table_has_a_row_for_each_cell(tmp_path: Path) -> None:
+def test_a_map_as_a_table_has_a_row_for_each_cell(run: Run, tmp_path: Path) -> None:
     call = ["map", "atlantiksolar-as2", "--latitudes", "-80:80:40", "--days", "1:365:91"]
     for name in ("map.csv", "map.nc"):
-        answer = CliRunner().invoke(cli, [*call, "--out", str(tmp_path / name)])
-        assert answer.exit_code == 0, answer.output
+        answer = run(*call, "--out", str(tmp_path / name))
+        assert answer.code == 0
     table = pd.read_csv(tmp_path / "map.csv", comment="#")
     configuration = json.loads((tmp_path / "map.csv").read_text().splitlines()[0].removeprefix("#"))
     assert json.loads(configuration["aircraft"])["name"] == "atlantiksolar-as2"
@@ -219,18 +215,18 @@ def test_picture_shows_a_map_of_one_cell() -> None:
     assert west < 196 < east
 
 
-def test_resized_map_tells_an_excess_time_without_end(tmp_path: Path) -> None:
+def test_resized_map_tells_an_excess_time_without_end(run: Run, tmp_path: Path) -> None:
     # At the pole in midsummer the sun stands at 23 degrees all day.
     picture = tmp_path / "map.png"
     where = ["--latitudes", "90:90:1", "--days", "172:177:5", "--resize", "min_wingspan"]
     command = ["map", "atlantiksolar-design", *where]
-    answer = CliRunner().invoke(cli, [*command, "--json", "--plot", str(picture)])
-    assert answer.exit_code == 0, answer.output
-    record = json.loads(answer.stdout)
+    answer = run(*command, "--json", "--plot", str(picture))
+    assert answer.code == 0
+    record = answer.json()
     assert record["infeasible_days"] == [0]
     assert record["least_excess_time_h"] == [None]
     assert picture.read_bytes().startswith(b"\x89PNG")
-    table = CliRunner().invoke(cli, [*command[:-1], "max_excess_time"]).output
+    table = run(*command[:-1], "max_excess_time").out
     assert "unlimited" in table
     assert "inf " not in table
 

@@ -135,7 +135,7 @@ def test_headline_where_nothing_is_feasible() -> None:
 def test_figure_names_its_axes_and_marks_who_comes_down(designs: study.Comparison) -> None:
     figure = plot_comparison(designs)
     labels = [axes.get_xlabel().split()[0] for axes in figure.axes]
-    assert labels == ["solar", "excess", "perpetual", "design"]
+    assert labels == ["solar", "excess", "perpetual", "design:"]
     assert all("[" in axes.get_xlabel() or "days" in axes.get_xlabel() for axes in figure.axes)
     crosses = [line for line in figure.axes[3].lines if line.get_marker() == "x"]
     down = [c for c in designs.cases if c.built and c.built.judged and not c.built.judged.perpetual]

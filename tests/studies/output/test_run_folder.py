@@ -97,31 +97,39 @@ def test_the_record_of_a_run(run: Run, tmp_path: Path) -> None:
     assert "clearness: 0.95" in (tmp_path / "design" / "mission.yaml").read_text()
 
 
-def test_a_polar_of_ones_own_goes_with_the_folder(
+def test_files_of_ones_own_go_with_the_folder(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     polar = resources.files("sizing").joinpath("data", "polars", "sd7037.csv").read_text()
+    cell = "label: mine\nsource: measured by us\nefficiency_stc: 0.21\n"
     (tmp_path / "mine.csv").write_text(polar)
+    (tmp_path / "cell.yaml").write_text(cell)
     aerodynamics = (
         "airframe.aerodynamics={model: wing_polar, airfoil: mine.csv, design_aspect_ratio: 18.5, "
         "design_reynolds: 200000}"
     )
-    asked = ("size", DESIGN, "-m", "rafz-july", "--set", aerodynamics, "--out", "design", "--json")
-    sized = run(*asked)
+    chosen = ("--set", "modules.cell=cell.yaml", "--set", "battery.cell=samsung-35e")
+    asked = ("size", DESIGN, "-m", "rafz-july", "--set", aerodynamics, *chosen)
+    sized = run(*asked, "--out", "design", "--json")
     assert (sized.code, sized.err) == (0, "")
+    taken = {one["key"]: one for one in sized.json()["from_catalogues"]}
+    assert taken["modules.efficiency_stc"]["source"] == "measured by us"
     (tmp_path / "mine.csv").unlink()
+    (tmp_path / "cell.yaml").unlink()
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     monkeypatch.chdir(elsewhere)
     flown = run("analyse", "../design", "--json").json()
-    assert flown["excess_time_h"] == pytest.approx(
-        sized.json()["simulated"]["excess_time_h"], abs=1e-3
-    )
-    record, _ = contents(tmp_path / "design")
-    assert record["inputs"]["airfoil"] == {
+    excess_h = sized.json()["simulated"]["excess_time_h"]
+    assert flown["excess_time_h"] == pytest.approx(excess_h, abs=1e-3)
+    assert flown["from_catalogues"][0]["value"] == 0.21
+    assert (tmp_path / "design" / "cell.yaml").read_text() == cell
+    inputs = contents(tmp_path / "design")[0]["inputs"]
+    assert inputs["airfoil"] == {
         "source": str(tmp_path / "mine.csv"),
         "sha256": hashlib.sha256(polar.encode()).hexdigest(),
     }
+    assert inputs["cell"]["sha256"] == hashlib.sha256(cell.encode()).hexdigest()
 
 
 @pytest.mark.parametrize(
@@ -215,23 +223,6 @@ def test_what_an_earlier_run_wrote_does_not_stay_beside_another_aircraft(
     record = json.loads((tmp_path / "both" / "run.json").read_text())
     assert names == {*record["files"], "notes.txt"}
     assert "sensitivities.csv" not in names
-
-
-def test_entries_of_ones_own_go_with_the_folder(run: Run, tmp_path: Path) -> None:
-    text = "label: mine\nsource: measured by us\nefficiency_stc: 0.21\n"
-    (tmp_path / "cell.yaml").write_text(text)
-    chosen = ("--set", "modules.cell=cell.yaml", "--set", "battery.cell=samsung-35e")
-    outcome = run("size", DESIGN, "-m", "rafz-july", *chosen, "--out", "found", "--json")
-    assert (outcome.code, outcome.err) == (0, "")
-    taken = {one["key"]: one for one in outcome.json()["from_catalogues"]}
-    assert taken["modules.efficiency_stc"]["source"] == "measured by us"
-    assert (tmp_path / "found" / "cell.yaml").read_text() == text
-    (tmp_path / "cell.yaml").unlink()
-    again = run("analyse", "found", "--json")
-    assert (again.code, again.err) == (0, "")
-    assert again.json()["from_catalogues"][0]["value"] == 0.21
-    record = json.loads((tmp_path / "found" / "run.json").read_text())
-    assert record["inputs"]["cell"]["sha256"] == hashlib.sha256(text.encode()).hexdigest()
 
 
 def test_a_folder_of_a_newer_version_is_refused_with_the_line(run: Run, tmp_path: Path) -> None:
