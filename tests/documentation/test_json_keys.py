@@ -45,8 +45,8 @@ CASES: dict[str, tuple[str, list[str], set[str]]] = {
             f"{AS2} --set battery.ageing.cycles=180 --set modules.cell=sunpower-c60",
             f"{AS2} CELLS",
         ],
-        # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size", of winds
-        # that are held, whose keys stand on their page, and of tables that other programs wrote.
+        # Of aircraft with a rib wing, whose keys of "structure" stand with those of "size"; of held
+        # winds, whose keys stand on their page; of tables that other programs wrote.
         {
             *("balance", "drag_coefficients", "part_masses", "varying_efficiency", "held_up_to_m"),
             "reading_notes",
