@@ -211,7 +211,8 @@ class SolarModules(OfCatalogue, SolarCell):
     tail: TailGeometry | None = None
     shading_loss: Text = "none"
     mass_kg_per_m2: NonNegativeReal = 0.59
-    mppt_mass_kg_per_w: NonNegativeReal = 1.0 / 2368.0
+    # Of genasun-gvb-8-board in sizing/data/catalogues/mppts.yaml, the board that `init` writes.
+    mppt_mass_kg_per_w: NonNegativeReal = 0.108 / 118.0
 
     @model_validator(mode="wrap")
     @classmethod

@@ -1,7 +1,5 @@
 """Settings of all tests, and the command ``solar-uav`` as a test runs it."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator

@@ -142,6 +142,15 @@ _UNKNOWN = (
         "a few hundred grams: MicroLink (2009)",
     ),
     Unknown(
+        "modules.mppt_mass_kg_per_w",
+        "MPPT [kg/W]",
+        0.000915,
+        0.00042,
+        0.0015,
+        (0.0002, 0.006),
+        "small aircraft to MPPTs in housings: the aircraft's file",
+    ),
+    Unknown(
         "battery.specific_energy_wh_per_kg",
         "battery [Wh/kg]",
         435.0,

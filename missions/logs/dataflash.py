@@ -33,7 +33,7 @@ _LETTERS: Mapping[str, tuple[str, float]] = {
 }  # fmt: skip
 _INSTANCES = ("I", "Inst", "Instance")
 _GPS_FIELDS = {"latitude_deg": "Lat", "longitude_deg": "Lng", "altitude_m": "Alt"}
-_KINDS = ("ATT", "GPS", "BAT", "CURR", "ARSP")
+_KINDS = ("ATT", "GPS", "BAT", "CURR")
 _EXAMPLE = "BAT[1].Volt * BAT[1].Curr"
 # GPS time began on 1980-01-06; it is ahead of UTC by so many seconds from each of these instants
 # on [s since 1970], by 14 s before: IERS, Bulletin C 28 to 52.

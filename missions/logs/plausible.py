@@ -62,26 +62,34 @@ class LeftOut(NamedTuple):
         periods = tuple((start - by_s, end - by_s) for start, end in self.periods)
         return self._replace(periods=periods)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last time [s since 1970], NaN where no time is known."""
+        return (self.periods[0][0], self.periods[-1][1]) if self.periods else (np.nan, np.nan)
+
     def told(self) -> str:
         """What is left out, how much of it, and when."""
         kind = "value" if self.column else "row"
         count = f"{self.values} {kind}{'' if self.values == 1 else 's'} left out"
         text = f"{self.column}: {count}, {_WORDS[self.kind]}".removeprefix(": ")
         text += f" ({self.example})" if self.example else ""
-        if not self.periods:
-            return text
-        first, last = utc_text(self.periods[0][0]), utc_text(self.periods[-1][1])
-        if first == last:
-            return f"{text}, {first} (UTC)"
-        if first[:10] == last[:10]:
-            last = last[11:]
-        return f"{text}, {first} to {last} (UTC)"
+        return f"{text}, {span_text(*self.ends)} (UTC)" if self.periods else text
 
 
 def utc_text(time_s: float) -> str:
     """Universal time, to the second."""
     instant = datetime.datetime.fromtimestamp(round(float(time_s)), datetime.UTC)
     return instant.strftime("%Y-%m-%d %H:%M:%S")
+
+
+def span_text(start_s: float, end_s: float) -> str:
+    """Universal times of a stretch, the date once where it is one; empty where not known."""
+    if not np.isfinite(start_s):
+        return ""
+    start, end = utc_text(start_s), utc_text(end_s)
+    if start == end:
+        return start
+    return f"{start} to {end[11:] if start[:10] == end[:10] else end}"
 
 
 def left_out(
@@ -172,45 +180,39 @@ def _unchanging(
             yield kind, runs[number]
 
 
-def repeated(values: Mapping[str, FloatArray]) -> BoolArray:
+def repeated(rows: pd.DataFrame) -> BoolArray:
     """Rows of stretches that have all been written before, with power that changes in them."""
-    content = pd.util.hash_pandas_object(pd.DataFrame(dict(values)), index=False)
+    content = pd.util.hash_pandas_object(rows.reset_index(drop=True), index=False)
     lag = np.arange(len(content)) - content.groupby(content).transform("idxmin").to_numpy(int)
     number = np.concatenate([[0], np.cumsum(np.diff(lag) != 0)])
-    power = pd.Series(values["solar_power_w"])
-    distinct = power.groupby(number).transform("nunique").to_numpy(int)
-    rows = np.bincount(number)[number]
-    return np.asarray((lag > 0) & (rows >= _LEAST_REPEATED) & (distinct >= _LEAST_DISTINCT))
+    power = rows["solar_power_w"].groupby(number)
+    distinct, length = (power.transform(how).to_numpy(int) for how in ("nunique", "size"))
+    return np.asarray((lag > 0) & (length >= _LEAST_REPEATED) & (distinct >= _LEAST_DISTINCT))
 
 
 def without_spans(
-    time_s: FloatArray,
-    values: dict[str, FloatArray],
-    exclude: Sequence[Span],
-    zone: datetime.tzinfo | None,
-    left: list[LeftOut],
-) -> tuple[FloatArray, dict[str, FloatArray]]:
+    rows: pd.DataFrame, exclude: Sequence[Span], zone: datetime.tzinfo | None, left: list[LeftOut]
+) -> pd.DataFrame:
     """Rows outside the times of day that are left out by hand."""
-    keep = np.ones(len(time_s), bool)
+    time_s, keep = rows.index.to_numpy(float), np.ones(len(rows), bool)
     for span in exclude:
         inside = span.holds(time_s, zone or datetime.UTC)
         keep &= ~inside
         clock = f"{span.text}, {'UTC' if zone is None else zone}"
         left.append(left_out("", "excluded", inside, time_s, clock))
-    return time_s[keep], {name: v[keep] for name, v in values.items()}
+    return rows[keep].copy()
 
 
-def leave_out_held(
-    time_s: FloatArray, values: dict[str, FloatArray], labels: Mapping[str, str]
-) -> list[LeftOut]:
+def leave_out_held(rows: pd.DataFrame, labels: Mapping[str, str]) -> list[LeftOut]:
     """Leave out what neighbours do not allow: spikes, frozen channels, rows written twice."""
-    left = []
-    if (copies := repeated(values)).any():
+    left, time_s = [], rows.index.to_numpy(float)
+    if (copies := repeated(rows)).any():
         left.append(left_out("", "repeated", copies, time_s))
-        values |= {name: np.where(copies, np.nan, v) for name, v in values.items()}
-    for name, column in values.items():
+        rows.loc[copies] = np.nan
+    for name in map(str, rows):
+        column = rows[name].to_numpy(float, copy=True)
         for kind, mask in stretches(quantity_of(name), column, time_s):
             example = f"{column[np.argmax(mask)]:g}"
             left.append(left_out(labels.get(name, name), kind, mask, time_s, example))
-            values[name] = np.where(mask, np.nan, values[name])
+            rows.loc[mask, name] = np.nan
     return left

@@ -21,7 +21,6 @@ from solar.types import FloatArray
 
 _POWER_TOPIC = "sensor_mppt"
 _POSITION_TOPICS = ("vehicle_gps_position", "sensor_gps")
-_AIRSPEED_TOPICS = ("airspeed_validated", "airspeed")
 _EXAMPLE = "battery_status[1].voltage_v * battery_status[1].current_a"
 # How often a log is read over before its reader is taken to go round in circles.
 _MOST_PASSES = 20
@@ -52,12 +51,9 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
         series |= _euler_deg(attitude, source)
     if "battery_status" in topics:
         series |= _battery_state(topics["battery_status"])
-    series |= _airspeed(topics)
     notes = damage
     if "load_w" in series and "load_w" not in given:
         notes.append("load_w is voltage times current of battery_status")
-    if "airspeed_m_per_s" in series and "airspeed_m_per_s" not in given:
-        notes.append("airspeed_m_per_s is the true airspeed of the autopilot")
     return log_from_series(series | given, _boot_s(position, source), source, notes, layout)
 
 
@@ -136,8 +132,7 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
         raise file_error(
             source, "reading a ULog needs the package pyulog: pip install pyulog (the extra 'log')"
         ) from None
-    names = {_POWER_TOPIC, "vehicle_attitude", "battery_status", *others}
-    names |= {*_POSITION_TOPICS, *_AIRSPEED_TOPICS}
+    names = {_POWER_TOPIC, "vehicle_attitude", "battery_status", *_POSITION_TOPICS, *others}
     # What pyulog prints of damaged logs would stand among the results.
     with contextlib.redirect_stdout(io.StringIO()):
         try:
@@ -189,15 +184,6 @@ def _mppt(power: Stream, source: str) -> dict[str, Series]:
     if used.sum() > 1:
         values |= {f"{TRACKER}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
     return power.series(values)
-
-
-def _airspeed(topics: Mapping[str, Stream]) -> dict[str, Series]:
-    """True airspeed [m/s], NaN where the autopilot does not trust its sensor."""
-    field = "true_airspeed_m_s"
-    for name in _AIRSPEED_TOPICS:
-        if name in topics and field in topics[name].fields:
-            return topics[name].series({"airspeed_m_per_s": topics[name].fields[field]})
-    return {}
 
 
 def _boot_s(position: Stream, source: str) -> float:

@@ -32,7 +32,7 @@ def quantity_of(column: str) -> str:
 
 
 # A place, an altitude held to the metre, a full battery, the air and the voltage of an MPPT may
-# rest; power, attitude and airspeed never do. Times: where the almanac behind the sun's position
+# rest; power and attitude never do. Times: where the almanac behind the sun's position
 # holds. Air: the highest on record is 56.7 C (World Meteorological Organization).
 QUANTITIES: Mapping[str, Quantity] = {
     "time": Quantity("time", -631152000.0, 2524608000.0, False,
@@ -68,8 +68,6 @@ QUANTITIES: Mapping[str, Quantity] = {
     "state_of_charge": Quantity("share", -0.05, 1.05, True,
         "stateofcharge soc batterysoc socbattery batsoc batteryremaining remaining chargestate "
         "batterypercent batpercent batterylevel"),
-    "airspeed_m_per_s": Quantity("speed", -10.0, 300.0, False,
-        "trueairspeed airspeedtrue tas vtas airspeed vair aspd airspeedspeed arspairspeed"),
     "battery_power_w": Quantity("power", -1e6, 1e6, False,
         "batterychargepower chargepower"),
 }  # fmt: skip

@@ -39,7 +39,6 @@ OPTIONAL = (
     "mppt_voltage_v",
     "load_w",
     "state_of_charge",
-    "airspeed_m_per_s",
     "battery_power_w",
 )
 COLUMNS = (TIME, EPOCH, *REQUIRED, *ATTITUDE, *OPTIONAL)
@@ -91,8 +90,8 @@ class FlightLog:
         Attitude, none if the log has none.
     ambient_temperature_c, mppt_voltage_v, load_w, state_of_charge : ndarray or None
         What else was logged.
-    airspeed_m_per_s, battery_power_w : ndarray or None
-        True airspeed; power into the battery, negative where it is discharged.
+    battery_power_w : ndarray or None
+        Power into the battery, negative where it is discharged.
     rows_read, rows_dropped : int
         Rows of the file, and those left out because a required value was missing.
     gaps : tuple of Gap
@@ -111,17 +110,16 @@ class FlightLog:
     longitude_deg: FloatArray
     altitude_m: FloatArray
     solar_power_w: FloatArray
-    attitude: EulerAngles | None
-    ambient_temperature_c: FloatArray | None
-    mppt_voltage_v: FloatArray | None
-    load_w: FloatArray | None
-    state_of_charge: FloatArray | None
-    rows_read: int
-    rows_dropped: int
-    gaps: tuple[Gap, ...]
-    notes: tuple[str, ...]
-    airspeed_m_per_s: FloatArray | None = None
+    attitude: EulerAngles | None = None
+    ambient_temperature_c: FloatArray | None = None
+    mppt_voltage_v: FloatArray | None = None
+    load_w: FloatArray | None = None
+    state_of_charge: FloatArray | None = None
     battery_power_w: FloatArray | None = None
+    rows_read: int = 0
+    rows_dropped: int = 0
+    gaps: tuple[Gap, ...] = ()
+    notes: tuple[str, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
     tracker_power_w: Mapping[str, FloatArray] = field(default_factory=dict)
 
@@ -167,81 +165,77 @@ def checked_log(
     else:
         time_s = numbers(table[EPOCH], check, "time")
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
-    names += [name for name in map(str, table) if name.startswith(TRACKER)]
+    names += _trackers(table)
     values = {name: numbers(table[name], check, quantity_of(name)) for name in names}
     nowhere = no_place(values["latitude_deg"], values["longitude_deg"])
     for name in ("latitude_deg", "longitude_deg"):
         values[name] = check.without(values[name], nowhere, table[name], "code")
     check.done()
     left = [left_out(*doubt[:3], time_s, doubt[3]) for doubt in check.doubts]
-    empty = [n for n in ATTITUDE if n not in values or np.isnan(values[n]).all()]
+    rows = pd.DataFrame(values, index=pd.Index(time_s, name=TIME))
+    empty = [n for n in ATTITUDE if n not in rows or rows[n].isna().all()]
     if empty:
-        angles = [values.pop(name, None) for name in ATTITUDE]
-        if len(empty) < len(angles):
+        rows = rows.drop(columns=list(ATTITUDE), errors="ignore")
+        if len(empty) < len(ATTITUDE):
             remarks.append(f"the attitude is not used: {', '.join(empty)} not logged")
-    time_s, values = _in_order(time_s, values, remarks)
-    time_s, values = without_spans(time_s, values, exclude, zone, left)
-    _leave_out_sums(values)
-    left += leave_out_held(time_s, values, check.labels)
-    _leave_out_sums(values)
+    rows = without_spans(_in_order(rows, remarks), exclude, zone, left)
+    _leave_out_sums(rows)
+    left += leave_out_held(rows, check.labels)
+    _leave_out_sums(rows)
     remarks += [one.told() for one in left]
-    time_s, values = _put_together(time_s, values, remarks)
-    keep = _complete(time_s, values, check.source, left)
-    time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
-    return _assembled(check.source, time_s, values, int((~keep).sum()), remarks, tuple(left))
+    rows = _put_together(rows, remarks)
+    return _assembled(check.source, rows, remarks, tuple(left))
 
 
-def _leave_out_sums(values: dict[str, FloatArray]) -> None:
+def _trackers(table: pd.DataFrame) -> list[str]:
+    """Columns that have the power of one of several MPPTs."""
+    return [name for name in map(str, table) if name.startswith(TRACKER)]
+
+
+def _leave_out_sums(rows: pd.DataFrame) -> None:
     """Leave out the solar power where that of one of its MPPTs is not known."""
-    for name in values:
-        if name.startswith(TRACKER):
-            whole = values["solar_power_w"]
-            values["solar_power_w"] = np.where(np.isnan(values[name]), np.nan, whole)
+    unknown = rows[_trackers(rows)].isna().any(axis=1).to_numpy(bool)
+    rows.loc[unknown, "solar_power_w"] = np.nan
 
 
-def _in_order(
-    time_s: FloatArray, values: dict[str, FloatArray], notes: list[str]
-) -> tuple[FloatArray, dict[str, FloatArray]]:
+def _in_order(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
     """Rows by their time; of those with the same time and all quantities the first."""
-    back = int(np.count_nonzero(np.diff(time_s) < 0.0))
+    back = int(np.count_nonzero(np.diff(rows.index.dropna()) < 0.0))
     if back:
-        order = np.argsort(time_s, kind="stable")
-        time_s, values = time_s[order], {n: v[order] for n, v in values.items()}
+        rows = rows.sort_index(kind="stable")
         times = "once" if back == 1 else f"{back} times"
         notes.append(f"time goes back {times}: the rows are sorted")
-    filled = ~np.any([np.isnan(v) for n, v in values.items() if n in REQUIRED], axis=0)
-    at = np.flatnonzero(filled)
-    twice = at[1:][np.diff(time_s[at]) == 0.0]
-    if len(twice):
-        keep = np.ones(len(time_s), bool)
-        keep[twice] = False
-        time_s, values = time_s[keep], {n: v[keep] for n, v in values.items()}
-        rows = "1 row has" if len(twice) == 1 else f"{len(twice)} rows have"
-        notes.append(f"{rows} the time of another: the first one is used")
-    return time_s, values
+    twice = rows[list(REQUIRED)].notna().all(axis=1).to_numpy(bool) & rows.index.notna()
+    twice[twice] = rows.index[twice].duplicated()
+    if count := int(twice.sum()):
+        have = "1 row has" if count == 1 else f"{count} rows have"
+        notes.append(f"{have} the time of another: the first one is used")
+    return rows.loc[~twice]
 
 
-def _put_together(
-    time_s: FloatArray, values: dict[str, FloatArray], notes: list[str]
-) -> tuple[FloatArray, dict[str, FloatArray]]:
+def _needed(rows: pd.DataFrame) -> list[str]:
+    """Columns without a value of which a row is no sample."""
+    return [name for name in (*REQUIRED, *ATTITUDE) if name in rows]
+
+
+def _put_together(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
     """Columns that are written at times of their own, at the times of the solar power."""
-    needed = [name for name in (*REQUIRED, *ATTITUDE) if name in values]
-    lacking = np.any([np.isnan(values[name]) for name in needed], axis=0)
-    power = ~np.isnan(values["solar_power_w"]) & np.isfinite(time_s)
-    alone = np.count_nonzero(lacking & power)
-    if np.count_nonzero(lacking) <= MAXIMUM_DROPPED * len(time_s) or 2 * alone <= power.sum():
-        return time_s, values
-    at_s, together = time_s[power], {}
-    for name, column in values.items():
-        known = ~np.isnan(column) & np.isfinite(time_s)
-        together[name] = sampled(Series(time_s[known], column[known]), at_s, age_s_of(name))
-    ages = sorted({age_s_of(name) for name in values})
+    lacking = rows[_needed(rows)].isna().any(axis=1).to_numpy(bool)
+    power = rows["solar_power_w"].notna().to_numpy(bool) & rows.index.notna()
+    if lacking.mean() <= MAXIMUM_DROPPED or 2 * (lacking & power).sum() <= power.sum():
+        return rows
+    known, at_s = rows[rows.index.notna()], rows.index[power].unique()
+    together = {}
+    for name in rows:
+        column = known[name].dropna()
+        series = Series(column.index.to_numpy(float), column.to_numpy(float))
+        together[name] = sampled(series, at_s.to_numpy(float), age_s_of(str(name)))
+    ages = sorted({age_s_of(str(name)) for name in rows})
     notes.append(
         "columns are written at times of their own: for each value of the solar power the nearest "
         f"one of the others is used, {', '.join(f'{age:g}' for age in ages)} s away at most"
     )
-    rises = np.concatenate(([True], np.diff(at_s) > 0.0))
-    return at_s[rises], {name: column[rises] for name, column in together.items()}
+    return pd.DataFrame(together, index=at_s)
 
 
 @dataclass
@@ -341,56 +335,48 @@ def _cell(value: object) -> str:
     return shown(value.item() if isinstance(value, np.generic) else value)
 
 
-def _complete(
-    time_s: FloatArray, values: dict[str, FloatArray], source: str, left: Sequence[LeftOut]
-) -> BoolArray:
+def _complete(rows: pd.DataFrame, source: str, left: Sequence[LeftOut]) -> pd.DataFrame:
     """Rows in which nothing required is missing."""
-    required = {TIME: time_s} | {n: values[n] for n in (*REQUIRED, *ATTITUDE) if n in values}
-    lacking = {name: np.isnan(v) for name, v in required.items()}
-    drop = np.any(list(lacking.values()), axis=0)
-    total, dropped = len(time_s), int(drop.sum())
+    lacking = rows[_needed(rows)].isna()
+    lacking.insert(0, TIME, rows.index.isna())
+    drop = lacking.any(axis=1)
+    total, dropped = len(rows), int(drop.sum())
     why = "".join(f"; {one.told()}" for one in left)
     if dropped > MAXIMUM_DROPPED * total:
-        counts = ", ".join(
-            f"{name} in {lacks.sum()}" for name, lacks in lacking.items() if lacks.any()
-        )
+        counts = ", ".join(f"{name} in {lacks}" for name, lacks in lacking.sum().items() if lacks)
         message = f"{dropped} of {total} rows lack a required value ({counts})"
         raise file_error(source, f"{message}; allowed: at most {MAXIMUM_DROPPED:.0%}{why}")
     if total - dropped < 2:
         raise file_error(source, f"has fewer than two complete rows{why}")
-    return np.asarray(~drop)
+    return rows[~drop]
 
 
 def _assembled(
-    source: str,
-    time_s: FloatArray,
-    values: dict[str, FloatArray],
-    dropped: int,
-    notes: Iterable[str],
-    left: tuple[LeftOut, ...],
+    source: str, every: pd.DataFrame, notes: Iterable[str], left: tuple[LeftOut, ...]
 ) -> FlightLog:
+    rows = _complete(every, source, left)
+    values = {str(name): column.to_numpy(float) for name, column in rows.items()}
+    time_s = rows.index.to_numpy(float)
     step = np.diff(time_s)
     after = np.flatnonzero(step > GAP_STEPS * np.median(step))
     gaps = tuple(Gap(float(time_s[i]), float(time_s[i + 1])) for i in after)
     attitude = None
     if "roll_deg" in values:
         attitude = EulerAngles(*(np.radians(values[name]) for name in ATTITUDE))
-    known = {name: v for name, v in values.items() if not np.isnan(v).all()}
-    optional: dict[str, Any] = {name: known.get(name) for name in OPTIONAL}
-    total = len(time_s) + dropped
-    remarks = [*notes, *_remarks(values, dropped, total, gaps)]
+    dropped = len(every) - len(rows)
+    optional: dict[str, Any] = {
+        n: values[n] for n in OPTIONAL if n in rows.dropna(axis=1, how="all")
+    }
     return FlightLog(
         source=source,
         time_s=time_s,
         attitude=attitude,
-        rows_read=total,
+        rows_read=len(every),
         rows_dropped=dropped,
         gaps=gaps,
-        notes=tuple(remarks),
+        notes=(*notes, *_remarks(values, dropped, len(every), gaps)),
         left_out=left,
-        tracker_power_w={
-            name.removeprefix(TRACKER): v for name, v in values.items() if name.startswith(TRACKER)
-        },
+        tracker_power_w={n.removeprefix(TRACKER): values[n] for n in _trackers(rows)},
         **{name: values[name] for name in REQUIRED},
         **optional,
     )

@@ -11,7 +11,7 @@ import numpy as np
 from solar.types import FloatArray
 
 Dimension = Literal[
-    "time", "angle", "length", "power", "voltage", "current", "temperature", "share", "speed"
+    "time", "angle", "length", "power", "voltage", "current", "temperature", "share"
 ]
 
 
@@ -23,8 +23,7 @@ class Unit(NamedTuple):
 
 
 _DEG = 180.0 / np.pi
-_KNOT = 1852.0 / 3600.0  # International Hydrographic Conference (1929), as are feet those of 1959
-_FOOT = 0.3048
+_FOOT = 0.3048  # international foot of 1959
 # The first spelling of each is that of messages. Angles are degrees in log files.
 _SPELLINGS: Mapping[Dimension, Mapping[str, Unit]] = {
     "time": {
@@ -47,10 +46,6 @@ _SPELLINGS: Mapping[Dimension, Mapping[str, Unit]] = {
         "f degf": Unit(5.0 / 9.0, -160.0 / 9.0),
     },
     "share": {"- 1 share": Unit(1.0), "% percent pct": Unit(1e-2)},
-    "speed": {
-        "m/s mps m_per_s m_s": Unit(1.0), "km/h kmh kph": Unit(1.0 / 3.6),
-        "kt kts kn knots": Unit(_KNOT),
-    },
 }  # fmt: skip
 UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
     dimension: {name: unit for names, unit in known.items() for name in names.split()}

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from sizing.aircraft import Aircraft
 from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
+from sizing.catalogues.choice import taken
 from sizing.design import Design
 from sizing.layout.cells import rows_text
 from sizing.parameters import parameter
@@ -281,9 +282,14 @@ def sized_data(aircraft: Aircraft, design: Design, whole_cells: bool) -> dict[st
     if whole_cells:
         return data
     if data["modules"].pop("layout", None) is not None:
+        # The boards of the strings, which may have less than the power that they take.
         data["modules"]["mppt_mass_kg_per_w"] = aircraft.modules.mppt_mass_kg_per_w
+        if data["modules"].pop("mppt_board", None) is not None:
+            data["modules"]["mppt_efficiency"] = aircraft.modules.mppt_efficiency
     if data["battery"].pop("pack", None) is not None:
         technology = aircraft.battery.model_dump(mode="json")
+        of_entry = {one.key for one in taken(aircraft.battery, "")}
         for key in ("specific_energy_wh_per_kg", "charge_limit"):
-            data["battery"][key] = technology[key]
+            if key not in of_entry:
+                data["battery"][key] = technology[key]
     return data

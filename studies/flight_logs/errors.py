@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import datetime
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
+from missions.files.errors import file_error
 from solar.names import ModelName
 from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
-from studies.flight_logs.samples import Samples, numbered_runs
+from studies.flight_logs.forward import Samples, numbered_runs
 
 # Times of samples are written to the millisecond.
 _TOLERANCE_S = 2e-3
@@ -74,9 +76,14 @@ class ModelErrors:
 
 @dataclass(frozen=True)
 class Section:
-    """Errors over a window or day without ``excluded`` samples; ``filter_s`` to either side."""
+    """Errors over a window or day without ``excluded`` samples; ``filter_s`` to either side.
+
+    ``mask``: which samples are in it; ``clock``: of its label.
+    """
 
     label: str
+    clock: str
+    mask: BoolArray
     start_s: float
     end_s: float
     samples: int
@@ -89,24 +96,9 @@ def moving_average(
     values: FloatArray, run: IntArray, time_s: FloatArray, semi_s: float
 ) -> FloatArray:
     """Average over ``semi_s`` to either side, the end included, cut at the ends of a run."""
-    reach = semi_s + _TOLERANCE_S
-    low = np.maximum(
-        np.searchsorted(time_s, time_s - reach, side="left"),
-        np.searchsorted(run, run, side="left"),
-    )
-    high = np.minimum(
-        np.searchsorted(time_s, time_s + reach, side="right"),
-        np.searchsorted(run, run, side="right"),
-    )
-    total = np.concatenate(([0.0], np.cumsum(values)))
-    return np.asarray((total[high] - total[low]) / (high - low))
-
-
-def day_masks(samples: Samples) -> Iterator[tuple[str, BoolArray]]:
-    """Dates of the log's days (UTC), and which samples are theirs."""
-    days = np.floor(samples.time_s / SECONDS_PER_DAY).astype(int)
-    for day in np.unique(days):
-        yield _iso_date(int(day)), days == day
+    width = pd.Timedelta(seconds=2.0 * (semi_s + _TOLERANCE_S))
+    runs = pd.Series(values, pd.to_datetime(time_s, unit="s")).groupby(run)
+    return np.asarray(runs.rolling(width, center=True, closed="both").mean(), float)
 
 
 def in_window(samples: Samples, window: Window) -> BoolArray:
@@ -118,7 +110,7 @@ def in_window(samples: Samples, window: Window) -> BoolArray:
     return np.asarray(inside, bool)
 
 
-def solar_span(samples: Samples) -> str:
+def _solar_span(samples: Samples) -> str:
     """Solar days and hours that the samples cover, for messages."""
     spans = []
     for day in np.unique(samples.solar_day):
@@ -131,28 +123,57 @@ def _iso_date(day: int) -> str:
     return (datetime.date(1970, 1, 1) + datetime.timedelta(days=day)).isoformat()
 
 
-def sections(
-    samples: Samples, excluded: BoolArray, filter_s: float, masks: Iterable[tuple[str, BoolArray]]
-) -> tuple[Section, ...]:
-    """Errors of all models in several parts of a log, by name and samples of each."""
+def filtered(
+    samples: Samples, excluded: BoolArray, filter_s: float, modelled_w: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Errors of a power in the samples that count, and their moving averages."""
     used = ~excluded
     run = numbered_runs(np.flatnonzero(used), samples.run[used])
-    measured = samples.measured_w[used]
-    raw = {m: power[used] - measured for m, power in samples.modelled_w.items()}
-    time_s = samples.time_s[used]
-    smooth = {m: moving_average(error, run, time_s, filter_s) for m, error in raw.items()}
+    raw = (modelled_w - samples.measured_w)[used]
+    return raw, moving_average(raw, run, samples.time_s[used], filter_s)
+
+
+def by_window(
+    samples: Samples, excluded: BoolArray, filter_s: float, windows: Iterable[Window], source: str
+) -> tuple[Section, ...]:
+    """Errors of all models in some windows, each of which must have samples."""
+    masks = [(window.label, in_window(samples, window)) for window in windows]
+    for label, mask in masks:
+        if not mask.any():
+            message = f"no sample with the sun up lies in the window {label} (solar time)"
+            raise file_error(source, f"{message}; allowed: {_solar_span(samples)}")
+    return _sections(samples, excluded, filter_s, "solar time", masks)
+
+
+def by_day(samples: Samples, excluded: BoolArray, filter_s: float) -> tuple[Section, ...]:
+    """Errors of all models on each of the log's days (UTC)."""
+    days = np.floor(samples.time_s / SECONDS_PER_DAY).astype(int)
+    masks = [(_iso_date(day), days == day) for day in np.unique(days).tolist()]
+    return _sections(samples, excluded, filter_s, "UTC", masks)
+
+
+def _sections(
+    samples: Samples,
+    excluded: BoolArray,
+    filter_s: float,
+    clock: str,
+    masks: Sequence[tuple[str, BoolArray]],
+) -> tuple[Section, ...]:
+    """Errors of all models in several parts of a log, by name and samples of each."""
+    used, models = ~excluded, samples.modelled_w.items()
+    errors = {m: filtered(samples, excluded, filter_s, power) for m, power in models}
     result = []
     for label, mask in masks:
-        inside = mask[used]
-        times = samples.time_s[mask]
-        errors = {
-            m: _model_errors(measured[inside], raw[m][inside], smooth[m][inside])
-            for m in raw
-            if inside.any()
-        }
-        counts = int(inside.sum()), int((mask & excluded).sum())
-        ends = float(times[0]), float(times[-1])
-        result.append(Section(label, *ends, *counts, filter_s=filter_s, errors=errors))
+        inside, times = mask[used], samples.time_s[mask]
+        measured = samples.measured_w[mask & used]
+        result.append(
+            Section(
+                *(label, clock, mask, float(times[0]), float(times[-1])),
+                *(len(measured), int((mask & excluded).sum()), filter_s),
+                {m: _model_errors(measured, raw[inside], smooth[inside])
+                 for m, (raw, smooth) in errors.items() if len(measured)},
+            )
+        )  # fmt: skip
     return tuple(result)
 
 

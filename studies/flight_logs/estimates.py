@@ -6,20 +6,41 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import t
 
-from sizing.parameters import parameter_value
+from missions.air import (
+    MAXIMUM_ALTITUDE_M,
+    MINIMUM_ALTITUDE_M,
+    ZERO_CELSIUS_K,
+    air_at,
+    standard_air,
+)
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.mass_budget import ImpossibleDesignError, design_of
+from sizing.parameters import all_replaced, parameter_value
 from sizing.results.tables import Column, Table
-from solar.types import BoolArray
+from solar.types import BoolArray, FloatArray, IntArray
+from studies.flight_logs.autocorrelation import correlation_time
 from studies.flight_logs.fit import CONFIDENCE, Fit
 from studies.flight_logs.forward import Forward
-from studies.flight_logs.level_power import level_power, level_power_key
 
 # Half-widths of intervals beyond which nothing is said to be known [min, deg].
 _UNKNOWN_MIN, _UNKNOWN_DEG = 120.0, 45.0
 _LEVEL_DEG = 3.0  # bank below which circles do not turn the modules through the light
 # What a factor on power this far from one is by: a unit, and no sensor or module.
 _UNITS = ((1e-3, "kW"), (1e3, "mW"))
-_EFFICIENCY = "modules.efficiency_stc"
+_EFFICIENCY, _DRAG = "modules.efficiency_stc", "airframe.aerodynamics"
+# Faster climbs need power of their own; 0.1 m/s of an aircraft of 7 kg takes 11 W; assumption.
+_FASTEST_CLIMB_M_PER_S = 0.05
+_BIN_S, _SHORTEST_NIGHT_S, _LEAST_BINS = 300.0, 3600.0, 6
+_LABELS = {
+    "clock_offset": ("clock ahead of universal time", "min", "+.1f"),
+    "heading_offset": ("heading logged too large", "deg", "+.1f"),
+    "solar_factor": ("measured over modelled power", "", ".3f"),
+    "level_power": ("power of level flight", "W", ".1f"),
+}
 
 
 class Estimate(NamedTuple):
@@ -45,106 +66,175 @@ class Applied(NamedTuple):
 
 
 def estimates(
-    forward: Forward, lit: BoolArray, fit: Fit | None, applied: Applied
+    forward: Forward, lit: IntArray, fit: Fit | None, applied: Applied
 ) -> tuple[Estimate, ...]:
-    """Clock, heading, factor on solar power, power of level flight."""
+    """Clock, heading, factor on solar power, power of level flight; ``lit``: samples by day."""
     return (*_of_fit(forward, fit, applied), _of_load(forward, lit))
 
 
+def _known(
+    name: str, value: float, ends: tuple[float, float], apply: tuple[str, ...], why: str = ""
+) -> Estimate:
+    return Estimate(name, value, *ends, _LABELS[name][1], apply, why)
+
+
+def _unknown(name: str, why: str) -> Estimate:
+    return Estimate(name, None, None, None, _LABELS[name][1], (), why)
+
+
 def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Estimate]:
+    log = forward.log
     if fit is None:
         why = "too few samples with power count"
-        if forward.log.solar_power_w.sum() < 0.0:
+        if log.solar_power_w.sum() < 0.0:
             why = "the power is negative: give its column a factor of -1 (--columns)"
-        for name, unit in (
-            ("clock_offset", "min"),
-            ("heading_offset", "deg"),
-            ("solar_factor", ""),
-        ):
-            yield _unknown(name, unit, why)
+        yield from (_unknown(name, why) for name in list(_LABELS)[:3])
         return
-    known, log = fit.of("clock_s"), forward.log
-    assert known is not None
-    value, wide = known[0] / 60.0, known[1] / 60.0
+    value, wide = (one / 60.0 for one in fit.of("clock_s"))
     if wide > _UNKNOWN_MIN:
         hours = (log.time_s[-1] - log.time_s[0]) / 3600.0
         why = f"known to ± {wide:.0f} min only: the power of these {hours:.1f} h does not tell it"
-        yield _unknown("clock_offset", "min", why)
+        yield _unknown("clock_offset", why)
     else:
         option = ("--clock-offset", f"{applied.clock_min + value:.1f}")
-        yield Estimate("clock_offset", value, value - wide, value + wide, "min", option, "")
+        yield _known("clock_offset", value, (value - wide, value + wide), option)
     yield _heading(forward, fit, applied)
-    factor, low, high = fit.factor
-    apply: tuple[str, ...] = ()
+    factor, *ends = fit.factor
     other = next((name for one, name in _UNITS if 0.1 < factor / one < 10.0), None)
+    apply: tuple[str, ...] = ()
     why = f"as if the power was logged in {other}: --column 'solar_power_w=NAME [{other}]'"
-    efficiency = parameter_value(forward.aircraft, None, _EFFICIENCY)
     if other is None:
+        efficiency = parameter_value(forward.aircraft, None, _EFFICIENCY)
         assert efficiency is not None  # every aircraft has one
         apply, why = ("--set", f"{_EFFICIENCY}={factor * efficiency:.4g}"), ""
-    yield Estimate("solar_factor", factor, low, high, "", apply, why)
+    yield _known("solar_factor", factor, (ends[0], ends[1]), apply, why)
 
 
 def _heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
-    known, attitude = fit.of("heading"), forward.log.attitude
-    if known is None or attitude is None:
+    attitude = forward.log.attitude
+    if attitude is None or not fit.turned:
         lacking = "the log has no attitude" if attitude is None else "no modules.geometry"
-        return _unknown("heading_offset", "deg", lacking)
-    value, wide = (float(np.degrees(one)) for one in known)
+        return _unknown("heading_offset", lacking)
+    value, wide = (float(np.degrees(one)) for one in fit.of("heading"))
     if wide > _UNKNOWN_DEG:
         bank = float(np.degrees(np.sqrt(np.mean(attitude.roll_rad**2))))
         why = "the power hardly changes with the heading"
         if bank < _LEVEL_DEG:
             why = f"the wings are level to {bank:.1f} deg, so the heading hardly changes the power"
-        return _unknown("heading_offset", "deg", f"known to ± {wide:.0f} deg only: {why}")
+        return _unknown("heading_offset", f"known to ± {wide:.0f} deg only: {why}")
     value = (value + 180.0) % 360.0 - 180.0
     total = (applied.heading_deg + value + 180.0) % 360.0 - 180.0
     option = ("--heading-offset", f"{total:.1f}")
-    return Estimate("heading_offset", value, value - wide, value + wide, "deg", option, "")
+    return _known("heading_offset", value, (value - wide, value + wide), option)
 
 
-def _of_load(forward: Forward, lit: BoolArray) -> Estimate:
-    found = level_power(forward, lit)
+def _of_load(forward: Forward, lit: IntArray) -> Estimate:
+    found = _level_power(forward, lit)
     if isinstance(found, str):
-        return _unknown("level_power", "W", found)
-    key = level_power_key(forward.aircraft, forward.mission, found.value_w)
-    ends = (found.value_w, found.low_w, found.high_w)
-    if isinstance(key, str):
-        return Estimate("level_power", *ends, "W", (), key)
-    return Estimate("level_power", *ends, "W", ("--set", f"{key[0]}={key[1]:.4g}"), "")
+        return _unknown("level_power", found)
+    value, wide = found
+    key = level_power_key(forward.aircraft, forward.mission, value)
+    apply, why = ((), key) if isinstance(key, str) else (("--set", f"{key[0]}={key[1]:.4g}"), "")
+    return _known("level_power", value, (value - wide, value + wide), apply, why)
 
 
-def _unknown(name: str, unit: str, why: str) -> Estimate:
-    return Estimate(name, None, None, None, unit, (), why)
+def _level_power(forward: Forward, lit: IntArray) -> tuple[float, float] | str:
+    """Power of level flight by the load, less that of avionics and payload; or why it is unknown.
+
+    In the air of the mission [W], with the half-width of its interval.
+
+    By night if there is one: thermals and work are of the day. At the density of the mission's air:
+    the power of level flight falls with its square root.
+    """
+    log, mission = forward.log, forward.mission
+    if log.load_w is not None:
+        load = log.load_w
+    elif log.battery_power_w is not None:
+        load = log.solar_power_w - log.battery_power_w
+    else:
+        return "neither load_w nor battery_power_w is logged"
+    slot = np.floor((log.time_s - log.time_s[0]) / _BIN_S).astype(int)
+    known, night = np.isfinite(load), np.ones(len(log), bool)
+    night[lit] = False
+    use = known & _level(log.time_s, log.altitude_m, slot)
+    if np.count_nonzero(known & night) * log.step_s >= _SHORTEST_NIGHT_S:
+        use &= night
+    height_m = np.clip(log.altitude_m[use], MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
+    kelvin = forward.of(np.flatnonzero(use)).ambient_c()[0] + ZERO_CELSIUS_K
+    density = air_at(kelvin, standard_air(height_m).pressure_pa).density_kg_per_m3
+    mean_density = float(mission.air_state().density_kg_per_m3)
+    rising = np.sqrt(mean_density / density) * (1.0 + mission.turbulence.all_day)
+    try:
+        constant_w = float(design_of(forward.aircraft, mission).constant_power_w)
+    except ImpossibleDesignError as error:
+        return str(error)
+    means, bins = _means((load[use] - constant_w) / rising, slot[use])
+    if len(means) < _LEAST_BINS:
+        return f"less than {_LEAST_BINS * _BIN_S / 60:.0f} min of level flight with a load"
+    mean = float(means.mean())
+    run = np.cumsum(np.diff(bins, prepend=bins[0]) > 1).astype(int)
+    count = len(means) / correlation_time(means - mean, run, 1)
+    freedom = max(count - 1.0, 1.0)
+    wide = float(t.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * means.std() / np.sqrt(freedom))
+    return mean, wide
 
 
-_LABELS = {
-    "clock_offset": ("clock ahead of universal time", "+.1f"),
-    "heading_offset": ("heading logged too large", "+.1f"),
-    "solar_factor": ("measured over modelled power", ".3f"),
-    "level_power": ("power of level flight", ".1f"),
-}
+def _means(values: FloatArray, slot: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean of the values in each slot that has some, and these slots."""
+    slots, number = np.unique(slot, return_inverse=True)
+    return np.bincount(number, values) / np.bincount(number), slots
 
 
-def estimates_table(every: tuple[Estimate, ...]) -> Table:
-    """The four numbers with their intervals."""
+def _level(time_s: FloatArray, altitude_m: FloatArray, slot: FloatArray) -> BoolArray:
+    """Samples in slots over which the altitude changes no faster than in level flight."""
+    mean_m, slots = _means(altitude_m, slot)
+    mean_s, _ = _means(time_s, slot)
+    if len(slots) < 2:
+        return np.ones(len(slot), bool)
+    slow = np.abs(np.gradient(mean_m, mean_s)) <= _FASTEST_CLIMB_M_PER_S
+    return np.asarray(slow[np.searchsorted(slots, slot)])
+
+
+def level_power_key(
+    aircraft: Aircraft, mission: Mission, power_w: float
+) -> tuple[str, float] | str:
+    """Key of the aircraft's file, and its value that gives a power of level flight; or why none."""
+    airframe = aircraft.airframe
+    if isinstance(airframe, MeasuredAirframe):
+        key = "airframe.level_flight.electric_power_w"
+    elif airframe.aerodynamics.model == "parabolic":
+        key = f"{_DRAG}.profile_drag_coefficient"
+    else:
+        key = f"{_DRAG}.calibration"
+    value = parameter_value(aircraft, None, key)
+    if value is None:
+        return f"{aircraft.name} has no {key}"
+
+    def apart(factor: float) -> float:
+        changed = all_replaced(aircraft, {key: factor * value})
+        return float(design_of(changed, mission).propulsion_power_w) - power_w
+
+    try:
+        return key, value * float(brentq(apart, 0.1, 10.0, xtol=1e-6))
+    except ValueError:  # no sign changes between them
+        return f"no {key} from a tenth to ten times that of the file gives it"
+
+
+def estimates_table(every: tuple[Estimate, ...], before: list[str], after: list[str]) -> Table:
+    """The four numbers with their intervals, and notes before and after those of their own."""
     columns = (
         Column("estimate"),
         Column("value", to_right=True),
         Column("interval", f"{CONFIDENCE:.0%} interval", to_right=True),
     )
-    rows = []
+    rows, notes = [], []
     for one in every:
-        label, form = _LABELS[one.name]
-        if one.value is None or one.low is None or one.high is None:
+        label, unit, form = _LABELS[one.name]
+        if one.value is None:
             rows.append((label, "-", "-"))
-            continue
-        value = f"{one.value:{form}} {one.unit}".strip()
-        rows.append((label, value, f"{one.low:{form}} to {one.high:{form}}"))
-    notes = [f"{_LABELS[one.name][0]}: {one.why}" for one in every if one.why]
+        else:
+            value = f"{one.value:{form}} {unit}".strip()
+            rows.append((label, value, f"{one.low:{form}} to {one.high:{form}}"))
+        notes += [f"{label}: {one.why}"] if one.why else []
+    notes = [*before, *notes, *after]
     return Table("estimates, none of them applied", columns, tuple(rows), notes=tuple(notes))
-
-
-def options_that_apply(every: tuple[Estimate, ...]) -> list[str]:
-    """One option each, as it is written on the command line."""
-    return [" ".join(one.apply) for one in every if one.apply]

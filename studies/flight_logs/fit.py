@@ -64,10 +64,13 @@ class Fit:
     scatter_w: float
     level: tuple[float, float] = (0.0, 0.0)
 
-    def of(self, name: str) -> tuple[float, float] | None:
-        """Value and half-width of its interval; None where it is not fitted."""
-        if name not in self.names:
-            return None
+    @property
+    def turned(self) -> bool:
+        """Whether a heading is among what is fitted."""
+        return "heading" in self.names
+
+    def of(self, name: str) -> tuple[float, float]:
+        """Value and half-width of its interval."""
         place = self.names.index(name)
         return float(self.values[place]), WIDE * float(np.sqrt(self.covariance[place, place]))
 
@@ -78,27 +81,29 @@ class Fit:
         low, middle, high = np.exp(level + WIDE * error * np.array([-1.0, 0.0, 1.0])).tolist()
         return middle, low, high
 
-    def applied_w(self, forward: Forward) -> FloatArray:
-        """Power with clock, heading and factor alone [W]."""
-        known = dict(zip(self.names, self.values.tolist(), strict=True))
-        moved = Offsets(clock_s=known["clock_s"], heading=known.get("heading", 0.0))
-        parts = [chunk.power_w(moved) for chunk in forward.chunks()]
-        return np.asarray(self.factor[0] * np.concatenate(parts))
-
     @property
     def correlation(self) -> float | None:
         """Correlation of the errors of clock and heading, if both are fitted."""
-        if "heading" not in self.names:
+        if not self.turned:
             return None
         i, j = self.names.index("clock_s"), self.names.index("heading")
         c = self.covariance
         return float(c[i, j] / np.sqrt(c[i, i] * c[j, j]))
 
+    def applied_w(self, forward: Forward) -> FloatArray:
+        """Power with clock, heading and factor alone [W]."""
+        moved = np.where(np.isin(self.names, ("clock_s", "heading")), self.values, 0.0)
+        return self.factor[0] * _power_w(forward, self.names, moved)
+
     def expected_w(self, forward: Forward) -> FloatArray:
         """Power with all that was fitted [W]."""
-        offsets = Offsets(**dict(zip(self.names[1:], self.values[1:].tolist(), strict=True)))
-        parts = [chunk.power_w(offsets) for chunk in forward.chunks()]
-        return np.asarray(np.exp(self.values[0]) * np.concatenate(parts))
+        return _power_w(forward, self.names, self.values)
+
+
+def _power_w(forward: Forward, names: tuple[str, ...], values: FloatArray) -> FloatArray:
+    """Modelled power [W] with some values of what is fitted."""
+    offsets = Offsets(**dict(zip(names[1:], values[1:].tolist(), strict=True)))
+    return np.asarray(np.exp(values[0]) * forward.power_w(offsets))
 
 
 def fitted(forward: Forward, measured_w: FloatArray) -> Fit | None:
@@ -154,8 +159,7 @@ class _Data:
 
     def power_w(self, values: FloatArray) -> FloatArray:
         """Modelled power."""
-        offsets = Offsets(**dict(zip(self.names[1:], values[1:].tolist(), strict=True)))
-        return np.asarray(np.exp(values[0]) * self.forward.power_w(offsets))
+        return _power_w(self.forward, self.names, values)
 
     def starts(self) -> Iterator[FloatArray]:
         """Factor, clock and heading: as logged, and the best of a grid if they fit better."""

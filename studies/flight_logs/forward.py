@@ -1,26 +1,29 @@
-"""Modelled power of a log's samples if clock, attitude or sky were a little different."""
+"""Solar power models on the samples of a flight log, also if clock, attitude or sky were different.
+
+Every sample with the sun above the horizon gets the power of all models that the log and the
+aircraft allow: VM and FM need the attitude and the module surfaces.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M, standard_air
+from missions.files.errors import file_error
 from missions.logs.table import FlightLog
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from solar.attitude_models import ModulePower, full_model
+from solar.attitude_models import ModulePower, full_model, verification_model
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, direction_cosines
-from solar.horizontal_models import conceptual_analysis_model
+from solar.horizontal_models import HORIZONTAL_MODELS, conceptual_analysis_model
+from solar.names import ModelName
 from solar.sun import SECONDS_PER_DAY, SunPosition, sun_position
 from solar.types import FloatArray, IntArray
-
-ShadedArea: TypeAlias = Callable[[FloatArray], FloatArray]
-"""Shaded area of every module surface [m2] from sun vectors in body axes."""
 
 # Kasten, F., Young, A. T. (1989), Applied Optics 28(22), 4735-4738; below the horizon its limit.
 _LEAST_ELEVATION_DEG = 1.0
@@ -67,11 +70,6 @@ class Sunlight(NamedTuple):
         """Sine of the sun's elevation, zero below the horizon."""
         return np.maximum(-self.sun.vector_ned[:, 2], 0.0)
 
-    def shaded_m2(self, shade: ShadedArea) -> FloatArray:
-        """Area of each surface in the shadow of the tail [m2]."""
-        assert self.to_ned is not None  # so is the geometry
-        return shade(np.einsum("...ji,...j->...i", self.to_ned, self.sun.vector_ned))
-
 
 @dataclass(frozen=True)
 class Forward:
@@ -80,9 +78,12 @@ class Forward:
     log: FlightLog
     aircraft: Aircraft
     mission: Mission
-    geometry: ModuleGeometry | None
-    shade: ShadedArea | None
     index: IntArray
+
+    @property
+    def geometry(self) -> ModuleGeometry | None:
+        """Module surfaces of the aircraft, where it has such."""
+        return self.aircraft.modules.geometry
 
     def of(self, index: IntArray) -> Forward:
         """The same at other samples."""
@@ -133,7 +134,7 @@ class Forward:
         light = Irradiance(*(self.mission.clearness * part for part in sky))
         if offsets.haze or offsets.diffuse:
             light = _other_sky(light, sun, sine, offsets)
-        if self.geometry is None or log.attitude is None:
+        if log.attitude is None or not self.knows_angles:
             return Sunlight(sun, light, None)
         roll, pitch, yaw = (angle[index] for angle in log.attitude)
         angles = (roll - offsets.roll, pitch - offsets.pitch, yaw - offsets.heading)
@@ -151,6 +152,8 @@ class Forward:
 
     def power_w(self, offsets: Offsets = AS_LOGGED) -> FloatArray:
         """Power of all modules without some offsets of the log [W]."""
+        if len(self.index) > _CHUNK:
+            return np.concatenate([part.power_w(offsets) for part in self.chunks()])
         modules, given = self.aircraft.modules, self.sunlight(offsets)
         if given.to_ned is None:
             module_c = self.module_c()[0]
@@ -201,3 +204,117 @@ def _day_of_year(time_s: FloatArray) -> FloatArray:
     instants = np.asarray(time_s).astype("datetime64[s]")
     years = instants.astype("datetime64[Y]").astype("datetime64[s]")
     return np.asarray(1.0 + (np.asarray(time_s) - years.astype(np.int64)) / SECONDS_PER_DAY, float)
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples of a log with the sun above the horizon, and all models on them.
+
+    ``index``: their places in the log. ``time_s``, ``time_solar_h``: universal time [s since 1970]
+    and true solar time [h]. ``solar_day``: day by local solar time, days since 1970-01-01. ``run``:
+    number of the uninterrupted stretch; neither gap nor night lies within one. ``elevation_deg``,
+    ``bearing_deg``: the sun's elevation, and its bearing from the nose, clockwise, 0 to 360; the
+    latter zero without attitude. ``modelled_w``: power of each model that could be computed.
+    ``detail``: more of the Full Model by name and unit, averaged over the surfaces; empty without.
+    """
+
+    index: IntArray
+    time_s: FloatArray
+    time_solar_h: FloatArray
+    solar_day: IntArray
+    run: IntArray
+    elevation_deg: FloatArray
+    bearing_deg: FloatArray
+    measured_w: FloatArray
+    modelled_w: Mapping[ModelName, FloatArray]
+    detail: Mapping[str, FloatArray]
+
+    @property
+    def best_model(self) -> ModelName:
+        """The most detailed model of those that could be computed."""
+        return list(self.modelled_w)[-1]
+
+
+def lit_samples(forward: Forward) -> tuple[Samples, list[str]]:
+    """Sunlit samples with all models on them; what is not modelled, where temperatures are from."""
+    log = forward.log
+    sun = sun_position(log.time_s, log.latitude_deg, log.longitude_deg)
+    index = np.flatnonzero(sun.elevation_rad > 0.0)
+    if not len(index):
+        highest = np.degrees(sun.elevation_rad.max())
+        raise file_error(
+            log.source,
+            f"the sun never rises in this log (highest {highest:.1f} deg): there is no solar power "
+            "to verify; are time_utc and longitude_deg right? --clock-offset corrects a clock",
+        )
+    lit = forward.of(index)
+    module_c, of_modules = lit.module_c()  # of all chunks
+    powers, details = zip(*(_of_chunk(chunk, module_c) for chunk in lit.chunks()), strict=True)
+    # Mean and true solar time differ by a quarter of an hour at most, and so decide the day.
+    mean_h = log.time_s[index] / 3600.0 + log.longitude_deg[index] / 15.0
+    bearing = np.zeros(len(index))
+    if log.attitude is not None:
+        bearing = np.degrees(sun.azimuth_rad[index] - log.attitude.yaw_rad[index]) % 360.0
+    samples = Samples(
+        index=index,
+        time_s=log.time_s[index],
+        time_solar_h=sun.time_solar_h[index],
+        solar_day=np.round((mean_h - sun.time_solar_h[index]) / 24.0).astype(int),
+        run=numbered_runs(index, log.segment()[index]),
+        elevation_deg=np.degrees(sun.elevation_rad[index]),
+        bearing_deg=bearing,
+        measured_w=log.solar_power_w[index],
+        modelled_w=_joined(powers),
+        detail=_joined(details),
+    )
+    return samples, [*_not_modelled(forward), lit.ambient_c()[1], of_modules]
+
+
+def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
+    """Number stretches of consecutive places within one segment between gaps."""
+    breaks = (np.diff(index) > 1) | (np.diff(segment) > 0)
+    return np.concatenate(([0], np.cumsum(breaks))).astype(int)
+
+
+def _not_modelled(forward: Forward) -> Iterator[str]:
+    """Why VM and FM, or the shadow of the tail, cannot be computed."""
+    modules, name = forward.aircraft.modules, forward.aircraft.name
+    if forward.log.attitude is None:
+        yield "VM and FM are not computed: the log has no attitude (roll_deg, pitch_deg, yaw_deg)"
+    elif modules.geometry is None:
+        yield f"VM and FM are not computed: {name} has no modules.geometry"
+    elif modules.tail is None:
+        yield f"shading is not modelled: {name} has no modules.tail"
+
+
+_Name = TypeVar("_Name", bound=str)
+
+
+def _joined(parts: Iterable[Mapping[_Name, FloatArray]]) -> dict[_Name, FloatArray]:
+    """Columns of chunks put together."""
+    every = list(parts)
+    return {name: np.concatenate([part[name] for part in every]) for name in every[0]}
+
+
+def _of_chunk(
+    lit: Forward, module_c: float
+) -> tuple[dict[ModelName, FloatArray], dict[str, FloatArray]]:
+    """Power of the models [W], and more of the Full Model."""
+    modules, geometry, given = lit.aircraft.modules, lit.geometry, lit.sunlight()
+    power: dict[ModelName, FloatArray] = {
+        name: modules.area_m2 * model(given.light, given.sine, modules, module_c)
+        for name, model in HORIZONTAL_MODELS.items()
+    }
+    if geometry is None or given.to_ned is None:
+        return power, {}
+    full = lit.full(given)
+    level = verification_model(
+        *(given.light, given.sun.vector_ned, given.to_ned), geometry, modules, module_c
+    )
+    power |= {"VM": modules.area_m2 * level, "FM": modules.area_m2 * full.specific_power_w_per_m2}
+    angles = np.degrees(np.arccos(np.clip(full.cos_aoi_by_surface, -1.0, 1.0)))
+    return power, {
+        "angle_of_incidence_deg": angles @ geometry.area_shares,
+        "irradiance_w_per_m2": full.irradiance_w_per_m2,
+        "module_temperature_c": full.module_temperature_c,
+    }

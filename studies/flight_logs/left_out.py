@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from missions.logs.plausible import Kind, utc_text
+from missions.logs.plausible import Kind, span_text
 from missions.logs.table import GAP_STEPS, FlightLog
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
@@ -16,7 +16,7 @@ from sizing.results.tables import Column, Table
 from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
-from studies.flight_logs.samples import Samples
+from studies.flight_logs.forward import Samples
 
 Reason = Literal["battery_full", "no_power", "frozen", "implausible", "excluded", "missing_data"]
 _OF_VALUES: Mapping[Kind, Reason] = {
@@ -116,7 +116,7 @@ def battery_full(
         moving_average(power, run, time_s, _SMOOTH_S) for power in (expected_w, samples.measured_w)
     )
     may_be = limited & (expected >= _BRIGHT * float(expected.max(initial=0.0)))
-    left = _LIMITED if samples.detail is not None else _LIMITED_CAM
+    left = _LIMITED if samples.detail else _LIMITED_CAM
     flagged, not_whole = (may_be & (measured < share * expected) for share in (left, _WHOLE))
     for period in _clusters(flagged, time_s):
         if flagged[period].sum() * log.step_s < _LEAST_S:
@@ -146,8 +146,7 @@ def of_values(log: FlightLog) -> Iterator[Stretch]:
     """Values that cannot be, and sunlit gaps that they do not explain; close gaps are one."""
     spans = [span for one in log.left_out for span in one.periods]
     for one in log.left_out:
-        ends = (one.periods[0][0], one.periods[-1][1]) if one.periods else (np.nan, np.nan)
-        yield Stretch(_OF_VALUES.get(one.kind, "implausible"), *ends, one.values, one.told())
+        yield Stretch(_OF_VALUES.get(one.kind, "implausible"), *one.ends, one.values, one.told())
     slack_s = GAP_STEPS * log.step_s
     gaps = []
     for gap in log.gaps:
@@ -170,15 +169,11 @@ def of_values(log: FlightLog) -> Iterator[Stretch]:
 def left_out_table(stretches: tuple[Stretch, ...]) -> Table:
     """All stretches that are left out, with their evidence."""
     columns = (Column("why"), Column("UTC"), Column("evidence"))
-    rows = [(one.reason.replace("_", " "), _span(one), one.evidence) for one in stretches]
+    rows = [
+        (one.reason.replace("_", " "), span_text(one.start_s, one.end_s), one.evidence)
+        for one in stretches
+    ]
     return Table("left out", columns, tuple(rows))
-
-
-def _span(one: Stretch) -> str:
-    if not np.isfinite(one.start_s):
-        return ""
-    start, end = utc_text(one.start_s), utc_text(one.end_s)
-    return f"{start} to {end[11:] if start[:10] == end[:10] else end}"
 
 
 def _stretch(reason: Reason, time_s: FloatArray, inside: BoolArray, text: str) -> Stretch:

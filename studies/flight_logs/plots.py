@@ -15,6 +15,7 @@ from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.left_out import Reason
 from studies.flight_logs.residuals import Residual
+from studies.flight_logs.trackers import Trackers
 from studies.flight_logs.verification import Verification
 from studies.output.figures.drawing import (
     BLUE,
@@ -64,9 +65,9 @@ def figures(
 @styled
 def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT) -> Figure:
     """Measured and modelled power in one window, and errors of all models."""
-    section, mask = result.windows[number], result.window_masks[number]
-    drawn, (power, error) = _panels(result, 2, section.label, result.window_filter_s, figure)
-    over_time = _OverTime(result, mask, result.window_filter_s)
+    section = result.windows[number]
+    drawn, (power, error) = _panels(result, 2, section.label, section.filter_s, figure)
+    over_time = _OverTime(result, section.mask, section.filter_s)
     _draw_power(over_time, power)
     for model, modelled in result.samples.modelled_w.items():
         style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
@@ -79,11 +80,12 @@ def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT
 def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure:
     """Power, and residuals over time, the sun's elevation and its azimuth, and by MPPTs."""
     samples, found = result.samples, result.residuals
-    panels = 3 + bool(found.bearing) + bool(result.trackers)
-    drawn, every = _panels(result, panels, "models against flight", result.day_filter_s, figure)
+    panels = 3 + bool(found.bearing) + (result.trackers is not None)
+    filter_s = result.days[0].filter_s
+    drawn, every = _panels(result, panels, "models against flight", filter_s, figure)
     power, error, elevation, *rest = every
     by_time = [power, error, *rest[bool(found.bearing) :]]
-    over_time = _OverTime(result, np.ones(len(samples.time_s), bool), result.day_filter_s)
+    over_time = _OverTime(result, np.ones(len(samples.time_s), bool), filter_s)
     _draw_power(over_time, power)
     for label, modelled, style in (
         ("as logged", samples.modelled_w[result.best_model], _LOGGED),
@@ -102,8 +104,8 @@ def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure
         _draw_bins(rest[0], found.bearing, "", "o")
         rest[0].set(ylabel="error [%]", xlabel="azimuth of the sun from the nose, clockwise [deg]")
         rest[0].set(xlim=(0, 360), xticks=range(0, 361, 45))
-    if result.trackers:
-        _draw_trackers(over_time, rest[-1])
+    if result.trackers is not None:
+        _draw_trackers(over_time, result.trackers, rest[-1])
     return _finished(drawn, over_time, by_time, zero)
 
 
@@ -171,17 +173,17 @@ def _draw_power(over_time: _OverTime, axes: Axes) -> None:
     axes.set_ylabel("solar power [W]")
 
 
-def _draw_trackers(over_time: _OverTime, axes: Axes) -> None:
+def _draw_trackers(over_time: _OverTime, found: Trackers, axes: Axes) -> None:
     """Measured over modelled power of each MPPT."""
-    result = over_time.result
-    measured, modelled = result.tracker_w
-    bright = modelled.sum(axis=1) > _BRIGHT * modelled.sum(axis=1).max()
+    total = found.modelled_w.sum(axis=1)
+    bright = total > _BRIGHT * total.max()
     colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
-    for number, (tracker, colour) in enumerate(zip(result.trackers, colours, strict=False)):
-        below = np.maximum(over_time.smooth(modelled[:, number]), 1e-9)
-        percent = 100.0 * over_time.smooth(measured[:, number]) / below
-        over_time.line(axes, np.where(bright, percent, np.nan), label=tracker.name, color=colour)
-    axes.set_ylabel(f"measured / {result.best_model} [%]")
+    columns = zip(found.each, found.measured_w.T, found.modelled_w.T, colours, strict=False)
+    for tracker, measured, modelled, colour in columns:
+        share = over_time.smooth(measured) / np.maximum(over_time.smooth(modelled), 1e-9)
+        percent = np.where(bright, 100.0 * share, np.nan)
+        over_time.line(axes, percent, label=tracker.name, color=colour)
+    axes.set_ylabel("measured / FM [%]")
 
 
 def _draw_bins(axes: Axes, rows: tuple[Residual, ...], when: str, marker: str) -> None:

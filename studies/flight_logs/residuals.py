@@ -1,15 +1,16 @@
-"""Errors of a model over time, over the sun's elevation and bearing, and by module groups."""
+"""Errors of a model over time, over the sun's elevation and bearing."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from missions.logs.plausible import utc_text
 from sizing.results.tables import Column, Table
 from solar.types import BoolArray, FloatArray
-from studies.flight_logs.samples import Samples
+from studies.flight_logs.forward import Samples
 
 _MOST_ROWS = 14
 _HOURS = (0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0)
@@ -28,8 +29,13 @@ class Residual(NamedTuple):
     high: float
     samples: int
     measured_w: float
-    as_logged: float | None
+    as_logged: float
     estimated: float | None
+
+    def cells(self) -> tuple[float | None, ...]:
+        """Power, and errors in percent, of a row of a table."""
+        estimated = None if self.estimated is None else 100.0 * self.estimated
+        return self.measured_w, 100.0 * self.as_logged, estimated
 
 
 class Residuals(NamedTuple):
@@ -42,49 +48,35 @@ class Residuals(NamedTuple):
 
 
 def residuals(samples: Samples, counts: BoolArray, estimated_w: FloatArray | None) -> Residuals:
-    """Errors of samples that count, in bins."""
-    powers = (samples.measured_w, samples.modelled_w[samples.best_model], estimated_w)
+    """Errors of samples that count, in bins that have enough samples and power."""
+    powers = [samples.measured_w, samples.modelled_w[samples.best_model]]
+    powers += [] if estimated_w is None else [estimated_w]
+    least_w = max(_LEAST_SHARE * float(samples.measured_w.max()), 0.0)
 
     def binned(values: FloatArray, step: float, mask: BoolArray) -> tuple[Residual, ...]:
-        number = np.floor(values / step).astype(int)
-        every = (
-            _residual(step, int(one), mask & (number == one), powers)
-            for one in np.unique(number[mask])
-        )
-        least_w = _LEAST_SHARE * float(samples.measured_w.max())
-        return tuple(
-            one for one in every if one.samples >= _LEAST_SAMPLES and one.measured_w > least_w
-        )
+        frame = pd.DataFrame(np.stack(powers, axis=1)[mask])
+        groups = frame.groupby(np.floor(values[mask] / step))
+        result = []
+        for number, count, measured, *modelled in (
+            groups.mean().assign(n=groups.size())[["n", *frame]].itertuples()
+        ):
+            if count >= _LEAST_SAMPLES and measured > least_w:
+                logged, estimated = ([w / measured - 1.0 for w in modelled] + [None])[:2]
+                ends = step * number, step * (number + 1.0)
+                result.append(Residual(*ends, int(count), measured, logged, estimated))
+        return tuple(result)
 
     for hours in _HOURS:
         step_s = 3600.0 * hours
         if len(np.unique(np.floor(samples.time_s[counts] / step_s))) <= _MOST_ROWS:
             break
     morning = samples.time_solar_h < 12.0
-    turns = samples.bearing_deg if samples.detail is not None else np.zeros(0)
     return Residuals(
         time=binned(samples.time_s, step_s, counts),
         morning=binned(samples.elevation_deg, _STEP_DEG, counts & morning),
         afternoon=binned(samples.elevation_deg, _STEP_DEG, counts & ~morning),
-        bearing=binned(turns, _SECTOR_DEG, counts) if len(turns) else (),
+        bearing=binned(samples.bearing_deg, _SECTOR_DEG, counts) if samples.detail else (),
     )
-
-
-def _residual(
-    step: float,
-    number: int,
-    inside: BoolArray,
-    powers: tuple[FloatArray, FloatArray, FloatArray | None],
-) -> Residual:
-    measured, logged, estimated = (None if p is None else float(p[inside].mean()) for p in powers)
-    assert measured is not None
-    assert logged is not None
-    relative = [
-        None if power is None or measured <= 0.0 else power / measured - 1.0
-        for power in (logged, estimated)
-    ]
-    ends = (step * number, step * (number + 1))
-    return Residual(*ends, int(inside.sum()), measured, *relative)
 
 
 def residual_tables(found: Residuals, model: str) -> list[Table]:
@@ -94,29 +86,22 @@ def residual_tables(found: Residuals, model: str) -> list[Table]:
         Column("as_logged_percent", "as logged", "%", "+.1f"),
         Column("estimated_percent", "estimated", "%", "+.1f"),
     )
-    tables = []
-    if found.time:
-        rows = [
-            (f"{utc_text(r.low)[5:16]} to {utc_text(r.high)[11:16]}", *_cells(r))
-            for r in found.time
-        ]
-        tables.append(Table(f"{model} by time", (Column("UTC"), *numbers), tuple(rows)))
-    rows = [
-        (f"{r.low:.0f} to {r.high:.0f} {when}", *_cells(r))
-        for when, part in (("morning", found.morning), ("afternoon", found.afternoon))
-        for r in part
+    time = [
+        (f"{utc_text(r.low)[5:16]} to {utc_text(r.high)[11:16]}", *r.cells()) for r in found.time
     ]
-    if rows:
-        head = Column("elevation", "elevation [deg]")
-        tables.append(Table(f"{model} by the sun's elevation", (head, *numbers), tuple(rows)))
-    if found.bearing:
-        rows = [(f"{r.low:.0f} to {r.high:.0f}", *_cells(r)) for r in found.bearing]
-        head = Column("bearing", "azimuth [deg]")
-        title = f"{model} by the sun's azimuth from the nose, clockwise"
-        tables.append(Table(title, (head, *numbers), tuple(rows)))
-    return tables
-
-
-def _cells(one: Residual) -> tuple[float | None, ...]:
-    shares = (one.as_logged, one.estimated)
-    return (one.measured_w, *(None if s is None else 100.0 * s for s in shares))
+    halves = (("morning", found.morning), ("afternoon", found.afternoon))
+    elevation = [
+        (f"{r.low:.0f} to {r.high:.0f} {when}", *r.cells()) for when, half in halves for r in half
+    ]
+    bearing = [(f"{r.low:.0f} to {r.high:.0f}", *r.cells()) for r in found.bearing]
+    tables = (
+        ("time", Column("UTC"), time),
+        ("the sun's elevation", Column("elevation", "elevation [deg]"), elevation),
+        ("the sun's azimuth from the nose, clockwise",
+         Column("bearing", "azimuth [deg]"), bearing),
+    )  # fmt: skip
+    return [
+        Table(f"{model} by {what}", (head, *numbers), tuple(rows))
+        for what, head, rows in tables
+        if rows
+    ]

@@ -15,10 +15,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from missions.files.errors import file_error
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
-from missions.logs.plausible import LeftOut, utc_text
+from missions.logs.plausible import utc_text
 from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
@@ -29,21 +28,14 @@ from studies.flight_logs.errors import (
     ModelErrors,
     Section,
     Window,
-    day_masks,
-    in_window,
+    by_day,
+    by_window,
+    filtered,
     parse_window,
-    sections,
-    solar_span,
 )
-from studies.flight_logs.estimates import (
-    Applied,
-    Estimate,
-    estimates,
-    estimates_table,
-    options_that_apply,
-)
+from studies.flight_logs.estimates import Applied, Estimate, estimates, estimates_table
 from studies.flight_logs.fit import Fit, fitted
-from studies.flight_logs.forward import Forward
+from studies.flight_logs.forward import Forward, Samples, lit_samples
 from studies.flight_logs.left_out import (
     Stretch,
     battery_full,
@@ -54,8 +46,7 @@ from studies.flight_logs.left_out import (
     without_power,
 )
 from studies.flight_logs.residuals import Residual, Residuals, residual_tables, residuals
-from studies.flight_logs.samples import Samples, lit_samples, module_geometry, tail_shading
-from studies.flight_logs.trackers import TrackerPower, Trackers, tracker_table
+from studies.flight_logs.trackers import Trackers, compared, surfaces_of
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
@@ -86,10 +77,8 @@ class Verification(Result):
     ``log``: without the offsets ``applied``. ``excluded``: samples that are left out of errors,
     residuals and estimates; ``left_out`` says why. ``correlation``: of the errors of clock and
     heading. ``rms_w``: RMS error of the most detailed model as logged and with the estimates.
-    ``estimated_w``: power with clock, heading and factor as estimated. ``days``,
-    ``windows``: errors of all models; ``window_masks``: samples of each window. ``trackers``: power
-    of each of several MPPTs beside that of its modules, which are known as ``matched`` says;
-    ``tracker_w``: measured and modelled power of each at the samples.
+    ``estimated_w``: power with clock, heading and factor as estimated. ``days``, ``windows``:
+    errors of all models. ``trackers``: power of each of several MPPTs beside that of its modules.
     """
 
     craft: Aircraft
@@ -105,14 +94,9 @@ class Verification(Result):
     estimated_w: FloatArray | None
     residuals: Residuals
     windows: tuple[Section, ...]
-    window_masks: tuple[BoolArray, ...]
     days: tuple[Section, ...]
-    day_filter_s: float
-    window_filter_s: float
     notes: tuple[str, ...]
-    trackers: tuple[TrackerPower, ...] = ()
-    tracker_w: tuple[FloatArray, ...] = ()
-    matched: str = ""
+    trackers: Trackers | None = None
 
     @property
     def aircraft(self) -> str:
@@ -135,17 +119,11 @@ class Verification(Result):
     def summary(self) -> Summary:
         """Errors of every window and day, estimates, residuals, what is left out, notes."""
         blocks: list[Any] = [Line(self.headline(), "strong")]
-        taken = [
-            f"{name} offset of {value:g} {unit}"
-            for name, value, unit in zip(
-                ("clock", "heading"), self.applied, ("min", "deg"), strict=True
-            )
-            if value
-        ]
-        if taken:
+        units = zip(("clock", "heading"), self.applied, ("min", "deg"), strict=True)
+        if taken := [f"{name} offset of {by:g} {unit}" for name, by, unit in units if by]:
             blocks.append(f"compared without a {' and a '.join(taken)}, as asked for")
         blocks += self.tables()
-        if options := options_that_apply(self.estimates):
+        if options := [" ".join(one.apply) for one in self.estimates if one.apply]:
             blocks += ["to apply an estimate, add its option:", *options]
         if self.excluded.any():
             blocks.append(f"{self.excluded.sum()} samples are left out of errors and residuals")
@@ -159,23 +137,18 @@ class Verification(Result):
 
     def tables(self) -> list[Table]:
         """Errors of every window and day, estimates, residuals, what is left out."""
-        tables = [_error_table(section, "solar time") for section in self.windows]
-        tables += [_error_table(section, "UTC") for section in self.days]
-        estimated = estimates_table(self.estimates)
+        correlated, misfit = [], []
         if self.correlation is not None:
             text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
-            text += "so is the other; roll and pitch are taken to be right to 0.5 deg"
-            estimated = replace(estimated, notes=(*estimated.notes, text))
+            correlated = [f"{text}so is the other; roll and pitch are taken to be right to 0.5 deg"]
         if None not in self.rms_w:
             text = "RMS error of {} {:.1f} W as logged, {:.1f} W with clock, heading and factor"
-            text = text.format(self.best_model, *self.rms_w)
-            estimated = replace(estimated, notes=(text, *estimated.notes))
-        tables += [estimated, *residual_tables(self.residuals, self.best_model)]
-        if self.trackers:
-            tables.append(tracker_table(self.trackers, self.matched))
-        if self.left_out:
-            tables.append(left_out_table(self.left_out))
-        return tables
+            misfit = [text.format(self.best_model, *self.rms_w)]
+        tables = [_error_table(section) for section in (*self.windows, *self.days)]
+        tables.append(estimates_table(self.estimates, misfit, correlated))
+        tables += residual_tables(self.residuals, self.best_model)
+        tables += [] if self.trackers is None else [self.trackers.table()]
+        return [*tables, left_out_table(self.left_out)] if self.left_out else tables
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the samples, JSON-ready."""
@@ -192,22 +165,28 @@ class Verification(Result):
                 "rows_dropped": log.rows_dropped,
                 "step_s": log.step_s,
                 "gaps": [_span_record(gap.start_s, gap.end_s) for gap in log.gaps],
-                "left_out": [_left_out_record(one) for one in log.left_out],
+                "left_out": [
+                    _without(one._asdict(), "example", "periods") | _span_record(*one.ends)
+                    for one in log.left_out
+                ],
             },
             "applied": self.applied._asdict(),
             "models": list(self.samples.modelled_w),
             "excluded_samples": int(self.excluded.sum()),
             "windows": [_section_record(section) for section in self.windows],
             "days": [_section_record(section) for section in self.days],
-            "estimates": {one.name: _estimate_record(one) for one in self.estimates},
+            "estimates": {one.name: _without(one._asdict(), "name") for one in self.estimates},
             "clock_heading_correlation": self.correlation,
             "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
             "residuals": {
-                name: [_residual_record(one, of_time=name == "time") for one in rows]
+                name: [_residual_record(name, one) for one in rows]
                 for name, rows in self.residuals._asdict().items()
             },
-            "mppts": [one._asdict() for one in self.trackers],
-            "left_out": [_stretch_record(one) for one in self.left_out],
+            "mppts": [] if self.trackers is None else [m._asdict() for m in self.trackers.each],
+            "left_out": [
+                _without(vars(one), "start_s", "end_s") | _span_record(one.start_s, one.end_s)
+                for one in self.left_out
+            ],
             "notes": list(self.notes),
         }
 
@@ -236,14 +215,8 @@ class Verification(Result):
             yield f"{model.lower()}_w", "%.3f", power
         for model, power in samples.modelled_w.items():
             yield f"{model.lower()}_error_w", "%.3f", power - samples.measured_w
-        if (detail := samples.detail) is not None:
-            yield "angle_of_incidence_deg", "%.2f", detail.incidence_deg
-            yield "irradiance_w_per_m2", "%.2f", detail.irradiance_w_per_m2
-            yield "module_efficiency", "%.4f", detail.module_efficiency
-            yield "mppt_efficiency", "%.4f", detail.mppt_efficiency
-            yield "module_temperature_c", "%.2f", detail.module_temperature_c
-            if detail.shaded_m2 is not None:
-                yield "shaded_area_m2", "%.4f", detail.shaded_m2
+        for name, values in samples.detail.items():
+            yield name, "%.2f", values
         if log.mppt_voltage_v is not None:
             yield "mppt_voltage_v", "%.3f", log.mppt_voltage_v[samples.index]
         yield "excluded", "%d", self.excluded.astype(int)
@@ -255,26 +228,18 @@ def utc_label(time_s: float) -> str:
 
 
 def _span_record(start_s: float, end_s: float) -> dict[str, str]:
-    return {"start": utc_label(start_s), "end": utc_label(end_s)}
+    """Start and end of a stretch, nothing where they are not known."""
+    ends = {"start": start_s, "end": end_s}
+    return {name: utc_label(t) for name, t in ends.items() if np.isfinite(start_s)}
 
 
-def _left_out_record(one: LeftOut) -> dict[str, Any]:
-    known = _span_record(one.periods[0][0], one.periods[-1][1]) if one.periods else {}
-    return {"column": one.column, "kind": one.kind, "values": one.values, **known}
+def _without(record: dict[str, Any], *names: str) -> dict[str, Any]:
+    return {name: value for name, value in record.items() if name not in names}
 
 
-def _stretch_record(one: Stretch) -> dict[str, Any]:
-    known = _span_record(one.start_s, one.end_s) if np.isfinite(one.start_s) else {}
-    return {"reason": one.reason, **known, "count": one.count, "evidence": one.evidence}
-
-
-def _estimate_record(one: Estimate) -> dict[str, Any]:
-    return {n: v for n, v in one._asdict().items() if n != "name"} | {"apply": list(one.apply)}
-
-
-def _residual_record(one: Residual, *, of_time: bool) -> dict[str, Any]:
-    record = one._asdict()
-    return _span_record(record.pop("low"), record.pop("high")) | record if of_time else record
+def _residual_record(name: str, one: Residual) -> dict[str, Any]:
+    ends = _span_record(one.low, one.high) if name == "time" else {"low": one.low, "high": one.high}
+    return ends | _without(one._asdict(), "low", "high")
 
 
 def _section_record(section: Section) -> dict[str, Any]:
@@ -294,23 +259,21 @@ def _errors_record(errors: ModelErrors) -> dict[str, float | None]:
     record: dict[str, float | None] = {"modelled_mean_w": errors.modelled_mean_w}
     for name in ("average", "rms", "maximum"):
         error_w = getattr(errors, f"{name}_w")
-        record[f"{name}_error_w"] = error_w
-        record[f"{name}_error_relative"] = errors.relative(error_w)
+        record |= {f"{name}_error_w": error_w, f"{name}_error_relative": errors.relative(error_w)}
     return record
 
 
-def _error_table(section: Section, clock: str) -> Table:
+def _error_table(section: Section) -> Table:
     """Errors of all models in a window or on a day."""
-    name = f"{section.label} ({clock})"
+    name = f"{section.label} ({section.clock})"
     if not section.errors:
         return Table(f"{name}: all samples are excluded", _ERRORS, ())
     rows = []
     for model, errors in section.errors.items():
-        row: list[float | str | None] = [model, errors.modelled_mean_w]
-        for error_w in (errors.average_w, errors.rms_w, errors.maximum_w):
-            relative = errors.relative(error_w)
-            row += [error_w, None if relative is None else 100.0 * relative]
-        rows.append(tuple(row))
+        record = _errors_record(errors).items()
+        percent = (100.0 if key.endswith("relative") else 1.0 for key, _ in record)
+        cells = (None if v is None else by * v for by, (_, v) in zip(percent, record, strict=True))
+        rows.append((model, *cells))
     measured = next(iter(section.errors.values())).measured_mean_w
     title = (
         f"{name}: {measured:.2f} W measured, {section.samples} samples, "
@@ -363,35 +326,23 @@ def verify(
     periods = [parse_window(w) if isinstance(w, str) else w for w in windows]
     log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
-    geometry, reasons = module_geometry(log, aircraft)
-    trackers, reason = Trackers.of(log, geometry)
-    reasons += [reason] if reason else []
-    shade = None
-    if geometry is not None:
-        shade, unknown = tail_shading(aircraft, geometry)
-        reasons += [unknown] if unknown else []
     if clock_offset_min or heading_offset_deg:
         log = _without_offsets(log, 60.0 * clock_offset_min, heading_offset_deg)
-    forward = Forward(log, aircraft, mission, geometry, shade, np.arange(len(log)))
-    samples, sources = lit_samples(forward)
+    forward = Forward(log, aircraft, mission, np.arange(len(log)))
+    own, how = surfaces_of(log, forward.geometry)
+    samples, remarks = lit_samples(forward)
     fit, stretches, excluded = _what_counts(forward, samples)
-    masks = tuple(in_window(samples, window) for window in periods)
-    for window, mask in zip(periods, masks, strict=True):
-        if not mask.any():
-            message = f"no sample with the sun up lies in the window {window.label} (solar time)"
-            raise file_error(log.source, f"{message}; allowed: {solar_span(samples)}")
     window_s = WINDOW_FILTER_S if filter_s is None else filter_s
     day_s = DAY_FILTER_S if filter_s is None else filter_s
-    labelled = zip([window.label for window in periods], masks, strict=True)
-    lit, is_lit = forward.of(samples.index), np.zeros(len(log), bool)
-    is_lit[samples.index] = True
+    lit, applied = forward.of(samples.index), Applied(clock_offset_min, heading_offset_deg)
     estimated = None if fit is None else fit.applied_w(lit)
-    applied = Applied(clock_offset_min, heading_offset_deg)
-    by_tracker: tuple[FloatArray, ...] = ()
-    compared: tuple[TrackerPower, ...] = ()
-    if trackers is not None:
-        by_tracker = trackers.power_w(log)[samples.index], trackers.modelled_w(lit)
-        compared = trackers.compared(forward, *(power[~excluded] for power in by_tracker))
+
+    def rms_w(modelled_w: FloatArray | None) -> float | None:
+        if modelled_w is None or excluded.all():
+            return None
+        _, smooth = filtered(samples, excluded, day_s, modelled_w)
+        return float(np.sqrt(np.mean(smooth**2)))
+
     return Verification(
         craft=aircraft,
         mission=mission.name,
@@ -400,23 +351,15 @@ def verify(
         samples=samples,
         excluded=excluded,
         left_out=tuple(sorted(stretches, key=lambda one: one.start_s)),
-        estimates=estimates(forward, is_lit, fit, applied),
+        estimates=estimates(forward, samples.index, fit, applied),
         correlation=None if fit is None else fit.correlation,
-        rms_w=(
-            _rms_w(samples, excluded, day_s, samples.modelled_w[samples.best_model]),
-            _rms_w(samples, excluded, day_s, estimated),
-        ),
+        rms_w=(rms_w(samples.modelled_w[samples.best_model]), rms_w(estimated)),
         estimated_w=estimated,
         residuals=residuals(samples, ~excluded, estimated),
-        windows=sections(samples, excluded, window_s, labelled),
-        window_masks=masks,
-        days=sections(samples, excluded, day_s, day_masks(samples)),
-        day_filter_s=day_s,
-        window_filter_s=window_s,
-        trackers=compared,
-        tracker_w=by_tracker,
-        matched="" if trackers is None else trackers.how,
-        notes=(*log.notes, *reasons, *sources),
+        windows=by_window(samples, excluded, window_s, periods, log.source),
+        days=by_day(samples, excluded, day_s),
+        trackers=None if own is None else compared(lit, own, how, ~excluded),
+        notes=(*log.notes, *([how] if how and own is None else []), *remarks),
     )
 
 
@@ -434,25 +377,13 @@ def _without_offsets(log: FlightLog, clock_s: float, heading_deg: float) -> Flig
     )
 
 
-def _rms_w(
-    samples: Samples, excluded: BoolArray, filter_s: float, modelled_w: FloatArray | None
-) -> float | None:
-    """RMS error of some power over the whole log."""
-    if modelled_w is None or excluded.all():
-        return None
-    alone = replace(samples, modelled_w={samples.best_model: modelled_w})
-    (whole,) = sections(alone, excluded, filter_s, [("all", np.ones(len(excluded), bool))])
-    return whole.errors[samples.best_model].rms_w
-
-
 def _what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[Stretch], BoolArray]:
     """Fit, what is left out, and which samples are.
 
     Where the battery may limit the power, nothing is fitted until that expects as much.
     """
     log, index, aircraft = forward.log, samples.index, forward.aircraft
-    modelled = np.concatenate([part.power_w() for part in forward.chunks()])
-    measured, dead = log.solar_power_w, without_power(log)
+    modelled, measured, dead = forward.power_w(), log.solar_power_w, without_power(log)
     peak = float(np.quantile(measured, 0.98))
     dark = (measured <= _DARK * peak) & (modelled <= _DARK * modelled.max(initial=0.0))
 

@@ -1,7 +1,5 @@
 """AVL's neutral points beside those of the handbook formulas."""
 
-from __future__ import annotations
-
 import pytest
 
 from sizing.library import load_aircraft

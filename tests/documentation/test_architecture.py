@@ -1,7 +1,5 @@
 """The architecture page names what there is, and its way of an analysis is the one walked."""
 
-from __future__ import annotations
-
 import importlib
 import re
 import sys

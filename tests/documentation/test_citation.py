@@ -1,7 +1,5 @@
 """``CITATION.cff`` names this software, its version and the works that it stands on."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -23,7 +21,6 @@ def test_citation_has_what_the_format_requires() -> None:
     assert cited["cff-version"] == "1.2.0"
     assert cited["version"] == __version__
     heading = re.search(r"^## \[(\d\S*)\] - (\S+)$", CHANGELOG.read_text(encoding="utf-8"), re.M)
-    assert heading is not None
     assert (heading[1], heading[2]) == (__version__, str(cited["date-released"]))
     assert cited["license"] == "MIT"
     assert cited["authors"] == [{"name": "The solar-uav-sizing developers"}]

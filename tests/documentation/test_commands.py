@@ -1,7 +1,5 @@
 """What README and documentation print is what happens: commands, output, Python."""
 
-from __future__ import annotations
-
 import re
 import runpy
 import sys
@@ -177,17 +175,8 @@ FOREIGN = {
         "--days",
     },
     "CONTRIBUTING.md": {
-        "--airfoil",
-        "--out",
-        "--check",
-        "--markdown",
-        "--count",
-        "--dist",
-        "--keep",
-        "--slow",
-        "--only",
-        "--against",
-        "--rows",
+        *("--airfoil", "--out", "--check", "--markdown", "--count", "--dist", "--keep", "--slow"),
+        *("--only", "--against", "--rows"),
     },
     "performance.md": {"--markdown", "--json", "--only"},
     "maps.md": {"--long"},
@@ -205,7 +194,6 @@ def test_options_within_the_text_exist(page: Path) -> None:
 def rows_of_table(text: str, heading: str) -> list[list[str]]:
     """Cells of the table whose first row begins with a heading."""
     table = re.search(rf"^\| {heading} \|.*\n\|[-:|\s]+\n((?:\|.*\n)+)", text, re.M)
-    assert table is not None
     return [[cell.strip() for cell in row.strip("|").split("|")] for row in table[1].splitlines()]
 
 

@@ -1,7 +1,5 @@
 """Docstrings for readers: whole ones for what users call and for formulas, a sentence elsewhere."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

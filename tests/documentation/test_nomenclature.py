@@ -1,7 +1,5 @@
 """The nomenclature lists the symbols of all formulas, and the units that names end in."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

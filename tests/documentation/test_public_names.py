@@ -1,7 +1,5 @@
 """What ``dir()`` of the four packages offers is there, documented, and light to import."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import pkgutil

@@ -1,7 +1,5 @@
 """The replay of the pages keeps what they leave out, and says what it cannot align."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The built site in a browser, opened as files: formulas, search, pictures, no other server."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the site is built from is whole: tree of pages, functions, settings, notebook, checker."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import re

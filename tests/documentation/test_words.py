@@ -1,7 +1,5 @@
 """One word for one thing: what people read has none of the words that the nomenclature replaces."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

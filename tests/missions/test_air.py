@@ -87,21 +87,6 @@ def test_pressure_balances_the_weight_of_the_air(altitude: float) -> None:
     )
 
 
-@pytest.mark.parametrize("geopotential_m", [0.0, 11000.0, 20000.0])
-def test_air_is_continuous_between_layers(geopotential_m: float) -> None:
-    geometric = 6356766.0 * geopotential_m / (6356766.0 - geopotential_m)
-    below, above = standard_air([geometric - 1e-3, geometric + 1e-3]).pressure_pa
-    # Two millimetres of 6 to 8 km scale height are 3e-7.
-    assert below == pytest.approx(above, rel=1e-6)
-    assert below > above
-
-
-def test_air_thins_with_altitude() -> None:
-    air = standard_air(ALTITUDES_M)
-    assert np.all(np.diff(air.pressure_pa) < 0.0)
-    assert np.all(np.diff(air.density_kg_per_m3) < 0.0)
-
-
 @given(altitudes, offsets)
 def test_hot_day_keeps_pressure_and_lowers_density(altitude: float, offset: float) -> None:
     standard, other = standard_air(altitude), standard_air(altitude, offset)

@@ -370,11 +370,6 @@ def test_orbit_is_well_formed(case: tuple[MovingPath, Wind], samples: int) -> No
     assert np.all(lap.ground_speed_m_per_s >= slowest * (1.0 - 1e-12))
 
 
-def test_pitch_is_constant() -> None:
-    for path in (circle(pitch_deg=4.0), racetrack(pitch_deg=4.0), legs(pitch_deg=4.0)):
-        assert np.all(orbit(path, EASTERLY).pitch_rad == np.radians(4.0))
-
-
 # ---- Racetrack, straight legs, level
 
 
@@ -401,19 +396,12 @@ def test_racetrack_lies_on_its_stadium() -> None:
     straight = np.abs(ahead) < 125.0
     assert np.all(lap.roll_rad[straight] == 0.0)
     assert np.all(lap.roll_rad[~straight] > 0.0)
-    # The first leg leads along the heading, on the left of a clockwise racetrack.
-    assert right[0] == pytest.approx(-60.0)
-    assert ahead[1] > ahead[0]
-
-
-def test_racetrack_flies_on_without_a_jump() -> None:
-    lap = orbit(racetrack(), EASTERLY, samples=500)
     jumps = np.linalg.norm(positions(lap) - np.roll(positions(lap), 1, axis=0), axis=1)
     # No step is longer than the fastest ground speed allows.
     assert np.max(jumps) <= 14.0 * lap.duration_s / 500
-    yaw = np.unwrap(lap.yaw_rad)
-    # The yaw turns once round, one step short of it.
-    assert yaw[-1] - yaw[0] == pytest.approx(2.0 * np.pi, abs=0.05)
+    # The first leg leads along the heading, on the left of a clockwise racetrack.
+    assert right[0] == pytest.approx(-60.0)
+    assert ahead[1] > ahead[0]
 
 
 def test_straight_legs_along_the_wind() -> None:
@@ -465,6 +453,8 @@ def test_wind_of_the_airspeed_is_refused(path: MovingPath, speed: float) -> None
     words = f"wind of {speed:g} m/s .* airspeed of 10 m/s.* below {limit:.4g} m/s"
     with pytest.raises(ValueError, match=words):
         orbit(path, Wind(speed_m_per_s=speed, from_deg=0.0))
+    with pytest.raises(ValueError, match=r"samples must be at least 1 \(got 0\)"):
+        orbit(path, CALM, samples=0)
 
 
 def test_steep_bank_is_refused_with_the_radius_needed() -> None:
@@ -496,64 +486,39 @@ def test_turn_too_tight_even_in_calm_air_is_refused(make: Any) -> None:
     make(5.9)
 
 
-def test_samples_below_one_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"samples must be at least 1 \(got 0\)"):
-        orbit(circle(), CALM, samples=0)
+CIRCLE = {"kind": "circle", "radius_m": 60.0, "airspeed_m_per_s": 10.0}
+LEGS = {"kind": "straight_legs", "heading_deg": 360.0, "airspeed_m_per_s": 10.0}
+RACETRACK = LEGS | {"kind": "racetrack", "leg_length_m": 100.0, "turn_radius_m": 60.0}
 
 
 @pytest.mark.parametrize(
     ("values", "expected"),
-    [
-        ({"kind": "circle", "radius_m": 60, "airspeed_m_per_s": 10}, Circle),
-        (
-            {
-                "kind": "racetrack",
-                "leg_length_m": 100,
-                "turn_radius_m": 60,
-                "heading_deg": 0,
-                "airspeed_m_per_s": 10,
-            },
-            Racetrack,
-        ),
-        ({"kind": "straight_legs", "heading_deg": 360, "airspeed_m_per_s": 10}, StraightLegs),
-        ({"kind": "level"}, Level),
-    ],
+    [(CIRCLE, Circle), (RACETRACK, Racetrack), (LEGS, StraightLegs), ({"kind": "level"}, Level)],
 )
 def test_kind_selects_the_path(values: dict[str, Any], expected: type[Record]) -> None:
-    adapter: TypeAdapter[Any] = TypeAdapter(FlightPath)
-    path = adapter.validate_python(values)
-    with pytest.raises(ValidationError, match="frozen"):
-        path.kind = "circle"
-    assert type(path) is expected
-    with pytest.raises(ValidationError, match="Extra inputs"):
-        adapter.validate_python({**values, "zzz": 1})
+    assert type(TypeAdapter[Any](FlightPath).validate_python(values)) is expected
 
 
 @pytest.mark.parametrize(
-    "values",
+    ("kind", "values"),
     [
-        {"kind": "dive"},
-        {"radius_m": 60.0, "airspeed_m_per_s": 10.0},
-        {"kind": "circle", "radius_m": 0.0, "airspeed_m_per_s": 10.0},
-        {"kind": "circle", "radius_m": "60", "airspeed_m_per_s": 10.0},
-        {"kind": "circle", "radius_m": 60.0, "airspeed_m_per_s": -1.0},
-        {"kind": "circle", "radius_m": 60.0, "airspeed_m_per_s": 10.0, "direction": "left"},
-        {"kind": "circle", "radius_m": 60.0, "airspeed_m_per_s": 10.0, "pitch_deg": 90.0},
-        {"kind": "straight_legs", "heading_deg": 361.0, "airspeed_m_per_s": 10.0},
-        {"kind": "straight_legs", "heading_deg": float("nan"), "airspeed_m_per_s": 10.0},
-        {"kind": "level", "airspeed_m_per_s": 10.0},
+        (FlightPath, {"kind": "dive"}),
+        (FlightPath, {"radius_m": 60.0, "airspeed_m_per_s": 10.0}),
+        (FlightPath, CIRCLE | {"radius_m": 0.0}),
+        (FlightPath, CIRCLE | {"radius_m": "60"}),
+        (FlightPath, CIRCLE | {"airspeed_m_per_s": -1.0}),
+        (FlightPath, CIRCLE | {"direction": "left"}),
+        (FlightPath, CIRCLE | {"pitch_deg": 90.0}),
+        (FlightPath, LEGS | {"heading_deg": 361.0}),
+        (FlightPath, LEGS | {"heading_deg": float("nan")}),
+        (FlightPath, {"kind": "level", "airspeed_m_per_s": 10.0}),
+        (Wind, {"speed_m_per_s": -1.0, "from_deg": 0.0}),
+        (Wind, {"speed_m_per_s": 1.0, "from_deg": 361.0}),
     ],
 )
-def test_bad_descriptions_are_refused(values: dict[str, Any]) -> None:
-    adapter: TypeAdapter[Any] = TypeAdapter(FlightPath)
+def test_bad_descriptions_are_refused(kind: Any, values: dict[str, Any]) -> None:
     with pytest.raises(ValidationError):
-        adapter.validate_python(values)
-
-
-@pytest.mark.parametrize("changes", [{"speed_m_per_s": -1.0}, {"from_deg": 361.0}])
-def test_bad_winds_are_refused(changes: dict[str, float]) -> None:
-    with pytest.raises(ValidationError):
-        Wind(**{"speed_m_per_s": 1.0, "from_deg": 0.0, **changes})
+        TypeAdapter[Any](kind).validate_python(values)
 
 
 @pytest.mark.parametrize("path", [circle(), racetrack(), legs()])

@@ -8,6 +8,7 @@ from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.uncertainty import Data, LogNormal, Normal, Triangular, Uniform
 
+UNIFORM = {"distribution": "uniform"}
 SHARES = np.array([0.001, 0.1, 0.37, 0.5, 0.9, 0.999])
 
 
@@ -40,32 +41,23 @@ def test_data_stay_within_their_values_and_rise(data):
     assert np.all(np.diff(found) >= 0.0)
 
 
+BOTH, WIND = ["clearness", "wind_m_per_s"], {"coefficient": 0.5}
+TWICE = [WIND | {"between": BOTH}, WIND | {"between": BOTH[::-1]}]
+
+
 @pytest.mark.parametrize(
-    ("inputs", "message"),
+    ("section", "message"),
     [
-        ({"clearness": {"sigma": 0.1, "relative_sigma": 0.1}}, "give sigma, in the unit"),
-        ({"clearness": {}}, "give sigma, in the unit"),
-        ({"clearness": {"distribution": "cauchy"}}, "must be one of 'normal', 'lognormal', 'un"),
-        ({"clearness": {"distribution": "uniform", "low": 2, "high": 1}}, "low must be below high"),
-        ({"clearness": {"distribution": "data", "data": [1]}}, "at least 3 items"),
-        ({"clearness": {"relative_sigma": -1}}, "must be greater than 0"),
+        ({"inputs": {"clearness": {"sigma": 0.1, "relative_sigma": 0.1}}}, "give sigma, in the u"),
+        ({"inputs": {"clearness": {}}}, "give sigma, in the unit"),
+        ({"inputs": {"clearness": {"distribution": "cauchy"}}}, "must be one of 'normal', 'logn"),
+        ({"inputs": {"clearness": UNIFORM | {"low": 2, "high": 1}}}, "low must be below high"),
+        ({"inputs": {"clearness": {"distribution": "data", "data": [1]}}}, "at least 3 items"),
+        ({"inputs": {"clearness": {"relative_sigma": -1}}}, "must be greater than 0"),
+        ({"correlations": [WIND | {"between": ["clearness"] * 2}]}, "needs two different inputs"),
+        ({"correlations": TWICE}, "is the second correlation of wind_m_per_s and clearness"),
     ],
 )
-def test_spreads_are_checked(inputs, message):
+def test_spreads_and_correlations_are_checked(section, message):
     with pytest.raises(InputError, match=message):
-        load_mission("rafz-july", {"uncertainty": {"inputs": inputs}})
-
-
-def test_a_correlation_is_of_two_inputs():
-    pair = {"between": ["clearness", "clearness"], "coefficient": 0.5}
-    with pytest.raises(InputError, match="needs two different inputs"):
-        load_mission("rafz-july", {"uncertainty": {"correlations": [pair]}})
-
-
-def test_a_pair_has_one_correlation():
-    pairs = [
-        {"between": ["clearness", "wind_m_per_s"], "coefficient": 0.5},
-        {"between": ["wind_m_per_s", "clearness"], "coefficient": -0.5},
-    ]
-    with pytest.raises(InputError, match="is the second correlation of wind_m_per_s and clearness"):
-        load_mission("rafz-july", {"uncertainty": {"correlations": pairs}})
+        load_mission("rafz-july", {"uncertainty": section})

@@ -6,18 +6,12 @@ import dataclasses
 
 import pytest
 from builders import AS2, DESIGN
+from propulsors import PROPULSOR
 
 import sizing
 from missions.library import load_mission
 
 MISSION = load_mission("rafz-july")
-PROPULSOR = sizing.Propulsor(
-    propeller=sizing.BladeElementPropeller(0.66, 0.60),
-    motor=sizing.Motor.from_catalogue("maxon-re40-148867"),
-    controller=sizing.Controller(resistance_ohm=0.02, freewheel_voltage_v=0.7),
-    gear=sizing.Gear(ratio=5.0, efficiency=0.96),
-    wiring_resistance_ohm=0.03,
-)
 
 
 def test_bus_power_is_that_of_level_flight() -> None:

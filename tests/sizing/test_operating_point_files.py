@@ -8,29 +8,21 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import DESIGN
-from propulsors import PARTS, VOLTAGE, aircraft
+from propulsors import PARTS, PROPULSOR, VOLTAGE, aircraft
 
 import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
 from sizing.design import parametric_design
 from sizing.mass_budget import level_point
-from sizing.propulsion.operating_point import Propulsor, operating_point
+from sizing.propulsion.operating_point import operating_point
 from sizing.results.propulsion import power_budget
 
 MISSION = load_mission("rafz-july")
-PROPULSOR = Propulsor(
-    propeller=sizing.BladeElementPropeller(0.66, 0.60),
-    motor=sizing.Motor.from_catalogue("maxon-re40-148867"),
-    controller=sizing.Controller(resistance_ohm=0.02, freewheel_voltage_v=0.7),
-    gear=sizing.Gear(ratio=5.0, efficiency=0.96),
-    wiring_resistance_ohm=0.03,
-)
 
 
 def test_power_is_that_of_the_chain_at_the_worse_end_of_the_battery() -> None:
     design = sizing.design_of(aircraft(), MISSION)
-    assert design.chain is not None
     thrust_w = design.propulsion_power_w * design.chain.efficiency
     speed = float(design.airspeed_m_per_s)
     # The library by itself, at the thrust of this mass, with an empty and with a full battery.
@@ -41,14 +33,12 @@ def test_power_is_that_of_the_chain_at_the_worse_end_of_the_battery() -> None:
     assert both.bus_power_w[0] != pytest.approx(both.bus_power_w[1], rel=1e-3)
     # Drag does not know of the propulsion: that of the constants' design at this mass.
     same = parametric_design(DESIGN, MISSION, design.variables, design.total_mass_kg)
-    assert same.chain is not None
     assert thrust_w == pytest.approx(same.propulsion_power_w * same.chain.efficiency, rel=1e-12)
 
 
 @pytest.mark.parametrize("bus_v", [(18.0, 25.2), (25.2, 18.0)])
 def test_the_worse_end_of_the_battery_counts_in_either_order(bus_v: tuple[float, float]) -> None:
     parts = aircraft().propulsion_by_parts
-    assert parts is not None
     air = MISSION.air_state()
     found = parts.point(20.0, 9.0, air, bus_v)
     # The library by itself, with an empty and with a full battery.
@@ -109,7 +99,6 @@ def test_a_sized_design_has_its_own_operating_point() -> None:
     own = aircraft()
     study = sizing.size(own, MISSION, "min_mass")
     assert study.feasible
-    assert study.design is not None
     flown = sizing.design_of(study.sized_aircraft(), MISSION)
     assert flown.propulsion_power_w == pytest.approx(study.design.propulsion_power_w, rel=1e-5)
     assert flown.total_mass_kg == pytest.approx(study.design.total_mass_kg, rel=1e-5)
@@ -177,7 +166,6 @@ def test_a_table_with_one_speed_is_refused_with_its_file(tmp_path: Path) -> None
         aircraft(propeller={"table": str(table)})
     held = aircraft(propeller={"table": str(table), "any_speed": True})
     design = sizing.design_of(held, MISSION)
-    assert design.chain is not None
     # Between the two rows: J CT / CP, both linear in J.
     advance = float(level_point(held, MISSION, design).advance_ratio)
     ratio = np.interp(advance, [0.5, 1.1], [0.1, 0.02]) / np.interp(

@@ -24,29 +24,29 @@ def relaxed(name: str, *overrides: str) -> dict[str, Relaxation]:
     return {one.parameter: one for one in analysed(name, *overrides).relaxations}
 
 
+def enough(name: str, key: str, present: float, value: float, *others: str) -> sizing.Analysis:
+    """Analysis of what just suffices; a little less of the change does not."""
+    changes = (f"{key}={present + share * (value - present)}" for share in (1.0, LESS))
+    whole, short = (analysed(name, change, *others) for change in changes)
+    assert whole.is_perpetual
+    assert not short.is_perpetual
+    return whole
+
+
 @pytest.mark.parametrize("name", ["atlantiksolar-as2", "sky-sailor"])
 def test_a_battery_suffices_from_its_value_on(name: str) -> None:
-    light = f"battery.mass_kg={0.4 * sizing.load_aircraft(name).battery.mass_kg:g}"
-    found = relaxed(name, light)["battery.mass_kg"]
+    light_kg = 0.4 * sizing.load_aircraft(name).battery.mass_kg
+    found = relaxed(name, f"battery.mass_kg={light_kg:g}")["battery.mass_kg"]
     assert found.direction == "at least"
-    enough, short = (
-        analysed(name, f"battery.mass_kg={factor * found.value}") for factor in (1.0, LESS)
-    )
-    assert enough.is_perpetual
-    assert not short.is_perpetual
+    flown = enough(name, "battery.mass_kg", 0.0, found.value)
     # Another mass flies at another airspeed, which cools the modules of a measured aircraft.
-    assert enough.excess_time_h == pytest.approx(found.excess_time_h, abs=2e-3)
+    assert flown.excess_time_h == pytest.approx(found.excess_time_h, abs=2e-3)
 
 
 def test_modules_weigh_what_they_weigh() -> None:
-    few = ("modules.area_m2=0.8", "battery.mass_kg=4")
-    found = relaxed("atlantiksolar-design", *few)["modules.area_m2"]
-    enough, short = (
-        analysed("atlantiksolar-design", f"modules.area_m2={factor * found.value}", few[1])
-        for factor in (1.0, LESS)
-    )
-    assert enough.is_perpetual
-    assert not short.is_perpetual
+    heavy, area = "battery.mass_kg=4", "modules.area_m2"
+    found = relaxed("atlantiksolar-design", f"{area}=0.8", heavy)[area]
+    enough("atlantiksolar-design", area, 0.0, found.value, heavy)
 
 
 def test_modules_of_a_measured_aircraft_add_their_mass() -> None:
@@ -69,12 +69,7 @@ def test_a_load_may_fall_by_what_avionics_save() -> None:
     found = relaxed("atlantiksolar-as2", "power.avionics_w=40")["load_w"]
     supply = sizing.load_aircraft("atlantiksolar-as2").power.supply_efficiency
     saved_w = (found.present - found.value) * supply
-    enough, short = (
-        analysed("atlantiksolar-as2", f"power.avionics_w={40.0 - share * saved_w}")
-        for share in (1.0, LESS)
-    )
-    assert enough.is_perpetual
-    assert not short.is_perpetual
+    enough("atlantiksolar-as2", "power.avionics_w", 40.0, 40.0 - saved_w)
 
 
 def test_the_smallest_change_comes_first_and_two_are_shown() -> None:
@@ -120,7 +115,6 @@ def test_flights_from_sunrise_and_noon_are_those_marched_by_the_minute() -> None
         "atlantiksolar-as2", "battery.charge_limit={kind: none}", "power.avionics_w=30"
     )
     flight = analysis.limited_flight
-    assert flight is not None
     sunrise_h = float(analysis.performance.day.sunrise_h[0])
     assert flight.from_noon_h == pytest.approx(flown_h(analysis, 12.0), abs=0.02)
     assert flight.from_sunrise_h == pytest.approx(flown_h(analysis, sunrise_h), abs=0.02)

@@ -100,15 +100,8 @@ def test_battery_that_runs_empty_ends_the_run() -> None:
     assert 20.0 + alone < run.empty_clock_h < 20.0 + alone + 1.0
     assert run.energy_wh[-1] == 0.0
     assert run.clock_h[-1] >= run.empty_clock_h > run.clock_h[-2]
-    lengths = {
-        len(run.clock_h),
-        len(run.load_w),
-        len(run.energy_wh),
-        len(run.time_solar_h),
-        len(run.solar_power_w),
-        len(run.day_of_year),
-    }
-    assert len(lengths) == 1
+    axes = (run.load_w, run.energy_wh, run.time_solar_h, run.solar_power_w, run.day_of_year)
+    assert {len(values) for values in axes} == {len(run.clock_h)}
 
 
 def test_dark_run_lasts_as_long_as_the_battery() -> None:

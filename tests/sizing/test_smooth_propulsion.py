@@ -83,8 +83,6 @@ def test_the_efficiency_factor_is_one_of_the_power() -> None:
     design, better = (
         sizing.design_of(aircraft({FACTOR: factor}), MISSION) for factor in (1.0, 1.05)
     )
-    assert design.chain is not None
-    assert better.chain is not None
     ratio = better.chain.efficiency / design.chain.efficiency
     # A better chain has a smaller thrust to give, as its mass is less.
     assert ratio == pytest.approx(1.05, rel=2e-3)
@@ -98,10 +96,7 @@ def chosen() -> sizing.SizingStudy:
 
 
 def test_a_chosen_propeller_has_the_exact_chain(chosen: sizing.SizingStudy) -> None:
-    assert chosen.design is not None
     exact = sizing.design_of(chosen.sized_aircraft(), MISSION)
-    assert exact.chain is not None
-    assert chosen.design.chain is not None
     assert chosen.design.chain.efficiency == pytest.approx(exact.chain.efficiency, rel=2e-6)
     assert chosen.design.total_mass_kg == pytest.approx(float(exact.total_mass_kg), rel=2e-6)
 
@@ -111,7 +106,6 @@ def test_a_chosen_propeller_has_the_exact_chain(chosen: sizing.SizingStudy) -> N
 def test_no_other_diameter_or_gear_is_lighter(
     chosen: sizing.SizingStudy, part: str, factor: float
 ) -> None:
-    assert chosen.variables is not None
     best = {
         "diameter_m": chosen.variables.propeller_diameter_m,
         "ratio": chosen.variables.gear_ratio,
@@ -122,8 +116,6 @@ def test_no_other_diameter_or_gear_is_lighter(
     except sizing.ImpossibleDesignError:
         return  # beyond a limit of the parts
     # The limits of the parts are kept by half a per cent.
-    assert worse.design is not None
-    assert chosen.design is not None
     assert worse.design.total_mass_kg > chosen.design.total_mass_kg * (1.0 - 1e-4)
 
 
@@ -151,10 +143,7 @@ def test_a_chosen_propeller_keeps_the_limits_of_the_motor() -> None:
 def test_the_design_with_a_margin_has_its_own_operating_point() -> None:
     study = sizing.size(aircraft(), MISSION, with_margin=True)
     guarded = study.with_margin
-    assert guarded is not None
-    assert guarded.design is not None
     alone = sizing.size(aircraft(), guarded.mission)
-    assert alone.design is not None
     # Thrust and speed differ by a few per cent, over which the formulas keep their error; so does
     # the flow that cools the modules, which is followed to 0.3 % of a day's light.
     assert guarded.design.total_mass_kg == pytest.approx(alone.design.total_mass_kg, rel=2e-4)
@@ -167,7 +156,6 @@ def test_cells_of_a_map_have_their_own_operating_points() -> None:
     for latitude, mass in zip((35.0, 55.0), masses, strict=True):
         there = load_mission("rafz-july", {"latitude_deg": latitude, "dates": {"on": "06-21"}})
         alone = sizing.size(own, there)
-        assert alone.design is not None
         assert mass == pytest.approx(alone.design.total_mass_kg, rel=2e-4)
 
 
@@ -188,10 +176,8 @@ def test_a_reliable_design_may_have_an_uncertain_chain() -> None:
     flat = VOLTAGE | {"cell_voltage_v": [3.7] * 4}
     own = aircraft({"uncertainty.inputs": {FACTOR: {"relative_sigma": 0.03}}}, voltage=flat)
     study = sizing.size(own, mission, reliability=0.9)
-    assert study.reliability is not None
     assert study.reliability.achieved.value == pytest.approx(0.9, abs=0.01)
     flown = sizing.design_of(study.sized_aircraft(), mission)
-    assert study.design is not None
     assert study.design.total_mass_kg == pytest.approx(float(flown.total_mass_kg), rel=1e-4)
 
 
@@ -214,7 +200,6 @@ def test_a_propeller_by_tables_is_not_chosen(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"design_space\.propeller_diameter_m"):
         aircraft({"design_space.propeller_diameter_m": ends}, propeller={"table": str(table)})
     study = sizing.size(aircraft(propeller={"table": str(table)}), MISSION)
-    assert study.design is not None
     exact = sizing.design_of(study.sized_aircraft(), MISSION)
     assert study.design.propulsion_power_w == pytest.approx(exact.propulsion_power_w, rel=5e-4)
 
@@ -259,5 +244,4 @@ def test_a_sized_propeller_is_no_product() -> None:
     propeller = parts_of(study.sized_aircraft()).propeller
     assert propeller.product is None
     assert propeller.pitch_m == pytest.approx(0.3048)
-    assert study.variables is not None
     assert propeller.diameter_m == study.variables.propeller_diameter_m

@@ -15,8 +15,7 @@ from missions.air import standard_air
 from missions.mission import Mission, Scenarios
 from missions.winds.table import COLUMNS, shipped_winds, wind_table_from_text
 from sizing import analyse_uncertainty, load_aircraft, operating_point, size
-from sizing.aerodynamics.parabolic import DragPolar
-from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions, parametric_design, variables_of
 from sizing.mass_budget import design_of
 from sizing.parameters import parameter_value, with_parameter
@@ -75,7 +74,6 @@ def test_a_faster_aircraft_stays_at_least_as_long(
 
 def test_share_goes_through_the_percentiles_of_a_table(tmp_path: Path) -> None:
     table = in_winds(tmp_path, 6.0, 12.0).wind_statistics
-    assert table is not None
     share = table.table().share_below([0.0, 6.0, 9.0, 12.0, 1e3], 47.0, 500.0, 6)
     assert share == pytest.approx([0.0, 0.5, 0.7, 0.9, 1.0])
 
@@ -92,9 +90,7 @@ def test_power_of_faster_flight_is_that_of_the_parabolic_polar() -> None:
     assert airspeeds[0] == pytest.approx(float(design.airspeed_m_per_s))
     assert airspeeds[-1] == pytest.approx(FASTEST * airspeeds[0])
     frame = plane.airframe
-    assert isinstance(frame, ParametricAirframe)
     polar = frame.aerodynamics
-    assert isinstance(polar, DragPolar)
     air = standard_air(500.0)
     area = frame.wingspan_m**2 / frame.aspect_ratio
     v = float(airspeeds[10])
@@ -108,7 +104,6 @@ def test_power_of_faster_flight_is_that_of_the_parabolic_polar() -> None:
         + lift**2 / (math.pi * polar.span_efficiency * frame.aspect_ratio)
     )
     shaft_w = 0.5 * float(air.density_kg_per_m3) * v**3 * area * drag
-    assert design.chain is not None
     by_hand = shaft_w / float(design.chain.efficiency)
     assert np.interp(v, airspeeds, powers) == pytest.approx(by_hand, rel=1e-6)
 
@@ -153,7 +148,6 @@ def test_more_wind_and_less_battery_shorten_the_stay(tmp_path: Path) -> None:
 
 
 def holding(where: Mission) -> Mission:
-    assert where.wind_statistics is not None
     update = {"wind_statistics": where.wind_statistics.model_copy(update={"hold_station": True})}
     return where.model_copy(update=update)
 
@@ -188,7 +182,6 @@ def test_flight_as_fast_as_the_wind_has_the_load_of_the_moment(tmp_path: Path) -
     slow = polar.flight_lift_coefficient * (speed / wind) ** 2
     variables = variables_of(own)._replace(lift_coefficient=slow)
     faster = parametric_design(own, where, variables, design.total_mass_kg)
-    assert faster.chain is not None
     assert float(faster.airspeed_m_per_s) == pytest.approx(wind)
     thrust_w = float(faster.propulsion_power_w) * faster.chain.efficiency
     day = flown.day
@@ -209,7 +202,6 @@ def test_what_is_sized_to_hold_its_place_does_so(tmp_path: Path) -> None:
     where = holding(in_winds(tmp_path, 4.0, 12.0))
     found = size(DESIGN, where, with_cross_check=True)
     assert found.feasible
-    assert found.cross_check is not None
     assert found.cross_check.cross_checked
     sized = found.sized_aircraft()
     kept = station_keeping(sized, where)
@@ -257,7 +249,6 @@ def test_half_of_the_draws_hold_their_place_with_little_more(
     monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 2000)
     where = holding(in_winds(tmp_path, 4.0, 12.0))
     plain, half = size(DESIGN, where), size(DESIGN, where, reliability=0.5)
-    assert half.reliability is not None
     assert half.reliability.achieved.value == pytest.approx(0.5, abs=0.04)
     assert half.result.objective_value == pytest.approx(plain.result.objective_value, rel=0.05)
     again = analyse_uncertainty(half.sized_aircraft(), where, samples=1024, seed=3)

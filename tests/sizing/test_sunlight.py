@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 from missions.library import load_mission
-from missions.mission import Mission, UncertaintyMargins
-from sizing import sunlight
-from sizing.aircraft import Aircraft
+from missions.mission import UncertaintyMargins
 from sizing.library import load_aircraft
-from sizing.module_power import power_in_surroundings
 from sizing.performance import performance
 from sizing.sunlight import (
     DEFAULT_STEP_H,
@@ -23,9 +18,8 @@ from sizing.sunlight import (
     solar_day,
 )
 from sizing.sunlight_at_instants import power_on_calendar
-from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
+from solar.names import CORRECTION_NAMES, CorrectionName, ModelName
 from solar.systematic_errors import REPORTED_ERRORS
-from solar.types import FloatArray
 
 AS2 = load_aircraft("atlantiksolar-as2")
 RAFZ = load_mission("rafz-july")
@@ -55,21 +49,6 @@ def test_scaled_day_is_a_larger_module() -> None:
     by_area = performance(larger, RAFZ)
     # A product in another order.
     np.testing.assert_allclose(by_day.cycle.excess_time_h, by_area.cycle.excess_time_h, rtol=1e-9)
-
-
-def test_every_model_is_evaluated_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    evaluated: list[str] = []
-
-    def counted(aircraft: Aircraft, mission: Mission, model: ModelName, *others: Any) -> FloatArray:
-        evaluated.append(model)
-        return power_in_surroundings(aircraft, mission, model, *others)
-
-    monkeypatch.setattr(sunlight, "power_in_surroundings", counted)
-    sun = Sunlight(AS2, LOITER, SUMMER)
-    for model in MODEL_NAMES:
-        for correction in CORRECTION_NAMES:
-            sun.day(SolarModel(model, correction))
-    assert sorted(evaluated) == sorted(MODEL_NAMES)
 
 
 @pytest.mark.parametrize("model", ["CDM", "CAM", "VM"])

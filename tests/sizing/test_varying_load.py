@@ -61,8 +61,6 @@ def exact_w(own: sizing.Aircraft, mission: Mission, load: FloatArray, bus_v: Flo
     """Electric power of all propulsors by the public function, at the flight of the design."""
     design = design_of(own, mission)
     parts = getattr(own.airframe, "propulsion", None)
-    assert isinstance(parts, OperatingPointPropulsion)
-    assert design.chain is not None
     speed = float(design.airspeed_m_per_s)
     thrust_n = float(design.propulsion_power_w) * design.chain.efficiency / speed * load
     air = FlightConditions.of(mission, own).air
@@ -81,7 +79,6 @@ def test_the_table_is_the_exact_chain(name: str) -> None:
     own, mission = AIRCRAFT[name], rough(0.1, 0.5)
     design, rng = design_of(own, mission), np.random.default_rng(7)
     part = part_load_of(own, mission, design)
-    assert part is not None
     load = rng.uniform(1.1, 1.6, 40)
     ratio = exact_w(own, mission, load, half_charged_v(own)) / float(design.propulsion_power_w)
     # A hundredth of what would change the efficiency as it is printed, in 0.1 %.
@@ -175,18 +172,15 @@ def test_the_analysis_tells_what_the_efficiency_of_the_moment_changes() -> None:
     own, mission = AIRCRAFT["atlantiksolar"], rough(0.0, 0.5)
     analysis = sizing.analyse(own, mission)
     found = varying_efficiency(own, analysis.performance)
-    assert found is not None
     record = analysis.to_dict()["varying_efficiency"]
     assert record["excess_time_h"] == found.excess_time_h == analysis.excess_time_h
     # Level flight's efficiency is that of the worse voltage.
     assert found.level_excess_time_h < found.excess_time_h
     assert found.level_minimum_state_of_charge < found.minimum_state_of_charge
-    assert found.most is not None
     assert found.most.hour == pytest.approx(12.0, abs=0.1)
     for instant in (found.night, found.most):
         at = np.array(instant.load), np.array(instant.bus_voltage_v)
         design = analysis.performance.design
-        assert design.chain is not None
         thrust_w = float(design.propulsion_power_w) * design.chain.efficiency * instant.load
         assert instant.efficiency == pytest.approx(thrust_w / exact_w(own, mission, *at), rel=1e-9)
     assert "at the load of the moment" in str(analysis.summary())
@@ -225,13 +219,8 @@ def test_parts_beyond_their_limits_are_told() -> None:
 
 def test_a_flight_on_the_calendar_has_the_load_of_the_exact_chain() -> None:
     own = AIRCRAFT["twin-boom"]
-    launch = {
-        "date": "06-21",
-        "time_local": "12:00",
-        "utc_offset_h": 2.0,
-        "state_of_charge": 0.8,
-        "duration_h": 24.0,
-    }
+    noon = {"date": "06-21", "time_local": "12:00", "utc_offset_h": 2.0}
+    launch = noon | {"state_of_charge": 0.8, "duration_h": 24.0}
     mission = load_mission("rafz-july", {"launch": launch, "longitude_deg": 8.53})
     flown = calendar_run(own, mission)
     power_w = exact_w(own, mission, np.array(1.0), half_charged_v(own))
@@ -247,7 +236,6 @@ def test_a_record_has_the_load_of_its_air(name: str) -> None:
     run, design = done.recorded, done.design
     parts = getattr(own.airframe, "propulsion", None)
     assert isinstance(parts, OperatingPointPropulsion)
-    assert design.chain is not None
     thrust_w = float(design.propulsion_power_w) * design.chain.efficiency
     assumed = mission.air_state()
     air_c, _ = _temperatures_c(mission, done.light)

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -61,13 +62,20 @@ def test_a_clear_record_is_the_flight_on_the_calendar():
     assert charge[inside] == pytest.approx(there, abs=2e-3)
 
 
+def winds_file(folder, july, otherwise):
+    """Table of winds, the same everywhere, of another speed in July."""
+    path = folder / "winds.csv"
+    speeds = [july if month == 7 else otherwise for month in range(1, 13)]
+    places = product((-90, 90), (0, 2000), enumerate(speeds, start=1))
+    rows = [f"{x},{z},{month},95,{speed}" for x, z, (month, speed) in places]
+    path.write_text("\n".join([",".join(COLUMNS), *rows]))
+    return str(path)
+
+
 @pytest.fixture
 def windy_file(tmp_path):
     """Table of winds of 11 m/s, 1.3 times the airspeed of the shipped design."""
-    path = tmp_path / "winds.csv"
-    rows = [f"{x},{z},{m},95,11" for x in (-90, 90) for z in (0, 2000) for m in range(1, 13)]
-    path.write_text("\n".join([",".join(COLUMNS), *rows]))
-    return str(path)
+    return winds_file(tmp_path, 11, 11)
 
 
 def test_a_held_place_is_flown_as_fast_as_the_wind_in_the_air_of_each_day(windy_file):
@@ -126,16 +134,8 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
 
 
 def test_a_wind_too_strong_for_the_propulsion_closes_no_day(tmp_path):
-    path = tmp_path / "gale.csv"
-    rows = [
-        f"{x},{z},{m},95,{18 if m == 7 else 5}"
-        for x in (-90, 90)
-        for z in (0, 2000)
-        for m in range(1, 13)
-    ]
-    path.write_text("\n".join([",".join(COLUMNS), *rows]))
     record = clear_record(4, first="2001-07-30", interval_s=3600.0)
-    wind = {"percentile": 95.0, "hold_station": True, "file": str(path)}
+    wind = {"percentile": 95.0, "hold_station": True, "file": winds_file(tmp_path, 18, 5)}
     run = weather_performance(
         load_aircraft("twin-boom-design"), mission_at(record, wind=wind), record
     )

@@ -24,10 +24,6 @@ def surface(
     return ModuleSurface(name=side, area_m2=area, side=side, dihedral_deg=dihedral, pitch_deg=pitch)
 
 
-def test_level_surface_looks_up() -> None:
-    assert surface_normal(0.0, 0.0) == pytest.approx([0.0, 0.0, -1.0])
-
-
 @given(angles, angles)
 def test_normal_is_the_rotated_level_one(roll: float, pitch: float) -> None:
     # Pitched about y, then rolled about x: an independent implementation of the rotations.
@@ -50,30 +46,17 @@ def test_incidence_turns_the_whole_wing() -> None:
     assert geometry.normals()[0] == pytest.approx(turns.apply([0.0, 0.0, -1.0]), abs=1e-12)
 
 
-def test_nose_up_pitch_and_incidence_add_and_face_aft() -> None:
-    geometry = ModuleGeometry(wing_incidence_deg=5.7, surfaces=(surface("centre", pitch=9.4),))
-    (normal,) = geometry.normals()
-    assert normal[0] == pytest.approx(-np.sin(np.radians(5.7 + 9.4)))
-
-
 def test_central_wing_is_the_mean_of_the_centre() -> None:
-    geometry = ModuleGeometry(
-        wing_incidence_deg=5.7,
-        surfaces=(
-            surface("left", 6.0, 30.0),
-            surface("centre", pitch=-0.5),
-            surface("centre", pitch=9.4),
-        ),
-    )
+    outer = [surface(side, 6.0, 30.0) for side in ("left", "right")]
+    centre = [surface("centre", pitch=pitch) for pitch in (-0.5, 9.4)]
+    geometry = ModuleGeometry(wing_incidence_deg=5.7, surfaces=(*outer, *centre))
     # Two equal surfaces: their mean normal lies half-way between both pitches.
     assert geometry.central_wing_normal() == pytest.approx(
         surface_normal(0.0, np.radians(5.7 + 4.45)), abs=1e-12
     )
-
-
-def test_without_a_centre_the_dihedral_cancels() -> None:
-    geometry = ModuleGeometry(surfaces=(surface("left", 6.0, 2.0), surface("right", 6.0, 2.0)))
-    assert geometry.central_wing_normal()[1] == pytest.approx(0.0, abs=1e-15)
+    # Without a centre the dihedral cancels.
+    plain = ModuleGeometry(surfaces=tuple(outer))
+    assert plain.central_wing_normal()[1] == pytest.approx(0.0, abs=1e-15)
 
 
 def test_area_shares_add_up() -> None:
@@ -100,11 +83,8 @@ def test_angle_of_incidence_equals_pvlib(
     assert np.cos(np.radians(ours)) == pytest.approx(theirs, abs=1e-9)
 
 
-def test_centre_with_dihedral_is_refused() -> None:
+def test_a_centre_with_dihedral_and_a_geometry_without_a_surface_are_refused() -> None:
     with pytest.raises(ValidationError, match="no dihedral"):
         surface("centre", dihedral=3.0)
-
-
-def test_geometry_needs_a_surface() -> None:
     with pytest.raises(ValidationError):
         ModuleGeometry(surfaces=())

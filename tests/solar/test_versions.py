@@ -18,7 +18,6 @@ def test_every_format_up_to_the_own_is_read(known: int) -> None:
 @pytest.mark.parametrize("newer", [FORMAT_VERSION + 1, 10**400])
 def test_a_newer_format_is_refused_with_what_to_do(newer: int) -> None:
     trouble = format_trouble(newer)
-    assert trouble is not None
     assert trouble.startswith(f"must be at most {FORMAT_VERSION} (got {str(newer)[:60]}): ")
     assert trouble.endswith(f"than this one, {__version__}; install a newer one")
 

@@ -1,7 +1,5 @@
 """One formula in three arithmetics: floats, arrays and symbols."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

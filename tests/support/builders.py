@@ -1,7 +1,5 @@
 """Aircraft and missions that the tests share."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

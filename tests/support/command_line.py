@@ -1,7 +1,5 @@
 """What tests of the command line share: its outcome, and files to give it."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

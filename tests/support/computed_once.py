@@ -1,7 +1,5 @@
 """Pure functions that many tests ask the same thing: computed once in a process."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable
 from functools import wraps
 from typing import Any

@@ -18,8 +18,6 @@ wrote. HTML comments above a block, which readers do not see, say how:
     come from.
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 from dataclasses import dataclass, field

@@ -3,8 +3,6 @@
 The figures are those of the shipped aircraft, on grids as coarse as a figure bears.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
@@ -40,10 +38,16 @@ def drawings() -> dict[str, Draw]:
     """What draws each figure, by a name; it takes the keyword ``figure``."""
     return {
         "cycle": lambda **kw: studies.plot_cycle(_flown(), **kw),
-        "cycle-climbing": lambda **kw: studies.plot_cycle(_climbing(), **kw),
-        "cycle-climbing-short": lambda **kw: studies.plot_cycle(_climbs_and_comes_down(), **kw),
-        "cycle-short": lambda **kw: studies.plot_cycle(_comes_down(), **kw),
-        "flight": lambda **kw: studies.plot_flight(_on_calendar(), _on_calendar().flight, **kw),
+        "cycle-climbing": lambda **kw: studies.plot_cycle(_flown(keys=_CEILING), **kw),
+        "cycle-climbing-short": lambda **kw: studies.plot_cycle(
+            _flown(keys=f"dates={{on: 12-21}};{_CEILING}"), **kw
+        ),
+        "cycle-short": lambda **kw: studies.plot_cycle(
+            _flown("rafz-july", "", "power.avionics_w=60"), **kw
+        ),
+        "flight": lambda **kw: studies.plot_flight(
+            _flown("rafz-28h"), _flown("rafz-28h").flight, **kw
+        ),
         "sensitivities": _sensitivities,
         "masses": lambda **kw: studies.plot_masses(
             _sized().result.design.masses._asdict(), "atlantiksolar-design: mass budget", **kw
@@ -87,32 +91,14 @@ def _mission(name: str = "rafz-july") -> missions.Mission:
 
 
 @cache
-def _flown() -> sizing.Analysis:
-    return sizing.analyse(_aircraft("atlantiksolar-as2"), _mission())
+def _flown(mission: str = "rafz-july", keys: str = "", *overrides: str) -> sizing.Analysis:
+    """Analysis of AtlantikSolar; keys of the mission are separated by semicolons."""
+    aircraft = sizing.load_aircraft("atlantiksolar-as2", overrides)
+    where = missions.load_mission(mission, [key for key in keys.split(";") if key])
+    return sizing.analyse(aircraft, where)
 
 
-@cache
-def _comes_down() -> sizing.Analysis:
-    heavy = sizing.load_aircraft("atlantiksolar-as2", ["power.avionics_w=60"])
-    return sizing.analyse(heavy, _mission())
-
-
-@cache
-def _on_calendar() -> sizing.Analysis:
-    return sizing.analyse(_aircraft("atlantiksolar-as2"), _mission("rafz-28h"))
-
-
-@cache
-def _climbing() -> sizing.Analysis:
-    climb = ["climb.ceiling_m=3000"]
-    where = missions.load_mission("rafz-july", climb)
-    return sizing.analyse(_aircraft("atlantiksolar-as2"), where)
-
-
-@cache
-def _climbs_and_comes_down() -> sizing.Analysis:
-    where = missions.load_mission("rafz-july", ["dates={on: 12-21}", "climb.ceiling_m=3000"])
-    return sizing.analyse(_aircraft("atlantiksolar-as2"), where)
+_CEILING = "climb.ceiling_m=3000"
 
 
 @cache
@@ -201,7 +187,7 @@ def _ceiling() -> Any:
 
 @cache
 def _verified() -> studies.Verification:
-    from studies.flight_logs.synthetic import START_UTC_S, Faults, Settings, synthetic_log
+    from synthetic_logs import START_UTC_S, Faults, Settings, synthetic_log
 
     settings = Settings(
         start_utc_s=START_UTC_S + 18.3 * 3600.0,

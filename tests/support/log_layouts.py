@@ -1,7 +1,5 @@
 """Logs as different loggers write them: columns, units, separators, clocks, messages."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable
 from typing import Any

@@ -3,8 +3,6 @@
 The density is that of another atmosphere (ambiance), the sun alone is the project's own.
 """
 
-from __future__ import annotations
-
 import ambiance
 import numpy as np
 

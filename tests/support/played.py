@@ -1,7 +1,5 @@
 """Commands of the documentation, run in the order of the page: what tests and the replay share."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import runpy

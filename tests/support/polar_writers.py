@@ -1,7 +1,5 @@
 """Polars of a section and a wing known in closed form, written as XFOIL and XFLR5 write theirs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """An aircraft whose propulsion is at its operating point, for tests."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import sizing
@@ -19,6 +17,14 @@ PARTS: dict[str, Any] = {
     "controller": {"resistance_ohm": 0.02, "freewheel_voltage_v": 0.7},
     "wiring_resistance_ohm": 0.03,
 }
+# The same parts by the classes of the library.
+PROPULSOR = sizing.Propulsor(
+    propeller=sizing.BladeElementPropeller(0.66, 0.60),
+    motor=sizing.Motor.from_catalogue("maxon-re40-148867"),
+    controller=sizing.Controller(resistance_ohm=0.02, freewheel_voltage_v=0.7),
+    gear=sizing.Gear(ratio=5.0, efficiency=0.96),
+    wiring_resistance_ohm=0.03,
+)
 
 
 def aircraft(

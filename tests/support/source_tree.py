@@ -1,7 +1,5 @@
 """Parts of the source tree that are not installed, for tests that run on what is installed."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from pathlib import Path

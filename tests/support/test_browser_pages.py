@@ -1,7 +1,5 @@
 """The judgement of pages itself: each kind of fault is found on a small page that has it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """ULog files of a made-up flight, written after the format's specification."""
 
-from __future__ import annotations
-
 import struct
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Small weather files of every layout, written as their makers write them."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from datetime import datetime, timedelta

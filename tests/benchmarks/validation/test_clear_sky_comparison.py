@@ -1,14 +1,12 @@
 """Our clear sky beside pvlib's: simplified Solis up to 25 km, and both by day on the ground."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pvlib
 import pytest
 
 from benchmarks.validation import clear_sky_comparison as study
-from benchmarks.validation.clear_sky_comparison import ALTITUDES_M, light_table, light_up_to
+from benchmarks.validation.clear_sky_comparison import light_up_to
 from solar.clearsky import extraterrestrial_irradiance
 
 
@@ -43,12 +41,6 @@ def test_solis_gives_more_than_the_sun_sends_far_above_its_range() -> None:
     assert highest.solis.dni > outside > highest.ours.dni
 
 
-def test_table_has_a_row_for_each_altitude() -> None:
-    rows = light_up_to((0.0, 12000.0))
-    assert [row[0] for row in light_table(rows).rows] == [0.0, 12.0]
-    assert ALTITUDES_M[-1] == 25000.0
-
-
 @pytest.fixture(scope="module")
 def rafz() -> list[study.Insolation]:
     return study.compare([study.RAFZ])
@@ -70,8 +62,3 @@ def test_turbidity_is_that_of_the_climatology(rafz: list[study.Insolation]) -> N
     # Ineichen & Perez (2002): 2 is very clean cold air, 3 moderate, 4 moist warm, 5 hazy.
     assert all(3.0 < row.linke_turbidity < 5.0 for row in rafz)
     assert rafz[1].linke_turbidity > rafz[3].linke_turbidity
-
-
-def test_table_has_a_row_for_each_site_and_season(rafz: list[study.Insolation]) -> None:
-    table = study.clear_sky_table(rafz)
-    assert [row[0] for row in table.rows] == ["Rafz"] * len(study.DAYS)

@@ -1,7 +1,5 @@
 """What solar aircraft did, as published, from the files that ship with the package."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -14,17 +12,6 @@ from missions.dates import day_of_year
 from sizing.performance import performance, perpetual_days
 from sizing.replay import calendar_run
 from sizing.sunlight import SolarModel
-
-
-def test_cycle_of_the_81_hour_flight() -> None:
-    cycle = performance(AS2, shipped_mission("rafz-july"), SolarModel("CAM", "none")).cycle
-    assert bool(cycle.perpetual[0])
-    # Published with the flight: 39 %, 6.8 h, 6.2 h. The tool behind them flew two days on the
-    # calendar and had its own losses and load; papers differ by 4 % in the battery's energy alone
-    # (705 and 732 Wh), which is 0.6 h of the night, 0.5 h of charging and 3 points of charge.
-    assert cycle.minimum_state_of_charge[0] == pytest.approx(0.39, abs=0.03)
-    assert cycle.excess_time_h[0] == pytest.approx(6.8, abs=0.6)
-    assert cycle.charge_margin_h[0] == pytest.approx(6.2, abs=0.5)
 
 
 def test_perpetual_season_is_the_published_half_year() -> None:
@@ -47,12 +34,6 @@ def test_28_hour_flight() -> None:
     run = calendar_run(AS2, shipped_mission("rafz-28h"))
     assert run.empty_clock_h is None
     assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(28.35, abs=1e-9)
-    # Flown: full at 14:08 CEST, from 57.7 % at 11:14. The taper makes the end of charging flat and
-    # haze and the wind's attitude are not modelled: 40 min of the 3 h of charging.
-    assert run.full_charge_clock_h[0] == pytest.approx(14.0 + 8.0 / 60.0, abs=40.0 / 60.0)
-    # Flown: about 35 % in the night, at a mean of 43 W against 42 W here, and with papers that
-    # differ by 4 % in the battery's energy: 6 points.
-    assert run.minimum_state_of_charge == pytest.approx(0.35, abs=0.06)
     night = run.clock_h[np.argmin(run.state_of_charge)]
     # The least charge is at equal power in the morning after, between 06:00 and 08:00 CEST.
     assert 24.0 + 6.0 <= night <= 24.0 + 8.0

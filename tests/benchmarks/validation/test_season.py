@@ -1,7 +1,5 @@
 """Season of perpetual flight under changed conditions."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.validation import season as study

@@ -1,7 +1,5 @@
 """Single inputs that would explain a difference from a flight."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.validation import published_flights
@@ -65,8 +63,6 @@ def test_one_night_of_atlantiksolar_wants_less_power_and_one_more(
     found: tuple[Explanation, ...],
 ) -> None:
     of_81h, of_28h = (needed(found, i, INPUTS["load"].name) for i in (0, 1))
-    assert of_81h.needed is not None
-    assert of_28h.needed is not None
     assert of_81h.needed < of_81h.used < of_28h.needed
     assert of_81h.within and of_28h.within  # noqa: PT018
     # That one value also meets the other two numbers of its flight is no choice of ours.
@@ -76,8 +72,6 @@ def test_one_night_of_atlantiksolar_wants_less_power_and_one_more(
 
 def test_light_and_efficiency_scale_the_power_alike(found: tuple[Explanation, ...]) -> None:
     clearness, modules = (needed(found, 1, INPUTS[i].name) for i in ("clearness", "modules"))
-    assert clearness.needed is not None
-    assert modules.needed is not None
     assert clearness.needed / clearness.used == pytest.approx(modules.needed / modules.used)
     trial = QUICK[1].flight.trial()
     computed = [

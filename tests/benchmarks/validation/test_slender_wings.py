@@ -1,7 +1,5 @@
 """The aspect ratio of least mass, and what ends it."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.validation import slender_wings

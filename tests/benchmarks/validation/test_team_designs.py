@@ -1,7 +1,5 @@
 """Aircraft that flew, from what ``init`` writes, beside the aim of the page."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.validation.team_designs import computed, factor_without, team_designs
@@ -15,7 +13,6 @@ def test_masses_at_a_given_size_are_within_the_aim_without_their_own_structure(k
     one = team_designs()[key]
     for build in (one["build"], factor_without(one)):
         design = computed(one, build)
-        assert design is not None
         # The aim of docs/validation.md.
         known_kg = one["published"]["total_mass_kg"]
         assert float(design.total_mass_kg) == pytest.approx(known_kg, rel=0.25)
@@ -24,7 +21,6 @@ def test_masses_at_a_given_size_are_within_the_aim_without_their_own_structure(k
 def test_atlantiksolar_is_found_with_its_own_parts() -> None:
     one = team_designs()["atlantiksolar"]
     design = computed(one, one["build"], one["own_parts"])
-    assert design is not None
     assert design.total_mass_kg == pytest.approx(one["published"]["total_mass_kg"], rel=0.25)
     assert design.variables.wingspan_m == pytest.approx(one["published"]["wingspan_m"], rel=0.15)
 

@@ -197,19 +197,19 @@ def write_problem(path: Path) -> str:
     return str(caught.value)
 
 
-def test_missing_folder(tmp_path: Path) -> None:
-    path = tmp_path / "none" / "a.txt"
-    assert write_problem(path) == f"cannot write {path}: its folder does not exist"
-
-
-def test_folder_as_a_target(tmp_path: Path) -> None:
-    assert write_problem(tmp_path) == f"cannot write {tmp_path}: it is a folder"
-
-
-def test_file_as_a_folder(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("none/a.txt", "its folder does not exist"),
+        ("", "it is a folder"),
+        ("f/a.txt", "a part of the path is a file, not a folder"),
+    ],
+)
+def test_where_nothing_can_be_written_is_told(tmp_path: Path, name: str, reason: str) -> None:
     (tmp_path / "f").write_text("", encoding="utf-8")
-    path = tmp_path / "f" / "a.txt"
-    assert write_problem(path).endswith("a part of the path is a file, not a folder")
+    path = tmp_path / name
+    assert write_problem(path) == f"cannot write {path}: {reason}"
+    assert write_problem(Path("a\0b")) == r"cannot write a\x00b: not a valid file name"
 
 
 def test_folder_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -218,10 +218,6 @@ def test_folder_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(os, "open", refuse)
     assert write_problem(tmp_path / "a").endswith("a: permission denied")
-
-
-def test_name_that_cannot_be() -> None:
-    assert write_problem(Path("a\0b")) == r"cannot write a\x00b: not a valid file name"
 
 
 def test_pipe_is_written_to_and_not_replaced(tmp_path: Path) -> None:
@@ -247,13 +243,14 @@ def test_folder_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
 
 
 def test_file_in_the_way_of_a_folder_is_refused(tmp_path: Path) -> None:
+    check_writable_folder(tmp_path / "not" / "there" / "yet")
+    assert not list(tmp_path.iterdir())  # what is tried is not left
     (tmp_path / "file").write_text("x")
     for path in (tmp_path / "file", tmp_path / "file" / "deeper"):
         with pytest.raises(OutputError):
             check_writable_folder(path)
         with pytest.raises(OutputError):
             write_folder(path, {"a": b""})
-    check_writable_folder(tmp_path / "not" / "there" / "yet")
 
 
 @pytest.mark.parametrize("name", ["nowhere", "loop", "n" * 300, "new/" + "n" * 300 + "/newer"])
@@ -264,17 +261,8 @@ def test_folder_that_cannot_be_made_is_refused_before_any_work(tmp_path: Path, n
     with pytest.raises(OutputError, match=f"cannot write to .*{name}: "):
         check_writable_folder(tmp_path / name)
     assert sorted(tmp_path.iterdir()) == before
-
-
-def test_folder_that_is_tried_is_not_left(tmp_path: Path) -> None:
-    check_writable_folder(tmp_path / "not" / "there" / "yet")
-    assert not list(tmp_path.iterdir())
-
-
-def test_name_that_is_too_long_is_refused_before_any_work(tmp_path: Path) -> None:
-    path = tmp_path / ("n" * 300 + ".png")
     with pytest.raises(OutputError, match=r"cannot write .*n\.png: "):
-        check_writable_file(path)
+        check_writable_file(tmp_path / ("n" * 300 + ".png"))
 
 
 def test_folder_made_in_vain_goes_again(tmp_path: Path) -> None:

@@ -154,6 +154,14 @@ def test_rows_are_sorted_by_time_and_used_once(tmp_path: Path, second: float, no
     assert (99.0 in log.solar_power_w.tolist()) is (second == 0.25)
 
 
+def test_times_go_back_beside_one_that_cannot_be_read(tmp_path: Path) -> None:
+    lines = rows()
+    lines[3:5] = [row(0, time_utc="noon"), row(0.25)]
+    log = read(tmp_path, lines)
+    assert np.all(np.diff(log.time_s) > 0.0)
+    assert len(log) == 9
+
+
 def test_gap_splits_the_log(tmp_path: Path) -> None:
     log = read(tmp_path, [*rows(), *(row(20 + 0.5 * i) for i in range(5))])
     (gap,) = log.gaps

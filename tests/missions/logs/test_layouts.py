@@ -220,7 +220,7 @@ def test_wrong_zones_are_refused(text: str) -> None:
     ("name", "quantity"),
     [
         ("P_solar", "solar_power_w"), ("PvPower (kW)", "solar_power_w"), ("alt_msl", "altitude_m"),
-        ("Battery_SoC", "state_of_charge"), ("tas_mps", "airspeed_m_per_s"), ("psi", "yaw_deg"),
+        ("Battery_SoC", "state_of_charge"), ("psi", "yaw_deg"),
         ("OAT [K]", "ambient_temperature_c"), ("load / W", "load_w"), ("TimeUTC", "time"),
     ],
 )  # fmt: skip
@@ -286,11 +286,6 @@ ONE_OF_EACH: dict[Dimension, dict[float, str]] = {
     "current": {1.0: "a amp amps ampere", 0.001: "ma", 0.01: "ca"},
     "temperature": {1.0: "c degc °c celsius k kelvin", 1.0 / 1.8: "f degf"},
     "share": {1.0: "- 1 share", 0.01: "% percent pct"},
-    "speed": {
-        1.0: "m/s mps m_per_s m_s",
-        1000.0 / 3600.0: "km/h kmh kph",
-        1852.0 / 3600.0: "kt kts kn knots",
-    },
 }
 # Freezing water and absolute zero.
 ZEROS = {"k": -273.15, "kelvin": -273.15, "f": -32.0 / 1.8, "degf": -32.0 / 1.8}

@@ -11,6 +11,7 @@ from zoneinfo import ZoneInfo
 import numpy as np
 import pandas as pd
 import pytest
+from synthetic_logs import Settings, synthetic_log
 
 from benchmarks.independent_logs import TRUTHS, TUNING, made
 from missions.files.errors import InputError
@@ -21,7 +22,6 @@ from missions.logs.csv import read_csv
 from missions.logs.plausible import codes
 from missions.logs.table import FlightLog, log_from_table
 from sizing.library import load_aircraft
-from studies.flight_logs.synthetic import Settings, synthetic_log
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 

@@ -21,16 +21,13 @@ def with_fields(row, **fields):
     return ",".join(str(values[name]) for name in names)
 
 
-def test_rows_out_of_order_name_their_line(tmp_path):
+def test_rows_out_of_order_or_twice_name_their_line(tmp_path):
     def swapped(rows):
         return [*rows[:7], rows[8], rows[7], *rows[9:]]
 
     # Five lines of head, so that row 9 stands on line 14.
     with pytest.raises(InputError, match=r"a.csv:14: .* goes back in time"):
         load(tmp_path, clear_record(2), rows=swapped)
-
-
-def test_a_row_twice_is_told(tmp_path):
     with pytest.raises(InputError, match="is the same as before"):
         load(tmp_path, clear_record(2), rows=lambda rows: [*rows[:9], rows[8], *rows[9:]])
 
@@ -108,14 +105,11 @@ def test_few_impossible_values_are_replaced_and_many_are_an_error(tmp_path):
         load(tmp_path, record, rows=lambda rows: [with_fields(r, ghi=5000) for r in rows])
 
 
-def test_a_wrong_zone_does_not_pass_in_silence(tmp_path):
+def test_a_wrong_zone_and_a_record_without_sun_do_not_pass_in_silence(tmp_path):
     record = clear_record(4)
     shifted = replace(record, start_s=record.start_s + 8 * 3600.0)
     with pytest.raises(InputError, match="time zone"):
         load(tmp_path, shifted)
-
-
-def test_a_record_without_sun_is_refused(tmp_path):
     with pytest.raises(InputError, match="without sun"):
         load(tmp_path, clear_record(3, share=0.0))
 

@@ -240,8 +240,7 @@ def test_final_and_preliminary_months_of_era5_are_one_record(tmp_path: Path) -> 
 
 
 def test_what_a_grid_does_not_have_is_told(tmp_path: Path) -> None:
-    data = era5(clear_record(3))
-    data.to_netcdf(tmp_path / "a.nc")
+    era5(clear_record(3)).to_netcdf(tmp_path / "a.nc")
     for where, message in (
         (None, "has 3 values of latitude_deg: give latitude_deg on the mission"),
         (mission(latitude_deg=46.8, longitude_deg=None), "has 3 values of longitude_deg"),
@@ -250,17 +249,6 @@ def test_what_a_grid_does_not_have_is_told(tmp_path: Path) -> None:
     ):
         with pytest.raises(InputError, match=message):
             load_weather(tmp_path / "a.nc", where)
-    swapped = data.assign_coords(latitude=[170.0, 175.0, 180.0])
-    swapped.to_netcdf(tmp_path / "b.nc")
-    with pytest.raises(InputError, match="latitudes beyond 90 degrees: its axes may be swapped"):
-        load_weather(tmp_path / "b.nc", HERE)
-    data[["t2m"]].to_netcdf(tmp_path / "c.nc")
-    with pytest.raises(InputError, match="has no light"):
-        load_weather(tmp_path / "c.nc", HERE)
-    odd = data.assign(ssrd=data["ssrd"].assign_attrs(units="furlongs"))
-    odd.to_netcdf(tmp_path / "d.nc")
-    with pytest.raises(InputError, match="has ghi in furlongs"):
-        load_weather(tmp_path / "d.nc", HERE)
     (tmp_path / "e.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + b"nonsense")
     with pytest.raises(InputError, match="cannot be read as NetCDF"):
         load_weather(tmp_path / "e.nc", HERE)
@@ -271,7 +259,12 @@ def test_a_grid_whose_parts_do_not_fit_each_other_is_refused(tmp_path: Path) -> 
     level = ("pressure_level", [900.0, 800.0], {"units": "hPa"})
     column = xr.DataArray([280.0, 275.0], {"pressure_level": level}, attrs={"units": "K"})
     direct = data.drop_vars("ssrd").assign(dni=data["fdir"].assign_attrs(units="W m**-2"))
+    odd = data.assign(ssrd=data["ssrd"].assign_attrs(units="furlongs"))
+    swapped = data.assign_coords(latitude=[170.0, 175.0, 180.0])
     for broken, message in (
+        (swapped, "latitudes beyond 90 degrees: its axes may be swapped"),
+        (data[["t2m"]], "has no light"),
+        (odd, "has ghi in furlongs"),
         (direct, "has no light: ghi, or dni and dhi, are needed"),
         (data.drop_vars("t2m").assign(t=column), "has t on levels, but not over time"),
         (data.isel(latitude=slice(0)), "has a latitude without values"),

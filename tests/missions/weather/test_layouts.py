@@ -65,6 +65,9 @@ def test_pvgis_typical_year_has_instants_that_are_the_middles_of_their_hours(tmp
     found = load_weather(path)
     assert (found.layout, found.typical, found.site) == ("PVGIS typical year", True, site)
     assert found.start_s[0] - record.start_s[0] == pytest.approx(3600.0 * (0.1761 - 0.5))
+    lines = [line for line in path.read_text().splitlines() if "Offset" not in line]
+    path.write_text("\n".join(lines))
+    assert load_weather(path).repairs[0].startswith("light taken at the full hours")
 
 
 def test_pvgis_typical_year_has_the_same_times_in_every_format(tmp_path):
@@ -89,14 +92,6 @@ def test_hours_of_pvgis_before_5_3_are_universal_whatever_the_zone(tmp_path, zon
     assert found.repairs == ("hours taken as UTC, as PVGIS before 5.3 wrote them",)
     assert found.start_s == pytest.approx(record.start_s - 1800.0)
     assert abs(minutes_behind_the_sun(found)) < 2.0  # an instant is not its hour's mean
-
-
-def test_a_typical_year_of_pvgis_without_an_offset_says_so(tmp_path):
-    record = clear_record(365, first="2001-01-01", site=Site("", 45.0, 8.0, 250.0, 0.0))
-    path = write_pvgis_tmy(tmp_path / "a.csv", record)
-    lines = [line for line in path.read_text().splitlines() if "Offset" not in line]
-    path.write_text("\n".join(lines))
-    assert load_weather(path).repairs[0].startswith("light taken at the full hours")
 
 
 @pytest.mark.parametrize("minutes", [30, 15, 10])
@@ -167,20 +162,9 @@ def test_pvgis_hourly_takes_the_beam_back_to_its_normal(tmp_path):
     # Instants at the half hour.
     assert found.start_s == pytest.approx(record.start_s)
     same_light(found, record, 0.03)  # hourly means divided by the sun's height at the half hour
-
-
-def test_pvgis_hourly_of_an_inclined_surface_is_refused(tmp_path):
-    path = write_pvgis_hourly(tmp_path / "a.csv", clear_record(3), slope="30 deg.")
+    inclined = write_pvgis_hourly(tmp_path / "b.csv", record, slope="30 deg.")
     with pytest.raises(InputError, match="30 deg slope: ask PVGIS for a slope of 0"):
-        load_weather(path)
-
-
-def test_psm_is_read_with_its_empty_columns(tmp_path):
-    record = clear_record(3, interval_s=1800.0)
-    found = load_weather(write_psm(tmp_path / "a.csv", record))
-    assert found.layout == "NSRDB PSM"
-    assert found.start_s == pytest.approx(record.start_s)
-    same_light(found, record)
+        load_weather(inclined)
 
 
 @pytest.mark.parametrize("write", [write_psm, write_plain])
@@ -205,17 +189,13 @@ def test_a_month_that_is_none_is_told_without_a_warning(tmp_path, month, recwarn
     assert not recwarn.list
 
 
-def test_bsrn_minutes_packed_or_not(tmp_path):
+def test_bsrn_minutes(tmp_path):
     site = Site("Somewhere", 46.8, 6.9, 491.0, 0.0)
     record = clear_record(2, first="2016-06-01", interval_s=60.0, site=site)
-    path = write_bsrn(tmp_path / "a.dat", record)
-    found = load_weather(path)
+    found = load_weather(write_bsrn(tmp_path / "a.dat", record))
     assert (found.layout, found.site.name) == ("BSRN", "Somewhere")
     assert found.start_s == pytest.approx(record.start_s)
     same_light(found, record)
-    packed = tmp_path / "b.dat.gz"
-    packed.write_bytes(gzip.compress(path.read_bytes()))
-    assert np.array_equal(load_weather(packed).ghi, found.ghi)
 
 
 @pytest.mark.parametrize(
@@ -265,21 +245,19 @@ def test_plain_table_and_the_shipped_year(tmp_path):
         (b"LOCATION,X,-,CHE,IWEC,1,95.0,6.9,1.0,491.0\n", "is no readable EPW file|latitude"),
         (b'{"inputs": {"meteo_data": 1', "is no readable PVGIS typical year file"),
         (b"*U0001\n 21  6 2016  1\n", "is no readable BSRN file"),
+        (b"PK\x03\x04" + bytes(100), "is packed with zip: unpack it; allowed: gzip, or none"),
     ],
 )
 def test_what_is_no_weather_file_is_told_by_name(tmp_path, content, message):
     path = tmp_path / "bad.dat"
+    with pytest.raises(InputError, match="there is no such file"):
+        load_weather(path)
+    with pytest.raises(InputError, match="is a folder"):
+        load_weather(tmp_path)
     path.write_bytes(content)
     with pytest.raises(InputError, match=message) as caught:
         load_weather(path)
     assert "bad.dat" in str(caught.value)
-
-
-def test_missing_files_and_folders_are_told(tmp_path):
-    with pytest.raises(InputError, match="there is no such file"):
-        load_weather(tmp_path / "none.epw")
-    with pytest.raises(InputError, match="is a folder"):
-        load_weather(tmp_path)
 
 
 def test_mistakes_in_a_plain_table_have_their_lines(tmp_path):
@@ -310,6 +288,7 @@ def test_time_zones_of_parts_of_an_hour(tmp_path, write, offset_h, longitude_deg
     assert found.site.utc_offset_h == offset_h
     assert found.start_s == pytest.approx(record.start_s)
     same_light(found, record)
+    assert found.layout == ("NSRDB PSM" if write is write_psm else "EPW")
 
 
 @pytest.mark.parametrize(
@@ -336,27 +315,12 @@ def test_files_may_be_packed_and_begin_with_a_byte_order_mark(tmp_path, change):
         assert np.array_equal(again.ghi, light.ghi)
 
 
-def test_a_small_file_that_unpacks_to_a_huge_one_is_refused(tmp_path, monkeypatch):
-    path = write_plain(tmp_path / "a.csv", clear_record(30))
-    path.write_bytes(gzip.compress(path.read_bytes()))
-    monkeypatch.setattr("missions.weather.raw.MAXIMUM_BYTES", 2 * path.stat().st_size)
-    with pytest.raises(InputError, match=r"a.csv: is larger than \d+ MB when it is unpacked"):
-        load_weather(path)
-
-
 def test_a_row_of_more_values_than_columns_is_told_by_its_line(tmp_path):
     def ended_by_commas(rows):
         return [f"{row}{',' * 1000}" for row in rows]
 
     path = write_plain(tmp_path / "a.csv", clear_record(2), rows=ended_by_commas)
     with pytest.raises(InputError, match=r"a.csv:\d+: has 100\d values, but the table names \d"):
-        load_weather(path)
-
-
-def test_other_packings_are_named(tmp_path):
-    path = tmp_path / "a.epw"
-    path.write_bytes(b"PK\x03\x04" + bytes(100))
-    with pytest.raises(InputError, match="is packed with zip: unpack it; allowed: gzip, or none"):
         load_weather(path)
 
 
@@ -385,4 +349,7 @@ def test_a_file_of_the_largest_size_is_read_and_one_byte_more_is_not(tmp_path, m
     assert len(load_weather(path).ghi) == 48
     monkeypatch.setattr("missions.weather.raw.MAXIMUM_BYTES", path.stat().st_size - 1)
     with pytest.raises(InputError, match="is larger than"):
+        load_weather(path)
+    path.write_bytes(gzip.compress(path.read_bytes()))
+    with pytest.raises(InputError, match=r"a.csv: is larger than \d+ MB when it is unpacked"):
         load_weather(path)

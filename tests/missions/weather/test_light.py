@@ -52,18 +52,20 @@ def test_minutes_are_averaged_over_whole_steps():
     assert light.recorded.dni.sum() * 5.0 == pytest.approx(record.dni.sum(), rel=1e-4)
 
 
-@pytest.mark.parametrize(("step_s", "minutes"), [(3600.0, 60), (2400.0, 30), (1800.0, 30)])
-def test_steps_are_no_longer_than_allowed(step_s, minutes):
-    """An hour parted into steps of 40 minutes at most has two of half an hour, not one."""
-    light = light_at_altitude(clear_record(1), SITE.altitude_m, step_s=step_s)
+# An hour parted into steps of 40 minutes at most has two of half an hour, not one. Minutes averaged
+# over 64 of them would be 22.5 intervals a day: each is parted into two.
+@pytest.mark.parametrize(
+    ("interval_s", "step_s", "minutes"),
+    [(3600.0, 3600.0, 60), (3600.0, 2400.0, 30), (3600.0, 1800.0, 30), (60.0, 3840.0, 32)],
+)
+def test_steps_are_no_longer_than_allowed_and_whole_days(interval_s, step_s, minutes):
+    record = clear_record(1, interval_s=interval_s)
+    light = light_at_altitude(record, SITE.altitude_m, step_s=step_s)
     assert light.step_h * 60.0 == pytest.approx(minutes)
-    assert len(light.time_s) == 24 * 60 // minutes
-
-
-def test_a_day_has_a_whole_number_of_steps():
-    """Minutes averaged over 64 of them would be 22.5 intervals a day: each is parted into two."""
-    light = light_at_altitude(clear_record(1, interval_s=60.0), SITE.altitude_m, step_s=3840.0)
-    assert light.step_h * 60.0 == pytest.approx(32.0)
+    if interval_s == 3600.0:
+        assert len(light.time_s) == 24 * 60 // minutes
+    with pytest.raises(ValueError, match="step_s must be from 1 to 10800"):
+        light_at_altitude(record, 500.0, step_s=0.1)
 
 
 def test_temperature_and_wind_change_with_height_by_their_laws():
@@ -73,11 +75,6 @@ def test_temperature_and_wind_change_with_height_by_their_laws():
     assert light.wind_m_per_s == pytest.approx(4.0 * 10.0 ** (1 / 7))
     assert wind_ratio(10.0) == 1.0 == wind_ratio(0.0)
     assert wind_ratio(5000.0) == wind_ratio(300.0) > wind_ratio(299.0)
-
-
-def test_steps_are_checked():
-    with pytest.raises(ValueError, match="step_s must be from 1 to 10800"):
-        light_at_altitude(clear_record(1), 500.0, step_s=0.1)
 
 
 def test_a_default_mission_follows_the_record_and_a_chosen_one_must_be_near():

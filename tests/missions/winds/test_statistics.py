@@ -60,11 +60,13 @@ def test_altitudes_may_be_draws() -> None:
     assert np.asarray(there.strongest_wind_m_per_s) == pytest.approx(both)
 
 
-def test_a_given_wind_stays_as_it_is() -> None:
+def test_a_given_wind_stays_as_it_is_and_one_of_zero_may_stand_beside_a_percentile() -> None:
     given = Mission.model_validate({**HIGH, "wind_m_per_s": 7.5})
     assert given.strongest_wind_m_per_s == 7.5
     assert given.scenario_winds_m_per_s().tolist() == [7.5]
     assert mission().in_wind(7.5).strongest_wind_m_per_s == 7.5
+    # Files say so to begin with, and ``--set mission.wind...`` is to work on them.
+    assert mission(wind_m_per_s=0.0).strongest_wind_m_per_s > 0.0
 
 
 @pytest.mark.parametrize(
@@ -83,11 +85,6 @@ def test_a_given_wind_stays_as_it_is() -> None:
 def test_what_no_table_knows_is_refused(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValidationError, match=message):
         mission(**changes)
-
-
-def test_a_wind_of_zero_may_stand_beside_it() -> None:
-    """Files say so to begin with, and ``--set mission.wind...`` is to work on them."""
-    assert mission(wind_m_per_s=0.0).strongest_wind_m_per_s > 0.0
 
 
 def table(folder: Path, wind: float = 12.0) -> str:

@@ -187,19 +187,17 @@ def test_a_wing_and_a_section_are_told_apart() -> None:
         parse_polar(sections() + wings(), "m.txt", REFERENCE)
 
 
-def test_an_aircraft_flies_on_the_polars_of_a_wing(tmp_path: Path) -> None:
-    path = tmp_path / "wing.txt"
+def of_wing(folder: Path) -> dict[str, object]:
+    """Keys of an aircraft's drag by a file with polars of its wing."""
+    path = folder / "wing.txt"
     path.write_text(wings(), encoding="utf-8")
-    data = {
-        "model": "wing_polar",
-        "airfoil": str(path),
-        "design_aspect_ratio": ASPECT_RATIO,
-        "design_reynolds": 150e3,
-        "wing_chord_m": CHORD_M,
-        "wing_aspect_ratio": ASPECT_RATIO,
-        "tail_area_ratio": 0.0,
-        "fuselage_wetted_area_ratio": 0.0,
-    }
+    size = {"wing_chord_m": CHORD_M, "wing_aspect_ratio": ASPECT_RATIO}
+    point = {"design_aspect_ratio": ASPECT_RATIO, "design_reynolds": 150e3}
+    return {"model": "wing_polar", "airfoil": str(path)} | size | point
+
+
+def test_an_aircraft_flies_on_the_polars_of_a_wing(tmp_path: Path) -> None:
+    data = of_wing(tmp_path) | {"tail_area_ratio": 0.0, "fuselage_wetted_area_ratio": 0.0}
     polar = WingPolar.model_validate(data)
     assert polar.section_lift_ratio == 1.0
     assert polar.span_efficiency == pytest.approx(SPAN_EFFICIENCY, rel=2e-3)
@@ -210,7 +208,7 @@ def test_an_aircraft_flies_on_the_polars_of_a_wing(tmp_path: Path) -> None:
     # What the polars give does not count as given; a value of the file wins.
     assert "span_efficiency" not in polar.model_fields_set
     assert WingPolar.model_validate(data | {"span_efficiency": 0.9}).span_efficiency == 0.9
-    text = polar.contents_read()
+    text, path = polar.contents_read(), tmp_path / "wing.txt"
     path.unlink()
     with texts_as_read({str(path): text or ""}):
         assert WingPolar.model_validate(data) == polar
@@ -230,18 +228,8 @@ def test_an_aircraft_flies_on_the_polars_of_a_wing(tmp_path: Path) -> None:
 def test_what_does_not_go_with_a_wing_is_refused(
     tmp_path: Path, changes: dict[str, object], words: str
 ) -> None:
-    path = tmp_path / "wing.txt"
-    path.write_text(wings(), encoding="utf-8")
-    data = {
-        "model": "wing_polar",
-        "airfoil": str(path),
-        "design_aspect_ratio": 18.0,
-        "design_reynolds": 150e3,
-        "wing_chord_m": CHORD_M,
-        "wing_aspect_ratio": ASPECT_RATIO,
-    }
     with pytest.raises(ValidationError, match=words):
-        WingPolar.model_validate(data | changes)
+        WingPolar.model_validate(of_wing(tmp_path) | changes)
 
 
 # ---- Mistakes

@@ -30,7 +30,7 @@ from sizing.program.objectives import Objective
 from sizing.sunlight import UNCORRECTED_CAM, solar_day
 from sizing.uncertainty.propagation import Propagation
 
-HIGH = aircraft("stratosphere-design")  # 27.8 m/s at 20 km, 29.9 m/s at 21 km, 32.5 m/s at 22 km
+HIGH = aircraft("stratosphere-design")  # 28.0 m/s at 20 km, 30.5 m/s at 21 km, 33.2 m/s at 22 km
 CALM = {20000: 5.0, 22000: 10.0}
 STRONG_ALOFT = {20000: 20.0, 21000: 31.0, 22000: 50.0}
 EVEN = {20000: 24.0, 21000: 30.0, 22000: 36.0}

@@ -58,7 +58,6 @@ def test_the_parts_are_all_of_the_drag(polar: str) -> None:
     design = design_of(craft, MISSION)
     it = DesignInFlight(craft, design, FlightConditions.of(MISSION, craft))
     shares = drag_shares(craft, MISSION, design)
-    assert shares is not None
     pressure = 0.5 * it.conditions.density_kg_per_m3 * design.airspeed_m_per_s**2
     assert it.drag_n == pytest.approx(pressure * design.wing_area_m2 * shares.total, rel=1e-9)
     parts = [value for name, value in shares._asdict().items() if name not in ("other", "trim")]
@@ -114,6 +113,5 @@ def test_constants_that_the_file_gives_stay() -> None:
     coefficient = "airframe.aerodynamics.parasitic_drag_coefficient=0.002"
     craft = aircraft("atlantiksolar-design", TAIL, "airframe.drag={}", coefficient)
     shares = drag_shares(craft, MISSION, design_of(craft, MISSION))
-    assert shares is not None
     assert shares.other == 0.002
     assert drag_shares(aircraft("atlantiksolar-design"), MISSION, design_of(TWIN, MISSION)) is None

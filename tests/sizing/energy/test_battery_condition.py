@@ -83,11 +83,6 @@ def test_fade_is_the_published_law() -> None:
     assert cycle == pytest.approx(0.073, abs=1e-3)
 
 
-def test_a_new_battery_has_all_of_its_capacity() -> None:
-    assert Ageing().capacity_fraction() == 1.0
-    assert Ageing().resistance_factor() == 1.0
-
-
 @given(st.floats(0.0, 500.0), st.floats(0.0, 36.0), st.floats(1.0, 300.0), st.floats(0.05, 1.0))
 def test_capacity_falls_and_resistance_rises_with_age(
     cycles: float, months: float, more: float, depth: float
@@ -104,6 +99,7 @@ def test_capacity_falls_and_resistance_rises_with_age(
 def test_a_season_is_its_cycles_and_a_year() -> None:
     season = Ageing(seasons_flown=2.0, cycles_per_season=150.0)
     assert season.capacity_fraction() == Ageing(cycles=300.0, months=24.0).capacity_fraction()
+    assert Ageing().capacity_fraction() == Ageing().resistance_factor() == 1.0
 
 
 def test_life_ends_where_the_law_says_and_sooner_deep_or_warm() -> None:
@@ -216,21 +212,18 @@ def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same() -> None:
     masses = [one.objective_value for one in sized]
     assert masses[0] == pytest.approx(masses[1], rel=1e-6)
     assert masses[0] > 1.02 * masses[2]
-    assert sized[0].simulated is not None
     assert float(np.min(sized[0].simulated.cycle.excess_time_h)) >= 0.0
 
 
 def test_the_line_says_temperature_age_and_what_is_left() -> None:
     craft = aircraft("atlantiksolar-as2", *IN_FLIGHT)
     line = battery_line(craft, battery_record(craft, COLD))
-    assert line is not None
     assert line.startswith(
         "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
     )
     text = analyse(craft, COLD).summary().to_text()
     assert "after 180 cycles" in text
     record = battery_record(craft, COLD)
-    assert record is not None
     assert record["capacity_fraction"] == craft.battery.capacity_fraction(-5.0)
     plain = aircraft("atlantiksolar-as2")
     assert battery_line(plain, battery_record(plain, COLD)) is None

@@ -157,16 +157,6 @@ def test_a_battery_that_is_empty_for_a_moment_between_two_nodes_is_empty():
         assert not after.any()
 
 
-@settings(max_examples=20)
-@given(clearness=clearness_of_days, energy=st.floats(100.0, 4000.0))
-def test_batteries_run_empty_where_a_load_is_not_met(clearness, energy):
-    balance, its_store = days_of(clearness), store(energy, len(clearness))
-    carried = carried_over(balance, its_store, np.array([energy]), len(clearness))
-    _, unserved = step_by_step(balance, its_store, energy)
-    empty = np.logical_or(*carried.runs_empty(dawns(carried)))
-    assert empty == pytest.approx(unserved > 1e-9 * energy)
-
-
 def test_days_that_never_settle_are_marched_one_after_the_other():
     # Never empty, never full: each day's end depends on all days before.
     clearness = 0.6 + 0.02 * np.sin(np.arange(30.0))

@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import exp, inf, log, nan
 
-import builders
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
-from missions.mission import Mission
 from sizing.energy.battery import (
     Battery,
     ChargeLimit,
@@ -22,7 +19,7 @@ from sizing.energy.battery import (
     Store,
     TableChargeLimit,
 )
-from sizing.energy.cycle import Cycle, Status, equal_power, simulate_cycle
+from sizing.energy.cycle import Status, equal_power, simulate_cycle
 from sizing.sunlight import day_axis_h
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
@@ -267,12 +264,17 @@ def test_sun_that_never_reaches_the_load_lacks_all_hours() -> None:
     assert cycle.status == Status.limited
 
 
+# 12 h at 200 W of sun, load 50 W: night 12 h * 50 W / 0.97 = 618.6 Wh.
+EDGE_H = 1e-7
+SQUARE_DAY = (
+    np.array([0.0, 6.0, 6.0 + EDGE_H, 18.0, 18.0 + EDGE_H, 24.0]),
+    np.array([0.0, 0.0, 200.0, 200.0, 0.0, 0.0]),
+    np.full(6, 50.0),
+)
+
+
 def test_square_day_by_hand() -> None:
-    # 12 h at 200 W of sun, load 50 W: night 12 h * 50 W / 0.97 = 618.6 Wh out of 1000 Wh.
-    edge = 1e-7
-    time = np.array([0.0, 6.0, 6.0 + edge, 18.0, 18.0 + edge, 24.0])
-    solar = np.array([0.0, 0.0, 200.0, 200.0, 0.0, 0.0])
-    cycle = simulate_cycle(time, solar, np.full(6, 50.0), Store.of(battery(1000.0)))
+    cycle = simulate_cycle(*SQUARE_DAY, Store.of(battery(1000.0)))
     left = 1000.0 - 600.0 / 0.97
     # By hand, but for the width of the edges: 1e-7 h times 200 W.
     assert float(cycle.minimum_state_of_charge) == pytest.approx(left / 1000.0, abs=1e-7)
@@ -285,27 +287,19 @@ def test_square_day_by_hand() -> None:
     assert float(a.curtailed_wh) == pytest.approx(150.0 * (12.0 - charging_h), abs=1e-3)
     assert float(a.charge_loss_wh) == pytest.approx(0.05 * 150.0 * charging_h, abs=1e-3)
     assert float(a.discharge_loss_wh) == pytest.approx(600.0 / 0.97 * 0.03, abs=1e-3)
+    # A battery of 400 Wh lasts 400 * 0.97 / 50 = 7.76 h of the 12.
+    small = simulate_cycle(*SQUARE_DAY, Store.of(battery(400.0)))
+    assert float(small.excess_time_h) == pytest.approx(-(12.0 - 7.76), abs=1e-5)
+    assert float(small.missing_h) == pytest.approx(4.24, abs=1e-5)
 
 
-def test_negative_excess_time_by_hand() -> None:
-    # The same day with a battery of 400 Wh: it lasts 400 * 0.97 / 50 = 7.76 h of the 12.
-    edge = 1e-7
-    time = np.array([0.0, 6.0, 6.0 + edge, 18.0, 18.0 + edge, 24.0])
-    solar = np.array([0.0, 0.0, 200.0, 200.0, 0.0, 0.0])
-    cycle = simulate_cycle(time, solar, np.full(6, 50.0), Store.of(battery(400.0)))
-    # By hand, but for the width of the edges.
-    assert float(cycle.excess_time_h) == pytest.approx(-(12.0 - 7.76), abs=1e-5)
-    assert float(cycle.missing_h) == pytest.approx(4.24, abs=1e-5)
-
-
-def test_equal_power_is_of_the_nominal_load() -> None:
-    thermals = with_thermals(40.0, 0.8)
-    plain = simulate_cycle(TIME, sun(47.6, 196), constant_load(40.0), Store.of(battery(732.0)))
-    rough = simulate_cycle(
-        TIME, sun(47.6, 196), thermals, Store.of(battery(732.0)), nominal_load_w=40.0
-    )
-    assert rough.equal_power_morning_h == plain.equal_power_morning_h
-    assert rough.equal_power_evening_h == plain.equal_power_evening_h
+def test_equal_power_is_of_the_nominal_load_which_is_the_least_load_by_default() -> None:
+    solar, rough, store = sun(47.6, 196), with_thermals(40.0, 0.8), Store.of(battery(732.0))
+    plain = simulate_cycle(TIME, solar, constant_load(40.0), store)
+    told = simulate_cycle(TIME, solar, rough, store, nominal_load_w=40.0)
+    assert told.equal_power_morning_h == plain.equal_power_morning_h
+    assert told.equal_power_evening_h == plain.equal_power_evening_h
+    assert simulate_cycle(TIME, solar, rough, store).excess_time_h == told.excess_time_h
 
 
 def test_equal_power_of_two_suns_is_the_first_rise_and_the_last_fall() -> None:
@@ -315,15 +309,6 @@ def test_equal_power_of_two_suns_is_the_first_rise_and_the_last_fall() -> None:
     # Straight lines by hand: -1 to 3 over 4 h is zero after 1 h, 1 to -3 after 1 h.
     assert float(found.morning_h) == pytest.approx(5.0, abs=1e-12)
     assert float(found.evening_h) == pytest.approx(17.0, abs=1e-12)
-
-
-def test_nominal_load_defaults_to_the_least_load() -> None:
-    rough = with_thermals(40.0, 0.5)
-    by_default = simulate_cycle(TIME, sun(47.6, 196), rough, Store.of(battery(732.0)))
-    told = simulate_cycle(
-        TIME, sun(47.6, 196), rough, Store.of(battery(732.0)), nominal_load_w=rough.min()
-    )
-    assert by_default.excess_time_h == told.excess_time_h
 
 
 # ---- directions
@@ -341,24 +326,14 @@ def excess(solar: FloatArray, load: float, pack: Battery) -> float:
 
 @settings(max_examples=20, deadline=None)
 @given(latitude=latitudes, day=days, load=loads, more=st.floats(1.0, 1.5), limit=limits)
-def test_excess_time_grows_with_module_area(
+def test_excess_time_grows_with_module_area_and_falls_with_the_load(
     latitude: float, day: int, load: float, more: float, limit: ChargeLimit
 ) -> None:
-    power = sun(latitude, day)
-    pack = battery(732.0, limit)
+    power, pack = sun(latitude, day), battery(732.0, limit)
+    here = excess(power, load, pack)
     # Interpolation of the limit within 5 min may differ by 1e-4 of the charge, 0.002 h.
-    assert excess(power * more, load, pack) >= excess(power, load, pack) - 2e-3
-
-
-@settings(max_examples=20, deadline=None)
-@given(latitude=latitudes, day=days, load=loads, more=st.floats(1.0, 1.5), limit=limits)
-def test_excess_time_falls_with_the_load(
-    latitude: float, day: int, load: float, more: float, limit: ChargeLimit
-) -> None:
-    power = sun(latitude, day)
-    pack = battery(732.0, limit)
-    # As for the module area.
-    assert excess(power, load * more, pack) <= excess(power, load, pack) + 2e-3
+    assert excess(power * more, load, pack) >= here - 2e-3
+    assert excess(power, load * more, pack) <= here + 2e-3
 
 
 @settings(max_examples=20, deadline=None)
@@ -379,111 +354,3 @@ def test_excess_time_grows_with_the_battery_at_equal_load(
     small, large = (excess(power, load, battery(e, limit)) for e in (energy, energy * more))
     # As for the module area.
     assert large >= small - 2e-3
-
-
-@settings(max_examples=20, deadline=None)
-@given(latitude=latitudes, day=days, load=loads, energy=st.floats(50.0, 2000.0))
-def test_no_limit_is_never_worse_than_a_limit(
-    latitude: float, day: int, load: float, energy: float
-) -> None:
-    power = sun(latitude, day)
-    free = excess(power, load, battery(energy))
-    for limit in (RuleChargeLimit(), MEASURED):
-        # Rounding of the clock's table: 1e-9 of the charge at the longest nights.
-        assert free >= excess(power, load, battery(energy, limit)) - 1e-6
-
-
-def test_battery_whose_charger_starts_slowly_is_judged_from_empty() -> None:
-    # A charger that trickles into an empty battery: started empty, this one never gets off the
-    # ground, started full it would fly for ever. The excess time is defined from empty. To refuse
-    # such a table is right as well.
-    try:
-        trickle = TableChargeLimit(
-            state_of_charge=(0.0, 0.2, 0.3, 1.0),
-            current_a=(0.05, 0.05, 10.0, 10.0),
-            voltage_v=25.0,
-            pack_energy_wh=732.0,
-        )
-    except ValidationError:
-        return
-    solar, load = sun(47.6, 196), constant_load(43.0)
-    expected = slow_cycle(TIME, solar, load, 43.0, battery(732.0, trickle))
-    assert expected.excess_time_h < 0.0
-    # As for the other cases.
-    assert excess(solar, 43.0, battery(732.0, trickle)) == pytest.approx(
-        expected.excess_time_h, abs=0.01
-    )
-
-
-# ---- batches
-
-
-def test_batch_of_batteries_suns_and_loads_equals_scalar_loops() -> None:
-    energies = np.array([[200.0], [732.0], [1500.0]])
-    places = [(47.6, 196), (0.0, 80), (70.0, 172), (47.6, 355)]
-    solar = np.stack([sun(*place) for place in places])
-    nominal = np.array([30.0, 40.0, 20.0, 35.0])
-    load = nominal[:, np.newaxis] * np.ones_like(TIME)
-    one = battery(732.0, MEASURED)
-    batch = simulate_cycle(TIME, solar, load, Store.of(one, energies), nominal_load_w=nominal)
-    assert batch.excess_time_h.shape == (3, 4)
-    assert batch.energy_wh.shape == (3, 4, len(TIME))
-    names = [
-        n for n in Cycle.__dataclass_fields__ if n not in ("energy_budget", "time_h", "energy_wh")
-    ]
-    for (i, j), _ in np.ndenumerate(batch.excess_time_h):
-        store = Store.of(one, energies[i, 0])
-        single = simulate_cycle(TIME, solar[j], load[j], store, nominal_load_w=nominal[j])
-        for name in names:
-            # The same arithmetic element by element: rounding.
-            np.testing.assert_allclose(
-                getattr(batch, name)[i, j], getattr(single, name), rtol=1e-9, atol=1e-9
-            )
-
-
-# ---- time step
-
-
-def mission(latitude: float, date: str) -> Mission:
-    return builders.mission(latitude_deg=latitude, dates={"on": date}, altitude_m=500.0)
-
-
-STEP_CASES = [
-    (latitude, day, energy, load, limit)
-    for latitude, day in ((0.0, 80), (30.0, 355), (47.6, 196), (60.0, 130), (66.0, 172), (-45.0, 1))
-    for energy, load in ((300.0, 25.0), (732.0, 43.0), (1400.0, 36.0))
-    for limit in (NoChargeLimit(), RuleChargeLimit(), MEASURED)
-]
-
-
-@pytest.mark.parametrize(
-    ("latitude", "day", "energy", "load", "limit"),
-    STEP_CASES,
-    ids=[f"{c[0]:g}deg-day{c[1]}-{c[2]:g}Wh-{c[4].kind}" for c in STEP_CASES],
-)
-def test_halving_the_time_step_changes_nothing(
-    latitude: float, day: int, energy: float, load: float, limit: ChargeLimit
-) -> None:
-    found = []
-    for time in (day_axis_h(), day_axis_h(1.0 / 24.0)):
-        solar = sun(latitude, day, time)
-        store = Store.of(battery(energy, limit))
-        found.append(simulate_cycle(time, solar, np.full_like(time, load), store))
-    coarse, fine = found
-    # Three digits are promised. Hours near zero have no digits to keep: 0.005 h, 18 s, is a
-    # sixteenth of the step. A state of charge near zero: 5e-4, a twentieth of a percent.
-    for name, floor in (
-        ("excess_time_h", 0.005),
-        ("charge_margin_h", 0.005),
-        ("equal_power_morning_h", 0.005),
-        ("equal_power_evening_h", 0.005),
-        ("full_charge_h", 0.005),
-        ("minimum_state_of_charge", 5e-4),
-    ):
-        assert float(getattr(coarse, name)) == pytest.approx(
-            float(getattr(fine, name)), rel=1e-3, abs=floor, nan_ok=True
-        ), name
-    # Energies of the day relative to the sun's: the same three digits.
-    for name in ("solar_wh", "curtailed_wh", "charge_loss_wh", "discharge_loss_wh", "unserved_wh"):
-        difference = getattr(coarse.energy_budget, name) - getattr(fine.energy_budget, name)
-        assert abs(float(difference)) <= 1e-3 * float(fine.energy_budget.solar_wh), name

@@ -197,14 +197,8 @@ def test_endurance_grows_with_battery_energy_and_agrees_with_the_cycle(limit: Ch
 def test_batch_equals_scalars() -> None:
     loads = np.array([30.0, 43.0, 60.0, 43.0])
     energies = np.array([200.0, 300.0, 900.0, 250.0])
-    solar = np.stack(
-        [
-            sun(47.6, 355, HOURLY),
-            sun(47.6, 196, HOURLY),
-            sun(0.0, 80, HOURLY),
-            sun(47.6, 196, HOURLY),
-        ]
-    )
+    places = ((47.6, 355), (47.6, 196), (0.0, 80), (47.6, 196))
+    solar = np.stack([sun(*place, HOURLY) for place in places])
     watts = loads[:, np.newaxis] * np.ones_like(HOURLY)
     batch = longest_flight(HOURLY, solar, watts, Store.of(battery(1.0), energies))
     for i in range(4):

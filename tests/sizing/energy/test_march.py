@@ -103,14 +103,6 @@ def test_positive_part_is_the_integral_of_the_positive_part(
     assert found == pytest.approx(expected * hours, rel=1e-7, abs=1e-8)
 
 
-@given(left=powers, right=powers)
-def test_positive_and_negative_part_add_up_to_the_mean(left: float, right: float) -> None:
-    a, b = np.asarray(left), np.asarray(right)
-    net = positive_part_wh(a, b, 2.0) - positive_part_wh(-a, -b, 2.0)
-    # Rounding of squares that cancel.
-    assert float(net) == pytest.approx(left + right, abs=1e-9)
-
-
 @given(left=st.floats(-500.0, -0.01), right=st.floats(0.01, 500.0))
 def test_crossing_is_where_the_line_is_zero(left: float, right: float) -> None:
     s = float(crossing_fraction(np.asarray(left), np.asarray(right)))
@@ -350,28 +342,3 @@ def test_cycle_is_what_repetition_from_empty_leads_to(case: Case) -> None:
     # to the tolerance of the search, divided by one cycle's contraction.
     difference = np.abs(found - energy) / store.battery_energy_wh
     assert np.all(difference[settled] <= 1e-6)
-
-
-@settings(max_examples=30, deadline=None)
-@given(case=cases())
-def test_batch_equals_its_elements(case: Case) -> None:
-    batch = simulate_cycle(*case)
-    for index in np.ndindex(case.solar_w.shape[:-1]):
-        store = Store(
-            np.asarray(case.store.battery_energy_wh[index]),
-            case.store.charge_efficiency,
-            case.store.discharge_efficiency,
-            case.store.clock,
-        )
-        one = simulate_cycle(case.time_h, case.solar_w[index], case.load_w[index], store)
-        for name in ("excess_time_h", "charge_margin_h", "full_charge_h", "missing_h", "status"):
-            # The same arithmetic per element, in arrays of another length: rounding.
-            np.testing.assert_allclose(
-                getattr(batch, name)[index], getattr(one, name), rtol=1e-9, atol=1e-9, err_msg=name
-            )
-        np.testing.assert_allclose(
-            batch.energy_wh[index],
-            one.energy_wh,
-            rtol=0.0,
-            atol=1e-9 * float(store.battery_energy_wh),
-        )

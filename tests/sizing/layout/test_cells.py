@@ -6,7 +6,7 @@ from itertools import combinations
 from typing import Any
 
 import pytest
-from builders import DESIGN, aircraft
+from builders import DESIGN, aircraft, shipped_mission
 
 import sizing
 from missions.files.errors import InputError
@@ -49,7 +49,6 @@ def test_atlantiksolar_holds_its_88_cells_around_the_joints() -> None:
     # 1.35 m2 are published for the 88 cells, rounded to three digits.
     assert plane.modules.area_m2 == pytest.approx(1.35, abs=0.005)
     layout = plane.modules.layout
-    assert layout is not None
     # No cell more would fit: the published count is that of full rows.
     assert layout.capacity(plane.wing) == 44
 
@@ -64,24 +63,13 @@ def test_solong_holds_its_76_cells_without_gaps(gap_m: float, count: int) -> Non
 
 def test_sky_sailor_holds_its_216_cells() -> None:
     # Published: 216 cells, 0.51 m2, hence 23.6 cm2 each; the outline is assumed, 32 mm by 74 mm.
-    bays = [{"cells": [18] * 6}]
-    plane = sizing.load_aircraft(
-        "sky-sailor",
-        {
-            "modules.layout": {
-                "cell_span_m": 0.074,
-                "cell_chord_m": 0.032,
-                "cell_area_m2": 0.51 / 216,
-                "bays": bays,
-            }
-        },
-    )
+    outline = {"cell_span_m": 0.074, "cell_chord_m": 0.032, "cell_area_m2": 0.51 / 216}
+    layout = {"modules.layout": outline | {"bays": [{"cells": [18] * 6}]}}
+    plane = sizing.load_aircraft("sky-sailor", layout)
     assert len(plane.placed_cells()) == 216
     assert plane.modules.area_m2 == pytest.approx(0.51, abs=0.005)
-    layout = plane.modules.layout
-    assert layout is not None
     # A rectangle of the wing's area would hold more.
-    assert 2 * layout.capacity(plane.wing) == 294
+    assert 2 * plane.modules.layout.capacity(plane.wing) == 294
 
 
 # ---- Places
@@ -102,7 +90,6 @@ def test_cells_lie_on_the_wing_apart_from_each_other_and_from_keep_outs() -> Non
         ],
     )
     cells, wing, layout = plane.placed_cells(), plane.wing, plane.modules.layout
-    assert layout is not None
     assert len(cells) == layout.count == 46
     assert not any(overlaps(*pair) for pair in combinations(cells, 2))
     chord_m = wing.chord_m
@@ -133,17 +120,9 @@ def test_keep_outs_take_cells_away() -> None:
 
 def test_cells_on_the_tail() -> None:
     # 0.87 m by 0.173 m: six cells of 0.125 m with gaps of 2 mm.
-    bays = [{"cells": [20, 20]}]
-    plane = sizing.load_aircraft(
-        "atlantiksolar-design",
-        {
-            "modules.layout": SUNPOWER | {"bays": bays, "tail_cells": [6]},
-            "modules.area_m2": 86 * 0.015625,
-        },
-    )
-    tail = plane.modules.tail
-    assert tail is not None
-    on_tail = [cell for cell in plane.placed_cells() if cell.front_m > tail.horizontal_aft_m]
+    plane = laid(area_m2=86 * 0.0153436, **SUNPOWER, bays=[{"cells": [20, 20]}], tail_cells=[6])
+    tail_aft_m = plane.modules.tail.horizontal_aft_m
+    on_tail = [cell for cell in plane.placed_cells() if cell.front_m > tail_aft_m]
     assert len(on_tail) == 6
     assert sum(cell.left_m + cell.right_m for cell in on_tail) == pytest.approx(0.0, abs=1e-9)
 
@@ -161,27 +140,25 @@ def test_counts_follow_from_the_middle_outwards() -> None:
 # ---- What follows from a layout
 
 
+def strings(in_series: int, lowest_v: float, most_a: float, **mppt: float) -> dict[str, Any]:
+    window = {"minimum_voltage_v": lowest_v, "maximum_voltage_v": 60.0, "maximum_current_a": most_a}
+    cold_and_hot = {"coldest_c": -20.0, "hottest_c": 70.0}
+    return {"cells_in_series": in_series, "mppt": window | mppt} | cold_and_hot
+
+
+WEIGHED = strings(44, 10.0, 7.0, mass_kg=0.08)
+
+
 def test_area_and_mppt_mass_follow() -> None:
-    strings = {
-        "cells_in_series": 44,
-        "coldest_c": -20.0,
-        "hottest_c": 70.0,
-        "mppt": {
-            "minimum_voltage_v": 10.0,
-            "maximum_voltage_v": 60.0,
-            "maximum_current_a": 7.0,
-            "mass_kg": 0.08,
-        },
-    }
     data = DESIGN.model_dump(mode="json", exclude_unset=True)
     data["modules"] |= {
         "cell": "sunpower-c60",
-        "layout": SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": strings},
+        "layout": SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": WEIGHED},
     }
     del data["modules"]["area_m2"], data["modules"]["mppt_mass_kg_per_w"]
     plane = Aircraft.model_validate(data)
     assert plane.modules.area_m2 == pytest.approx(88 * 0.0153436, rel=1e-12)
-    design = sizing.design_of(plane, sizing_mission())
+    design = sizing.design_of(plane, shipped_mission("rafz-july"))
     assert design.masses.mppt == pytest.approx(2 * 0.08, rel=1e-12)
     assert design.masses.modules == pytest.approx(0.59 * 88 * 0.0153436, rel=1e-12)
     # What follows is not written to a file, and follows again when it is read.
@@ -190,36 +167,12 @@ def test_area_and_mppt_mass_follow() -> None:
     assert Aircraft.model_validate(again) == plane
 
 
-def sizing_mission() -> Any:
-    from missions.library import load_mission
-
-    return load_mission("rafz-july")
-
-
 def test_half_a_cell_has_half_the_current() -> None:
     half = {"cell_span_m": 0.125, "cell_chord_m": 0.0625, "cell_area_m2": 0.0153436 / 2.0}
-    strings = {
-        "cells_in_series": 22,
-        "coldest_c": -20.0,
-        "hottest_c": 70.0,
-        "mppt": {
-            "minimum_voltage_v": 5.0,
-            "maximum_voltage_v": 60.0,
-            "maximum_current_a": 3.0,
-        },
-    }
-    plane = sizing.load_aircraft(
-        "atlantiksolar-design",
-        {
-            "modules.cell": "sunpower-c60",
-            "modules.layout": half | {"bays": [{"cells": [44] * 4}], "strings": strings},
-            "airframe.wingspan_m": 11.3,
-            "modules.area_m2": 352 * 0.0153436 / 2.0,
-        },
-    )
-    layout = plane.modules.layout
-    assert layout is not None
-    assert layout.strings is not None
+    rows = {"bays": [{"cells": [44] * 4}], "strings": strings(22, 5.0, 3.0)}
+    changes = {"modules.cell": "sunpower-c60", "modules.layout": half | rows}
+    changes |= {"airframe.wingspan_m": 11.3, "modules.area_m2": 352 * 0.0153436 / 2.0}
+    layout = sizing.load_aircraft("atlantiksolar-design", changes).modules.layout
     assert layout.strings.mpp_current_a == pytest.approx(5.93 / 2.0)
 
 
@@ -296,22 +249,8 @@ def test_no_value_is_a_traceback(key: str, value: Any) -> None:
 
 
 def test_mass_of_the_mppts_is_given_once() -> None:
-    strings = {
-        "cells_in_series": 44,
-        "coldest_c": -20.0,
-        "hottest_c": 70.0,
-        "mppt": {
-            "minimum_voltage_v": 10.0,
-            "maximum_voltage_v": 60.0,
-            "maximum_current_a": 7.0,
-            "mass_kg": 0.08,
-        },
-    }
+    layout = SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": WEIGHED}
     with pytest.raises(InputError, match=r"modules\.mppt_mass_kg_per_w: leave it out"):
         sizing.load_aircraft(
-            "atlantiksolar-design",
-            {
-                "modules.cell": "sunpower-c60",
-                "modules.layout": SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": strings},
-            },
+            "atlantiksolar-design", {"modules.cell": "sunpower-c60", "modules.layout": layout}
         )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import io
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +16,6 @@ from propulsors import aircraft
 from pydantic import ValidationError
 
 from missions.air import standard_air
-from sizing.aerodynamics.parabolic import DragPolar
 from sizing.energy.battery_voltage import BatteryVoltage
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
@@ -91,73 +92,49 @@ def test_part_load_of_the_controller_costs_at_high_voltage() -> None:
     assert np.all(same.controller_efficiency == 1.0)
 
 
+def table_9x6() -> Propulsor:
+    return Propulsor(read_propeller(sorted(UIUC.glob("apce_9x6_rd*.txt"))), RE40, CONTROLLER)
+
+
+def table_10x7() -> Propulsor:
+    run = UIUC / "apce_10x7_pg0818_6519.txt"
+    return Propulsor(read_propeller(run, any_speed=True), RE40, CONTROLLER)
+
+
+def limited(**limits: float) -> Propulsor:
+    return Propulsor(SIZE, motor(**limits), CONTROLLER, GEAR)
+
+
 @pytest.mark.parametrize(
-    ("propulsor", "thrust", "airspeed", "bus", "reason"),
+    ("propulsor", "thrust_airspeed_bus", "reason"),
     [
-        (
-            PROPULSOR,
-            2.67,
-            8.4,
-            12.0,
-            "bus voltage 12 V is below 15.26 V, which 4592 rpm of the motor",
-        ),
-        (
-            Propulsor(SIZE, motor(maximum_current_a=1.0), CONTROLLER, GEAR),
-            2.67,
-            8.4,
-            22.0,
-            "motor current 2.2 A is above 1.0 A, the motor's limit",
-        ),
-        (
-            Propulsor(SIZE, motor(maximum_power_w=30.0), CONTROLLER, GEAR),
-            2.67,
-            8.4,
-            22.0,
-            "motor power 33.3 W is above 30.0 W, the motor's limit",
-        ),
+        (PROPULSOR, (2.67, 8.4, 12.0), "12 V is below 15.26 V, which 4592 rpm of the motor"),
+        (limited(maximum_current_a=1.0), (2.67, 8.4, 22.0), "motor current 2.2 A is above 1.0 A"),
+        (limited(maximum_power_w=30.0), (2.67, 8.4, 22.0), "motor power 33.3 W is above 30.0 W"),
         (
             Propulsor(SIZE, motor(), CONTROLLER, maximum_tip_mach=0.3),
-            60.0,
-            8.4,
-            500.0,
+            (60.0, 8.4, 500.0),
             "is above 0.3: a larger propeller turns slower",
         ),
         (
-            Propulsor(
-                read_propeller(UIUC / "apce_10x7_pg0818_6519.txt", any_speed=True), RE40, CONTROLLER
-            ),
-            500.0,
-            12.0,
-            22.0,
+            table_10x7(),
+            (500.0, 12.0, 22.0),
             "N, the most at 12 m/s in the propeller's data (J from 0.376 to 0.869)",
         ),
         (
-            Propulsor(read_propeller(sorted(UIUC.glob("apce_9x6_rd*.txt"))), RE40, CONTROLLER),
-            2.0,
-            30.0,
-            22.0,
+            table_9x6(),
+            (2.0, 30.0, 22.0),
             "an airspeed of 30 m/s lies outside the propeller's data (J from 0.095 to 0.804 and "
             "from 4003 to 6701 rpm)",
         ),
-        (
-            PROPULSOR,
-            1.0,
-            200.0,
-            22.0,
-            "the propeller brakes at 200 m/s, at every speed of rotation",
-        ),
-        (
-            Propulsor(read_propeller(sorted(UIUC.glob("apce_9x6_rd*.txt"))), RE40, CONTROLLER),
-            0.2,
-            5.0,
-            22.0,
-            "thrust 0.2 N is below 1.18 N, the least at 5 m/s in the propeller's data",
-        ),
+        (PROPULSOR, (1.0, 200.0, 22.0), "brakes at 200 m/s, at every speed of rotation"),
+        (table_9x6(), (0.2, 5.0, 22.0), "thrust 0.2 N is below 1.18 N, the least at 5 m/s"),
     ],
 )
 def test_what_cannot_be_done_has_a_reason(
-    propulsor: Propulsor, thrust: float, airspeed: float, bus: float, reason: str
+    propulsor: Propulsor, thrust_airspeed_bus: tuple[float, float, float], reason: str
 ) -> None:
+    thrust, airspeed, bus = thrust_airspeed_bus
     point = operating_point(propulsor, thrust, airspeed, AIR, bus)
     assert reason in str(point.reason)
     assert not point.feasible
@@ -178,18 +155,6 @@ def test_a_gap_between_two_speeds_is_told(tmp_path: Path) -> None:
         "thrust 3 N at 3.75 m/s lies in a gap of the propeller's data"
     )
     assert point.reason[1].startswith("thrust 500 N is above 10.7 N, the most at 3.75 m/s")
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"wiring_resistance_ohm": -1.0}, r"wiring_resistance_ohm must be 0 or more \(got -1.0\)"),
-        ({"maximum_tip_mach": 1.5}, r"maximum_tip_mach must be above 0 and below 1 \(got 1.5\)"),
-    ],
-)
-def test_what_is_no_propulsor_is_refused(values: dict, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Propulsor(SIZE, RE40, CONTROLLER, **values)
 
 
 def test_the_voltage_told_is_the_least_that_does() -> None:
@@ -217,20 +182,6 @@ def test_static_thrust() -> None:
     assert point.bus_power_w > 0.0
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((0.0, 8.0, AIR, 22.0), r"thrust_n must be above 0 \(got 0\)"),
-        (([1.0, np.nan], 8.0, AIR, 22.0), "thrust_n must be above 0"),
-        ((1.0, -8.0, AIR, 22.0), "airspeed_m_per_s must be 0 or more"),
-        ((1.0, 8.0, AIR, 0.0), "bus_voltage_v must be above 0"),
-    ],
-)
-def test_numbers_out_of_range_are_refused(arguments: tuple, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        operating_point(PROPULSOR, *arguments)
-
-
 def test_no_load_current_may_rise_with_speed() -> None:
     still, fast = (
         motor(no_load_current_rise_a_per_1000_rpm=0.1).state(rpm, 0.05) for rpm in (0, 5e3)
@@ -249,18 +200,39 @@ def test_parts_of_one_efficiency_have_it_at_every_load() -> None:
     assert point.duty == pytest.approx(point.motor_rpm / 300.0 / 22.0)
 
 
+MOTOR_KEYS = {"speed_constant_rpm_per_v": 300.0, "resistance_ohm": 0.3, "no_load_current_a": 0.1}
+SIZE_AND_PARTS = {"propeller": SIZE, "motor": RE40, "controller": CONTROLLER}
+
+
+def without(key: str) -> dict[str, float]:
+    return {other: value for other, value in MOTOR_KEYS.items() if other != key}
+
+
+def point_of(*arguments: Any) -> Any:
+    return operating_point(PROPULSOR, *arguments)
+
+
 @pytest.mark.parametrize(
-    ("part", "values", "message"),
+    ("part", "arguments", "message"),
     [
+        (Propulsor, SIZE_AND_PARTS | {"wiring_resistance_ohm": -1.0}, r"or more \(got -1.0\)"),
+        (Propulsor, SIZE_AND_PARTS | {"maximum_tip_mach": 1.5}, r"and below 1 \(got 1.5\)"),
+        (point_of, (0.0, 8.0, AIR, 22.0), r"thrust_n must be above 0 \(got 0\)"),
+        (point_of, ([1.0, np.nan], 8.0, AIR, 22.0), "thrust_n must be above 0"),
+        (point_of, (1.0, -8.0, AIR, 22.0), "airspeed_m_per_s must be 0 or more"),
+        (point_of, (1.0, 8.0, AIR, 0.0), "bus_voltage_v must be above 0"),
         (Controller, {}, "required key is missing"),
         (Controller, {"efficiency": 0.9, "idle_power_w": 0.1}, "not both .got 0.1"),
-        (Motor, {"efficiency": 0.8, "resistance_ohm": 0.1}, "not both .got 0.1"),
-        (Motor, {"resistance_ohm": 0.0, "no_load_current_a": 0.1}, "greater than 0"),
+        (Motor, MOTOR_KEYS | {"efficiency": 0.8}, "not both .got 0.3"),
+        (Motor, MOTOR_KEYS | {"resistance_ohm": 0.0}, "greater than 0"),
+        *((Motor, without(key), f"{key}|required key is missing") for key in MOTOR_KEYS),
     ],
 )
-def test_losses_or_one_efficiency(part: type, values: dict, message: str) -> None:
-    with pytest.raises(ValidationError, match=message):
-        part(**({"speed_constant_rpm_per_v": 300.0} if part is Motor else {}), **values)
+def test_parts_and_points_that_cannot_be_are_refused(
+    part: Any, arguments: Any, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        part(**arguments) if isinstance(arguments, dict) else part(*arguments)
 
 
 def test_controller_by_hand() -> None:
@@ -290,14 +262,6 @@ def test_battery_voltage() -> None:
 def test_bad_table_of_voltages(charge: tuple, volts: tuple, message: str) -> None:
     with pytest.raises(ValidationError, match=message):
         BatteryVoltage(cells_in_series=6, state_of_charge=charge, cell_voltage_v=volts)
-
-
-@pytest.mark.parametrize("key", ["speed_constant_rpm_per_v", "resistance_ohm", "no_load_current_a"])
-def test_motor_without_its_constants(key: str) -> None:
-    values = {"speed_constant_rpm_per_v": 300.0, "resistance_ohm": 0.3, "no_load_current_a": 0.1}
-    del values[key]
-    with pytest.raises(ValidationError, match=f"{key}|required key is missing"):
-        Motor(**values)
 
 
 def test_example_of_the_page() -> None:
@@ -335,28 +299,18 @@ def test_a_motor_of_150_rpm_per_volt_cannot_turn_that_propeller() -> None:
 def test_power_of_sky_sailor() -> None:
     # 2.44 kg at the lift coefficient and with the drag of the method, at 500 m.
     polar, air = SKY_SAILOR.airframe.aerodynamics, standard_air(500.0)
-    assert isinstance(polar, DragPolar)
     lift = polar.lift_coefficient
     v = float(np.sqrt(2 * 2.44 * 9.81 / (air.density_kg_per_m3 * 0.776 * lift)))
     drag_coefficient = 0.0126 + 0.006 + lift**2 / (np.pi * 0.9 * 13.2)
     thrust = 2.44 * 9.81 * drag_coefficient / lift
     assert thrust * v / (0.95 * 0.85 * 0.97 * 0.85) + 2.0 / 0.65 == pytest.approx(16.1, abs=0.05)
     # Its propeller's efficiency of 0.85 is beyond any of model propellers' sections of its size.
-    best = max(
-        float(
-            operating_point(
-                Propulsor(
-                    BladeElementPropeller(d, d * ratio), RE40, Controller(resistance_ohm=0.0)
-                ),
-                thrust,
-                v,
-                air,
-                100.0,
-            ).propeller_efficiency
-        )
-        for d in (0.4, 0.5, 0.6, 0.7)
-        for ratio in (0.8, 1.0, 1.2, 1.4)
-    )
+    efficiencies = []
+    for d, ratio in product((0.4, 0.5, 0.6, 0.7), (0.8, 1.0, 1.2, 1.4)):
+        own = Propulsor(BladeElementPropeller(d, d * ratio), RE40, Controller(resistance_ohm=0.0))
+        found = operating_point(own, thrust, v, air, 100.0)
+        efficiencies.append(float(found.propeller_efficiency))
+    best = max(efficiencies)
     assert best == pytest.approx(0.797, abs=2e-3)
     assert thrust * v / (0.95 * 0.85 * 0.97 * best) + 2.0 / 0.65 == pytest.approx(17.0, abs=0.05)
 

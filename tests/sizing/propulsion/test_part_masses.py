@@ -78,11 +78,9 @@ def test_a_gear_has_the_torque_of_the_rated_power() -> None:
     own = aircraft(climb_power_ratio=8.0)
     analysis = sizing.analyse(own, MISSION)
     point = analysis.power_budget.point
-    assert point is not None
     # With the cube of the speed grows the power, with the square the torque.
     torque_nm = float(point.propeller_torque_nm) * 8.0 ** (2.0 / 3.0)
     masses = analysis.part_masses
-    assert masses is not None
     assert masses.gearbox_kg == pytest.approx(gear_mass_kg(torque_nm, 5.0), rel=1e-6)
     assert masses.motor_kg == pytest.approx(motor_mass_fit().mass_kg(30.0 / np.pi / 317 * 5.863))
     text = " ".join(str(analysis.summary()).split())
@@ -125,14 +123,11 @@ def test_a_propeller_without_a_mass_has_that_of_its_diameter() -> None:
     # The gear grows with the torque that the heavier aircraft needs.
     assert float(more_kg) == pytest.approx(propeller_mass_fit().mass_kg(0.66), rel=0.05)
     told = sizing.analyse(estimated, MISSION).part_masses
-    assert told is not None
     assert told.propeller_kg == pytest.approx(propeller_mass_fit().mass_kg(0.66))
     # Where the file says how the whole group grows nothing is estimated.
     grouped = aircraft(propeller=propeller, mass_kg_per_w=0.002).propulsion_by_parts
-    assert grouped is not None
     assert grouped.propeller_kg == 0.0
     known = aircraft(propeller={"product": "apc-26x15e"}).propulsion_by_parts
-    assert known is not None
     assert known.propeller_kg == pytest.approx(0.214, abs=1e-3)
 
 

@@ -75,14 +75,12 @@ def sized() -> sizing.SizingStudy:
 
 def test_no_winding_of_a_scan_is_better(sized: sizing.SizingStudy) -> None:
     assert sized.feasible
-    assert sized.design is not None
     best = float(sized.design.variables.motor_speed_constant_rpm_per_v)
 
     def lightest_kg(share: float) -> float:
         wound = MOTOR.rewound(share * best).model_dump(exclude_none=True)
         given = aircraft({"airframe.propulsion": PARTS | {"motor": wound}})
         study = sizing.size(given, MISSION, objective="min_mass", required_excess_time_h=3.0)
-        assert study.design is not None
         return float(study.design.total_mass_kg)
 
     masses = [lightest_kg(share) for share in (1.01, 1.1, 1.4)]
@@ -100,7 +98,6 @@ def test_the_winding_is_limited_by_the_empty_battery(sized: sizing.SizingStudy) 
 
 
 def test_the_sized_file_has_the_motor_that_was_wound(sized: sizing.SizingStudy) -> None:
-    assert sized.design is not None
     built = sized.sized_aircraft()
     motor = built.airframe.propulsion.own_motor  # type: ignore[union-attr]  # of parts
     found = float(sized.design.variables.motor_speed_constant_rpm_per_v)

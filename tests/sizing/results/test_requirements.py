@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from builders import AS2, DESIGN
+from propulsors import VOLTAGE, aircraft
 
 import sizing
 from missions.library import load_mission
@@ -13,14 +14,6 @@ from sizing.design import parametric_design
 from sizing.results.requirements import requirement_margins, requirement_table
 
 MISSION = load_mission("rafz-july", {"wind_m_per_s": 4.0})
-PARTS: dict[str, Any] = {
-    "kind": "operating_point",
-    "propeller": {"diameter_m": 0.66, "pitch_m": 0.60},
-    "gear": {"ratio": 5.0, "efficiency": 0.96},
-    "motor": "maxon-re40-148867",
-    "controller": {"resistance_ohm": 0.02},
-}
-VOLTAGE = {"cells_in_series": 6, "state_of_charge": [0.0, 1.0], "cell_voltage_v": [3.2, 4.2]}
 
 
 def margins(aircraft: sizing.Aircraft, **mission: Any) -> dict[str, Any]:
@@ -75,13 +68,14 @@ def test_climb_is_that_of_the_highest_altitude() -> None:
 
 
 def test_an_empty_battery_climbs_with_what_its_voltage_allows() -> None:
-    values = {"battery.voltage": VOLTAGE, "airframe.propulsion": PARTS}
-    own = sizing.load_aircraft("atlantiksolar-design", values)
-    found = margins(own)
+    empty, full = (
+        VOLTAGE | {"state_of_charge": [0.0, 1.0], "cell_voltage_v": [least_v, 4.2]}
+        for least_v in (3.2, 3.6)
+    )
+    own = aircraft(voltage=empty)
+    found, better = margins(own), margins(aircraft(voltage=full))
     climb = found["climb_rate_with_empty_battery_m_per_s"].value
     assert climb > 0.0
-    full = {"battery.voltage": VOLTAGE | {"cell_voltage_v": [3.6, 4.2]}}
-    better = margins(sizing.load_aircraft("atlantiksolar-design", values | full))
     assert better["climb_rate_with_empty_battery_m_per_s"].value > climb
     assert better["duty"].value < found["duty"].value < 1.0
     assert found["motor_current"].limit == 6.0

@@ -80,48 +80,41 @@ def test_correlated_inputs_go_together_and_have_no_indices():
     assert "Inputs are correlated" in " ".join(str(found).split())
 
 
+def pairs(keys, coefficients):
+    """Correlations of the first with the second, the second with the third and so on around."""
+    around = zip(keys, [*keys[1:], keys[0]], coefficients, strict=False)
+    return [{"between": [one, other], "coefficient": value} for one, other, value in around]
+
+
+EFFICIENCY = "modules.efficiency_stc"
+THREE = (EFFICIENCY, "battery.mass_kg", "power.avionics_w")
+
+
 @pytest.mark.parametrize(
     ("inputs", "correlations", "message"),
     [
         ({"battery.mass": {"sigma": 1}}, [], "battery.mass: is no key of the file that holds a nu"),
         ({"name": {"sigma": 1}}, [], "name: is no key of the file that holds a number"),
         (
-            {"modules.efficiency_stc": {"relative_sigma": 0.8}},
+            {EFFICIENCY: {"relative_sigma": 0.8}},
             [],
             "scatters to impossible values, the lowest in 10000 draws",
         ),
         (
-            {"modules.efficiency_stc": {"relative_sigma": 0.01}},
-            [{"between": ["modules.efficiency_stc", "battery.mass_kg"], "coefficient": 0.5}],
+            {EFFICIENCY: {"relative_sigma": 0.01}},
+            pairs(THREE, [0.5]),
             "battery.mass_kg is no uncertain input",
+        ),
+        (
+            {key: {"relative_sigma": 0.01} for key in THREE},
+            pairs(THREE, [0.9, 0.9, -0.9]),
+            "not positive definite",
         ),
     ],
 )
 def test_impossible_inputs_are_refused(inputs, correlations, message):
     with pytest.raises(InputError, match=message):
         sizing.analyse_uncertainty(with_inputs(inputs, correlations), MISSION)
-
-
-def test_correlations_that_contradict_each_other_are_refused():
-    keys = ["battery.mass_kg", "modules.efficiency_stc", "power.avionics_w"]
-    inputs = {key: {"relative_sigma": 0.01} for key in keys}
-    pairs = [
-        {"between": [keys[i], keys[j]], "coefficient": value}
-        for i, j, value in ((0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9))
-    ]
-    with pytest.raises(InputError, match="not positive definite"):
-        sizing.analyse_uncertainty(with_inputs(inputs, pairs), MISSION)
-
-
-def test_the_charge_limit_is_refused_in_words():
-    key = "battery.charge_limit.c_rate_per_h"
-    section = {"inputs": {key: {"relative_sigma": 0.1}}}
-    limit = {"kind": "rule", "c_rate_per_h": 0.5}
-    aircraft = load_aircraft(
-        "atlantiksolar-design", {"battery.charge_limit": limit, "uncertainty": section}
-    )
-    with pytest.raises(ValueError, match=f"{key} is the same for all draws"):
-        sizing.analyse_uncertainty(aircraft, MISSION)
 
 
 def test_calls_are_checked():
@@ -132,6 +125,10 @@ def test_calls_are_checked():
         sizing.analyse_uncertainty(bare, MISSION, model_error=False)
     with pytest.raises(TypeError, match="expected Aircraft"):
         sizing.analyse_uncertainty("atlantiksolar-as2", MISSION)
+    key = "battery.charge_limit.c_rate_per_h"
+    limited = with_inputs({key: {"relative_sigma": 0.1}}, name="atlantiksolar-design")
+    with pytest.raises(ValueError, match=f"{key} is the same for all draws"):
+        sizing.analyse_uncertainty(limited, MISSION)
 
 
 def test_probabilities_are_those_of_a_loop_over_analyses():

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,17 +24,8 @@ def analysis():
         repairs=("2 rows filled between their neighbours",),
     )
     dim = np.where(np.arange(960) // 24 == 20, 0.1, 1.0)  # one dark day
-    record = clear_record(
-        40,
-        first="2001-07-14",
-        ghi=record.ghi * dim,
-        dni=record.dni * dim,
-        dhi=record.dhi * dim,
-        wind_m_per_s=record.wind_m_per_s,
-        temperature_c=record.temperature_c,
-        repairs=record.repairs,
-    )
-    return sizing.analyse_weather(AS2, load_mission("rafz-july"), record)
+    light = {name: getattr(record, name) * dim for name in ("ghi", "dni", "dhi")}
+    return sizing.analyse_weather(AS2, load_mission("rafz-july"), replace(record, **light))
 
 
 def test_the_record_is_json_and_agrees_with_the_frame(analysis):

@@ -13,20 +13,18 @@ from sizing.structures.assessment import FlightEnvelope
 MISSION = missions.load_mission("rafz-july")
 
 
-def envelope(**changes: object) -> FlightEnvelope:
+def analysed(**changes: object) -> sizing.Analysis:
     keys = {f"airframe.structure.{key}": value for key, value in changes.items()}
-    structure = sizing.analyse(
-        sizing.load_aircraft("atlantiksolar-design", keys), MISSION
-    ).structure
-    assert structure is not None
-    assert structure.envelope is not None
-    return structure.envelope
+    return sizing.analyse(sizing.load_aircraft("atlantiksolar-design", keys), MISSION)
+
+
+def envelope(**changes: object) -> FlightEnvelope:
+    return analysed(**changes).structure.envelope
 
 
 def test_numbers_by_hand() -> None:
-    aircraft = sizing.load_aircraft("atlantiksolar-design")
-    flown = sizing.analyse(aircraft, MISSION)
-    one, mass_kg = envelope(), flown.total_mass_kg
+    flown = analysed()
+    one, mass_kg = flown.structure.envelope, flown.total_mass_kg
     area_m2 = 5.65**2 / 18.5
     # Lift at C_L max 1.4 carries the weight at the stall, in air of sea level.
     assert 0.5 * 1.225 * one.stall_speed_m_per_s**2 * area_m2 * 1.4 == pytest.approx(
@@ -70,17 +68,10 @@ def test_manoeuvres_are_limited_by_lift_and_code() -> None:
 
 
 def test_another_structure_has_no_envelope() -> None:
-    aircraft = sizing.load_aircraft(
-        "atlantiksolar-design", {"airframe.structure": {"model": "spar"}}
-    )
+    spar = sizing.load_aircraft("atlantiksolar-design", {"airframe.structure": {"model": "spar"}})
     with pytest.raises(ValueError, match="has no rib_wing"):
-        studies.plot_flight_envelope(sizing.analyse(aircraft, MISSION))
-    drawn = studies.plot_flight_envelope(
-        sizing.analyse(sizing.load_aircraft("atlantiksolar-design"), MISSION)
-    )
-    labels = drawn.axes[0].get_legend_handles_labels()[1]
-    assert labels == [
-        "manoeuvres",
-        "gusts at cruise and dive speed",
-        "limit loads of the structure",
-    ]
+        studies.plot_flight_envelope(sizing.analyse(spar, MISSION))
+    axes = studies.plot_flight_envelope(analysed()).axes[0]
+    manoeuvres, gusts, limits = axes.get_legend_handles_labels()[1]
+    assert (manoeuvres, limits) == ("manoeuvres", "limit loads of the structure")
+    assert gusts == "gusts at cruise and dive speed"

@@ -28,14 +28,8 @@ from sizing.structures.rib_wing_keys import Bracing, WebCore
 G = 9.80665
 WIRE = {"attachment_span_fraction": 0.4, "angle_deg": 15.0}
 # Zephyr's size, in level flight at 18 km.
-INPUTS = StructureInputs(
-    wingspan_m=25.0,
-    aspect_ratio=22.0,
-    total_mass_kg=75.0,
-    span_load_kg=30.0,
-    airspeed_m_per_s=21.0,
-    density_kg_per_m3=0.12,
-)
+INPUTS = StructureInputs(25.0, 22.0, 75.0, 30.0, 21.0, 0.12)
+CALM = {"cruise_gust_m_per_s": 0.0, "dive_gust_m_per_s": 0.0}
 
 
 def rib_wing(**keys: Any) -> RibWingStructure:
@@ -153,8 +147,7 @@ def test_wires_lighten_a_spar_and_add_their_own_mass_to_the_joints() -> None:
 def test_spars_of_braced_wings_are_lighter_as_human_powered_aircraft_have_it() -> None:
     """Cruz, Weight Analysis of the Daedalus Human Powered Aircraft (1989), by AeroSandbox."""
     library = pytest.importorskip("aerosandbox.library.mass_structural")
-    base = {"manoeuvre_load_factor": 1.75 / 1.5, "narrow_caps": True, "web_core": {}}
-    base |= {"cruise_gust_m_per_s": 0.0, "dive_gust_m_per_s": 0.0}
+    base = CALM | {"manoeuvre_load_factor": 1.75 / 1.5, "narrow_caps": True, "web_core": {}}
     inputs = StructureInputs(34.1, 38.0, 104.0, 0.0, 6.8, 1.225)
     size = {"span": 34.1, "chord": 34.1 / 38.0, "vehicle_mass": 104.0, "n_ribs": 100.0}
     masses = {
@@ -178,8 +171,7 @@ def test_spars_of_braced_wings_are_lighter_as_human_powered_aircraft_have_it() -
 
 
 def test_the_load_factor_of_manoeuvres_of_the_file_counts() -> None:
-    calm = {"cruise_gust_m_per_s": 0.0, "dive_gust_m_per_s": 0.0}
-    model = rib_wing(manoeuvre_load_factor=3.1, **calm)
+    model = rib_wing(manoeuvre_load_factor=3.1, **CALM)
     assert model.wing(INPUTS).factors.up == pytest.approx(3.1, rel=0.01)
     assert model.wing(INPUTS).factors.down == pytest.approx(0.4 * 3.1, rel=0.01)
     found = assess(model, INPUTS)
@@ -187,8 +179,7 @@ def test_the_load_factor_of_manoeuvres_of_the_file_counts() -> None:
 
 
 def test_gear_along_the_span_and_no_boom_lighten_a_flying_wing() -> None:
-    keys = {"narrow_caps": True, "web_core": {}, "manoeuvre_load_factor": 2.0}
-    keys |= {"cruise_gust_m_per_s": 0.0, "dive_gust_m_per_s": 0.0}
+    keys = CALM | {"narrow_caps": True, "web_core": {}, "manoeuvre_load_factor": 2.0}
     loaded = INPUTS._replace(span_load_kg=60.0)
     usual, spread = rib_wing(**keys), rib_wing(**keys, landing_gear_span_fraction=0.6667)
     assert spread.breakdown(loaded).spar_caps < 0.7 * usual.breakdown(loaded).spar_caps

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from missions.files.shipped import shipped_names
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.design import Design, DesignVariables, FlightConditions, variables_of
+from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import DesignInFlight
 from sizing.mass_budget import closed_design
 from sizing.performance import performance, performance_of_designs
@@ -168,9 +168,11 @@ def test_all_over_the_design_space_exactly_what_is_outside_is_told(
     found = performance_of_designs(aircraft, where, variables, day=solar_day(aircraft, where))
     texts = cell_texts(flight_checks(aircraft, found), 60)
     peak = float(found.day.specific_power_w_per_m2.max())
-    compared = 0
+    design, compared = found.design, 0
+    with np.errstate(invalid="ignore"):  # of designs that cannot carry themselves
+        parts = structure_parts(aircraft, where, design)
+        both = structure_by_both(aircraft, where, design)
     for number, text in enumerate(texts):
-        design = found.design
         if not np.isfinite(design.total_mass_kg[number]):
             continue
         values = {
@@ -181,13 +183,13 @@ def test_all_over_the_design_space_exactly_what_is_outside_is_told(
             "energy": float(design.battery_energy_wh[number]),
             "constant": float(np.broadcast_to(design.constant_power_w, 60)[number]),
             "peak": peak * float(variables.module_area_m2[number]),
-            "caps": caps_kg(aircraft, where, design, number),
-            "by_models": by_models(aircraft, where, design, number),
+            "caps": 0.0 if parts is None else float(parts.spar_caps[number]),
         }
-        if aircraft is SKY_SAILOR:  # rated at the power of level flight
-            values["caps"] = 0.0
+        if both is not None:
+            own, other = (float(mass[number]) for mass in both.values())
+            values["by_models"] = own / other
         wanted = expected(aircraft, where, values)
-        if aircraft is SKY_SAILOR:
+        if aircraft is SKY_SAILOR:  # rated at the power of level flight
             rate = (values["power"] + values["constant"]) / values["energy"]
             wanted["climb_discharge_rate_per_h of battery"] = outside(rate, -1.0, 3.0)
         given = quantities(from_text(text))
@@ -197,21 +199,6 @@ def test_all_over_the_design_space_exactly_what_is_outside_is_told(
                 compared += 1
         assert given <= wanted.keys()
     assert compared > 200
-
-
-def caps_kg(aircraft: Aircraft, where: Mission, design: Design, number: int) -> float:
-    with np.errstate(invalid="ignore"):  # of a design that cannot carry itself
-        parts = structure_parts(aircraft, where, design)
-    return 0.0 if parts is None else float(parts.spar_caps[number])
-
-
-def by_models(aircraft: Aircraft, where: Mission, design: Design, number: int) -> float:
-    with np.errstate(invalid="ignore"):
-        both = structure_by_both(aircraft, where, design)
-    if both is None:
-        return 1.0
-    own, other = (float(mass[number]) for mass in both.values())
-    return own / other
 
 
 # ---- Single results
@@ -270,7 +257,6 @@ def test_models_of_the_structure_that_differ_are_told_with_both_masses() -> None
     ):
         perf = performance(craft, mission())
         both = structure_by_both(craft, perf.mission, perf.design)
-        assert both is not None
         assert tuple(both) == names
         own, other = (float(mass) for mass in both.values())
         (one,) = (e for e in extrapolations(craft, perf) if e.quantity == "structure_mass_ratio")

@@ -1,7 +1,5 @@
 """Tests of the command line: small commands, odd names, and the command as a process."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -70,17 +68,13 @@ def test_starters_have_parts_of_the_propulsion_in_comments(run: Run, tmp_path: P
     )  # as the constants
 
 
-def test_starters_keep_the_recommended_margin_above_the_stall(run: Run) -> None:
-    run("init", "heron")
-    polar = load_aircraft("heron.yaml").parametric.aerodynamics
-    ratio = polar.maximum_lift_coefficient / polar.flight_lift_coefficient
-    assert ratio**0.5 >= RECOMMENDED_STALL_MARGIN
-
-
-def test_starters_look_where_their_models_were_checked(run: Run) -> None:
+def test_starters_keep_off_the_stall_and_look_where_their_models_were_checked(run: Run) -> None:
     run("init", "heron")
     space, known = load_aircraft("heron.yaml").design_space, ranges()["wingspan_m", "rib_wing"]
     assert (space.wingspan_m.minimum, space.wingspan_m.maximum) == (known.minimum, known.maximum)
+    polar = load_aircraft("heron.yaml").parametric.aerodynamics
+    ratio = polar.maximum_lift_coefficient / polar.flight_lift_coefficient
+    assert ratio**0.5 >= RECOMMENDED_STALL_MARGIN
 
 
 def test_starters_overwrite_nothing(run: Run, tmp_path: Path) -> None:
@@ -111,6 +105,12 @@ def test_starters_of_a_file_name(run: Run, tmp_path: Path, name: str) -> None:
     assert run("validate", *files(tmp_path)).code == 0
 
 
+@pytest.mark.parametrize("name", ["12", "1e5", "null", "true"])
+def test_starters_of_any_name_are_valid(run: Run, name: str) -> None:
+    assert run("init", name).code == 0
+    assert run("validate", f"{name}.yaml", f"{name}-mission.yaml").code == 0
+
+
 def test_validation_reports_every_file(run: Run, tmp_path: Path) -> None:
     (tmp_path / "bird.yaml").write_text(BIRD)
     (tmp_path / "field.yaml").write_text(edited(FIELD, "on: 07-15", "on: 02-30"))
@@ -121,13 +121,8 @@ def test_validation_reports_every_file(run: Run, tmp_path: Path) -> None:
     outcome = run("validate", "broken.yaml", "heavy.yaml", "bird.yaml", "field.yaml", "none.yaml")
     assert outcome.code == 2
     assert outcome.out == "bird.yaml: valid aircraft\n"
-    places = [line.split(": ")[0] for line in outcome.err.splitlines()]
-    assert {re.sub(r":.*", "", place) for place in places} == {
-        "broken.yaml",
-        "heavy.yaml",
-        "field.yaml",
-        "none.yaml",
-    }
+    places = {line.split(":")[0] for line in outcome.err.splitlines()}
+    assert places == {f"{name}.yaml" for name in ("broken", "heavy", "field", "none")}
     assert "heavy.yaml:15:12: battery.mass_kg: must be greater than 0 (got -1)" in outcome.err
     assert "heavy.yaml:24:3: power.avionics: unknown key; did you mean 'avionics_w'?" in outcome.err
 
@@ -157,12 +152,6 @@ def test_list_of_a_catalogue(run: Run, kind: str) -> None:
         assert one["source"]
 
 
-def test_one_catalogue_is_listed_at_a_time(run: Run) -> None:
-    outcome = run("list", "--cells", "--motors")
-    assert (outcome.code, outcome.out) == (2, "")
-    assert "--cells and --motors: one at a time" in outcome.err
-
-
 def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
     shipped = run("list", "--json").json()
     for name in (*shipped["aircraft"], *shipped["mission"]):
@@ -175,26 +164,6 @@ def test_show_prints_files_to_start_from(run: Run, tmp_path: Path) -> None:
     assert outcome.err.startswith(
         "nothing: no shipped aircraft, mission or weather record of that name (shipped: "
     )
-
-
-def test_sizing_tells_of_a_path_at_another_airspeed(run: Run) -> None:
-    asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan")
-    asked += ("--required-excess-time", "3", "--correction", "loiter")
-    said = "outside the range of flight_path.airspeed_m_per_s of the mission, 8.17 to 9.03 m/s"
-    other = run(*asked, "--set", "mission.flight_path.airspeed_m_per_s=8.6")
-    assert said in " ".join(other.out.split())
-    same = run(*asked)
-    assert same.code == 0
-    assert "outside the range" not in same.out
-
-
-def test_a_mission_key_without_its_prefix_is_named(run: Run) -> None:
-    outcome = run("analyse", AS2, "--set", "payload.mass_kg=3", "--set", "clearness=0.8")
-    assert outcome.code == 2
-    assert outcome.err.splitlines() == [
-        "--set payload.mass_kg: is a key of the mission: write mission.payload.mass_kg",
-        "--set clearness: is a key of the mission: write mission.clearness",
-    ]
 
 
 @pytest.mark.parametrize(
@@ -220,25 +189,47 @@ def test_every_command_that_reads_files_takes_overrides(run: Run, command: tuple
     ]
 
 
-def test_a_mission_for_an_aircraft_is_named(run: Run) -> None:
-    outcome = run("analyse", "rafz-july")
-    assert outcome.code == 2
-    assert "'rafz-july' is one of the missions" in outcome.err
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (("anaylse", AS2), "No such command 'anaylse'; did you mean 'analyse'?"),
-        (("analyse", AS2, "--set", "wingspan=3"), "unknown key; did you mean 'wingspan_m'?"),
-        (("analyse", AS2, "--mass", "4kg"), "must be a number of kilograms, written without a"),
-        (("map", AS2, "--latitudes", "45N:"), "is no number and not first:last:step"),
+        *[((command,), "Missing argument") for command in ("analyse", "size", "init", "validate")],
+        (("size", DESIGN), "Missing option '--mission' / '-m'."),
+        (("list", "--cells", "--motors"), "--cells and --motors: one at a time"),
     ],
 )
-def test_slips_are_answered_with_what_is_meant(
-    run: Run, arguments: tuple[str, ...], said: str
-) -> None:
+def test_incomplete_calls_are_answered(run: Run, arguments: tuple[str, ...], said: str) -> None:
     outcome = run(*arguments)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert said in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said"),
+    [
+        ("payload.mass_kg=3", "--set payload.mass_kg: is a key of the mission: write mission."),
+        ("clearness=0.8", "--set clearness: is a key of the mission: write mission.clearness"),
+        (
+            "airframe.chord_m=-0.2",
+            "--set airframe.chord_m: must be a number greater than 0 (got -0.2)",
+        ),
+        (
+            "airframe.chord_m=wide",
+            "--set airframe.chord_m: must be a number greater than 0 (got 'wide')",
+        ),
+        (
+            "airframe.chord_m=0.3 airframe.wing_area_m2=2",
+            "wing_area_m2: give one of aspect_ratio,",
+        ),
+        ("airframe.chord_m=0.1", "must not exceed the wing area of 0.565 m², wingspan squared"),
+        ("mass_kg=3", "--set mass_kg: unknown key; a known total mass is --mass of analyse"),
+        ("airframe.total_mass_kg=3", "unknown key; a known total mass is --mass of analyse"),
+        ("airframe.mean_chord_m=3", "the mean chord is airframe.chord_m, in place of aspect_ratio"),
+        ("mission.climb.maximum_altitude_m=3", "the highest altitude is climb.ceiling_m"),
+    ],
+)
+def test_overrides_that_people_try_are_answered(run: Run, overrides: str, said: str) -> None:
+    outcome = run("analyse", DESIGN, *(w for v in overrides.split() for w in ("--set", v)))
     assert outcome.code == 2
     assert said in outcome.err
 
@@ -255,7 +246,6 @@ def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run: Run) -> None
     assert found.err == "solar-uav: flown is the mission beside it, -m heron-mission.yaml\n"
     keys = ("mission", "mission_is_default", "status", "wingspan_m")
     assert [found.json()[key] for key in keys] == [known.json()[key] for key in keys]
-    assert "Missing option '--mission'" in run("size", DESIGN).err
 
 
 def test_the_answer_to_a_range_is_the_second_line(run: Run) -> None:
@@ -345,39 +335,6 @@ def test_chord_or_area_stand_for_the_aspect_ratio(run: Run, chordwise: str) -> N
     )
 
 
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [
-        (("chord_m=-0.2",), "--set airframe.chord_m: must be a number greater than 0 (got -0.2)"),
-        (("chord_m=wide",), "--set airframe.chord_m: must be a number greater than 0 (got 'wide')"),
-        (
-            ("chord_m=0.3", "wing_area_m2=2"),
-            "--set airframe.wing_area_m2: give one of aspect_ratio, chord_m, wing_area_m2",
-        ),
-        (("chord_m=0.1",), "must not exceed the wing area of 0.565 m², wingspan squared over"),
-    ],
-)
-def test_wrong_chords_are_refused(run: Run, values: tuple[str, ...], said: str) -> None:
-    outcome = run("analyse", DESIGN, *(w for v in values for w in ("--set", f"airframe.{v}")))
-    assert outcome.code == 2
-    assert said in outcome.err
-
-
-@pytest.mark.parametrize(
-    ("key", "said"),
-    [
-        ("mass_kg", "a known total mass is --mass of analyse"),
-        ("airframe.total_mass_kg", "a known total mass is --mass of analyse"),
-        ("airframe.mean_chord_m", "the mean chord is airframe.chord_m, in place of aspect_ratio"),
-        ("mission.climb.maximum_altitude_m", "the highest altitude is climb.ceiling_m"),
-    ],
-)
-def test_keys_that_people_look_for_are_answered(run: Run, key: str, said: str) -> None:
-    outcome = run("analyse", DESIGN, "--set", f"{key}=3.5")
-    assert outcome.code == 2
-    assert f"--set {key}: unknown key; {said}" in outcome.err
-
-
 def test_size_takes_place_and_day_as_analyse_does(run: Run) -> None:
     by_option = run(
         "size", DESIGN, "-m", "rafz-july", "--latitude", "40N", "--date", "1 Jun", "--json"
@@ -415,46 +372,17 @@ def test_version_and_helps(run: Run) -> None:
             assert re.match(rf"Usage: .*solar-uav {command} ", page.out)
 
 
-@pytest.mark.parametrize("command", ["analyse", "size", "init", "validate"])
-def test_missing_arguments(run: Run, command: str) -> None:
-    outcome = run(command)
-    assert (outcome.code, outcome.out) == (2, "")
-    assert "Missing argument" in outcome.err
-
-
 # ---- odd names and values ------------------------------------------------------------
 
 
 @pytest.mark.parametrize("command", [("analyse", AS2), ("size", DESIGN, "-m", "rafz-july")])
-def test_brackets_in_a_name(run: Run, command: tuple[str, ...]) -> None:
+def test_brackets_and_dollars_in_a_name(run: Run, command: tuple[str, ...]) -> None:
     outcome = run(*command, "--set", "name='[/]a[red]'")
     assert (outcome.code, outcome.err) == (0, "")
     assert "[/]a[red]" in outcome.out
-
-
-def test_dollars_in_a_name(run: Run) -> None:
-    outcome = run("analyse", AS2, "--set", "name='$x^{2$'", "--plot", "a.png")
+    folder = ("--plot", "a.png") if command[0] == "analyse" else ("--out", "a")
+    outcome = run(*command, "--set", "name='$x^{2$'", *folder)
     assert (outcome.code, outcome.err) == (0, "")
-
-
-@pytest.mark.parametrize("override", ["mission.payload.mass_kg=1e300", "airframe.wingspan_m=1e300"])
-def test_huge_numbers_end_in_a_message(run: Run, override: str) -> None:
-    outcome = run("analyse", AS2, "--set", override, "--json")
-    assert (outcome.code, outcome.out) == (2, "")
-    assert "must be at most" in outcome.err
-
-
-@pytest.mark.parametrize("override", ["mission.latitude_deg=95", "mission.latitude_deg=-80"])
-def test_overrides_of_the_mission_are_named_as_written(run: Run, override: str) -> None:
-    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", override)
-    assert outcome.code == 2
-    assert outcome.err.startswith("--set mission.latitude_deg: ")
-
-
-@pytest.mark.parametrize("name", ["12", "1e5", "null", "true"])
-def test_starters_of_any_name_are_valid(run: Run, name: str) -> None:
-    assert run("init", name).code == 0
-    assert run("validate", f"{name}.yaml", f"{name}-mission.yaml").code == 0
 
 
 @pytest.mark.parametrize("name", ["", "a\nb", 5000 * "a"])
@@ -466,32 +394,23 @@ def test_odd_names_of_aircraft(run: Run, name: str) -> None:
     assert len(outcome.err) < 1000
 
 
-@pytest.mark.long
-def test_terminal_without_unicode(tmp_path: Path) -> None:
-    variables = {"PYTHONIOENCODING": "ascii", "COLUMNS": "30"}
-    done = process("analyse", AS2, "-m", "central-europe-summer", cwd=tmp_path, variables=variables)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
 # ---- as a process ---------------------------------------------------------------------
 
 
-def process(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+ROOT = str(Path(cli.__file__).parents[2])
+
+
+def python(*words: str, cwd: Path | None = None, **variables: str) -> Any:
+    """Outcome of Python in a process, in which the same packages are found from any folder."""
     return subprocess.run(
-        [sys.executable, "-m", "studies.cli", *arguments],
+        [sys.executable, *words],
         capture_output=True,
         text=True,
         timeout=60,
         check=False,
-        env=environment(**options.pop("variables", {})),
-        **options,
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": ROOT, **variables},
     )
-
-
-def environment(**variables: str) -> dict[str, str]:
-    """Environment in which the same packages are found from any folder."""
-    root = str(Path(cli.__file__).parents[2])
-    return {**os.environ, "PYTHONPATH": root, **variables}
 
 
 def imported(*calls: tuple[str, ...]) -> list[tuple[str, set[str]]]:
@@ -508,15 +427,8 @@ def imported(*calls: tuple[str, ...]) -> list[tuple[str, set[str]]]:
         "    told.append([out.getvalue(), [n for n, m in sys.modules.items() if m]])\n"
         "print(json.dumps(told))\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code, json.dumps(calls)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-        env=environment(),
-    )
-    return [(out, set(modules)) for out, modules in json.loads(done.stdout)]
+    told = python("-c", code, json.dumps(calls)).stdout
+    return [(out, set(modules)) for out, modules in json.loads(told)]
 
 
 HEAVY = {
@@ -554,26 +466,18 @@ SMALL = ("--latitudes", "40:50:10", "--days", "100:200:100")
 @pytest.mark.parametrize(
     ("arguments", "needed", "most"),
     [
-        (("--help",), set(), 170),
-        (("list",), set(), 220),
-        (("analyse", AS2), {"numpy", "pydantic"}, 560),
-        (("size", DESIGN, "-m", "rafz-july"), {"numpy", "pydantic", "casadi"}, 900),
-        (("map", AS2, *SMALL), {"numpy", "pydantic", "rich"}, 610),
-        (
-            ("map", AS2, *SMALL, "--out", "{folder}/map.nc"),
-            {"numpy", "pydantic", "rich", "h5netcdf"},
-            680,
-        ),
-        (
-            ("sweep", DESIGN, "--vary", "wingspan_m=4,5"),
-            {"numpy", "pydantic", "rich", "xarray", "pandas"},
-            1150,
-        ),
+        (("--help",), "", 170),
+        (("list",), "", 220),
+        (("analyse", AS2), "numpy pydantic", 560),
+        (("size", DESIGN, "-m", "rafz-july"), "numpy pydantic casadi", 900),
+        (("map", AS2, *SMALL), "numpy pydantic rich", 610),
+        (("map", AS2, *SMALL, "--out", "{folder}/map.nc"), "numpy pydantic rich h5netcdf", 680),
+        (("sweep", DESIGN, "--vary", "wingspan_m=4,5"), "numpy pydantic rich xarray pandas", 1150),
     ],
     ids=lambda value: " ".join(value[:1]) if isinstance(value, tuple) else "",
 )
 def test_command_imports_what_its_result_needs(
-    arguments: tuple[str, ...], needed: set[str], most: int, tmp_path: Path
+    arguments: tuple[str, ...], needed: str, most: int, tmp_path: Path
 ) -> None:
     """Matplotlib, pandas, SciPy and xarray take longer than these commands themselves.
 
@@ -582,28 +486,24 @@ def test_command_imports_what_its_result_needs(
     """
     ((out, modules),) = imported(tuple(a.format(folder=tmp_path) for a in arguments))
     assert out
-    assert heavy(modules) == needed
+    assert heavy(modules) == set(needed.split())
     assert len(modules) <= most
 
 
 @pytest.mark.long
 def test_no_home_and_a_poor_terminal(tmp_path: Path) -> None:
-    variables = {
-        "LC_ALL": "C",
-        "PYTHONIOENCODING": "ascii",
-        "COLUMNS": "30",
-        "HOME": "/nonexistent",
-    }
-    done = process("analyse", AS2, cwd=tmp_path, variables=variables)
+    poor = {"LC_ALL": "C", "PYTHONIOENCODING": "ascii", "COLUMNS": "30", "HOME": "/nonexistent"}
+    words = ("analyse", AS2, "-m", "central-europe-summer")
+    done = python("-m", "studies.cli", *words, cwd=tmp_path, **poor)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.isascii()
-    assert "47.6 N" in done.stdout
+    assert "45 N" in done.stdout
     assert "excess time" in done.stdout
 
 
 def test_mistake_ends_without_a_traceback(tmp_path: Path) -> None:
     (tmp_path / "bird.yaml").write_text(edited(BIRD, "avionics_w: 6.0", "avionics_w: -6"))
-    done = process("analyse", "bird.yaml", cwd=tmp_path)
+    done = python("-m", "studies.cli", "analyse", "bird.yaml", cwd=tmp_path)
     said = "bird.yaml:24:15: power.avionics_w: must be at least 0 (got -6)\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", said)
 
@@ -615,10 +515,8 @@ def test_closed_pipe_ends_quietly(tmp_path: Path) -> None:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         cwd=tmp_path,
-        env=environment(),
+        env={**os.environ, "PYTHONPATH": ROOT},
     ) as running:
-        assert running.stdout is not None
-        assert running.stderr is not None
         running.stdout.close()
         said = running.stderr.read()
     assert b"Traceback" not in said
@@ -669,46 +567,22 @@ def test_a_signal_ends_a_command_with_one_line(
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize(
+    ("act", "code"),
+    [("swallow()", 130), ("[swallow(), time.sleep(60)]", 130), ("stubborn()", -signal.SIGINT)],
+    ids=["swallowed at the end", "swallowed amid work", "a second one"],
+)
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_signal_ends_a_process_with_one_line(tmp_path: Path, name: str) -> None:
-    number = getattr(signal, name)
-    target = "sizing.results.analysis:analyse"
-    arguments = ("analyse", AS2, "--csv", "a.csv")
-    done = stopped(tmp_path, arguments, target, f"os.kill(os.getpid(), {int(number)})")
-    assert done.returncode == 128 + number
-    assert (done.stdout, done.stderr.strip()) == ("", STOPPED[name])
-    assert files(tmp_path) == set()
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_signal_that_a_library_swallows_still_ends_the_command(tmp_path: Path) -> None:
+def test_a_signal_that_is_swallowed_ends_the_command(tmp_path: Path, act: str, code: int) -> None:
     target = "studies.models.report_reproduction:reproduce"
-    done = stopped(tmp_path, ("reproduce-report",), target, "swallow()")
-    assert done.returncode == 130
+    done = stopped(tmp_path, ("reproduce-report",), target, act)
+    assert done.returncode == code
     assert "Traceback" not in done.stderr
+    if "sleep" in act:
+        assert (done.stdout, done.stderr.strip()) == ("", STOPPED["SIGINT"])
 
 
-@pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_swallowed_signal_is_repeated(tmp_path: Path) -> None:
-    target = "studies.models.report_reproduction:reproduce"
-    done = stopped(tmp_path, ("reproduce-report",), target, "[swallow(), time.sleep(60)]")
-    assert (done.returncode, done.stdout) == (130, "")
-    assert done.stderr.strip() == STOPPED["SIGINT"]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_second_signal_ends_at_once(tmp_path: Path) -> None:
-    target = "studies.models.report_reproduction:reproduce"
-    done = stopped(tmp_path, ("reproduce-report",), target, "stubborn()")
-    assert done.returncode == -signal.SIGINT
-    assert "Traceback" not in done.stderr
-
-
-def stopped(
-    folder: Path, arguments: tuple[str, ...], target: str, act: str
-) -> subprocess.CompletedProcess[str]:
+def stopped(folder: Path, arguments: tuple[str, ...], target: str, act: str) -> Any:
     """Outcome of a command in which a function was replaced by one that acts."""
     module, function = target.split(":")
     code = (
@@ -732,15 +606,7 @@ def stopped(
         f"sys.argv = ['solar-uav', *{arguments!r}]\n"
         "main()\n"
     )
-    return subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-        cwd=folder,
-        env=environment(),
-    )
+    return python("-c", code, cwd=folder)
 
 
 def test_a_deprecated_key_is_told_in_one_line(

@@ -1,17 +1,26 @@
 """Tests of ``solar-uav export`` and ``schema``, and of tables in other formats."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
 from command_line import Run, files
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
+
+
+def leave_out(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where a library is not installed."""
+    find = importlib.util.find_spec
+    for module in ("importlib.util", "studies.exchange.airplane"):
+        monkeypatch.setattr(
+            f"{module}.find_spec",
+            lambda name, *rest: None if name == library else find(name, *rest),
+        )
 
 
 def test_export_of_numbers(run: Run, tmp_path: Path) -> None:
@@ -39,11 +48,7 @@ def test_export_of_a_workbook(run: Run, tmp_path: Path) -> None:
 def test_export_of_several_files_writes_those_that_it_can(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    find = importlib.util.find_spec
-    monkeypatch.setattr(
-        "studies.exchange.airplane.find_spec",
-        lambda name, *rest: None if name == "aerosandbox" else find(name, *rest),
-    )
+    leave_out("aerosandbox", monkeypatch)
     names = ("w.avl", "d.csv", "nowhere/d.tex", "d.py")
     done = run("export", DESIGN, *(word for name in names for word in ("--out", name)))
     assert done.code == 1
@@ -58,23 +63,17 @@ def test_export_of_several_files_writes_those_that_it_can(
 
 
 @pytest.mark.extra
-def test_comments_keep_their_squares(run: Run, tmp_path: Path) -> None:
+def test_export_for_avl_and_openvsp(run: Run, tmp_path: Path) -> None:
     pytest.importorskip("aerosandbox")
     names = ("w.avl", "w.vspscript", "w.py")
-    run("export", "sky-sailor", *(word for name in names for word in ("--out", name)))
-    for name in names:
-        assert "(areas 0.0679 and 0.00873 m²," in (tmp_path / name).read_text(encoding="utf-8")
-
-
-@pytest.mark.extra
-def test_export_for_avl(run: Run, tmp_path: Path) -> None:
-    pytest.importorskip("aerosandbox")
-    assert run("export", AS2, "--out", "w.avl", "--out", "w.vspscript").code == 0
-    assert files(tmp_path) == {"w.avl", "w.vspscript"}
-    text = (tmp_path / "w.avl").read_text()
+    made = run("export", "sky-sailor", *(word for name in names for word in ("--out", name)))
+    assert made.code == 0
+    assert files(tmp_path) == set(names)
+    texts = [(tmp_path / name).read_text(encoding="utf-8") for name in names]
+    assert all("(areas 0.0679 and 0.00873 m²," in text for text in texts)
     # AVL reads no other file: none could be missing.
-    assert "AIRFOIL" in text
-    assert "AFIL" not in text
+    assert "AIRFOIL" in texts[0]
+    assert "AFIL" not in texts[0]
 
 
 @pytest.mark.parametrize(
@@ -100,21 +99,13 @@ def test_wrong_calls(run: Run, tmp_path: Path, arguments: tuple[str, ...], said:
         ("aerosandbox", ("export", AS2, "--out", "a.avl")),
         ("xlsxwriter", ("export", AS2, "--out", "a.xlsx")),
         ("xlsxwriter", ("analyse", AS2, "--table", "a.xlsx")),
+        ("pyarrow", ("sweep", DESIGN, "--vary", "battery_mass_kg=2,3", "--out", "s.parquet")),
     ],
 )
 def test_libraries_that_are_missing_are_named(
-    run: Run,
-    tmp_path: Path,
-    library: str,
-    arguments: tuple[str, ...],
-    monkeypatch: pytest.MonkeyPatch,
+    run: Run, tmp_path: Path, library: str, arguments: tuple[str, ...], monkeypatch: Any
 ) -> None:
-    find = importlib.util.find_spec
-    for module in ("importlib.util", "studies.exchange.airplane"):
-        monkeypatch.setattr(
-            f"{module}.find_spec",
-            lambda name, *rest: None if name == library else find(name, *rest),
-        )
+    leave_out(library, monkeypatch)
     done = run(*arguments)
     assert done.code == 2
     assert f"pip install {library}" in done.err

@@ -1,7 +1,5 @@
 """Help texts: commands by what one does with them, an example each, lines that fit."""
 
-from __future__ import annotations
-
 import shlex
 from typing import get_type_hints
 
@@ -17,7 +15,6 @@ NAMES = list(main._COMMANDS)
 
 def command(name: str) -> click.Command:
     found = main.cli.get_command(click.Context(main.cli), name)
-    assert found is not None
     return found
 
 

@@ -1,7 +1,5 @@
 """Latitudes as people write them."""
 
-from __future__ import annotations
-
 import pytest
 
 from studies.cli.command import latitude_deg

@@ -1,7 +1,5 @@
 """What commands print: lines that fit with whole words, and what to do next."""
 
-from __future__ import annotations
-
 import sys
 
 import click
@@ -11,6 +9,7 @@ from command_line import Run
 from studies.cli import __main__ as main
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
+JULY = ("-m", "rafz-july")
 FORMS = [
     ("list",),
     ("analyse", AS2),
@@ -81,14 +80,8 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         (("analyse", AS2), f"solar-uav map {AS2} (where and when else)"),
         (("analyse", AS2, "--date", "12-21"), f"solar-uav map {AS2} (where and when it flies"),
-        (
-            ("analyse", DESIGN, "--set", "power.avionics_w=60"),
-            f"solar-uav size {DESIGN} -m rafz-july (",
-        ),
-        (
-            ("size", DESIGN, "-m", "rafz-july", "--required-excess-time", "30"),
-            "the same with --set ",
-        ),
+        (("analyse", DESIGN, "--set", "power.avionics_w=60"), f"solar-uav size {DESIGN} -m rafz"),
+        (("size", DESIGN, *JULY, "--required-excess-time", "30"), "the same with --set "),
         (("size", DESIGN, "-m", "rafz-july"), "the same with --out FOLDER"),
         (("size", DESIGN, "-m", "rafz-july", "--out", "it"), "solar-uav report it --out "),
         (

@@ -1,25 +1,13 @@
 """What is told: no message steers a terminal, and none goes on for pages."""
 
-from __future__ import annotations
-
-import sys
 from pathlib import Path
 
 import pytest
+from command_line import Run
 
-from studies.cli.__main__ import main
 from studies.cli.telling import brief
 
 ESCAPES = "\x1b]0;title\x07\x9b31m\u202e"
-
-
-def said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "argv", ["solar-uav", *words])
-        with pytest.raises(SystemExit):
-            main()
-    printed = capsys.readouterr()
-    return printed.out + printed.err
 
 
 @pytest.mark.parametrize(
@@ -43,25 +31,20 @@ def said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     ],
 )
 def test_no_control_character_of_the_command_line_is_printed(
-    words: tuple[str, ...],
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    run: Run, words: tuple[str, ...]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    found = said(capsys, *words)
+    outcome = run(*words)
+    found = outcome.out + outcome.err
     assert found.replace("\n", "").isprintable()
     assert found.strip()
 
 
-def test_no_control_character_of_a_file_is_printed(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_no_control_character_of_a_file_is_printed(run: Run, tmp_path: Path) -> None:
     (tmp_path / "w.csv").write_text(f"# name: {ESCAPES}\n# latitude_deg: {ESCAPES}\n{ESCAPES},1\n")
     (tmp_path / "a.yaml").write_text(f'name: "\\e[31m"\n"{ESCAPES[1:8]}": "\\e"\n', "utf-8")
     for words in (("analyse", "sky-sailor", "--weather", "w.csv"), ("validate", "a.yaml")):
-        assert said(capsys, *words).replace("\n", "").isprintable()
+        outcome = run(*words)
+        assert (outcome.out + outcome.err).replace("\n", "").isprintable()
 
 
 def test_a_message_fits_a_screen() -> None:

@@ -1,17 +1,11 @@
 """Mistakes in files and options: messages and exit codes of the command line."""
 
-from __future__ import annotations
-
 import os
 import re
-import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from command_line import BIRD, FIELD, Run, edited, files
-
-from studies.cli.__main__ import cli, main
 
 AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
 
@@ -134,17 +128,12 @@ def test_what_is_no_description(run: Run, tmp_path: Path, content: bytes, said: 
         assert outcome.err.count("\n") == 1
 
 
-def test_byte_order_mark_and_line_ends_of_windows_are_read(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "bird.yaml").write_bytes(("\ufeff" + BIRD.replace("\n", "\r\n")).encode())
-    assert run("validate", "bird.yaml").code == 0
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (("analyse", "missing.yaml"), "missing.yaml: there is no such file"),
         (("analyse", "atlantiksolar-as3"), f"did you mean '{AS2}'?"),
-        (("analyse", "rafz-july"), "no shipped aircraft of that name"),
+        (("analyse", "rafz-july"), "no shipped aircraft of that name: 'rafz-july' is one of the m"),
         (("analyse", AS2, "-m", AS2), "no shipped mission of that name"),
         (("analyse", "."), ".: is a folder without run.json"),
         (("size", DESIGN, "-m", "."), ".: is a folder, not a file"),
@@ -170,40 +159,28 @@ def test_unreadable_file(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("call", "said"),
     [
         (
-            ("analyse", "field.yaml"),
-            "field.yaml: is a mission, not an aircraft: missions are given with --mission",
+            "analyse field.yaml",
+            "field.yaml: is a mission, not an aircraft: missions are given with",
         ),
-        (
-            ("analyse", AS2, "-m", "bird.yaml"),
-            "bird.yaml: is an aircraft, not a mission: AIRCRAFT comes first",
-        ),
-        (
-            ("analyse", "field.yaml", "-m", "bird.yaml"),
-            "field.yaml: is a mission, and bird.yaml is an aircraft: swap the two",
-        ),
-        (
-            ("verify", "flight.csv", AS2),
-            f"Error: the aircraft comes first: verify {AS2} flight.csv",
-        ),
-        (
-            ("verify", "flight.ULG", "bird.yaml"),
-            "Error: the aircraft comes first: verify bird.yaml flight.ULG",
-        ),
+        (f"analyse {AS2} -m bird.yaml", "bird.yaml: is an aircraft, not a mission: AIRCRAFT comes"),
+        ("analyse field.yaml -m bird.yaml", "field.yaml: is a mission, and bird.yaml is an aircra"),
+        (f"verify flight.csv {AS2}", f"Error: the aircraft comes first: verify {AS2} flight.csv"),
+        ("verify flight.ULG bird.yaml", "Error: the aircraft comes first: verify bird.yaml flight"),
     ],
 )
 def test_files_in_each_others_place_are_named_in_one_line(
-    run: Run, tmp_path: Path, arguments: tuple[str, ...], said: str
+    run: Run, tmp_path: Path, call: str, said: str
 ) -> None:
     (tmp_path / "bird.yaml").write_text(BIRD)
     (tmp_path / "field.yaml").write_text(FIELD)
     (tmp_path / "flight.csv").write_text("time_s\n")
-    outcome = run(*arguments)
+    outcome = run(*call.split())
     assert (outcome.code, outcome.out) == (2, "")
     lines = outcome.err.splitlines()
-    assert lines[-1] == said
+    assert lines[-1].startswith(said)
     assert [line for line in lines[:-1] if line] == [] or lines[0].startswith("Usage: ")
 
 
@@ -248,7 +225,11 @@ def test_all_problems_of_both_files_are_reported_together(run: Run, tmp_path: Pa
         ("battery=1", "--set battery: must be a mapping of keys and values (got 1)"),
         ("battery.mass_kg=[1", "--set battery.mass_kg: "),
         ("battery.charge_limit.current_a.99=1", "takes an index from 0 to 12 (got '99')"),
-        ("mission.latitude_deg=95", "latitude_deg: must be at most 90"),
+        ("wingspan=3", "--set wingspan: unknown key; did you mean 'wingspan_m'?"),
+        ("airframe.wingspan_m=1e300", "--set airframe.wingspan_m: must be at most"),
+        ('name="a\\e[31mb"', "must not hold control characters"),
+        ("mission.payload.mass_kg=1e300", "--set mission.payload.mass_kg: must be at most"),
+        ("mission.latitude_deg=95", "--set mission.latitude_deg: must be at most 90"),
         ("mission.dates.on=02-29", "dates.on: month 02 has days 01 to 28 (got '02-29')"),
         (
             "mission.colour=red",
@@ -271,6 +252,7 @@ def test_wrong_overrides(run: Run, override: str, said: str) -> None:
         (["--latitude", "95S"], "'--latitude': must be from -90 to 90 (got 95S)"),
         (["--latitude", "nan"], "'--latitude': must be from -90 to 90 (got nan)"),
         (["--latitude", "north"], "'--latitude': 'north' is not a number"),
+        (["--mass", "4kg"], "must be a number of kilograms, written without a unit (got 4kg)"),
         (["--date", "02-29"], "'--date': month 02 has days 01 to 28 (got '02-29')"),
         (["--date", ""], "'--date': must be a date MM-DD"),
         (["--day-of-year", "0"], "'--day-of-year': 0 is not in the range 1<=x<=365"),
@@ -298,6 +280,11 @@ def test_wrong_options(run: Run, tmp_path: Path, options: list[str], said: str) 
         (["--required-excess-time", "nan"], "must be a number of hours"),
         (["--required-excess-time", "inf"], "is not in the range"),
         (["--objective", "min_cost"], "'min_cost' is not one of 'max_excess_time'"),
+        (["--certify"], "--cross-check"),  # its old name
+        (["--reliability", "1.5"], "1.5 is not in the range"),
+        (["--reliability", "1"], "1.0 is not in the range 0.0<x<1.0"),
+        (["--reliability", "0.9", "--sensitivities"], "know of no --reliability"),
+        (["--out", ""], "--out"),
     ],
 )
 def test_wrong_options_of_sizing(run: Run, options: list[str], said: str) -> None:
@@ -349,31 +336,20 @@ LONG = 100_000 * "x"
         ["map", "atlantiksolar-design", "--latitudes", LONG],
     ],
 )
-def test_echoed_values_are_cut(
-    arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run_main(arguments, monkeypatch) == 2
-    told = capsys.readouterr()
-    assert not told.out
-    assert len(told.err) < 2000
+def test_echoed_values_are_cut(run: Run, arguments: list[str]) -> None:
+    outcome = run(*arguments)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert len(outcome.err) < 2000
 
 
-def test_of_many_mistakes_the_first_are_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_of_many_mistakes_the_first_are_told(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "many.yaml"
     file.write_text("name: x\n" + "".join(f"key{i}: {i}\n" for i in range(3000)))
-    assert run_main(["analyse", str(file)], monkeypatch) == 2
-    lines = capsys.readouterr().err.splitlines()
+    outcome = run("analyse", str(file))
+    assert outcome.code == 2
+    lines = outcome.err.splitlines()
     assert len(lines) == 31
     assert lines[-1].startswith("... and 29")
-
-
-def run_main(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> int | str | None:
-    monkeypatch.setattr(sys, "argv", ["solar-uav", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    return ended.value.code
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe with a name")
@@ -382,13 +358,10 @@ def run_main(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> int | str
     [
         ("p.yaml", "analyse p.yaml"),
         ("p.yaml", "size atlantiksolar-design -m p.yaml"),
-        *[(f"p.{kind}", f"verify atlantiksolar-as2 p.{kind}") for kind in ("ulg", "bin", "xlsx")],
-        *[(f"p.{kind}", f"analyse atlantiksolar-as2 --weather p.{kind}") for kind in ("nc", "epw")],
+        *[(f"p.{kind}", f"verify {AS2} p.{kind}") for kind in ("ulg", "bin", "xlsx")],
+        *[(f"p.{kind}", f"analyse {AS2} --weather p.{kind}") for kind in ("nc", "epw")],
         *[
-            (
-                f"p.{kind}",
-                "analyse atlantiksolar-as2 --set mission.wind={percentile:\n90,file:\n{}}",
-            )
+            (f"p.{kind}", f"analyse {AS2} --set mission.wind={{percentile:\n90,file:\n{{}}}}")
             for kind in ("nc", "csv")
         ],
         (
@@ -399,10 +372,10 @@ def run_main(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> int | str
     ],
 )
 def test_a_pipe_in_place_of_a_file_is_refused(
-    name: str, arguments: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, name: str, arguments: str, tmp_path: Path
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     os.mkfifo(name)
     words = [word.replace("{}", str(tmp_path / name)) for word in arguments.split(" ")]
-    result = CliRunner().invoke(cli, words)
-    assert re.search(rf"{name}:? cannot be read: is not a plain file", str(result.exception))
+    outcome = run(*words)
+    assert outcome.code == 2
+    assert re.search(rf"{name}:? cannot be read: is not a plain file", outcome.err)

@@ -1,7 +1,5 @@
 """Commands without ``--workers``: the pool that starts by itself changes nothing."""
 
-from __future__ import annotations
-
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 

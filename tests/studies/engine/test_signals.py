@@ -1,7 +1,5 @@
 """Signals become an exception that comes again where it was swallowed, and only there."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal
@@ -189,22 +187,3 @@ def test_a_chunk_that_swallows_the_signal_is_interrupted_all_the_same() -> None:
     job = Job(stubborn, None, (((1.0,),),), {"a": np.float64(0)})
     with pytest.raises(Stopped):
         engine.run(job, LocalPool(1))
-
-
-def test_the_second_signal_ends_the_process_at_once() -> None:
-    code = (
-        "import os, signal, threading\n"
-        "from studies.engine import run, workers\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "def stubborn(settings, cells):\n"
-        "    try:\n"
-        "        os.kill(os.getpid(), signal.SIGINT)\n"
-        "    finally:\n"
-        "        os.kill(os.getpid(), signal.SIGINT)\n"
-        f"        threading.Event().wait({WAIT_S})\n"
-        "run.run(run.Job(stubborn, None, (((1.0,),),), {'a': 0.0}), workers.LocalPool(1))\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, timeout=WAIT_S, check=False
-    )
-    assert (done.returncode, done.stderr) == (-signal.SIGINT, b"")

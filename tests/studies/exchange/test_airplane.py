@@ -1,7 +1,5 @@
 """Tests of the geometry for other tools: AeroSandbox, AVL run on the file, OpenVSP."""
 
-from __future__ import annotations
-
 import math
 import tempfile
 from pathlib import Path
@@ -125,6 +123,5 @@ def test_surfaces_say_where_their_numbers_come_from() -> None:
     assert (found.surfaces[0].drag, found.other_drag_coefficient) == (None, 0.0)
     assert any("Section: mh114" in note for note in lifting_surfaces(AIRFOIL).notes)
     drag = lifting_surfaces(AIRFOIL).surfaces[0].drag
-    assert drag is not None
     assert list(drag.lift_coefficients) == sorted(drag.lift_coefficients)
     assert drag.drag_coefficients[1] == min(drag.drag_coefficients)

@@ -1,7 +1,5 @@
 """Tests of what exports and drawings have of an aircraft with tail, taper and balance."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 
@@ -22,7 +20,6 @@ ANALYSIS = sizing.analyse(TWIN, missions.load_mission("rafz-july"), replay=False
 
 
 def test_surfaces_have_the_areas_and_places_of_the_file() -> None:
-    assert ANALYSIS.balance is not None
     found, planes = lifting_surfaces(TWIN, 0.13), ANALYSIS.balance.planes
     wing, horizontal, vertical = found.surfaces
     halves = (
@@ -41,14 +38,12 @@ def test_surfaces_have_the_areas_and_places_of_the_file() -> None:
     assert root.y_m == end.y_m == pytest.approx(tip.y_m)
     assert 2.0 * (end.z_m - root.z_m) * root.chord_m == pytest.approx(planes.vertical_m2)
     assert found.reference_x_m == 0.13
-    assert ANALYSIS.drag_coefficients is not None
     # At the polar's Reynolds number, not far from that of the flight.
     parasitic = ANALYSIS.drag_coefficients.parasitic
     assert found.other_drag_coefficient == pytest.approx(parasitic, rel=0.02)
 
 
 def test_files_carry_the_centre_of_gravity() -> None:
-    assert ANALYSIS.balance is not None
     gravity_m = ANALYSIS.balance.gravity_m
     script = design_bytes(ANALYSIS, "a.py").decode()
     assert f"xyz_ref=[{gravity_m:.6g}, 0.0, 0.0]" in script
@@ -88,17 +83,4 @@ def test_a_sized_aircraft_tells_its_margin(run: Run, tmp_path: Path) -> None:
     record = run("analyse", folder, "--json").json()
     sized = sizing.load_aircraft(f"{folder}/aircraft.yaml")
     known = sizing.analyse(sized, missions.load_mission("rafz-july"), replay=False).balance
-    assert known is not None
     assert record["balance"]["static_margin"] == pytest.approx(known.static_margin, abs=1e-3)
-
-
-def test_a_mistake_in_a_file_names_its_line(run: Run, tmp_path: Path) -> None:
-    file = tmp_path / "bad.yaml"
-    text = run("show", "twin-boom-design").out
-    line = next(i for i, one in enumerate(text.splitlines(), 1) if "arm_chords" in one)
-    file.write_text(text.replace("arm_chords: 4.2", "arm_chords: -4"), encoding="utf-8")
-    outcome = run("validate", str(file))
-    assert outcome.code == 2
-    assert f"bad.yaml:{line}:" in outcome.err
-    assert "airframe.tail.arm_chords: must be greater than 0 (got -4)" in outcome.err
-    assert len(outcome.err.splitlines()) == 1

@@ -1,7 +1,5 @@
 """Tests of a design as a table, and of its LaTeX."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

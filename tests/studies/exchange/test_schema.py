@@ -1,7 +1,5 @@
 """Tests of the JSON Schemas: they accept what the software accepts, and refuse plain mistakes."""
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Iterator

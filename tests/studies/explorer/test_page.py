@@ -1,7 +1,5 @@
 """The explorer's page in a browser: what people do with it, and what it says."""
 
-from __future__ import annotations
-
 import http.server
 import json
 import shlex

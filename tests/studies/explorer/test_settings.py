@@ -3,7 +3,6 @@
 import json
 import math
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -44,9 +43,3 @@ def test_settings_are_within_their_ranges_or_refused(data: object) -> None:
         assert 1 <= read.day_of_year <= 365
         assert read.values["a"] == 2.0
         assert (read.solar.model, read.solar.correction) == ("CAM", "none")
-
-
-@pytest.mark.parametrize("day", [True, "196", 196.5, [196], 10**400, -(10**400), 0, 366])
-def test_a_day_is_a_whole_number_of_the_year(day: object) -> None:
-    with pytest.raises(RefusedError):
-        read_settings({DAY: day}, FIELDS)

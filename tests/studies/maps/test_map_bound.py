@@ -1,7 +1,5 @@
 """The map against an independent loop in C, cell by cell over the year and all latitudes."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -96,8 +96,6 @@ def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyP
 def test_sampled_days_of_the_full_model_around_the_seasons_ends() -> None:
     model = SolarModel("FM", "report")
     season = season_of(perpetual_flags(AS2, LOITER, 47.6, [model])[model], 47.6)
-    assert season.first is not None
-    assert season.last is not None
     around = [season.first - 1, season.first, season.last, season.last + 1]
     found = perpetual_days(AS2, LOITER, 47.6, model, days=around)
     assert found.tolist() == [season.first, season.last]

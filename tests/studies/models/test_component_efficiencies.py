@@ -1,7 +1,5 @@
 """Tests of the Full Model's component efficiencies over a day."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

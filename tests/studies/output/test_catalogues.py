@@ -1,7 +1,5 @@
 """Lists of the catalogues: a basis for every battery, and nothing in place of what is unknown."""
 
-from __future__ import annotations
-
 import pytest
 
 from sizing.catalogues.choice import Kind, entries

@@ -1,7 +1,5 @@
 """Cells of maps: reasons in words."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """What the figures of a cycle and of a flight that ends show."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -37,7 +35,6 @@ def test_excess_time_is_an_interval_that_begins_at_equal_power() -> None:
 def test_an_aircraft_that_comes_down_is_drawn_from_launch_to_empty() -> None:
     analysis = flown("power.avionics_w=60")
     (longest,) = analysis.endurances
-    assert longest is not None
     hours = float(longest.endurance_h)
     figure = studies.plot_cycle(analysis)
     assert figure.get_suptitle().endswith(f"limited, {hours:.1f} h")
@@ -70,7 +67,6 @@ def test_a_flight_with_climbs_that_ends_is_drawn_with_its_altitude() -> None:
     # surplus to climb with.
     assert altitude_m[[0, -1]] == pytest.approx(536.0)
     assert altitude_m.max() > 2500.0
-    assert analysis.climb is not None
     assert analysis.climb.climb.maximum_altitude_m[0] == pytest.approx(536.0)
     assert "highest altitude, repeated day" in str(analysis)
 

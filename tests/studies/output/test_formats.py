@@ -1,7 +1,5 @@
 """Tests of tables as bytes of a file."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 

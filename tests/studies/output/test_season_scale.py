@@ -1,7 +1,5 @@
 """Scale of season maps: colours in equal steps, the same in figures and pages."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Three views: to scale, by the numbers of the models, dashed where they have none."""
 
-from __future__ import annotations
-
 import re
 from xml.etree import ElementTree
 
@@ -36,7 +34,6 @@ def test_wing_modules_and_tail_have_one_scale(width: float) -> None:
     area_m2 = sum((m[1][0] - m[0][0]) * (m[2][1] - m[1][1]) for m in modules) / scale**2
     assert area_m2 == pytest.approx(AS2.modules.area_m2, rel=0.03)  # outlines are to 2 %
     tail = shapes(svg, "tail")[0]
-    assert AS2.modules.tail is not None
     span_m = AS2.modules.tail.horizontal_span_m
     assert tail[1][0] - tail[0][0] == pytest.approx(scale * span_m, abs=0.02)
     bar = shapes(svg, "scale")
@@ -94,7 +91,6 @@ def test_tail_of_another_wing_follows_the_rule_of_the_structure_model() -> None:
     area_m2 = tail.horizontal_span_m * tail.horizontal_chord_m
     share = rule.horizontal_tail_ratio / rule.fuselage_chords
     assert area_m2 == pytest.approx(share * 4.0 * chord_m)
-    assert craft.modules.tail is not None
     assert area_m2 < craft.modules.tail.horizontal_span_m * craft.modules.tail.horizontal_chord_m
     assert "modules" in drawing.schematic
     band_m2 = sum((m.right_m - m.left_m) * (m.rear_m - m.front_m) for m in drawing.modules)

@@ -1,7 +1,5 @@
 """Reports: every section is there, the page needs nothing else, names are text, numbers agree."""
 
-from __future__ import annotations
-
 import html
 import importlib.util
 import itertools
@@ -22,6 +20,7 @@ from builders import AS2, DESIGN, aircraft, mission, shipped_mission
 from command_line import Run
 from hypothesis import given
 from hypothesis import strategies as st
+from synthetic_logs import Settings, synthetic_log
 
 from missions.mission import Mission
 from missions.weather.files import load_weather
@@ -30,7 +29,6 @@ from sizing.results.analysis import analyse
 from sizing.results.sizing import size
 from sizing.sunlight import SolarModel
 from studies import make_report
-from studies.flight_logs.synthetic import Settings, synthetic_log
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars, Tables
 from studies.report.confidence import margin_table, margins_section
@@ -275,7 +273,6 @@ def test_margins_are_where_the_requirement_ends(avionics_w: float) -> None:
     craft = aircraft("atlantiksolar-as2", f"power.avionics_w={avionics_w}")
     there = mission(required_excess_time_h=1.0)
     table = margin_table(subject_of(craft, there))
-    assert table is not None
     rows = {row[0]: row for row in table.rows}
     limit_w = rows["avionics power"][3]
     for factor, holds in ((0.999, True), (1.001, False)):
@@ -300,13 +297,11 @@ def test_a_design_on_the_edge_has_no_margins() -> None:
     on_edge = subject_of(study.sized_aircraft(), study.sized_mission())
     assert margin_table(on_edge) is None
     section = margins_section(on_edge)
-    assert section is not None
     assert "has just what is required" in str(section.blocks)
 
 
 def test_the_verdicts_page_has_the_probability() -> None:
     subject = subject_of(aircraft("atlantiksolar-design"), mission(required_excess_time_h=6.0))
-    assert subject.uncertainty is not None
     (fact,) = (one for one in key_facts(subject) if one.label == "probability")
     share = 100.0 * np.mean(np.asarray(subject.uncertainty.flights.excess_time_h) >= 6.0)
     assert float(fact.value) == pytest.approx(share, abs=0.05)

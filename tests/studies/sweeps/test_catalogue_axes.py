@@ -1,7 +1,5 @@
 """Trade studies over entries of the catalogues: names in place of numbers."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tables of trade studies: the best points first, Pareto fronts with named points."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

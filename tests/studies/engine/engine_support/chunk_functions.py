@@ -1,7 +1,5 @@
 """Chunk functions for the tests of the engine, importable by worker processes."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

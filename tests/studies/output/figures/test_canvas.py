@@ -1,7 +1,5 @@
 """Figures on their canvas: what is saved, and how often it is drawn."""
 
-from __future__ import annotations
-
 import io
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every figure at large type and in the column of a journal: nothing cut off, all lines apart."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

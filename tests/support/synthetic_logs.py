@@ -9,7 +9,7 @@ measurement error that the truth does not know.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -83,29 +83,18 @@ def synthetic_log(aircraft: Aircraft, mission: Mission, settings: Settings) -> S
         raise ValueError(f"{aircraft.name} has no module geometry, so there is no Full Model of it")
     rng = np.random.default_rng(settings.seed)
     count = int(settings.duration_h * 3600.0 * settings.rate_hz) + 1
-    elapsed = np.arange(count) / settings.rate_hz
-    flown = _path_flown(on_path(aircraft, mission), elapsed, settings, rng)
-    truth = _truth(aircraft, mission, settings.start_utc_s + elapsed, flown)
-    return SyntheticLog(_instruments(mission, settings, elapsed, flown, truth, rng))
+    time_s = settings.start_utc_s + np.arange(count) / settings.rate_hz
+    mission = on_path(aircraft, mission)
+    flown = _flown(mission, time_s, settings, rng)
+    truth = _truth(aircraft, mission, flown)
+    return SyntheticLog(_instruments(flown, truth, settings, rng))
 
 
-class _Flown(NamedTuple):
-    roll: FloatArray
-    pitch: FloatArray
-    yaw: FloatArray
-    latitude_deg: FloatArray
-    longitude_deg: FloatArray
-
-
-class _Truth(NamedTuple):
-    power_w: FloatArray
-    irradiance_w_per_m2: FloatArray
-
-
-def _path_flown(
-    mission: Mission, elapsed: FloatArray, settings: Settings, rng: np.random.Generator
-) -> _Flown:
-    path = mission.flight_path
+def _flown(
+    mission: Mission, time_s: FloatArray, settings: Settings, rng: np.random.Generator
+) -> FlightLog:
+    """The truth of the flight but for its power."""
+    path, elapsed = mission.flight_path, time_s - time_s[0]
     if not isinstance(path, Circle):
         path = Circle(radius_m=100.0, airspeed_m_per_s=8.6)
     path = path.model_copy(update={"direction": "clockwise"})
@@ -119,65 +108,50 @@ def _path_flown(
 
     # Sine and cosine, since the angle itself jumps by a turn.
     yaw = np.arctan2(at(np.sin(loop.yaw_rad)), at(np.cos(loop.yaw_rad)))
-    latitude = float(np.mean(mission.latitudes()))
-    metres_per_deg = np.radians(_EARTH_RADIUS_M)
-    longitude = mission.longitude_deg or 0.0
-    return _Flown(
-        roll=at(loop.roll_rad) + jitter(1.0),
-        pitch=at(loop.pitch_rad) + jitter(0.5),
-        yaw=yaw + jitter(1.0),
-        latitude_deg=latitude + at(loop.north_m) / metres_per_deg,
-        longitude_deg=longitude + at(loop.east_m) / (metres_per_deg * np.cos(np.radians(latitude))),
-    )
+    attitude = (at(loop.roll_rad) + jitter(1.0), at(loop.pitch_rad) + jitter(0.5))
+    latitude, metres_per_deg = float(np.mean(mission.latitudes())), np.radians(_EARTH_RADIUS_M)
+    east = at(loop.east_m) / (metres_per_deg * np.cos(np.radians(latitude)))
+    none, air_c = np.zeros(len(time_s)), float(mission.air_state().temperature_c)
+    return FlightLog(
+        source="truth", time_s=time_s, latitude_deg=latitude + at(loop.north_m) / metres_per_deg,
+        longitude_deg=(mission.longitude_deg or 0.0) + east, altitude_m=none + mission.altitude_m,
+        solar_power_w=none, attitude=EulerAngles(*attitude, yaw + jitter(1.0)),
+        ambient_temperature_c=none + air_c, rows_read=0, rows_dropped=0, gaps=(), notes=(),
+    )  # fmt: skip
 
 
 def _gusts(elapsed: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Noise of unit variance, correlated over a few seconds."""
+    """Noise of unit variance that keeps most of itself from sample to sample."""
+    keep = float(np.exp(-(elapsed[1] - elapsed[0]) / _GUST_S))
     white = rng.standard_normal(len(elapsed))
-    return lasting(white, (elapsed[1] - elapsed[0]) / _GUST_S)
-
-
-def lasting(white: FloatArray, step: float) -> FloatArray:
-    """White noise that keeps ``exp(-step)`` of itself from sample to sample, of its variance."""
-    keep = float(np.exp(-step))
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white), float)
 
 
-def _truth(aircraft: Aircraft, mission: Mission, time_s: FloatArray, flown: _Flown) -> _Truth:
-    """Full Model in the true attitude, without shading."""
-    none, air_c = np.zeros(len(time_s)), float(mission.air_state().temperature_c)
-    log = FlightLog(
-        source="truth", time_s=time_s, latitude_deg=flown.latitude_deg,
-        longitude_deg=flown.longitude_deg, altitude_m=none + mission.altitude_m,
-        solar_power_w=none, attitude=EulerAngles(flown.roll, flown.pitch, flown.yaw),
-        ambient_temperature_c=none + air_c, mppt_voltage_v=None, load_w=None,
-        state_of_charge=None, rows_read=0, rows_dropped=0, gaps=(), notes=(),
-    )  # fmt: skip
+def _truth(aircraft: Aircraft, mission: Mission, flown: FlightLog) -> tuple[FloatArray, FloatArray]:
+    """Power [W] and irradiance [W/m2] of the Full Model in the true attitude, without shading."""
     modules = aircraft.modules.model_copy(update={"shading_loss": "none"})
     bare = aircraft.model_copy(update={"modules": modules})
-    forward = Forward(log, bare, mission, modules.geometry, None, np.arange(len(time_s)))
-    chunks = []
-    for part in forward.chunks():
-        light = part.full(part.sunlight()).irradiance_w_per_m2
-        power = part.power_w()
-        chunks.append(_Truth(power, np.where(power > 0.0, light, 0.0)))
-    return _Truth(*(np.concatenate(columns) for columns in zip(*chunks, strict=True)))
+    parts = []
+    for part in Forward(flown, bare, mission, np.arange(len(flown))).chunks():
+        power, light = part.power_w(), part.full(part.sunlight()).irradiance_w_per_m2
+        parts.append((power, np.where(power > 0.0, light, 0.0)))
+    power, light = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    return power, light
 
 
 def _instruments(
-    mission: Mission,
+    flown: FlightLog,
+    truth: tuple[FloatArray, FloatArray],
     settings: Settings,
-    elapsed: FloatArray,
-    flown: _Flown,
-    truth: _Truth,
     rng: np.random.Generator,
 ) -> pd.DataFrame:
-    count, faults = len(elapsed), settings.faults
-    hours = elapsed / 3600.0
-    power = truth.power_w / (1.0 + settings.bias)
-    load = _NIGHT_LOAD_W + 2.0 * _gusts(elapsed, rng)
+    count, faults = len(flown), settings.faults
+    elapsed = flown.time_s - flown.time_s[0]
+    hours, attitude, (power, light) = elapsed / 3600.0, flown.attitude, truth
+    assert attitude is not None
+    power, load = power / (1.0 + settings.bias), _NIGHT_LOAD_W + 2.0 * _gusts(elapsed, rng)
     volts = _MPPT_V + 0.15 * rng.standard_normal(count)
-    lost = _within(hours, faults.mppt) & (truth.irradiance_w_per_m2 < 250.0)
+    lost = _within(hours, faults.mppt) & (light < 250.0)
     power = np.where(lost, 0.45 * power, power)
     volts = np.where(lost, volts - 4.0 - 3.0 * np.abs(_gusts(elapsed, rng)), volts)
     full = _within(hours, faults.battery_full)
@@ -194,18 +168,18 @@ def _instruments(
         error = settings.attitude_error_deg * rng.standard_normal(count)
         return np.round((np.degrees(angle) + error + 180.0) % 360.0 - 180.0, 3)
 
-    utc = np.round((settings.start_utc_s + elapsed) * 1e3).astype("datetime64[ms]")
+    utc = np.round(flown.time_s * 1e3).astype("datetime64[ms]")
     table = pd.DataFrame(
         {
             "time_utc": np.strings.add(np.datetime_as_string(utc), "Z"),
             "latitude_deg": np.round(flown.latitude_deg, 7),
             "longitude_deg": np.round(flown.longitude_deg, 7),
-            "altitude_m": np.round(mission.altitude_m + rng.normal(0.0, 1.0, count), 2),
-            "roll_deg": measured_deg(flown.roll),
-            "pitch_deg": measured_deg(flown.pitch),
-            "yaw_deg": measured_deg(flown.yaw),
+            "altitude_m": np.round(flown.altitude_m + rng.normal(0.0, 1.0, count), 2),
+            "roll_deg": measured_deg(attitude.roll_rad),
+            "pitch_deg": measured_deg(attitude.pitch_rad),
+            "yaw_deg": measured_deg(attitude.yaw_rad),
             "solar_power_w": np.round(noisy, 3),
-            "ambient_temperature_c": np.full(count, float(mission.air_state().temperature_c)),
+            "ambient_temperature_c": flown.ambient_temperature_c,
             "mppt_voltage_v": np.round(volts, 3),
             "load_w": np.round(load, 2),
             "state_of_charge": np.round(charge, 4),
