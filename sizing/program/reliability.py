@@ -48,9 +48,7 @@ VERIFICATION_SAMPLES = 10_000
 _SEARCH_SEED, _VERIFICATION_SEED = 20_040, 1_999  # any two that differ
 _INDEX_TOLERANCE = 0.02  # moves the probability by at most 0.8 %, less than the draws leave open
 _LEAST_STEP, _LARGEST_INDEX = 0.5, 12.0  # of the index
-_MOST_FAILING = 0.95  # of the draws that tell the direction
-_MOST_TILT = 0.5  # of the margins: none is less than a third of the other
-_NO_LOSS = 1e-9  # of an objective by a margin that costs nothing
+_MOST_FAILING = 0.95  # of the draws that show the direction
 
 
 class Trial(NamedTuple):
@@ -192,6 +190,26 @@ def with_storage(aircraft: Aircraft, mission: Mission, factor: float) -> tuple[A
     return with_parameter(limited, mission, key, capacity)
 
 
+def size_with_margins(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: Objective,
+    solar: SolarModel,
+    day: SolarDay,
+    start: DesignVariables | None,
+    income: float,
+    storage: float,
+) -> SizingResult:
+    """Size with factors on sun and storage; flight and objective are those without them."""
+    larger = with_storage(aircraft, mission, float(storage))
+    sun = day.scaled(float(income))
+    result = size_aircraft(*larger, objective, solar, day=sun, start=start, explain=False)
+    if result.design is None:
+        return result
+    given = (aircraft, mission, result.design.variables, solar)
+    return result.with_design(performance_of_designs(*given, day=day))
+
+
 def size_reliably(
     aircraft: Aircraft,
     mission: Mission,
@@ -228,22 +246,24 @@ class _Search:
     day: SolarDay
 
     def run(self) -> tuple[SizingResult, Reliability]:
-        trial = self._judged(self.nominal)
-        work = self.nominal.solver
+        trial, case = self._judged(self.nominal), (self.aircraft, self.mission, self.objective)
+        work, assumed = self.nominal.solver, self.nominal.design
+        assert assumed is not None
         if not trial.enough:
             mean, towards = self._failure()
             step = max(_NORMAL.inv_cdf(self.required), _LEAST_STEP)
-            alone = [self._sized(step * towards * one) for one in np.eye(2)]
-            towards = towards * self._weights(*(one.merit for one in alone))
-            tried = []
 
             def sized(index: float) -> Trial | None:
-                tried.append(self._sized(mean + index * towards))
-                return None if tried[-1].design is None else self._judged(tried[-1])
+                nonlocal work
+                income, storage = np.exp(mean + index * towards)
+                result = size_with_margins(
+                    *(*case, self.solar, self.day, assumed.variables), income, storage
+                )
+                work += result.solver
+                return None if result.design is None else self._judged(result)
 
             ends = (0.0, _LARGEST_INDEX)
             trial = least_margin(sized, ends, step, _INDEX_TOLERANCE) or trial
-            work = sum((one.solver for one in (*alone, *tried)), work)
         reliability = self._verified(trial)
         result = replace(trial.result, solver=work)
         if trial.enough:
@@ -309,33 +329,3 @@ class _Search:
         some = min(self.mission.required_excess_time_h, float(np.quantile(excess_h, _MOST_FAILING)))
         mean, failing = drawn.mean(axis=1), drawn[:, excess_h < some].mean(axis=1)
         return mean - plain[:, 0], failing - mean
-
-    def _weights(self, *merits: float) -> FloatArray:
-        """Weights of both margins, of which the dearer becomes the smaller.
-
-        ``merits``: objectives with each alone. Along the mean failure both ways to fail have the
-        index ``b`` of half of the permitted failures, and the objective is best where more of
-        either costs as much for what it gains: ``loss_1 / phi(b (1 + t))`` is
-        ``loss_2 / phi(b (1 - t))``, so that ``ln(loss_2 / loss_1)`` is ``2 t b^2``.
-        """
-        each = _NORMAL.inv_cdf((1.0 + self.required) / 2.0)
-        income, storage = np.clip(self.nominal.merit - np.array(merits), _NO_LOSS, 1.0 / _NO_LOSS)
-        tilt = math.log(storage / income) / (2.0 * each**2)
-        tilt = min(max(tilt, -_MOST_TILT), _MOST_TILT)
-        return np.array([1.0 + tilt, 1.0 - tilt])
-
-    def _sized(self, factors: FloatArray) -> SizingResult:
-        """Sizing with factors; its flight and objective are those without them."""
-        income, storage = (float(one) for one in np.exp(factors))
-        aircraft, mission = with_storage(self.aircraft, self.mission, storage)
-        assert self.nominal.design is not None
-        result = size_aircraft(
-            *(aircraft, mission, self.objective, self.solar),
-            day=self.day.scaled(income),
-            start=self.nominal.design.variables,
-            explain=False,
-        )
-        if result.design is None:
-            return result
-        given = (self.aircraft, self.mission, result.design.variables, self.solar)
-        return result.with_design(performance_of_designs(*given, day=self.day))

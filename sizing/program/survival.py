@@ -21,9 +21,8 @@ from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
 from sizing.mass_budget import design_of
-from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.program.reliability import Trial, least_margin, with_design, with_storage
+from sizing.program.reliability import Trial, least_margin, size_with_margins, with_design
 from sizing.program.result import SizingResult, Violation
 from sizing.program.size import size_aircraft
 from sizing.sunlight import SolarModel, solar_day
@@ -92,20 +91,15 @@ class SurvivalSizing:
             nonlocal done
             self._tell(done, max(done + 1, _STEPS))
             done += 1
-            easier = with_storage(self.aircraft, self.mission, math.exp(-margin * storage))
-            result = size_aircraft(
-                *(*easier, self.objective, self.solar),
-                day=day.scaled(math.exp(-margin)),
-                start=start,
-                explain=False,
+            result = size_with_margins(
+                *(*given, day, start), math.exp(-margin), math.exp(-margin * storage)
             )
             if result.design is None:
                 return None
-            flown = performance_of_designs(*given[:2], result.design.variables, self.solar)
             active = (DAYS_THAT_CLOSE if " (" in n else n for n in result.active_constraints)
             told = replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
             days = int(np.count_nonzero(self.closes(result)[self.season]))
-            return Trial(told.with_design(flown), days, days >= needed)
+            return Trial(told, days, days >= needed)
 
         found = least_margin(lambda m: trial(m, 0.0), _ENDS, _STEP, _TOLERANCE)
         if found is None or not found.enough:  # dark days that only a larger battery outlasts

@@ -132,4 +132,4 @@ def _next_step(study: SizingStudy, written: str | None) -> str:
     eased = study.relaxations
     if eased:
         return f"the same with --set {eased[0].parameter}={eased[0].value:g}, or another of these"
-    return "ease what holds it back; docs/sizing.md, Infeasible, says how to read it"
+    return "ease what holds it back; docs/sizing-answers.md, Infeasible, says how to read it"
