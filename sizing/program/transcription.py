@@ -437,7 +437,7 @@ def power_surface(
 class Unknowns(NamedTuple):
     """What is unknown of a day besides the design; symbols.
 
-    ``lack``: missing power over the load that charges count in. ``charge``: energy at the nodes
+    ``lack``: missing power over the nominal load. ``charge``: energy at the nodes
     over that load for ``RESERVE_SCALE_H``. ``height``: at the nodes, over the way to the ceiling.
     ``speed``: logarithm of the airspeed over the design's.
     """
@@ -470,7 +470,7 @@ def _day_rows(
     light = ca.sum1(light * motion.weights).T * brighter[:-1]
     load_w = level_w * block.load * heavier[:-1] + motion.beyond_w
     nominal_w = block.nominal * level_w * heavier[-1]
-    net_w = design.area_m2 * light - load_w + unknown.lack * reference_w
+    net_w = design.area_m2 * light - load_w + unknown.lack * nominal_w
     net, charge, full = net_w * block.hours / unit_wh, unknown.charge, design.full_wh / unit_wh
     into, out_of = data["efficiencies"][0], data["efficiencies"][1]
     gain = charge[1:] - charge[:-1]
@@ -483,7 +483,7 @@ def _day_rows(
     wanted_h = block.reserve * (unknown.excess_h + block.shift_h) + block.way_h
     wanted = wanted_h * nominal_w / unit_wh
     sun_w = design.area_m2 * brighter[-1] * block.lowest_w_per_m2
-    sun = (sun_w - (1.0 + CONTINUOUS_MARGIN) * nominal_w) / reference_w + unknown.lack
+    sun = sun_w / nominal_w - 1.0 - CONTINUOUS_MARGIN + unknown.lack
     rows.append((Constraint("excess_time"), charge * out_of - wanted + _OFF * block.continuous))
     rows.append((Constraint("continuous"), sun + _OFF * (1.0 - block.continuous)))
     once = _OFF * (1.0 - block.repeated)

@@ -96,6 +96,7 @@ def test_keys_are_those_of_files_or_of_quantities(one: Parameter) -> None:
             "worst_excess_time_h",
             "season_days",
             "latitude_band_deg",
+            "endurance_h",
         }
         return
     assert (one.kind == "mission") == one.key.startswith(MISSION_PREFIX)
