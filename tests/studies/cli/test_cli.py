@@ -255,7 +255,8 @@ def test_the_answer_to_a_range_is_the_second_line(run: Run) -> None:
 
 def test_where_nothing_helps_alone_the_map_is_named(run: Run) -> None:
     impossible = ("--latitude", "60", "--date", "12-21")
-    outcome = run("size", DESIGN, "-m", "rafz-july", *impossible)
+    heavy = ("--set", "battery.specific_energy_wh_per_kg=50")
+    outcome = run("size", DESIGN, "-m", "rafz-july", *impossible, *heavy)
     assert outcome.code == 1
     said = " ".join(outcome.out.split())
     assert "no single one makes it feasible of: technology" in said
