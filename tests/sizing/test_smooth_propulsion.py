@@ -144,9 +144,8 @@ def test_the_design_with_a_margin_has_its_own_operating_point() -> None:
     study = sizing.size(aircraft(), MISSION, with_margin=True)
     guarded = study.with_margin
     alone = sizing.size(aircraft(), guarded.mission)
-    # Thrust and speed differ by a few per cent, over which the formulas keep their error; so does
-    # the flow that cools the modules, which is followed to 0.3 % of a day's light.
-    assert guarded.design.total_mass_kg == pytest.approx(alone.design.total_mass_kg, rel=2e-4)
+    # Each search ends where excess time above the required one is worth 0.03 % of the mass.
+    assert guarded.design.total_mass_kg == pytest.approx(alone.design.total_mass_kg, rel=6e-4)
 
 
 def test_cells_of_a_map_have_their_own_operating_points() -> None:
@@ -156,7 +155,7 @@ def test_cells_of_a_map_have_their_own_operating_points() -> None:
     for latitude, mass in zip((35.0, 55.0), masses, strict=True):
         there = load_mission("rafz-july", {"latitude_deg": latitude, "dates": {"on": "06-21"}})
         alone = sizing.size(own, there)
-        assert mass == pytest.approx(alone.design.total_mass_kg, rel=2e-4)
+        assert mass == pytest.approx(alone.design.total_mass_kg, rel=6e-4)
 
 
 def test_draws_have_their_own_operating_points() -> None:
