@@ -21,7 +21,7 @@ from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.program.reasons import PERCENT, least_mission
 from sizing.program.result import SizingResult
-from sizing.program.size import searched, size_aircraft
+from sizing.program.size import Search, searched, size_aircraft
 from sizing.program.task import Eased, SizingTask
 from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables, limit_rows
 from sizing.relaxed_flight import Direction, Relaxation, rounded
@@ -155,6 +155,10 @@ class _Relaxations:
             own_cost={move.name: 1.0 if move.upwards else -1.0},
         )
         best = searched(task, self.start).best
+        if best is None and not np.isfinite(self.nearest.design.total_mass_kg):
+            # What carries its own mass at no present value may do so at the furthest one.
+            first = task.first_values(self.start) | {move.name: move.ends[move.upwards]}
+            best = Search(task, first=first).run().best
         if best is None:
             return None
         start = task.design_variables(best.values)._replace(**_AS_GIVEN)

@@ -12,7 +12,7 @@ import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
 from sizing.catalogues.choice import entries
-from sizing.mass_budget import ImpossibleDesignError, design_of
+from sizing.mass_budget import design_of
 from sizing.propulsion.electric import Motor
 from sizing.propulsion.part_masses import continuous_torque_nm
 
@@ -83,13 +83,13 @@ def test_no_winding_of_a_scan_is_better(sized: sizing.SizingStudy) -> None:
         study = sizing.size(given, MISSION, objective="min_mass", required_excess_time_h=3.0)
         return float(study.design.total_mass_kg)
 
-    masses = [lightest_kg(share) for share in (1.01, 1.1, 1.4)]
     found = float(sized.design.total_mass_kg)
-    assert found < masses[0] < masses[1] < masses[2]
-    assert masses[0] == pytest.approx(found, rel=1e-3)
-    # With any less the empty battery's voltage does not suffice.
-    with pytest.raises(ImpossibleDesignError, match="bus voltage 18 V is below 18"):
-        lightest_kg(0.98)
+    faster = [lightest_kg(share) for share in (1.01, 1.1, 1.4)]
+    assert found < faster[0] < faster[1] < faster[2]
+    assert faster[0] == pytest.approx(found, rel=1e-3)
+    # With any less the empty battery's voltage asks for a slower and larger aircraft.
+    slower = [lightest_kg(share) for share in (0.98, 0.9)]
+    assert found < slower[0] < slower[1]
 
 
 def test_the_winding_is_limited_by_the_empty_battery(sized: sizing.SizingStudy) -> None:
