@@ -85,11 +85,21 @@ def test_starters_overwrite_nothing(run: Run, tmp_path: Path) -> None:
     assert files(tmp_path) == {"heron-mission.yaml"}
 
 
-@pytest.mark.parametrize("name", ["", "../heron", "a b", ".heron", 65 * "a"])
-def test_names_that_are_no_file_names(run: Run, tmp_path: Path, name: str) -> None:
+LETTERS = "a name has letters, digits, '-', '_' and '.', at most 64 of them"
+DEVICE = "names a device of Windows"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        *[(name, LETTERS) for name in ("", "../heron", "a b", ".heron", 65 * "a")],
+        *[(name, DEVICE) for name in ("CON", "nul.yaml", "Aux", "com1", "LPT9.v2.yml", "prn.2")],
+    ],
+)
+def test_names_that_are_no_file_names(run: Run, tmp_path: Path, name: str, said: str) -> None:
     outcome = run("init", name)
     assert (outcome.code, outcome.out) == (2, "")
-    assert "a name has letters, digits, '-', '_' and '.', at most 64 of them" in outcome.err
+    assert said in outcome.err
     assert files(tmp_path) == set()
 
 

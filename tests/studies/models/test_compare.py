@@ -27,8 +27,6 @@ pytestmark = pytest.mark.slow
 
 AS2, DESIGN, SUMMER = "atlantiksolar-as2", "atlantiksolar-design", "central-europe-summer"
 AIRCRAFT, MISSION = load_aircraft(DESIGN), load_mission(SUMMER)
-RUN = {"aircraft.yaml", "mission.yaml", "run.json", "results.json"}
-FILES = RUN | {"comparison.csv", "comparison.png"}
 
 
 @pytest.fixture(scope="module")
@@ -263,21 +261,6 @@ def test_midnight_sun_has_no_end(run: Run, tmp_path: Path) -> None:
     drawn = run("compare", AS2, "--models", "CDM", *place, "--plot", "sun.png")
     assert drawn.code == 0
     assert (tmp_path / "sun.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_folder_gets_all_files(run: Run, tmp_path: Path) -> None:
-    options = ("--models", "CDM,FM", "--corrections", "report", "--out", "new")
-    result = run("compare", DESIGN, "-m", SUMMER, *options)
-    assert result.code == 0
-    assert {p.name for p in (tmp_path / "new").iterdir()} == FILES
-    table = pd.read_csv(tmp_path / "new" / "comparison.csv")
-    assert table["model"].tolist() == ["CDM", "FM"]
-    assert {"excess_time_h", "season_days", "design_judged_endurance_h"} <= set(table)
-    record = json.loads((tmp_path / "new" / "results.json").read_text())
-    assert record["cases"][0]["design"]["wingspan_m"] == pytest.approx(
-        table["design_wingspan_m"][0]
-    )
-    assert (tmp_path / "new" / "comparison.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_single_files_are_written_together_or_not_at_all(run: Run, tmp_path: Path) -> None:
