@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from weather_files import clear_record
@@ -347,11 +346,6 @@ def alike_lines(figure: Figure) -> list[str]:
                 found.append(f"{label!r} looks like {looks[look]!r}")
             looks[look] = label
     return found
-
-
-def colours(figure: Figure) -> set[str]:
-    """Colours of the lines of a figure."""
-    return {to_hex(line.get_color()).upper() for axes in figure.axes for line in axes.lines}
 
 
 def heading(figure: Figure) -> str:

@@ -256,6 +256,8 @@ def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run: Run) -> None
     assert found.err == "solar-uav: flown is the mission beside it, -m heron-mission.yaml\n"
     keys = ("mission", "mission_is_default", "status", "wingspan_m")
     assert [found.json()[key] for key in keys] == [known.json()[key] for key in keys]
+    told = "solar-uav: the default mission is flown; beside it lies -m heron-mission.yaml\n"
+    assert run("analyse", "heron.yaml").err == told
 
 
 def test_the_answer_to_a_range_is_the_second_line(run: Run) -> None:
@@ -356,13 +358,6 @@ def test_size_takes_place_and_day_as_analyse_does(run: Run) -> None:
     assert "give --day-of-year or --date" in run("size", DESIGN, "-m", "rafz-july", *twice).err
     weather = ("--weather", "colorado-2023", "--survive", "0.5", "--latitude", "40")
     assert "has its own place" in run("size", DESIGN, "-m", "rafz-july", *weather).err
-
-
-def test_a_mission_beside_the_aircraft_is_named(run: Run) -> None:
-    run("init", "heron")
-    told = "solar-uav: the default mission is flown; beside it lies -m heron-mission.yaml\n"
-    assert run("analyse", "heron.yaml").err == told
-    assert run("analyse", "heron.yaml", "-m", "heron-mission.yaml").err == ""
 
 
 def test_a_file_of_nearly_that_name_is_proposed(run: Run, tmp_path: Path) -> None:

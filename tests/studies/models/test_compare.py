@@ -26,6 +26,7 @@ from studies.models.plots import plot_comparison, spans
 pytestmark = pytest.mark.slow
 
 AS2, DESIGN, SUMMER = "atlantiksolar-as2", "atlantiksolar-design", "central-europe-summer"
+VM = SolarModel("VM")
 AIRCRAFT, MISSION = load_aircraft(DESIGN), load_mission(SUMMER)
 
 
@@ -200,19 +201,15 @@ def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -
         ),
         ({"objective": "longest_season"}, "objective must be one of .* .got 'longest_season'"),
         ({"models": []}, "no model to compare"),
+        *[
+            (one | {"aircraft": load_aircraft("sky-sailor")}, r"needs modules\.geometry of the air")
+            for one in ({"models": ["FM"]}, {"corrections": ["loiter"]}, {"models": [VM]})
+        ],
     ],
 )
 def test_wrong_names_are_refused_at_the_call(options: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        study.compare(AIRCRAFT, MISSION, **options)
-
-
-@pytest.mark.parametrize(
-    "options", [{"models": ["FM"]}, {"corrections": ["loiter"]}, {"models": [SolarModel("VM")]}]
-)
-def test_what_needs_surfaces_is_refused_by_name_without_them(options: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match=r"needs modules\.geometry of the aircraft"):
-        study.compare(load_aircraft("sky-sailor"), MISSION, **options)
+        study.compare(options.pop("aircraft", AIRCRAFT), MISSION, **options)
 
 
 # ---- Command
