@@ -189,19 +189,9 @@ def _axe_script() -> str:
 
 
 def accessibility_problems(page: Page, *ignored: str) -> list[str]:
-    """What axe-core finds against WCAG 2.1 A and AA and good practice, contrast included.
+    """What axe-core finds against WCAG 2.1 A and AA and good practice, a line an element and rule.
 
-    Parameters
-    ----------
-    page : Page
-        Page as it stands.
-    ignored : str
-        Rules of axe-core that a test leaves out, with its reason beside it.
-
-    Returns
-    -------
-    list of str
-        One line for each element and rule.
+    Rules that a test leaves out are named, with the reason beside the call.
     """
     page.evaluate(_axe_script())
     rules = json.dumps({name: {"enabled": False} for name in ignored})

@@ -367,14 +367,10 @@ def test_a_file_of_nearly_that_name_is_proposed(run: Run, tmp_path: Path) -> Non
 
 def test_version_and_helps(run: Run) -> None:
     assert re.fullmatch(r"solar-uav, version \S+\n", run("--version").out)
-    outcome = run("--help")
-    assert outcome.code == 0
     for command in cli.cli.list_commands(click.Context(cli.cli)):
-        assert f"  {command} " in outcome.out
-        for flag in ("--help", "-h"):
-            page = run(command, flag)
-            assert (page.code, page.err) == (0, "")
-            assert re.match(rf"Usage: .*solar-uav {command} ", page.out)
+        page = run(command, "-h")
+        assert (page.code, page.err) == (0, "")
+        assert re.match(rf"Usage: .*solar-uav {command} ", page.out)
 
 
 # ---- odd names and values ------------------------------------------------------------
