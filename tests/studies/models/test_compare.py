@@ -312,7 +312,6 @@ def test_wrong_options_end_with_2(run: Run, arguments: list[str], said: str) -> 
         (["sky-sailor", "--models", "CAM,VM"], "modules: --models VM needs the module surfaces"),
         (["sky-sailor", "--corrections", "loiter"], "--corrections loiter needs the module"),
         ([AS2, "--models", "FM", "-m", "bare.yaml"], "--models FM needs a flight path"),
-        ([AS2, "--set", "mission.wind_m_per_s=9.5"], "flight_path"),
         ([AS2, "--set", "mission.latitude_deg=89.0", "--set", "mission.dates={on: 12-21}"], "polar night"),  # noqa: E501
         ([AS2, "--set", "battery.mas_kg=1"], "did you mean 'mass_kg'"),
         (["atlantiksolar-as3"], "did you mean 'atlantiksolar-as2'"),
