@@ -103,13 +103,3 @@ def test_installed_files_are_those_of_the_source_tree(package: str) -> None:
         if name in shipped and shipped[name].read_bytes() != path.read_bytes()
     ]
     assert not stale, "older than the source tree: install the project again, then test"
-
-
-@pytest.mark.parametrize("package", PACKAGES)
-def test_data_files_are_read_as_package_resources(package: str) -> None:
-    skip_unless_wheel()
-    for name, path in shipped_files().items():
-        owner, _, inside = name.partition("/")
-        if owner == package and path.suffix != ".py":
-            resource = resources.files(package).joinpath(inside)
-            assert resource.read_bytes() == path.read_bytes()

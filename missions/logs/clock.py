@@ -19,6 +19,9 @@ _SPAN = re.compile(r"(?:(\d{4}-\d\d-\d\d)@)?(\d\d?:\d\d(?::\d\d)?)-(\d\d?:\d\d(?
 _OFFSET = re.compile(r"([+-])(\d{1,2})(?::?(\d\d))?")
 _DOTTED = r"^\s*(\d{1,2})\.(\d{1,2})\.(\d{4})[ T,]+"
 _SLASHED = r"^\s*(\d{1,2})/(\d{1,2})/(\d{4})[ T,]+"
+_NO_FORM = "must be ISO 8601 like 2015-07-01T05:30:00Z"
+_NO_ZONE = "has no time zone; write UTC like 2015-07-01T05:30:00Z or +02:00, or give --timezone"
+_NO_HOUR = "does not exist, or comes twice, in this time zone: the clocks were changed"
 _HALF_DAY = r"^(.*?)(\d{1,2})(:\d\d(?::\d\d(?:\.\d+)?)?)\s*([AaPp])\.?[Mm]\.?$"
 
 
@@ -42,23 +45,23 @@ class Span(NamedTuple):
         return np.asarray(inside, bool)
 
 
-def parse_span(text: str) -> Span:
+def parse_span(text: object) -> Span:
     """Read times of day like ``11:20-11:45`` or ``2015-07-01@11:20-11:45``."""
-    match = _SPAN.fullmatch(text.strip())
+    match = _SPAN.fullmatch(written := str(text).strip())
     try:
         if match is None:
             raise ValueError
         date = datetime.date.fromisoformat(match[1]) if match[1] else None
         midnight = match[3] in ("24:00", "24:00:00")
         ends = (match[2], "00:00" if midnight else match[3])
-        start, end = (datetime.time.fromisoformat(text.zfill(5)) for text in ends)
+        start, end = (datetime.time.fromisoformat(end.zfill(5)) for end in ends)
     except ValueError:
         raise ValueError(
             f"must be times like 11:20-11:45, or 2015-07-01@11:20-11:45 of one day "
             f"(got {shown(text)})"
         ) from None
     start_s, end_s = (3600.0 * t.hour + 60.0 * t.minute + t.second for t in (start, end))
-    return Span(text.strip(), date, start_s, _DAY_S if midnight else end_s)
+    return Span(written, date, start_s, _DAY_S if midnight else end_s)
 
 
 class Times(NamedTuple):
@@ -69,9 +72,9 @@ class Times(NamedTuple):
     notes: tuple[str, ...]
 
 
-def parse_zone(text: str) -> datetime.tzinfo:
+def parse_zone(text: object) -> datetime.tzinfo:
     """Read a time zone: ``UTC``, an offset like ``+02:00``, or a name like ``Europe/Zurich``."""
-    name = text.strip()
+    name = str(text).strip()
     if name.upper() in ("UTC", "Z", "GMT"):
         return datetime.UTC
     match = _OFFSET.fullmatch(name.upper().removeprefix("UTC"))
@@ -89,16 +92,10 @@ def parse_zone(text: str) -> datetime.tzinfo:
         ) from None
 
 
-def zone_name(text: str) -> str:
-    """Check that there is a time zone of a name."""
-    parse_zone(text)
-    return text.strip()
-
-
-def parse_instant(text: str) -> float:
+def parse_instant(text: object) -> float:
     """Read an instant with its zone, ``2015-06-30T11:14:00+02:00``, as seconds since 1970."""
     try:
-        instant = datetime.datetime.fromisoformat(text.strip())
+        instant = datetime.datetime.fromisoformat(str(text).strip())
     except ValueError:
         instant = None
     if instant is None or instant.tzinfo is None:
@@ -106,17 +103,6 @@ def parse_instant(text: str) -> float:
             f"must be a time with its zone like 2015-06-30T11:14:00+02:00 (got {shown(text)})"
         )
     return instant.timestamp()
-
-
-def instant_text(text: str) -> str:
-    """Check that there is an instant of a text."""
-    parse_instant(text)
-    return text
-
-
-def span_text(text: str) -> str:
-    """Check that there are times of day of a text."""
-    return parse_span(text).text
 
 
 def times_from_text(
@@ -149,8 +135,8 @@ def times_from_text(
         if zone is not None:
             time_s[rows] = _localised(local, zone)
     unknown = given & np.isnan(time_s)
-    why = "zone" if zone is None else "hour"
-    return Times(time_s, {"form": unknown & ~naive, why: unknown & naive}, tuple(notes))
+    why = _NO_ZONE if zone is None else _NO_HOUR
+    return Times(time_s, {_NO_FORM: unknown & ~naive, why: unknown & naive}, tuple(notes))
 
 
 def _of_whole_day(text: pd.Series) -> tuple[pd.Series, bool]:

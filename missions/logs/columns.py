@@ -6,18 +6,19 @@ them. What is guessed is told.
 
 from __future__ import annotations
 
+import datetime
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import AfterValidator, Field
+from pydantic import Field, PlainValidator
 
 from missions.files.errors import printable, shortened, shown
 from missions.files.validation import unknown_key, validate
 from missions.files.yaml import read_yaml
-from missions.logs.clock import Span, instant_text, parse_span, span_text, zone_name
+from missions.logs.clock import Span, parse_instant, parse_span, parse_zone
 from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER
 from missions.logs.units import UNITS, Dimension, Unit, known_unit, spelled, split_unit
 from solar.schema import Real, Record, Text
@@ -46,19 +47,19 @@ class ColumnMap(Record):
 
     separator: Literal[",", ";", "\t", "|", "tab", "comma", "semicolon"] | None = None
     decimal: Literal[".", ","] | None = None
-    timezone: Annotated[Text, AfterValidator(zone_name)] | None = None
-    start: Annotated[Text, AfterValidator(instant_text)] | None = None
+    timezone: Annotated[datetime.tzinfo, PlainValidator(parse_zone)] | None = None
+    start: Annotated[float, PlainValidator(parse_instant)] | None = None
     columns: Mapping[str, Text | Source] = Field(default_factory=dict)
     ignore: tuple[Text, ...] = ()
-    exclude: tuple[Annotated[Text, AfterValidator(span_text)], ...] = ()
+    exclude: tuple[Annotated[Span, PlainValidator(parse_span)], ...] = ()
 
     def with_options(
         self,
         columns: Mapping[str, str],
-        timezone: str | None,
-        start: str | None = None,
+        timezone: datetime.tzinfo | None = None,
+        start: float | None = None,
         ignore: Sequence[str] = (),
-        exclude: Sequence[str] = (),
+        exclude: Sequence[Span] = (),
     ) -> ColumnMap:
         """Map with what the command line says, which precedes the file or is added to it.
 
@@ -74,12 +75,7 @@ class ColumnMap(Record):
         changes: dict[str, Any] = {"columns": {**self.columns, **columns}}
         changes |= {n: v for n, v in (("timezone", timezone), ("start", start)) if v is not None}
         changes |= {"ignore": (*self.ignore, *ignore), "exclude": (*self.exclude, *exclude)}
-        return ColumnMap.model_validate({**self.model_dump(), **changes})
-
-    @property
-    def spans(self) -> list[Span]:
-        """Times of day that are left out."""
-        return [parse_span(text) for text in self.exclude]
+        return self.model_copy(update=changes)
 
 
 def read_column_map(path: str) -> ColumnMap:
@@ -279,9 +275,8 @@ def _factor(key: str, quantity: str, factors: int, text: str, header: Sequence[s
 
 
 def _unit_of_quantity(key: str, quantity: str, factors: int, text: str) -> str:
-    for dimension in _dimensions(quantity, factors):
-        if (unit := known_unit(text, dimension)) is not None:
-            return unit
+    if (unit := _known_unit(quantity, factors, text)) is not None:
+        return unit
     allowed = ", ".join(spelled(u) for d in _dimensions(quantity, factors) for u in UNITS[d])
     raise ValueError(f"{key}: unknown unit {shown(text)}; allowed: {allowed}")
 
@@ -300,11 +295,14 @@ def _unit_of_name(quantity: str, factors: int, name: str) -> str | None:
     words = _words_of_name(base)
     endings = [bracketed] if bracketed else []
     endings += [sign.join(words[-n:]) for n in (3, 2, 1) for sign in ("_", "") if len(words) > n]
-    for dimension in _dimensions(quantity, factors):
-        for ending in endings:
-            if (unit := known_unit(ending, dimension)) is not None:
-                return unit
-    return None
+    units = (_known_unit(quantity, factors, ending) for ending in endings)
+    return next((unit for unit in units if unit is not None), None)
+
+
+def _known_unit(quantity: str, factors: int, text: str) -> str | None:
+    """Unit of a column that its text names, if it names one."""
+    units = (known_unit(text, dimension) for dimension in _dimensions(quantity, factors))
+    return next((unit for unit in units if unit is not None), None)
 
 
 def _guess(quantity: str, header: Sequence[str], taken: set[str]) -> Factor | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import os
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +18,7 @@ from missions.files.errors import (
     shortened,
 )
 from missions.files.validation import unknown_key
-from missions.logs.clock import parse_instant, parse_zone, times_from_numbers, times_from_text
+from missions.logs.clock import times_from_numbers, times_from_text
 from missions.logs.columns import ColumnMap, Recipe, Recipes, recipes_for
 from missions.logs.dataflash import read_dataflash
 from missions.logs.delimited import Text, read_text
@@ -71,9 +70,8 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
             alike = did_you_mean(name, [*text.header, *QUANTITIES])
             notes.append(f"nothing is called {shortened(printable(name))}, to ignore it{alike}")
     frame = text.frame([name for name in text.header if name in used or name == date])
-    zone = None if layout.timezone is None else parse_zone(layout.timezone)
     check, remarks = Check(source, np.asarray(text.numbers)), list[str]()
-    raw = _Raw(text, layout, frame, date, zone, check, remarks)
+    raw = _Raw(text, layout, frame, date, check, remarks)
     made = [_time(raw, matched["time"])]
     for quantity, recipe in matched.items():
         if quantity != "time":
@@ -85,7 +83,7 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
     guessed = [recipe.told() for recipe in matched.values() if recipe.guessed]
     if guessed:
         remarks.insert(0, f"guessed: {', '.join(guessed)}")
-    return checked_log(table, check, [*remarks, *notes], layout.spans, zone)
+    return checked_log(table, check, [*remarks, *notes], layout.exclude, layout.timezone)
 
 
 class _Raw(NamedTuple):
@@ -95,7 +93,6 @@ class _Raw(NamedTuple):
     layout: ColumnMap
     frame: pd.DataFrame
     date: str | None
-    zone: datetime.tzinfo | None
     check: Check
     notes: list[str]
 
@@ -149,10 +146,9 @@ def _time(raw: _Raw, recipe: Recipe) -> pd.Series:
     as_numbers = pd.to_numeric(column, errors="coerce").notna().sum() > 0.5 * column.notna().sum()
     if as_numbers and raw.date is None and recipe.form is None:
         values = numbers(column, check)
-        start = None if raw.layout.start is None else parse_instant(raw.layout.start)
         unit = "s" if name == EPOCH else recipe.unit
         try:
-            time_s, note = times_from_numbers(values, unit, start, printable(name))
+            time_s, note = times_from_numbers(values, unit, raw.layout.start, printable(name))
         except ValueError as error:
             problem = Problem(check.source, raw.text.line, None, printable(name), str(error))
             raise InputError([problem]) from None
@@ -166,7 +162,7 @@ def _time(raw: _Raw, recipe: Recipe) -> pd.Series:
         notes.append(f"{printable(raw.date)} and {printable(name)} read as date and time")
     if recipe.form is None:
         return text.rename(TIME)
-    times = times_from_text(text, raw.zone, recipe.form)
+    times = times_from_text(text, raw.layout.timezone, recipe.form)
     for wrong in times.wrong.values():
         check.complain(text.rename(TIME), wrong, f"is not of the form {recipe.form!r} or its zone")
     return pd.Series(times.time_s, name=EPOCH)

@@ -16,10 +16,9 @@ import numpy as np
 from missions.files.errors import file_error
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
-from missions.logs.nearest import Series
 from missions.logs.quantities import ATTITUDE
 from missions.logs.streams import Stream, given_series, kinds_named, log_from_series, no_power
-from missions.logs.table import FlightLog
+from missions.logs.table import FlightLog, Series
 
 _MOST_BYTES = 500_000_000
 _HEAD, _FMT, _FMT_LENGTH = b"\xa3\x95", 128, 89

@@ -6,17 +6,16 @@ import contextlib
 import io
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from missions.files.errors import InputError, file_error, printable
 from missions.files.texts import open_plain
 from missions.logs.columns import ColumnMap
-from missions.logs.nearest import Series
 from missions.logs.quantities import ATTITUDE, TRACKER
 from missions.logs.streams import Stream, given_series, kinds_named, log_from_series, no_power
-from missions.logs.table import FlightLog
+from missions.logs.table import FlightLog, Series
 from solar.types import FloatArray
 
 _POWER_TOPIC = "sensor_mppt"
@@ -82,14 +81,13 @@ def _bounded_reader(reader: Any) -> Any:
     pyulog lays a topic out field by field as soon as it is subscribed, however often its format
     holds others; a few hundred bytes can ask for more fields than any memory has.
     """
-    known: dict[str, _Fields] = {}
+    known: dict[str, int] = {}
 
     class Bounded(reader):  # type: ignore[misc]  # pyulog has no types
         _characters = 0
 
         def _MessageAddLogged(self, data: bytes, header: Any, formats: Any) -> Any:  # noqa: N802
-            fields = _fields_of(self.parse_string(data[3:]), formats, known)
-            self._characters += fields.characters
+            self._characters += _characters_of(self.parse_string(data[3:]), formats, known)
             if self._characters > _MOST_CHARACTERS:
                 raise _EndlessError("its formats have more fields than any log")
             return reader._MessageAddLogged(data, header, formats)
@@ -97,30 +95,20 @@ def _bounded_reader(reader: Any) -> Any:
     return Bounded
 
 
-class _Fields(NamedTuple):
-    """Fields that a format is laid out to, and the characters of their names."""
-
-    number: int
-    characters: int
-
-
-def _fields_of(
-    name: str, formats: Mapping[str, Any], known: dict[str, _Fields], above: tuple[str, ...] = ()
-) -> _Fields:
-    """Fields of a format and of those that it holds, which count themselves as well."""
+def _characters_of(
+    name: str, formats: Mapping[str, Any], known: dict[str, int], above: tuple[str, ...] = ()
+) -> int:
+    """At most so many characters are in the names of all fields that a format is laid out to."""
     if name in above:
         circle = " holds ".join((*above[above.index(name) :], name))
         raise _EndlessError(f"its formats contain each other: {circle}")
     if name not in known:
-        number = characters = 0
-        for kind, times, field in formats[name].fields:
-            held = _Fields(0, 0)
-            if kind in formats:
-                held = _fields_of(kind, formats, known, (*above, name))
-            own = len(f"{field}[{times}].") * (1 + held.number)
-            number += max(times, 1) * (1 + held.number)
-            characters += max(times, 1) * (own + held.characters)
-        known[name] = _Fields(number, characters)
+        within = (*above, name)
+        known[name] = sum(
+            max(times, 1) * len(f"{field}[{times}].")
+            * (1 + (_characters_of(kind, formats, known, within) if kind in formats else 0))
+            for kind, times, field in formats[name].fields
+        )  # fmt: skip
     return known[name]
 
 

@@ -12,9 +12,16 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, printable
 from missions.logs.columns import ColumnMap, Recipe, Source, recipes_for
-from missions.logs.nearest import OTHER_AGE_S, Series, age_s_of, sampled
 from missions.logs.quantities import EPOCH
-from missions.logs.table import REQUIRED, FlightLog, log_from_table
+from missions.logs.table import (
+    OTHER_AGE_S,
+    REQUIRED,
+    FlightLog,
+    Series,
+    age_s_of,
+    log_from_table,
+    sampled,
+)
 from solar.types import BoolArray, FloatArray
 
 _FIX_3D = 3
@@ -108,7 +115,7 @@ def log_from_series(
             continue
         if isinstance(said, Source) and said.value is not None:
             columns[quantity] = said.factor * said.value
-    return log_from_table(pd.DataFrame(columns), source, notes, layout.spans)
+    return log_from_table(pd.DataFrame(columns), source, notes, layout.exclude)
 
 
 def no_power(streams: Mapping[str, Stream], source: str, example: str) -> InputError:

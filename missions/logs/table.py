@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
 from missions.logs.clock import Span, times_from_text
-from missions.logs.nearest import Series, age_s_of, sampled
 from missions.logs.plausible import (
     Kind,
     LeftOut,
@@ -49,7 +48,37 @@ MAXIMUM_DROPPED = 0.5
 _SHOWN_PROBLEMS = 3
 _YEAR_S = 365.25 * 86400.0  # no flight is as long
 
+# A sample of what is logged at times of its own stands for a time no further from it than this [s].
+_PLACE = ("latitude_deg", "longitude_deg", "altitude_m")
+_AGES = {**dict.fromkeys(ATTITUDE, 0.5), **dict.fromkeys(_PLACE, 2.0)}
+OTHER_AGE_S = 5.0
+
 _HINTS = {"state_of_charge": "; it is a share, not a percentage"}
+
+
+class Series(NamedTuple):
+    """A quantity in the unit of the log format, over time since boot [s]."""
+
+    time_s: FloatArray
+    values: FloatArray
+
+
+def age_s_of(quantity: str) -> float:
+    """How far from a time a sample of a quantity may be to stand for it [s]."""
+    return _AGES.get(quantity, OTHER_AGE_S)
+
+
+def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
+    """Nearest sample at other times, NaN if it is older or younger than allowed."""
+    own = series.time_s
+    if not len(own):
+        return np.full(len(time_s), np.nan)
+    after = np.minimum(np.searchsorted(own, time_s), len(own) - 1)
+    before = np.maximum(after - 1, 0)
+    earlier = np.abs(time_s - own[before]) <= np.abs(own[after] - time_s)
+    nearest = np.where(earlier, before, after)
+    fresh = np.abs(own[nearest] - time_s) <= age_s
+    return np.where(fresh, series.values[nearest], np.nan)
 
 
 class EulerAngles(NamedTuple):
@@ -290,14 +319,8 @@ def _times(
 ) -> FloatArray:
     times = times_from_text(column, zone)
     notes.extend(times.notes)
-    messages = {
-        "form": "must be ISO 8601 like 2015-07-01T05:30:00Z",
-        "zone": "has no time zone; write UTC like 2015-07-01T05:30:00Z or +02:00, or give "
-        "--timezone",
-        "hour": "does not exist, or comes twice, in this time zone: the clocks were changed",
-    }
-    for kind, wrong in times.wrong.items():
-        check.without(times.time_s, wrong, column, "no_number", messages[kind])
+    for why, wrong in times.wrong.items():
+        check.without(times.time_s, wrong, column, "no_number", why)
     return _of_flight(times.time_s, column, check)
 
 

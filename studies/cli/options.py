@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
@@ -28,6 +28,11 @@ from studies.output.formats import (
     missing_writer,
     table_format,
 )
+
+if TYPE_CHECKING:
+    import datetime
+
+    from missions.logs.clock import Span
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -371,9 +376,9 @@ class LogOptions:
     log_file: str
     columns_file: str | None
     columns: tuple[tuple[str, str], ...]
-    timezone: str | None
-    start: str | None
-    exclude: tuple[str, ...]
+    timezone: datetime.tzinfo | None
+    start: float | None
+    exclude: tuple[Span, ...]
     ignore: tuple[str, ...]
 
 
@@ -398,19 +403,19 @@ def log_options() -> Any:
         ),
         timezone=option(
             "--timezone",
-            type=Parsed("zone", "missions.logs.clock:zone_name"),
+            type=Parsed("zone", "missions.logs.clock:parse_zone"),
             metavar="ZONE",
             help="Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
         ),
         start=option(
             "--start",
-            type=Parsed("instant", "missions.logs.clock:instant_text"),
+            type=Parsed("instant", "missions.logs.clock:parse_instant"),
             metavar="TIME",
             help="Time of the first row with its zone, where times count from there.",
         ),
         exclude=option(
             "--exclude",
-            type=Parsed("times", "missions.logs.clock:span_text"),
+            type=Parsed("times", "missions.logs.clock:parse_span"),
             multiple=True,
             metavar="TIMES",
             help="Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "

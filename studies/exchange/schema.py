@@ -44,6 +44,7 @@ def file_schema(kind: Literal["aircraft", "mission"]) -> dict[str, Any]:
             _describe_node(schema, schema, key.removeprefix(prefix).split("."), known)
     if record is Aircraft:
         del schema["$defs"]["BatteryPack"]["required"]  # voltage, mass and catalogue give them
+        schema["$defs"]["Strings"]["required"].remove("mppt")  # `mppt_board` may give it
     for name, key, instead in _FROM_CELLS if record is Aircraft else ():
         for node in _alternatives(schema, schema["properties"][name]):
             if key in node.get("required", ()):

@@ -5,15 +5,13 @@ Nothing is judged and nothing corrected: offsets are taken off the log on reques
 
 from __future__ import annotations
 
-import io
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from missions.library import load_mission
 from missions.logs.csv import read_flight_log
@@ -67,6 +65,7 @@ _WHOLE_WATTS = tuple(
     replace(column, form=column.form.replace(".2f", ".0f" if column.unit == "W" else ".1f"))
     for column in _ERRORS
 )
+_DECIMALS = 5  # of hours: a twentieth of a second
 _DARK = 0.02  # share of the peak below which there is nothing to fit
 
 
@@ -192,34 +191,28 @@ class Verification(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """Samples with models and errors, one row each."""
-        return pd.DataFrame({name: values for name, _, values in self._columns()})
+        samples, log = self.samples, self.log
+        columns = {
+            "time_utc_s": samples.time_s,
+            "time_solar_h": samples.time_solar_h,
+            "sun_elevation_deg": samples.elevation_deg,
+        }
+        if log.attitude is not None:
+            columns["sun_bearing_deg"] = samples.bearing_deg
+        columns["solar_power_w"] = samples.measured_w
+        powers = samples.modelled_w.items()
+        columns |= {f"{model.lower()}_w": power for model, power in powers}
+        columns |= {
+            f"{model.lower()}_error_w": power - samples.measured_w for model, power in powers
+        }
+        columns |= samples.detail
+        if log.mppt_voltage_v is not None:
+            columns["mppt_voltage_v"] = log.mppt_voltage_v[samples.index]
+        return pd.DataFrame(columns).assign(excluded=self.excluded.astype(int))
 
     def to_csv(self) -> str:
-        """Samples as CSV text; a data frame takes several times as long for a long flight."""
-        names, formats, columns = zip(*self._columns(), strict=True)
-        text = io.StringIO()
-        rows, header = np.column_stack(columns), ",".join(names)
-        np.savetxt(text, rows, formats, delimiter=",", header=header, comments="")
-        return text.getvalue()
-
-    def _columns(self) -> Iterator[tuple[str, str, NDArray[Any]]]:
-        """Name, format and values of each quantity of the samples."""
-        samples, log = self.samples, self.log
-        yield "time_utc_s", "%.3f", samples.time_s
-        yield "time_solar_h", "%.5f", samples.time_solar_h
-        yield "sun_elevation_deg", "%.3f", samples.elevation_deg
-        if log.attitude is not None:
-            yield "sun_bearing_deg", "%.2f", samples.bearing_deg
-        yield "solar_power_w", "%.3f", samples.measured_w
-        for model, power in samples.modelled_w.items():
-            yield f"{model.lower()}_w", "%.3f", power
-        for model, power in samples.modelled_w.items():
-            yield f"{model.lower()}_error_w", "%.3f", power - samples.measured_w
-        for name, values in samples.detail.items():
-            yield name, "%.2f", values
-        if log.mppt_voltage_v is not None:
-            yield "mppt_voltage_v", "%.3f", log.mppt_voltage_v[samples.index]
-        yield "excluded", "%d", self.excluded.astype(int)
+        """Samples as CSV text."""
+        return str(self.to_frame().round(_DECIMALS).to_csv(index=False))
 
 
 def utc_label(time_s: float) -> str:

@@ -171,19 +171,6 @@ def test_time_agrees_with_quadrature(case: tuple[Circle, Wind]) -> None:
         assert time == pytest.approx(expected, rel=1e-9)
 
 
-@given(circles(share=0.7))
-def test_banked_flight_closes_the_circle(case: tuple[Circle, Wind]) -> None:
-    path, wind = case
-    lap = orbit(path, wind, samples=720)
-    rate = GRAVITY_M_PER_S2 * np.tan(lap.roll_rad) / path.airspeed_m_per_s
-    turned = float(rate @ lap.weights) * lap.duration_s
-    # Equal weights integrate smooth periodic functions with an error that falls exponentially in
-    # the number of samples; at this wind it is down to rounding.
-    assert abs(turned) == pytest.approx(2.0 * np.pi, rel=1e-9)
-    drift = path.airspeed_m_per_s * (lap.weights @ headings(lap)) + wind_ned(wind)
-    assert np.abs(drift) == pytest.approx(np.zeros(2), abs=1e-9 * path.airspeed_m_per_s)
-
-
 @given(circles())
 def test_bank_turns_the_yaw(case: tuple[Circle, Wind]) -> None:
     path, wind = case

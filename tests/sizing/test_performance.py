@@ -68,14 +68,6 @@ def test_power_is_area_times_specific_power_and_correction_divides_it() -> None:
     assert SolarModel("CDM").rms_relative == 0.2003
 
 
-def test_less_clearness_less_excess_time() -> None:
-    excess = [
-        float(performance(AS2, mission(clearness=c)).cycle.excess_time_h[0])
-        for c in (1.0, 0.8, 0.6, 0.3, 0.05)
-    ]
-    assert np.all(np.diff(excess) < 0.0)
-
-
 def test_designs_in_a_batch_equal_single_designs() -> None:
     span = np.array([4.0, 5.65, 8.0])[:, np.newaxis]
     battery = np.array([0.5, 2.9, 9.0])

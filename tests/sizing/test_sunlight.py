@@ -18,7 +18,7 @@ from sizing.sunlight import (
     solar_day,
 )
 from sizing.sunlight_at_instants import power_on_calendar
-from solar.names import CORRECTION_NAMES, CorrectionName, ModelName
+from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.systematic_errors import REPORTED_ERRORS
 
 AS2 = load_aircraft("atlantiksolar-as2")
@@ -51,7 +51,7 @@ def test_scaled_day_is_a_larger_module() -> None:
     np.testing.assert_allclose(by_day.cycle.excess_time_h, by_area.cycle.excess_time_h, rtol=1e-9)
 
 
-@pytest.mark.parametrize("model", ["CDM", "CAM", "VM"])
+@pytest.mark.parametrize("model", MODEL_NAMES)
 def test_correction_on_the_loiter_gives_the_daily_energy_of_the_corrected_full_model(
     model: ModelName,
 ) -> None:

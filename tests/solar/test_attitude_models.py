@@ -57,14 +57,6 @@ def test_power_temperature_and_tracker_agree() -> None:
     assert float(found.mppt_efficiency) == pytest.approx(eta, rel=1e-9)
 
 
-def test_warmer_air_gives_less_power() -> None:
-    cold, hot = (
-        full_model(NOON, UP, LEVEL, FLAT, SolarCell(), t).specific_power_w_per_m2 for t in (0, 40)
-    )
-    # 0.3 %/K over 40 K, a little less because the cooler modules warm up more.
-    assert hot / cold == pytest.approx(1.0 - 0.003 * 40.0, abs=0.01)
-
-
 def test_sun_in_the_wing_plane_or_behind_it_leaves_diffuse_light() -> None:
     upside_down = direction_cosines(np.pi, 0.0, 0.0)
     for sun, attitude in ((np.array([1.0, 0.0, 0.0]), LEVEL), (UP, upside_down)):

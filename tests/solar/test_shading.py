@@ -149,23 +149,6 @@ def test_shadow_of_the_vertical_tail_under_a_slanting_sun() -> None:
     assert found == pytest.approx([REAR * 0.1 * np.tan(np.radians(30.0))], abs=ROUNDING)
 
 
-def test_shadow_falls_away_from_the_sun() -> None:
-    halves = ModuleGeometry(
-        surfaces=tuple(
-            ModuleSurface(
-                name=side,
-                area_m2=0.3,
-                side=side,
-                outline=ModuleOutline(inboard_m=0.0, outboard_m=1.0, front_m=0.0, rear_m=REAR),
-            )
-            for side in ("left", "right")
-        )
-    )
-    left, right = shaded_area(halves, t_tail(), sun_from(16.0, 180.0 + 25.0))  # sun from the left
-    assert left == 0.0
-    assert right > 0.0
-
-
 def test_module_under_the_tail_is_shaded_by_the_sun_overhead() -> None:
     geometry = level_wing(front_m=AFT - 0.1, rear_m=AFT + 0.2)
     expected = SPAN * CHORD / 0.6

@@ -104,7 +104,7 @@ class Watch:
 
     def _request(self, request: Request) -> None:
         home, asked = urlsplit(self.home), urlsplit(request.url)
-        if asked.scheme in INLINE_SCHEMES or request.url == self.home:
+        if asked.scheme in INLINE_SCHEMES or request.url.startswith(self.home):
             return
         if asked.scheme == "file" or (asked.scheme, asked.netloc) != (home.scheme, home.netloc):
             self._note(f"request outside of the page: {request.url}")
@@ -126,7 +126,8 @@ def open_page(chromium: Browser) -> Iterator[OpenPage]:
 
     The call is ``open_page(url, size=PHONE, dark=True, expected="400", waiting=True)``: window
     [px], colour scheme, pattern of errors that belong to the test, and whether the page's content
-    security policy is lifted, which Playwright's ``wait_for_function`` needs.
+    security policy is lifted, which Playwright's ``wait_for_function`` needs. A page may read the
+    files of a ``folder`` if one is given.
     """
     opened: list[tuple[BrowserContext, Watch]] = []
 
@@ -137,6 +138,7 @@ def open_page(chromium: Browser) -> Iterator[OpenPage]:
         dark: bool = False,
         expected: str | None = None,
         waiting: bool = False,
+        folder: Path | None = None,
         **settings: Any,
     ) -> Page:
         address = url.resolve().as_uri() if isinstance(url, Path) else url
@@ -148,7 +150,7 @@ def open_page(chromium: Browser) -> Iterator[OpenPage]:
         )
         context.set_default_timeout(TIMEOUT_MS)
         page = context.new_page()
-        watch = Watch(address, expected)
+        watch = Watch(folder.as_uri() if folder else address, expected)
         opened.append((context, watch))
         watch.follow(page)
         page.goto(address)
@@ -187,19 +189,9 @@ def _axe_script() -> str:
 
 
 def accessibility_problems(page: Page, *ignored: str) -> list[str]:
-    """What axe-core finds against WCAG 2.1 A and AA and good practice, contrast included.
+    """What axe-core finds against WCAG 2.1 A and AA and good practice, a line an element and rule.
 
-    Parameters
-    ----------
-    page : Page
-        Page as it stands.
-    ignored : str
-        Rules of axe-core that a test leaves out, with its reason beside it.
-
-    Returns
-    -------
-    list of str
-        One line for each element and rule.
+    Rules that a test leaves out are named, with the reason beside the call.
     """
     page.evaluate(_axe_script())
     rules = json.dumps({name: {"enabled": False} for name in ignored})

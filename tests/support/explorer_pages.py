@@ -38,12 +38,3 @@ def typed(page: Page, key: str, text: str) -> None:
     box.fill(text)
     box.press("Tab")
     at_rest(page)
-
-
-def go_to(page: Page, **settings: float) -> None:
-    """Move the page by its address, as a link would."""
-    place = "&".join(f"{key}={value}" for key, value in settings.items())
-    page.evaluate(
-        "place => { document.documentElement.dataset.rest = ''; location.hash = place }", place
-    )
-    at_rest(page)

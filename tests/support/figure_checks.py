@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from weather_files import clear_record
@@ -36,6 +35,10 @@ Draw = Callable[..., Figure]
 
 def drawings() -> dict[str, Draw]:
     """What draws each figure, by a name; it takes the keyword ``figure``."""
+    from benchmarks.validation.structure_comparison import structure_figure
+    from studies.flight_logs.plots import residual_figure, window_figure
+    from studies.models.report_reproduction import reproduction_figure
+
     return {
         "cycle": lambda **kw: studies.plot_cycle(_flown(), **kw),
         "cycle-climbing": lambda **kw: studies.plot_cycle(_flown(keys=_CEILING), **kw),
@@ -68,11 +71,11 @@ def drawings() -> dict[str, Draw]:
         "weather-years": lambda **kw: studies.plot_weather(_weather(800), **kw),
         "compare": lambda **kw: studies.plot_comparison(_compared(), **kw),
         "ceiling": lambda **kw: studies.plot_ceiling(_ceiling(), **kw),
-        "verify-window": _window,
-        "verify-residuals": _residuals,
-        "structure": _structure,
+        "verify-window": lambda **kw: window_figure(_verified(), 0, **kw),
+        "verify-residuals": lambda **kw: residual_figure(_verified(), **kw),
+        "structure": structure_figure,
         "power-curve": _power_curve,
-        "report": _report,
+        "report": lambda **kw: reproduction_figure(_reproduced(), **kw),
     }
 
 
@@ -202,24 +205,6 @@ def _verified() -> studies.Verification:
     return studies.verify(aircraft, with_gap, _mission("rafz-28h"), windows=["5.0:7.0"])
 
 
-def _window(figure: Canvas) -> Figure:
-    from studies.flight_logs.plots import window_figure
-
-    return window_figure(_verified(), 0, figure=figure)
-
-
-def _residuals(figure: Canvas) -> Figure:
-    from studies.flight_logs.plots import residual_figure
-
-    return residual_figure(_verified(), figure=figure)
-
-
-def _structure(figure: Canvas) -> Figure:
-    from benchmarks.validation.structure_comparison import structure_figure
-
-    return structure_figure(figure=figure)
-
-
 def _power_curve(figure: Canvas) -> Figure:
     from benchmarks.validation import power_curve
 
@@ -229,12 +214,6 @@ def _power_curve(figure: Canvas) -> Figure:
         for c in checks
     ]
     return power_curve.power_curve_figure(polars, figure=figure)
-
-
-def _report(figure: Canvas) -> Figure:
-    from studies.models import report_reproduction as study
-
-    return study.reproduction_figure(_reproduced(), figure=figure)
 
 
 @cache
@@ -347,11 +326,6 @@ def alike_lines(figure: Figure) -> list[str]:
                 found.append(f"{label!r} looks like {looks[look]!r}")
             looks[look] = label
     return found
-
-
-def colours(figure: Figure) -> set[str]:
-    """Colours of the lines of a figure."""
-    return {to_hex(line.get_color()).upper() for axes in figure.axes for line in axes.lines}
 
 
 def heading(figure: Figure) -> str:

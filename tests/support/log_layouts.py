@@ -161,24 +161,3 @@ def formats_of(formats: Formats = FORMATS) -> bytes:
         row = (number, length, name.encode(), letters.encode(), labels.encode())
         out += message("FMT", *row)
     return out
-
-
-def dataflash_of(table: pd.DataFrame) -> bytes:
-    """DataFlash log of a flight, with solar power on the second battery monitor."""
-    seconds = _epoch_us(table) / 1e6
-    parts = [formats_of()]
-    for second, row in zip(seconds, table.itertuples(), strict=True):
-        time_us = round(1e6 * (second - seconds.iloc[0])) + 5_000_000
-        gps_s = second - 315964800.0 + (17.0 if second >= 1435708800.0 else 16.0)
-        week, rest = divmod(gps_s, 604800.0)
-        roll, pitch = round(100.0 * row.roll_deg), round(100.0 * row.pitch_deg)
-        yaw = round(100.0 * (row.yaw_deg % 360.0))
-        parts.append(message("ATT", time_us, 0, roll, 0, pitch, 0, yaw))
-        place = [round(1e7 * row.latitude_deg), round(1e7 * row.longitude_deg)]
-        altitude = round(100.0 * row.altitude_m)
-        parts.append(
-            message("GPS", time_us, 0, 3, round(1e3 * rest), int(week), 12, 90, *place, altitude)
-        )
-        current = row.solar_power_w / row.mppt_voltage_v
-        parts.append(message("BAT", time_us, 1, row.mppt_voltage_v, current, 0))
-    return b"".join(parts)

@@ -41,12 +41,6 @@ def test_a_good_page_passes(open_page: Any, tmp_path: Path) -> None:
     assert accessibility_problems(page) == []
 
 
-def test_waiting_for_a_condition_in_spite_of_a_policy(open_page: Any, tmp_path: Path) -> None:
-    script = "<script>setTimeout(() => document.title = 'Late', 50)</script></body>"
-    page = open_page(page_file(tmp_path, "</body>", script), waiting=True)
-    page.wait_for_function("document.title === 'Late'")
-
-
 @pytest.mark.parametrize(
     ("fault", "noted"),
     [

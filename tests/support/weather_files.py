@@ -148,10 +148,9 @@ def write_pvgis_hourly(path: Path, record: Weather, slope="0 deg.") -> Path:
         f"Longitude (decimal degrees):\t{site.longitude_deg:.3f}",
         f"Elevation (m):\t{site.altitude_m:.0f}",
         "Radiation database:\tPVGIS-SARAH2",
-        *["", "", f"Slope: {slope}", "Azimuth: 0 deg. ", ""],
+        *["", "", f"Slope: {slope} ", "Azimuth: 0 deg. "],
+        "time,Gb(i),Gd(i),Gr(i),H_sun,T2m,WS10m,Int",
     ]
-    lines = [*lines[:4], "", "", f"Slope: {slope} ", "Azimuth: 0 deg. "]
-    lines.append("time,Gb(i),Gd(i),Gr(i),H_sun,T2m,WS10m,Int")
     for t, g, d in zip(record.start_s, record.ghi, record.dhi, strict=True):
         utc = datetime(1970, 1, 1) + timedelta(seconds=float(t) + 1800.0)
         day = day_of_year(np.array([float(t) + 1800.0]))

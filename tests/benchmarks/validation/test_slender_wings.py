@@ -2,7 +2,6 @@
 
 import pytest
 
-from benchmarks.validation import slender_wings
 from benchmarks.validation.slender_wings import (
     LARGEST_ASPECT_RATIO,
     SOLONG,
@@ -52,14 +51,3 @@ def test_published_structures_are_told_honestly() -> None:
     assert 0.6 < float(str(rows["Sky-Sailor"][5])) < 0.8
     left = SOLONG.total_mass_kg - SOLONG.battery_mass_kg - SOLONG.span_load_kg
     assert float(str(rows["SoLong"][5])) < left
-
-
-def test_script_prints_both_tables(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, found: Table
-) -> None:
-    monkeypatch.setattr(slender_wings, "aspect_ratio_table", lambda: found)
-    monkeypatch.setenv("COLUMNS", "120")
-    assert slender_wings.main() == 0
-    printed = capsys.readouterr().out
-    assert "SoLong" in printed
-    assert "none of the three" in printed

@@ -23,7 +23,7 @@ SOLAR = "BAT[1].Volt * BAT[1].Curr"
 
 
 def layout(power: str = SOLAR) -> ColumnMap:
-    return ColumnMap().with_options(dict([parse_column(f"solar_power_w={power}")]), None)
+    return ColumnMap().with_options(dict([parse_column(f"solar_power_w={power}")]))
 
 
 def dataflash(*, formats: bool = True, epoch_s: float = EPOCH_S, leap_s: float = 17.0) -> bytes:

@@ -116,7 +116,7 @@ def test_radians_in_columns_called_degrees_are_recognised(tmp_path: Path) -> Non
 def test_options_precede_the_file_and_guesses(tmp_path: Path) -> None:
     text = table().rename(columns={"solar_power_w": "P_solar"}).assign(other=100.0)
     options = dict([parse_column("solar_power_w=other [mW]")])
-    layout = ColumnMap(columns={"solar_power_w": "P_solar"}).with_options(options, None)
+    layout = ColumnMap(columns={"solar_power_w": "P_solar"}).with_options(options)
     log = read(tmp_path, text.to_csv(index=False), layout)
     assert log.solar_power_w == pytest.approx(0.1)
 
@@ -127,7 +127,7 @@ def test_times_from_the_start_need_the_start(tmp_path: Path) -> None:
         told = refused(tmp_path, text.replace("t\n", f"{name}\n", 1))
         assert f"log.csv:1: {name}: counts from the start of the log, not from 1970" in told
         assert "--start 2015-06-30T11:14:00+02:00" in told
-    log = read(tmp_path, text, ColumnMap().with_options({}, None, "2015-06-30T11:14:00+02:00"))
+    log = read(tmp_path, text, ColumnMap(start="2015-06-30T11:14:00+02:00"))
     assert log.time_s[0] == pytest.approx(1435655640.0)
 
 

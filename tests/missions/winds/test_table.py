@@ -13,8 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from missions.air import standard_air
 from missions.files.errors import InputError
@@ -101,22 +99,6 @@ def test_between_points_it_is_linear() -> None:
     winds = wind_table_from_text(SMALL, "small.csv")
     assert winds.at(44.0, 12000.0, 7, 60.0) == pytest.approx(4.4 + 12.0 + 2.0)
     assert winds.at([40.0, 50.0], [[10000.0], [20000.0]], 1, 50.0).shape == (2, 2)
-
-
-@given(
-    st.floats(40.0, 50.0),
-    st.floats(10000.0, 20000.0),
-    st.sampled_from([1, 7]),
-    st.floats(50.0, 90.0),
-    st.floats(50.0, 90.0),
-)
-def test_a_higher_percentile_never_lowers_the_wind(
-    latitude: float, altitude: float, month: int, one: float, two: float
-) -> None:
-    winds = wind_table_from_text(SMALL, "small.csv")
-    low, high = sorted((one, two))
-    weaker, stronger = (winds.at(latitude, altitude, month, p) for p in (low, high))
-    assert weaker <= stronger + 1e-12
 
 
 @pytest.mark.parametrize(

@@ -229,15 +229,6 @@ def test_hours_to_full_is_when_the_clock_arrives(limit: ChargeLimit, start: floa
     assert float(clock.after(np.asarray(start), 0.9 * hours)) < 1.0
 
 
-def test_clock_takes_arrays_and_keeps_their_shape() -> None:
-    clock = ChargeClock.of(MEASURED)
-    soc = np.linspace(0.0, 1.0, 12).reshape(3, 4)
-    together = clock.after(soc, 0.4)
-    assert together.shape == (3, 4)
-    one_by_one = [float(clock.after(np.asarray(s), 0.4)) for s in soc.ravel()]
-    assert together.ravel().tolist() == one_by_one
-
-
 def test_charging_adds_the_constant_power_of_the_limit() -> None:
     # 0.2 of 800 Wh an hour is 160 W, whatever the sun leaves over; an hour and a half of it 240 Wh.
     limit = RuleChargeLimit(c_rate_per_h=0.2, taper_start=0.9, relative_rate_at_full=0.05)

@@ -101,22 +101,6 @@ def test_longest_flight_equals_brute_force_over_launch_times(name: str) -> None:
     )
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_no_tried_launch_flies_longer(name: str) -> None:
-    solar, load, pack = CASES[name]
-    store = Store.of(pack)
-    balance = PowerBalance.of(TIME, solar, np.full_like(TIME, load))
-    launches = np.linspace(0.0, 24.0, 700, endpoint=False)
-    tried = flight_time_h(balance, store, launches)
-    found = longest_flight(TIME, solar, np.full_like(TIME, load), store)
-    # The last search has steps of 0.4 h / 900 = 4.4e-4 h in launch time; flight time falls with it
-    # one for one, and at the most twice that where stored energy counts too.
-    assert float(found.endurance_h) >= float(tried.max()) - 1e-3
-    again = flight_time_h(balance, store, np.asarray([float(found.launch_h)]))
-    assert float(again[0]) == pytest.approx(float(found.endurance_h), abs=1e-9)
-    assert 0.0 <= float(found.launch_h) < 24.0
-
-
 def test_of_launches_that_fly_equally_long_the_middle_one_is_found_whatever_rounding_does() -> None:
     # An October night: launched between 18.9 and 20.4 h a flight of AS-2 ends in the dark of the
     # third night, at the same load.

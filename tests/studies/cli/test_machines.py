@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import Run
 
 from missions.files.shipped import shipped_text
 from missions.files.writing import names_a_device
@@ -91,14 +90,6 @@ def test_files_with_line_ends_of_windows_are_the_same(tmp_path: Path) -> None:
         path = tmp_path / f"{name}.yaml"
         path.write_bytes(shipped_text(name).replace("\n", "\r\n").encode("utf-8-sig"))
         assert load(path) == load(name)  # type: ignore[operator]
-
-
-@pytest.mark.parametrize("name", ["CON", "nul.yaml", "Aux", "com1", "LPT9.v2.yml", "prn.2"])
-def test_starters_are_not_named_like_a_device(run: Run, tmp_path: Path, name: str) -> None:
-    outcome = run("init", name)
-    assert (outcome.code, outcome.out) == (2, "")
-    assert "names a device of Windows" in outcome.err
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", ["console", "com", "com10", "nullarbor", "my.con", "aux-1"])

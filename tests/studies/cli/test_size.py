@@ -46,14 +46,6 @@ def test_the_least_mass_with_the_required_excess_time_is_what_is_sized_for(run: 
     assert by_option["total_mass_kg"] == record["total_mass_kg"]
 
 
-def test_a_sizing_without_sun_is_refused(run: Run, tmp_path: Path) -> None:
-    place = ("--set", "mission.latitude_deg=80", "--set", "mission.dates={on: 12-21}")
-    outcome = run("size", DESIGN, "-m", "rafz-july", *place, "--out", "design")
-    assert (outcome.code, outcome.out) == (2, "")
-    assert "polar night: the sun never rises at 80° N, 21 Dec" in outcome.err
-    assert files(tmp_path) == set()
-
-
 @pytest.mark.parametrize(
     ("objective", "key"), [("min_wingspan", "wingspan_m"), ("min_mass", "total_mass_kg")]
 )

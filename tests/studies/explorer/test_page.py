@@ -206,12 +206,6 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-def test_without_the_token_the_page_is_refused(open_page: Any, address: str) -> None:
-    home = address.partition("/?")[0]
-    page = open_page(f"{home}/", expected="status of 403")
-    assert "token" in page.locator("body").inner_text()
-
-
 def test_end_of_the_server_is_told_and_its_return_noticed(open_page: Any) -> None:
     with headless.explorer(DESIGN, "-m", MISSION) as address:
         page = at_rest(open_page(address, waiting=True, expected="ERR_CONNECTION|Failed to load"))

@@ -144,19 +144,6 @@ def test_figure_has_months_units_and_the_models_name(data: xr.Dataset) -> None:
     assert "[h]" in bar.get_ylabel()
 
 
-def test_command_writes_map_and_picture(run: Run, tmp_path: Path) -> None:
-    target, picture = tmp_path / "map.nc", tmp_path / "map.png"
-    options = ["--latitudes", "40:50:5", "--days", "1:361:40", "--json"]
-    files = ["--out", str(target), "--plot", str(picture)]
-    answer = run("map", "atlantiksolar-as2", *options, *files)
-    assert answer.code == 0
-    record = answer.json()
-    assert record["latitude_deg"] == [40.0, 45.0, 50.0]
-    assert record["perpetual_days"] == sorted(record["perpetual_days"], reverse=True)
-    assert target.stat().st_size > 1000
-    assert picture.read_bytes().startswith(b"\x89PNG")
-
-
 def test_maps_of_a_few_days_have_dates_and_round_numbers() -> None:
     lit = study.feasibility_map(AS2, JULY, latitudes=[89.0, 90.0], days=[170, 172, 174])
     axes, bar = plot_map(lit).axes

@@ -125,13 +125,6 @@ def test_full_model_on_the_loiter_is_one_case_with_the_report() -> None:
     np.testing.assert_allclose(fm_by_loiter, fm_by_report, rtol=1e-12)
 
 
-def test_without_a_path_only_horizontal_models_are_left() -> None:
-    left = combinations(attitude=False)
-    assert {(s.model, s.correction) for s in left} == {
-        (m, c) for m in ("CDM", "CAM") for c in ("none", "report")
-    }
-
-
 @pytest.mark.parametrize(
     ("days", "perpetual", "text"),
     [
