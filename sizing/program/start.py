@@ -16,6 +16,7 @@ from solar.types import FloatArray
 _GRID_POINTS = (9, 7, 6)
 _FEW_POINTS = 3
 _EACH_HOUR = 12  # steps of the day that are one here
+_ROUGHLY = 1e-3  # of masses, of which the grid is far coarser
 
 
 def most_promising(task: SizingTask) -> DesignVariables:
@@ -25,7 +26,7 @@ def most_promising(task: SizingTask) -> DesignVariables:
     if (parts := aircraft.propulsion_by_parts) is not None:
         aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
     with np.errstate(all="ignore"):
-        design = closed_design(aircraft, task.conditions, grid)
+        design = closed_design(aircraft, task.conditions, grid, relative_tolerance=_ROUGHLY)
         missed = missed_by(task, design)
         ranks = {
             Objective.min_mass.variable: design.total_mass_kg,
