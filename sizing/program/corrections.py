@@ -42,7 +42,6 @@ _WIDE_STEP = 0.02
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
 # that returns any less lets the battery run empty over many days.
 FIRST_MARGIN = 2e-4
-FIRST_DAWN_CHARGE = 0.3  # of a design that no repeated day is known of
 _INSIDE = (0.01, 0.99)  # where the state of charge starts: interior points start inside bounds
 _STEEPEST = 3.0  # slope of a logarithm; more is one of a neighbour that hardly flies
 _FIRST_HEIGHT = 0.3  # of climbs: between floor and ceiling
@@ -75,15 +74,14 @@ class Scenario:
     """What a search knows of a scenario.
 
     ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
-    more a night takes, relative. ``way_h``: what must be left on the way to a landing.
-    ``dawn_charge``: of the last solution. ``nodes``: of its intervals; None where they are to be
-    laid anew. ``clock_h``: of these. ``profile``: heights that are flown.
+    more a night takes, relative. ``way_h``: what must be left on the way to a landing. ``nodes``:
+    of its intervals; None where they are to be laid anew. ``clock_h``: of these. ``profile``:
+    heights that are flown.
     """
 
     shift_h: float = 0.0
     margin: float = FIRST_MARGIN
     way_h: float = 0.0
-    dawn_charge: float = FIRST_DAWN_CHARGE
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
     first: int = 0
@@ -172,6 +170,15 @@ def day_of(task: SizingTask, perf: Performance, number: int) -> Day:
     if task.window_h is None:
         return Day.of(time_h, solar_w, load_w)
     return Day.between(task.window_h[number], time_h, solar_w, load_w)
+
+
+def unserved(task: SizingTask, perf: Performance, number: int) -> float:
+    """Energy that the load of a design lacks in a scenario, relative to what its night takes."""
+    day = day_of(task, perf, number)
+    net = day.solar_w[0] - day.load_w[0]
+    night_wh = float(positive_part(-net[:-1], -net[1:]) @ np.diff(day.time_h))
+    lacking_wh = np.broadcast_to(perf.cycle.energy_budget.unserved_wh, perf.cycle.status.shape)
+    return float(lacking_wh[0, number]) / max(night_wh, 1e-9)
 
 
 def _heights(form: Form, scenario: Scenario) -> FloatArray:
@@ -285,7 +292,7 @@ def _block(
     into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
     ends_h = None if task.window_h is None else task.window_h[number]
     day = day_of(task, perf, number)
-    path = _path(task, perf, day, number, scenario, (len(nominal_w), task.count, len(time_h)))
+    path = _path(task, perf, day, number, (len(nominal_w), task.count, len(time_h)))
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
@@ -332,20 +339,12 @@ def _block(
 
 
 def _path(
-    task: SizingTask,
-    perf: Performance,
-    day: Day,
-    number: int,
-    scenario: Scenario,
-    shape: tuple[int, ...],
+    task: SizingTask, perf: Performance, day: Day, number: int, shape: tuple[int, ...]
 ) -> FloatArray:
-    """State of charge over a day: of the repeated one, or of one from the last dawn's charge."""
-    excess_h = float(np.broadcast_to(perf.cycle.excess_time_h, shape[:2])[0, number])
+    """State of charge over a day that repeats itself, or over a flight from its launch."""
     store = perf.store.flat(shape[:2]).select(np.array([0]))
     if task.window_h is not None:
         return day.path(store, 1.0)
-    if not (math.isfinite(excess_h) and excess_h > 0.0):
-        return day.path(store, scenario.dawn_charge)
     charge = np.broadcast_to(perf.cycle.energy_wh, shape)[0, number]
     steps = shape[-1] - 1
     at = (day.first + np.arange(steps + 1)) % steps

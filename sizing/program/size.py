@@ -22,7 +22,13 @@ from sizing.design import NO_FLIGHT_W, DesignVariables, variables_of
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.climbing import Profile, alone, climbing_performance, flight
-from sizing.program.corrections import Scenario, linearised, neighbours
+from sizing.program.corrections import (
+    FIRST_MARGIN,
+    Scenario,
+    linearised,
+    neighbours,
+    unserved,
+)
 from sizing.program.objectives import Objective
 from sizing.program.reasons import least_mission, missed_by, names_of_limits, violations
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
@@ -39,8 +45,6 @@ _CUSHION_H = 5e-4  # of the goal: what the simulator finds varies by less from r
 _WASTE = 3e-4  # of the objective: more excess time than required may cost this much
 _SAME = 2e-4  # of the objective, from one accepted design to the next
 _NEAR = 0.05  # relative change of a design within which its linearisation holds
-_SAME_DESIGN = 0.01  # likewise, within which a day that does not close needs a larger margin
-_WIDER = 3.0  # factor on the margin then
 _OTHER_H = 0.3  # excess time by which program and simulator differ where nodes are laid anew
 _HOPELESS, _HOPELESS_ROUNDS = 0.03, (2, 5)  # violation that no correction mends; rounds given
 _NIGHT_H = 8.0  # hours over which a lack of power lacks energy, about
@@ -141,7 +145,6 @@ class Search:
                 if self.task.mission.climb is not None and scenario.clock_h is not None:
                     scenario.profile = Profile(scenario.clock_h, solution.heights(block))
                     self._profiles[list(self._chosen)[block]] = scenario.profile
-                scenario.dawn_charge = float(np.clip(solution.charge(block)[0], 0.01, 1.0))
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
@@ -293,8 +296,8 @@ class Search:
                 scenario.shift_h += goal_h - lacking_h - simulated_h + _CUSHION_H
             elif simulated_h < task.required_h:
                 scenario.shift_h += task.required_h - simulated_h + _CUSHION_H
-        elif solution.violation <= LACKING and _moved_by(task, solution) < _SAME_DESIGN:
-            scenario.margin *= _WIDER
+        elif solution.violation <= LACKING and _moved_by(task, solution) < _NEAR:
+            scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)
 
 
 def _left_h(perf: Performance, number: int) -> tuple[float, float]:
