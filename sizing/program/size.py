@@ -267,7 +267,13 @@ class Search:
         order = [int(i) for i in np.argsort(judged.excess_h, kind="stable")]
         blocks = min(BLOCKS, self.task.count)
         if not self._known:
-            self._known = {number: Scenario() for number in order[:blocks]}
+            before = {} if self.warm is None else self.warm.linearisation.known
+            self._known = {
+                number: Scenario(before[number].shift_h, before[number].margin)
+                if number in before
+                else Scenario()
+                for number in order[:blocks]
+            }
         elif judged.worst not in self._known:
             easiest = max(self._known, key=lambda number: float(judged.excess_h[number]))
             del self._known[easiest]
