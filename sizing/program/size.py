@@ -32,7 +32,7 @@ from sizing.program.corrections import (
 from sizing.program.objectives import Objective
 from sizing.program.reasons import least_mission, missed_by, names_of_limits, violations
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
-from sizing.program.solve import LACKING, Solution, solve
+from sizing.program.solve import LACKING, ActiveSet, Solution, solve
 from sizing.program.start import most_promising
 from sizing.program.task import SizingTask, Values
 from sizing.program.variables import TOTAL_MASS
@@ -79,7 +79,8 @@ class Search:
     """One search for the optimum of a task, and its outcome.
 
     ``first``: values to start from, instead of a design whose mass is to be found. ``warm``:
-    solution for a similar task, whose multipliers the first program starts from.
+    solution for a similar task, whose multipliers the first program starts from. ``row``: solver
+    that is tried first.
     """
 
     task: SizingTask
@@ -87,6 +88,7 @@ class Search:
     stop_at_merit: float = math.inf
     first: Values | None = None
     warm: Solution | None = None
+    row: ActiveSet | None = None
     best: Judged | None = None
     nearest: Judged | None = None
     status: SizingStatus = SizingStatus.not_converged
@@ -134,6 +136,7 @@ class Search:
                 excess_h=excess_h,
                 elastic=elastic,
                 before=solution,
+                row=self.row,
             )
             self.report += SolverReport(
                 iterations=solution.iterations,

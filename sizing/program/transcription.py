@@ -192,6 +192,15 @@ class Program:
             "program", [self.symbols[k] for k in "xp"], [self.symbols[k] for k in "fg"]
         )
 
+    @cached_property
+    def derivatives(self) -> ca.Function:
+        """Rows, gradient of the cost, Jacobian of the rows and Hessian of the Lagrangian."""
+        x, p, cost, rows = (self.symbols[k] for k in "xpfg")
+        multipliers = ca.SX.sym("multipliers", rows.shape[0])
+        bent = ca.hessian(cost + ca.dot(multipliers, rows), x)[0]
+        found = rows, ca.gradient(cost, x), ca.jacobian(rows, x), bent
+        return ca.Function("derivatives", [x, p, multipliers], found)
+
     def evaluated(self, x: FloatArray, parameters: FloatArray) -> tuple[float, FloatArray]:
         """Cost and rows."""
         cost, rows = self._function(x, parameters)
