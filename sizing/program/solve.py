@@ -82,7 +82,7 @@ class ActiveSet:
         if self._program is not program or self._quadratic is None:
             self._program, shapes = program, program.derivatives
             sparsity = {"h": shapes.sparsity_out(3), "a": shapes.sparsity_out(2)}
-            quiet = {"printLevel": "none", "error_on_fail": False}
+            quiet: dict[str, Any] = {"printLevel": "none", "error_on_fail": False}
             with redirect_stdout(StringIO()):  # it prints its licence
                 self._quadratic = ca.conic("row", "qpoases", sparsity, quiet)
         x, held = ca.DM(ends["x0"]), ca.DM(multipliers)
