@@ -235,7 +235,8 @@ class Search:
             return False
         if solution.violation > LACKING:
             early, late = _HOPELESS_ROUNDS
-            if number >= late or (number >= early and solution.violation > _HOPELESS):
+            known = number >= early or _moved_by(task, solution) < _NEAR
+            if number >= late or (known and solution.violation > _HOPELESS):
                 self.status = SizingStatus.infeasible
                 return True
             return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -61,7 +62,7 @@ OPTIONS |= {f"{name} again": options | _WARM for name, options in OPTIONS.items(
 
 _STEPS = 12  # of Newton, which doubles its digits each time; more is no neighbour
 _STILL = 1e-6  # of a step, in variables of order one
-_AWAY = 10.0  # likewise: factors of more than exp(10)
+_REACH = 1.0  # likewise: sizes change by no more than a factor of e at once
 
 
 @dataclass
@@ -87,13 +88,17 @@ class ActiveSet:
                 self._quadratic = ca.conic("row", "qpoases", sparsity, quiet)
         x, held = ca.DM(ends["x0"]), ca.DM(multipliers)
         p, low, high, most = (ca.DM(ends[name]) for name in ("p", "lbx", "ubx", "ubg"))
+        sizes = program.parts["design"]
         for number in range(_STEPS):
+            least, largest = low - x, high - x
+            least[sizes] = ca.fmax(least[sizes], -_REACH)
+            largest[sizes] = ca.fmin(largest[sizes], _REACH)
             rows, slope, jacobian, bent = program.derivatives(x, p, held)
             step = self._quadratic(
-                h=bent, g=slope, a=jacobian, lba=-rows, uba=most - rows, lbx=low - x, ubx=high - x
+                h=bent, g=slope, a=jacobian, lba=-rows, uba=most - rows, lbx=least, ubx=largest
             )
             far = float(ca.norm_inf(step["x"]))
-            if not (self._quadratic.stats()["success"] and far < _AWAY):
+            if not (self._quadratic.stats()["success"] and math.isfinite(far)):
                 break
             x, held = x + step["x"], step["lam_a"]
             if far < _STILL:
