@@ -45,7 +45,6 @@ _CUSHION_H = 5e-4  # of the goal: what the simulator finds varies by less from r
 _WASTE = 3e-4  # of the objective: more excess time than required may cost this much
 _SAME = 2e-4  # of the objective, from one accepted design to the next
 _NEAR = 0.15  # relative change of a design within which its linearisation holds
-_SAME_DESIGN = 0.05  # likewise, within which a day that does not close needs a larger margin
 _OTHER_H = 0.3  # excess time by which program and simulator differ where nodes are laid anew
 _HOPELESS, _HOPELESS_ROUNDS = 0.03, (2, 5)  # violation that no correction mends; rounds given
 _NIGHT_H = 8.0  # hours over which a lack of power lacks energy, about
@@ -307,7 +306,7 @@ class Search:
                 scenario.shift_h += goal_h - lacking_h - simulated_h + _CUSHION_H
             elif simulated_h < task.required_h:
                 scenario.shift_h += task.required_h - simulated_h + _CUSHION_H
-        elif solution.violation <= LACKING and _moved_by(task, solution) < _SAME_DESIGN:
+        elif solution.violation <= LACKING and _moved_by(task, solution) < _NEAR:
             scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)
 
 
