@@ -38,7 +38,6 @@ from sizing.program.result import (
 from sizing.program.size import Flight, Search
 from sizing.program.solve import ActiveSet
 from sizing.program.task import SizingTask, Values
-from sizing.program.transcription import FEW_INTERVALS
 from sizing.program.variables import WIND
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray, IntArray
@@ -160,8 +159,7 @@ def size_cells(
         own = mission.model_copy(update={"payload": payload})
         if mission.wind_statistics is not None and not mission.holds_station:
             own = own.in_wind(float(mission.scenario_winds_m_per_s(some.scenarios).max()))
-        task = SizingTask(aircraft, own, objective, solar, some, required_h)
-        tasks.append(task.with_values(intervals_of_day=FEW_INTERVALS))
+        tasks.append(SizingTask(aircraft, own, objective, solar, some, required_h))
     return _Cells(tasks, day).run(seed)
 
 

@@ -273,9 +273,7 @@ class Search:
         if not self._known:
             before = {} if self.warm is None else self.warm.linearisation.known
             self._known = {
-                number: Scenario(before[number].shift_h, before[number].margin)
-                if number in before
-                else Scenario()
+                number: Scenario(before[number].shift_h) if number in before else Scenario()
                 for number in order[:blocks]
             }
         elif judged.worst not in self._known:

@@ -17,7 +17,7 @@ from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import objective_value
-from sizing.program.transcription import INTERVALS, LEVELS, Form
+from sizing.program.transcription import LEVELS, Form
 from sizing.program.variables import (
     OWN,
     SOLAR_TECHNOLOGY,
@@ -61,8 +61,6 @@ class SizingTask:
         Whether the propulsion's parts may do more than their limits.
     cost : mapping, optional
         Weights of variables in what is minimised, instead of the objective's.
-    intervals_of_day : int
-        Of the program's day at one height.
     """
 
     aircraft: Aircraft
@@ -76,7 +74,6 @@ class SizingTask:
     freed: Mapping[str, Eased] = field(default_factory=dict)
     beyond_limits: bool = False
     own_cost: Mapping[str, float] | None = None
-    intervals_of_day: int = INTERVALS
 
     @property
     def count(self) -> int:
@@ -151,8 +148,7 @@ class SizingTask:
             1 if ends_h is None else max(math.ceil(float(np.ptp(ends_h, axis=1).max()) / 24.0), 1)
         )
         climbs = mission.climb is not None
-        holds, eased = mission.holds_station, bool(self.freed)
-        return Form(blocks, eased, holds, climbs, days, self.intervals_of_day)
+        return Form(blocks, bool(self.freed), mission.holds_station, climbs, days)
 
     @cached_property
     def heights(self) -> tuple[Mission, ...]:

@@ -62,7 +62,6 @@ from sizing.propulsion.chain import Propulsion, chain_of_numbers
 from solar.types import FloatArray
 
 INTERVALS = 22  # of a day at one height: the charge bends at few places, where nodes lie
-FEW_INTERVALS = 12  # likewise: three at each end of light, at equal power and where charging slows
 CLIMBING_INTERVALS = 40  # of heights, which change all day
 RESERVE_SCALE_H = 10.0  # excess time that counts as one in a row
 CONTINUOUS_MARGIN = 1e-5  # of the load: at equality rounding decides whether the battery is needed
@@ -134,7 +133,7 @@ class Form(NamedTuple):
 
     ``blocks``: scenarios. ``eased``: whether technology, limits and wind are variables. ``holds``:
     whether the place is held against the wind. ``climbs``: whether the height varies.
-    ``days``: those that a flight begins, of 24 h each. ``intervals_of_day``: at one height.
+    ``days``: those that a flight begins, of 24 h each.
     """
 
     blocks: int
@@ -142,12 +141,11 @@ class Form(NamedTuple):
     holds: bool = False
     climbs: bool = False
     days: int = 1
-    intervals_of_day: int = INTERVALS
 
     @property
     def intervals(self) -> int:
         """Intervals of all days."""
-        return self.days * (CLIMBING_INTERVALS if self.climbs else self.intervals_of_day)
+        return self.days * (CLIMBING_INTERVALS if self.climbs else INTERVALS)
 
     @property
     def levels(self) -> int:
