@@ -21,7 +21,14 @@ from sizing.limits import design_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance
 from sizing.program.climbing import Profile, light_at_heights, power_beyond_floor
-from sizing.program.days import Day, day_means, equal_power_step, lagrange, nodes_of
+from sizing.program.days import (
+    Day,
+    day_means,
+    equal_power_step,
+    lagrange,
+    nodes_of,
+    positive_part,
+)
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
     EFFICIENCY_FACTOR,
