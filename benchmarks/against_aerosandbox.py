@@ -22,9 +22,9 @@ from benchmarks.shared_sizing import (
 )
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.optimisation.cells import size_cells
-from sizing.optimisation.problem import SizingProblems, forget_programs
+from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
+from sizing.program.transcription import _program
 from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 
@@ -81,13 +81,12 @@ def sizing_against_aerosandbox() -> list[dict[str, Any]]:
 
 def _first_of_its_kind(aircraft: Aircraft, mission: Mission, day: SolarDay) -> None:
     """Size an aircraft as if none of its kind had been sized before in this process."""
-    forget_programs()
+    _program.cache_clear()
     size_ours(aircraft, mission, day)
 
 
 def _ours_again(aircraft: Aircraft, mission: Mission, requirements: FloatArray) -> float:
     """Time for one of several requirements, with a program that stands already [s]."""
-    problems = SizingProblems(aircraft)
     one = mission.scenarios()
     count = len(requirements)
     scenarios = Scenarios(np.tile(one.latitude_deg, count), np.tile(one.day_of_year, count))
@@ -100,7 +99,6 @@ def _ours_again(aircraft: Aircraft, mission: Mission, requirements: FloatArray) 
             Objective.min_wingspan,
             scenarios_per_cell=len(one),
             required_excess_time_h=requirements,
-            problems=problems,
         )
 
     return best_time_s(work, 3) / count

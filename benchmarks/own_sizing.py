@@ -7,8 +7,8 @@ from typing import Any
 from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.optimisation.search import size_aircraft
 from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
 
 
 def sizing() -> list[dict[str, Any]]:

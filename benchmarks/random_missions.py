@@ -21,11 +21,11 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design_space import Range
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
-from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
 from sizing.program.start import grid_of
 from sizing.sunlight import solar_day
 
@@ -97,7 +97,7 @@ def feasible_on_grid(
     Parameters
     ----------
     aircraft, mission, objective
-        As for :func:`sizing.optimisation.search.size_aircraft`.
+        As for :func:`sizing.program.size.size_aircraft`.
     required_h : float
         Required excess time [h].
     """

@@ -73,7 +73,7 @@ optimisation with its own aerodynamics, which is not measured here.""",
 are built anew, as in a process that sizes once. AeroSandbox builds its program every time.""",
     "sizing, solve again": """More requirements for the same aircraft. AeroSandbox keeps its
 program, sets the parameter and starts from the last solution. Ours does the same by sequential
-quadratic programming (`sizing.optimisation.cells`); the simulator confirms every design.""",
+quadratic programming (`sizing.program.cells`); the simulator confirms every design.""",
     "map of 240 sizings": """Twenty latitudes times twelve payloads, three dates each; in the
 southern winter there is no design for heavy payloads. Ours sizes all cells at once, with the
 requirements penalised: an infeasible cell gives its violations in about the time of a feasible one,

@@ -30,9 +30,9 @@ from sizing.design import (
 )
 from sizing.library import load_aircraft
 from sizing.limits import design_requirements
-from sizing.optimisation.search import size_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
+from sizing.program.size import size_aircraft
 from sizing.sunlight import SolarDay, solar_day
 from solar.types import FloatArray
 

@@ -312,10 +312,10 @@ def _mission(draw: _Draw, scale: str) -> tuple[Mission, list[str]]:
 
 def _climbing(draw: _Draw, mission: Mission) -> tuple[Mission, list[str]]:
     """Mission on which the aircraft climbs, anything from next to nothing to 25 km."""
-    strategy = draw.one_of(["battery_full", "surplus"])
+    draw.one_of(["battery_full", "surplus"])  # what follows stays as it was drawn
     highest = min(mission.altitude_m + draw.log_between(100.0, 25000.0), 30000.0)
-    climb = {"ceiling_m": highest, "strategy": strategy}
-    return with_values(mission, {"climb": climb}), ["climb", strategy]
+    climb = {"ceiling_m": highest}
+    return with_values(mission, {"climb": climb}), ["climb"]
 
 
 def _place_and_season(draw: _Draw, where: str) -> tuple[Any, dict[str, Any], list[str]]:

@@ -15,19 +15,19 @@ from missions.files.overrides import with_values
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.limits import ROW_TOLERANCE
-from sizing.optimisation.infeasibility import least_mission
-from sizing.optimisation.propulsion import sized_in_own_flow
-from sizing.optimisation.relaxations import relaxations
-from sizing.optimisation.search import size_aircraft
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
+from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.ranges import widest_range
+from sizing.program.reasons import least_mission
+from sizing.program.relaxations import relaxations
 from sizing.program.result import (
     ABSOLUTE_TOLERANCE_H,
     RELATIVE_TOLERANCE,
     SizingResult,
     SizingStatus,
 )
+from sizing.program.size import size_aircraft
 from sizing.relaxed_flight import Relaxation
 from sizing.sunlight import DEFAULT_STEP_H
 

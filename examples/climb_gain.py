@@ -22,7 +22,7 @@ import studies
 
 # 3000 m of climb, in standard air; empty brackets take out what the file says of the air.
 LEVEL: dict[str, object] = {"air": {}}
-CLIMBS = LEVEL | {"climb": {"ceiling_m": 3536.0, "strategy": "surplus"}}
+CLIMBS = LEVEL | {"climb": {"ceiling_m": 3536.0}}
 LATITUDES_DEG, DAYS = np.arange(0.0, 51.0, 2.5), np.arange(1, 366, 14)
 
 
@@ -58,9 +58,7 @@ def draw(lighter: xr.DataArray) -> Figure:
     # Any year without a leap day.
     starts = [date(2023, month, 1).timetuple().tm_yday for month in range(1, 13)]
     axes.set_xticks(starts, [calendar.month_abbr[month] for month in range(1, 13)])
-    axes.set(
-        ylabel="latitude [° N]", title="atlantiksolar-design, climbs of 3000 m from 536 m, surplus"
-    )
+    axes.set(ylabel="latitude [° N]", title="atlantiksolar-design, climbs of 3000 m from 536 m")
     return figure
 
 

@@ -288,9 +288,9 @@ class Flight(Record):
 class Climb(Record):
     """Surplus power stored as height by day, to sink to the mission's altitude in the evening.
 
-    ``battery_full`` climbs once the battery is full, ``surplus`` with whatever the charger leaves
-    over at any time. ``minimum_altitude_m``: the night's floor, which the aircraft does not sink
-    below; another name for the mission's altitude, which need not be given beside it.
+    The height profile is the best there is: ``strategy``, when to climb, is read and ignored.
+    ``minimum_altitude_m``: the night's floor, which the aircraft does not sink below; another name
+    for the mission's altitude, which need not be given beside it.
     """
 
     explained_keys: ClassVar[Mapping[str, str]] = {
@@ -301,17 +301,12 @@ class Climb(Record):
 
     ceiling_m: Altitude
     minimum_altitude_m: Altitude | None = None
-    strategy: Literal["battery_full", "surplus"] = "battery_full"
-
-    @property
-    def when(self) -> str:
-        """When it climbs, in words."""
-        return "once the battery is full" if self.strategy == "battery_full" else "on any surplus"
+    strategy: Literal["battery_full", "surplus"] | None = None
 
     @property
     def record(self) -> dict[str, Any]:
-        """Ceiling and strategy, JSON-ready; the floor is the mission's altitude."""
-        return {"ceiling_m": self.ceiling_m, "strategy": self.strategy}
+        """Ceiling, JSON-ready; the floor is the mission's altitude."""
+        return {"ceiling_m": self.ceiling_m}
 
 
 class Mission(FileRecord):
@@ -653,7 +648,13 @@ class Mission(FileRecord):
         """Climbs in words, for captions; empty without any."""
         if self.climb is None:
             return ""
-        return f"climbs from {self.altitude_m:g} to {self.climb.ceiling_m:g} m {self.climb.when}"
+        return f"climbs from {self.altitude_m:g} to {self.climb.ceiling_m:g} m"
+
+    def reading_notes(self) -> list[str]:
+        """What its file says that plays no part, in words."""
+        if self.climb is None or self.climb.strategy is None:
+            return []
+        return ["climb.strategy is ignored: the height profile is the best there is"]
 
     def at_altitude(self, altitude_m: float) -> Mission:
         """Same mission at one constant other altitude, through the same weather.

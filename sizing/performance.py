@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_day import cycles_with_climb
-from sizing.altitude.climb_endurance import ClimbFlights
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import Design, DesignVariables
 from sizing.energy.battery import Store
@@ -23,6 +21,8 @@ from sizing.energy.endurance import Course, Endurance, flight_time_h, longest_fl
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.mass_budget import closed_design, design_of
+from sizing.program.climbing_flights import ClimbFlights
+from sizing.program.schedule import best_climbs
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.varying_load import DesignLoads, flown_cycle
 from solar.types import BoolArray, FloatArray
@@ -36,9 +36,8 @@ class Performance:
     """Converged cycles of a design in its scenarios, and what went in.
 
     Arrays have the scenarios on their last batch axis; with a batch of designs those come first.
-    Of a mission with climbs the cycles are those of the flight with climbs, and
-    ``maximum_altitude_m`` their highest altitudes; so are the longest flights, by their ``levels``.
-    Solar power and load are those of level flight at the night's floor.
+    Of a mission with climbs the cycles are those of the flight with climbs, and ``altitude_m`` its
+    altitude at the nodes of the day; so are the longest flights, by their ``levels``.
     """
 
     design: Design
@@ -50,7 +49,7 @@ class Performance:
     nominal_load_w: FloatArray
     store: Store
     cycle: Cycle
-    maximum_altitude_m: FloatArray | None = None
+    altitude_m: FloatArray | None = None
     levels: FlightLevels | None = None
 
     def __repr__(self) -> str:
@@ -71,17 +70,10 @@ class Performance:
         energy_wh = np.asarray(cycle.energy_budget.solar_wh)
         return int(np.argmin(np.where(least, energy_wh, np.inf)))
 
-    def climbed(self) -> FloatArray:
-        """Potential energy of every scenario's highest altitude over the ceiling's (of one design).
-
-        Of a mission with climbs.
-        """
-        assert self.levels is not None
-        assert self.maximum_altitude_m is not None
-        energies = self.levels.potential_energy_wh
-        rows = zip(self.maximum_altitude_m, energies.T, strict=True)
-        reached = [np.interp(at, self.levels.altitude_m, own) for at, own in rows]
-        return np.array(reached) / np.where(energies[-1] > 0.0, energies[-1], np.inf)
+    @property
+    def maximum_altitude_m(self) -> FloatArray | None:
+        """Highest altitude of every flight with climbs [m]; None of a mission without."""
+        return None if self.altitude_m is None else np.asarray(self.altitude_m.max(axis=-1))
 
     def sun_in_own_flow(self, day: SolarDay) -> SolarDay:
         """Sun of the same scenarios on modules that the design's own flow cools (of one design)."""
@@ -234,10 +226,9 @@ class Performance:
         """Flights with climbs of some of all elements; None for a mission without."""
         if self.levels is None:
             return None
-        assert self.mission.climb is not None
         levels, store = self.levels.select(np.asarray(some, int)), self.store
         own = store.flat(self.cycle.status.shape).select(np.asarray(some, int))
-        return ClimbFlights.of(self.day.time_h, levels, own, self.mission.climb.strategy)
+        return ClimbFlights(self.day.time_h, levels, own)
 
 
 def performance(
@@ -330,15 +321,13 @@ def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle
     battery, first = variants[0][0].battery, variants[0][1]
     energy_wh = np.array([float(one.design.battery_energy_wh) for _, one in variants])
     store = Store.of(battery, energy_wh[:, np.newaxis])
-    climb, day = first.mission.climb, first.day
-    if climb is None:
+    if first.mission.climb is None:
         return flown_cycle([one for _, one in variants], store, keep_trajectory=False)[0]
-    batch = len(variants), len(day.scenarios)
+    batch = len(variants), len(first.day.scenarios)
     levels = FlightLevels.joined(
         [flight_levels(aircraft, one.mission, one.design, one.day) for aircraft, one in variants]
     )
-    cycle, _ = cycles_with_climb(day.time_h, levels, store.flat(batch), climb.strategy)
-    return cycle.reshaped(batch)
+    return best_climbs(first.day.time_h, levels, store.flat(batch)).cycle.reshaped(batch)
 
 
 def _simulate(
@@ -358,12 +347,13 @@ def _simulate(
     if mission.climb is not None:
         levels = flight_levels(aircraft, mission, design, day, paired=paired)
         batch = loads.solar_w.shape[:-1]
-        own = store.flat(batch)
-        cycle, highest_m = cycles_with_climb(day.time_h, levels, own, mission.climb.strategy)
-        level_w, nominal = loads.load_w(), loads.nominal_w()
+        climbs = best_climbs(day.time_h, levels, store.flat(batch))
+        arrays = (climbs.solar_w, climbs.load_w, levels.altitude_m[0] + climbs.height_m)
+        solar_w, load_w, altitude_m = (one.reshape(*batch, -1) for one in arrays)
         return Performance(
-            *(design, mission, solar, day, loads.solar_w, level_w, nominal, store),
-            *(cycle.reshaped(batch), highest_m.reshape(batch), levels),
+            *(design, mission, solar, day, solar_w, load_w),
+            *(levels.nominal_load_w.reshape(batch), store, climbs.cycle.reshaped(batch)),
+            *(altitude_m, levels),
         )
     cycle, load_w, nominal = flown_cycle(loads, store, keep_trajectory=keep_trajectory)
     return Performance(design, mission, solar, day, loads.solar_w, load_w, nominal, store, cycle)

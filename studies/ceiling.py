@@ -100,7 +100,7 @@ class Ceiling(Result):
         """Headline, and a table of altitudes around and below the ceiling."""
         note = f"{self.solar.label}; energy of the day, electric"
         if self.mission.climb is not None:
-            note += f"; power and airspeed at the night's floor; climbs {self.mission.climb.when}"
+            note += "; power and airspeed at the night's floor"
         outside = extrapolation_blocks(self.extrapolations)
         return Summary(
             (Line(self.headline(), "strong"), self.table(), *outside, Line(note, "faint"))
@@ -242,7 +242,7 @@ def plot_ceiling(result: Ceiling, *, figure: Canvas = DEFAULT) -> Figure:
         title=f"{result.aircraft.name} on {result.mission.name}, worst scenario",
         notes=(
             result.solar.label,
-            "" if climb is None else f"climbs to {climb.ceiling_m:g} m {climb.when}",
+            "" if climb is None else f"climbs to {climb.ceiling_m:g} m",
             extrapolation_caption(result.extrapolations),
         ),
         size_in=(9.0, 5.2),

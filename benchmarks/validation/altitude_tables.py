@@ -9,11 +9,11 @@ from missions.files.overrides import with_values
 from missions.library import load_mission
 from missions.mission import Scenarios
 from sizing.altitude.ceiling import highest_perpetual_altitude
-from sizing.altitude.climb_cycle import climb_performance
+from sizing.altitude.climb import climb_performance
 from sizing.library import load_aircraft
 from sizing.module_power import convection_in_flight
-from sizing.optimisation.cells import size_cells
 from sizing.performance import performance
+from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
 from sizing.results.tables import Column, Table
 from sizing.sunlight import SolarModel
@@ -21,17 +21,10 @@ from solar.modules import STC_TEMPERATURE_C
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 MODELS = (SolarModel("CAM"), SolarModel("CAM", "report"), SolarModel("CDM"))
-# (date, strategy, ceiling [m]) of AtlantikSolar AS-2 at 47.6 N.
-STRATEGIES = ("battery_full", "surplus")
 SIZED_LATITUDES = (0.0, 10.0, 20.0, 30.0, 40.0, 50.0)
 SIZED_DATES = ("03-21", "06-21", "09-21", "12-21")
-CLIMBS = (
-    ("06-21", "battery_full", 1536),
-    ("06-21", "battery_full", 3536),
-    ("06-21", "battery_full", 6536),
-    ("10-10", "battery_full", 3536),
-    ("10-10", "surplus", 3536),
-)
+# (date, ceiling [m]) of AtlantikSolar AS-2 at 47.6 N.
+CLIMBS = (("06-21", 1536), ("06-21", 3536), ("06-21", 6536), ("10-10", 3536))
 
 
 def ceilings() -> Table:
@@ -55,13 +48,7 @@ def climb_sizes() -> Table:
         np.array([day_of_year(place[1]) for place in places]),
     )
     level = load_mission("rafz-july")
-    missions = [
-        level,
-        *(
-            with_values(level, {"climb": {"ceiling_m": 3536.0, "strategy": strategy}})
-            for strategy in STRATEGIES
-        ),
-    ]
+    missions = [level, with_values(level, {"climb": {"ceiling_m": 3536.0}})]
     found = [size_cells(aircraft, one, scenarios, Objective.min_mass) for one in missions]
     rows = []
     for i, (latitude, date) in enumerate(places):
@@ -74,7 +61,7 @@ def climb_sizes() -> Table:
                 *(100.0 * (mass / masses[0] - 1.0) for mass in masses[1:]),
             )
         )
-    names = ("level", *(f"`{strategy}`" for strategy in STRATEGIES))
+    names = ("level", "climbs")
     columns = (
         Column("latitude", "latitude", "°", ".0f"),
         Column("date"),
@@ -89,23 +76,21 @@ def climbs() -> Table:
     """What climbing gains AtlantikSolar AS-2 at 47.6 N, 536 m, in standard air."""
     aircraft = load_aircraft("atlantiksolar-as2")
     rows = []
-    for date, strategy, ceiling_m in CLIMBS:
-        climb = f"climb={{ceiling_m: {ceiling_m}, strategy: {strategy}}}"
+    for date, ceiling_m in CLIMBS:
+        climb = f"climb={{ceiling_m: {ceiling_m}}}"
         mission = load_mission("rafz-july", [f"dates={{on: {date}}}", "air={}", climb])
         result = climb_performance(aircraft, mission)
-        flown = result.climb
         values = (
-            flown.maximum_altitude_m,
-            flown.maximum_potential_energy_wh,
-            flown.gliding_h,
+            result.altitude_m.max(axis=-1),
+            result.stored_height_wh,
+            result.gliding_h,
             result.constant.cycle.excess_time_h,
-            flown.cycle.excess_time_h,
+            result.performance.cycle.excess_time_h,
             result.gain_h,
         )
-        rows.append((date, f"`{strategy}`", ceiling_m, *(float(value[0]) for value in values)))
+        rows.append((date, ceiling_m, *(float(value[0]) for value in values)))
     columns = (
         Column("date"),
-        Column("strategy"),
         Column("ceiling_m", "ceiling", "m"),
         Column("reached_m", "reached", "m", ".0f"),
         Column("potential_energy_wh", "potential energy", "Wh", ".1f"),

@@ -14,10 +14,10 @@ from benchmarks.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, Buil
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
+from sizing.program.size import size_aircraft
 from sizing.results.tables import Column, Table
 
 

@@ -20,8 +20,8 @@ from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.search import size_aircraft
 from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
 from sizing.results.tables import Column, Table
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import assess

@@ -3,8 +3,7 @@
 A climb takes several times the thrust power of level flight, a glide less than it, in air that
 changes with the level. The exact propeller is evaluated at some loads and levels; motor, controller
 and wiring behind it are formulas (:mod:`sizing.propulsion.shafts`), at the voltage of a half
-charged battery. Logarithms of power over load, and of load over power, are tables with cubics
-between their nodes.
+charged battery. Logarithms of power over load are tables with cubics between their nodes.
 
 Below a quarter of level flight's thrust power the motor runs at that quarter for a part of the
 time: no propeller that turns along costs power.
@@ -30,8 +29,8 @@ from solar.types import BoolArray, FloatArray, IntArray
 # Thrust power over that of level flight: steps of 4^(1/6) from a quarter to eight times.
 _LEAST, _RATIO = 0.25, 4.0 ** (1.0 / 6.0)
 _LOADS = _LEAST * _RATIO ** np.arange(16)
-# Nodes of the inverse table, how finely it is made, and levels of the exact propeller.
-_POWERS, _FINE, _LEVELS = 24, 241, 6
+# How finely the limits are looked for, and levels of the exact propeller.
+_FINE, _LEVELS = 241, 6
 
 
 class _Table(NamedTuple):
@@ -55,13 +54,12 @@ class _Table(NamedTuple):
 
 
 class _Tables(NamedTuple):
-    """Electric power [W] over load, load over electric power, and most electric power [W].
+    """Electric power [W] over load, and most electric power [W].
 
     Rows are levels, one after the other, of all designs.
     """
 
     power: _Table
-    load: _Table
     most_w: FloatArray
 
 
@@ -129,14 +127,12 @@ class ClimbChain:
             return found.reshape(-1, *found.shape[2:])
 
         tables = [one._tables for one in parts]
-        power, load = (
-            _Table(*(together(list(row)) for row in zip(*rows, strict=True)))
-            for rows in ([one.power for one in tables], [one.load for one in tables])
-        )
+        columns = zip(*(one.power for one in tables), strict=True)
+        power = _Table(*(together(list(column)) for column in columns))
         thrust_w = np.concatenate([one.thrust_w for one in parts], axis=1)
         chain = replace(first, thrust_w=thrust_w)
         # Made of parts that differ: what the tables were made from is no longer one thing.
-        chain.__dict__["_tables"] = _Tables(power, load, together([t.most_w for t in tables]))
+        chain.__dict__["_tables"] = _Tables(power, together([t.most_w for t in tables]))
         return chain
 
     @property
@@ -160,10 +156,6 @@ class ClimbChain:
         """Electric power of thrust powers over that of level flight [W]."""
         return self._tables.power.at(row, load)
 
-    def load(self, row: IntArray, power_w: FloatArray) -> FloatArray:
-        """Thrust power over that of level flight, of electric power [-]."""
-        return self._tables.load.at(row, power_w)
-
     def most_w(self, row: IntArray) -> FloatArray:
         """Electric power at the limits of the parts [W]."""
         return np.asarray(self._tables.most_w[row])
@@ -185,22 +177,15 @@ class ClimbChain:
         log_power, used = np.log(_rows_first(power)), _rows_first(used)
         rows = len(log_power)
         fine = np.linspace(0.0, len(_LOADS) - 1.0, _FINE)
-        over, log_load = _between(fine, log_power), np.log(_LEAST) + np.log(_RATIO) * fine
+        over = _between(fine, log_power)
         beyond = _between(fine, used) > 1.0
         within = np.where(beyond.any(axis=-1), np.argmax(beyond, axis=-1) - 1, _FINE - 1)
         most_w = np.exp(np.take_along_axis(over, np.maximum(within, 0)[..., np.newaxis], -1))
-        ends = over[..., 0], np.maximum(over[..., -1], over[..., 0] + 1e-6)
-        step = (ends[1] - ends[0]) / (_POWERS - 1)
-        nodes = ends[0][..., np.newaxis] + step[..., np.newaxis] * np.arange(_POWERS)
-        inverse = np.empty(nodes.shape)
-        for row in range(rows):
-            inverse[row] = np.interp(nodes[row], np.maximum.accumulate(over[row]), log_load)
         flies = np.tile(self.flies, rows // self.count)
         log_power = np.where(flies[:, np.newaxis], log_power, np.log(NO_FLIGHT_W))
         same = np.ones(rows)
         return _Tables(
             _Table(log_power, np.log(_LEAST) * same, same / np.log(_RATIO)),
-            _Table(inverse, ends[0], 1.0 / step),
             np.where(flies, most_w[..., 0], 0.0),
         )
 
@@ -230,39 +215,6 @@ class ClimbChain:
             for size in self.sizes
         )
         return self.parts.sized(*one)
-
-
-class Place(NamedTuple):
-    """Where a step is flown: levels around it and the share of the upper one.
-
-    ``chain``: of the designs. ``motor_w``, ``thrust_w``: mean electric and thrust power of level
-    flight there [W].
-    """
-
-    chain: ClimbChain
-    below: IntArray
-    above: IntArray
-    upper: FloatArray
-    motor_w: FloatArray
-    thrust_w: FloatArray
-
-    def gain(self, more_w: FloatArray) -> FloatArray:
-        """Thrust power that electric power beyond level flight's gives, over that power [-].
-
-        ``more_w``: below zero for less than level flight's.
-        """
-        motor_w = np.maximum(self.motor_w, 1e-9)
-        level = self.thrust_w / motor_w
-        off, moved = more_w <= -motor_w * (1.0 - 1e-9), np.abs(more_w) > 1e-6 * motor_w
-        if not np.any(moved & ~off):
-            return level
-        at_w = np.array([motor_w, np.maximum(motor_w + more_w, 0.0)])
-        rows = np.array([self.below, self.above])[:, np.newaxis]
-        loads = self.chain.load(rows, at_w)
-        below, above = self.chain.thrust_w.ravel()[rows] * loads
-        before, after = (1.0 - self.upper) * below + self.upper * above
-        gain = (after - before) / np.where(moved, more_w, 1.0)
-        return np.where(moved & ~off, gain, level)
 
 
 def _rows_first(values: FloatArray) -> FloatArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,12 +22,11 @@ from sizing.sunlight import SolarDay
 from sizing.varying_load import thermal_shape
 from solar.types import BoolArray, FloatArray, IntArray
 
-_GLIDE_POINTS = 2001
 _DESIGNS_AT_ONCE = 512  # whose propulsion is tabulated together
 # Fields of the levels that every element has one of.
 _OF_EACH = (
     *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
-    *("efficiency", "maximum_power_w", "flies", "design", "highest_wh"),
+    *("efficiency", "maximum_power_w", "flies", "design", "weight_n", "reach_m"),
 )
 
 
@@ -50,20 +50,19 @@ class FlightLevels:
     """Flights of aircraft of some mass between the lowest altitude and the ceiling.
 
     One element is one aircraft in one scenario. ``altitude_m``, of shape ``(level,)``;
-    ``potential_energy_wh``, ``propulsion_power_w``, of shape ``(level, element)``: energy of
-    altitude and speed above that of the lowest level [Wh], and electric propulsion power of level
-    flight in calm air [W]. ``specific_power_w_per_m2``: of the solar modules, of shape ``(level,
-    scenario, time)``; ``module_area_m2`` and ``scenario`` of every element say how much of which.
+    ``propulsion_power_w``, of shape ``(level, element)``: electric propulsion power of level flight
+    in calm air [W]. ``specific_power_w_per_m2``: of the solar modules, of shape ``(level, scenario,
+    time)``; ``module_area_m2`` and ``scenario`` of every element say how much of which.
     ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-]. Of
     every element: ``nominal_factor`` is that without thermals, ``constant_power_w`` of avionics
     and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, whether it ``flies``
-    at all levels, and ``highest_wh``, the potential energy that it may climb to: that of the
-    ceiling, or of where the wind takes all its power. ``chain``: propulsion of every ``design``
-    whose efficiency is that of the moment; None where it is the constant ``efficiency``.
+    at all levels, its weight, and ``reach_m``, the height above the lowest altitude that it may
+    climb to: that of the ceiling, or of where the wind takes all its power. ``chain``: propulsion
+    of every ``design`` whose efficiency is that of the moment; None where it is the constant
+    ``efficiency``.
     """
 
     altitude_m: FloatArray
-    potential_energy_wh: FloatArray
     propulsion_power_w: FloatArray
     specific_power_w_per_m2: FloatArray
     module_area_m2: FloatArray
@@ -75,36 +74,113 @@ class FlightLevels:
     maximum_power_w: FloatArray
     flies: BoolArray
     design: IntArray
-    highest_wh: FloatArray
+    weight_n: FloatArray
+    reach_m: FloatArray
     chain: ClimbChain | None = None
     cooling: tuple[Cooling | None, ...] = ()
     convection_w_per_m2k: FloatArray | None = None
 
-    def cooling_factor(self, level: int) -> FloatArray | None:
-        """Factor on the specific power by an element's own flow, ``(element, time)``; None: 1."""
+    def cooling_factor(self, level: int, some: slice = slice(None)) -> FloatArray | None:
+        """Factor on the specific power by elements' own flow, ``(element, time)``; None: 1."""
         cooling = self.cooling[level] if self.cooling else None
         if cooling is None:
             return None
         assert self.convection_w_per_m2k is not None
-        own = cooling.with_arrays([one[self.scenario] for one in cooling.arrays()])
-        return own.factor(self.convection_w_per_m2k[level, :, np.newaxis])
+        own = cooling.with_arrays([one[self.scenario[some]] for one in cooling.arrays()])
+        return own.factor(self.convection_w_per_m2k[level, some, np.newaxis])
 
-    @property
-    def thrust_power_w(self) -> FloatArray:
-        """Drag times airspeed of level flight in calm air [W], ``(level, element)``."""
-        if self.chain is None:
-            return self.efficiency * self.propulsion_power_w
-        return self.chain.thrust_w[:, self.design]
+    @cached_property
+    def _rows(self) -> IntArray:
+        """Rows of the chain's tables, ``(level, element)``."""
+        assert self.chain is not None
+        levels = np.arange(len(self.altitude_m))[:, np.newaxis]
+        return np.asarray(levels * self.chain.count + self.design)
 
-    @property
+    @cached_property
     def nominal_load_w(self) -> FloatArray:
         """Load at the lowest altitude without thermals [W]."""
-        return np.asarray(self.propulsion_power_w[0] * self.nominal_factor + self.constant_power_w)
+        motor_w = self.propulsion_power_w[0] * self.nominal_factor
+        if self.chain is not None:
+            motor_w = self.chain.power_w(self._rows[0], self.nominal_factor)
+        return np.asarray(motor_w + self.constant_power_w)
+
+    @cached_property
+    def most_power_w(self) -> FloatArray:
+        """Electric power that the propulsion gives at all levels [W]."""
+        if self.chain is None:
+            return self.maximum_power_w
+        most_w = self.chain.most_w(self._rows).min(axis=0)
+        return np.asarray(np.minimum(self.maximum_power_w, most_w))
+
+    def _place(self, height_m: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Level below heights above the lowest altitude [m], and the share of the next one."""
+        known = self.altitude_m - self.altitude_m[0]
+        below = np.clip(np.searchsorted(known, height_m, side="right") - 1, 0, len(known) - 2)
+        apart = known[below + 1] - known[below]
+        return below, (height_m - known[below]) / np.where(apart > 0.0, apart, 1.0)
+
+    def powers_along(
+        self, time_h: FloatArray, height_m: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Solar power and load of elements along heights above the lowest altitude [W].
+
+        Light and power of level flight are linear between levels. A climb takes ``m g dz/dt`` of
+        thrust power, which a descent gives back.
+
+        ``height_m``: at the nodes of the day, which repeats itself, ``(element, time)``.
+        """
+        below, upper = self._place(height_m)
+        element = np.arange(len(self.scenario))[:, np.newaxis]
+
+        def between(rows: Callable[[IntArray], FloatArray]) -> FloatArray:
+            return np.asarray((1.0 - upper) * rows(below) + upper * rows(below + 1))
+
+        rate = np.diff(height_m, axis=-1) / (3600.0 * np.diff(time_h))
+        rate = np.concatenate([rate[:, -1:], rate, rate[:, :1]], axis=-1)
+        climb_w = self.weight_n[:, np.newaxis] * (rate[:, 1:] + rate[:, :-1]) / 2.0
+        factor = self.turbulence_factor[self.scenario]
+        if self.chain is None:
+            motor_w = factor * between(lambda level: self.propulsion_power_w[level, element])
+            motor_w = motor_w + climb_w / self.efficiency[:, np.newaxis]
+        else:
+            chain, thrust_w = self.chain, self.chain.thrust_w[:, self.design]
+            rows = self._rows
+
+            def of_chain(level: IntArray) -> FloatArray:
+                load = np.maximum(factor + climb_w / thrust_w[level, element], 0.0)
+                return chain.power_w(rows[level, element], load)
+
+            motor_w = between(of_chain)
+        solar_w = between(self._light_at) * self.module_area_m2[:, np.newaxis]
+        return solar_w, motor_w + self.constant_power_w[:, np.newaxis]
+
+    def _light_at(self, level: IntArray, some: slice = slice(None)) -> FloatArray:
+        """Specific power of some elements at a level of every time."""
+        light = self.specific_power_w_per_m2
+        time = np.arange(light.shape[-1])
+        power = light[level, self.scenario[some, np.newaxis], time]
+        for number in np.unique(level).tolist():
+            if (factor := self.cooling_factor(number, some)) is not None:
+                power = np.where(level == number, power * factor, power)
+        return np.asarray(power)
+
+    def at_heights(self, element: int, height_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Solar power, ``(height, time)``, and power of level flight of an element at heights."""
+        some, levels = slice(element, element + 1), len(self.altitude_m)
+        power_w = self.propulsion_power_w[:, element]
+        if self.chain is not None:
+            power_w = self.chain.power_w(self._rows[:, element], np.ones(levels))
+        every = np.zeros((1, self.specific_power_w_per_m2.shape[-1]), int)
+        light = np.concatenate([self._light_at(every + n, some) for n in range(levels)])
+        below, upper = self._place(height_m)
+        power_w = (1.0 - upper) * power_w[below] + upper * power_w[below + 1]
+        share = upper[:, np.newaxis]
+        solar_w = (1.0 - share) * light[below] + share * light[below + 1]
+        return solar_w * self.module_area_m2[element], power_w
 
     def select(self, some: slice | IntArray | BoolArray) -> FlightLevels:
         """Flights of a part of the elements."""
-        by_level = ("potential_energy_wh", "propulsion_power_w")
-        rows = {name: getattr(self, name)[:, some] for name in by_level}
+        rows: dict[str, Any] = {"propulsion_power_w": self.propulsion_power_w[:, some]}
         if self.convection_w_per_m2k is not None:
             rows["convection_w_per_m2k"] = self.convection_w_per_m2k[:, some]
         rows |= {name: getattr(self, name)[some] for name in _OF_EACH}
@@ -119,7 +195,7 @@ class FlightLevels:
         """Flights at the same levels, each in its own scenarios."""
         first = [0, *np.cumsum([one.specific_power_w_per_m2.shape[1] for one in several])]
         along = {
-            1: ("potential_energy_wh", "propulsion_power_w", "specific_power_w_per_m2"),
+            1: ("propulsion_power_w", "specific_power_w_per_m2"),
             0: ("turbulence_factor", *_OF_EACH),
         }
         arrays: dict[str, Any] = {
@@ -142,33 +218,6 @@ class FlightLevels:
         own = [one.design + n for one, n in zip(several, before, strict=False)]
         arrays["design"] = np.concatenate(own)
         return cls(several[0].altitude_m, **arrays, chain=ClimbChain.joined(chains))
-
-    def altitude_at(self, potential_energy_wh: FloatArray) -> FloatArray:
-        """Altitude of potential energies, elements first [m]."""
-        rows = zip(potential_energy_wh, self.potential_energy_wh.T, strict=True)
-        found = [np.interp(row, energies, self.altitude_m) for row, energies in rows]
-        # Without any flight all levels have the same energy.
-        return np.where(self.flies[:, np.newaxis], np.array(found), self.altitude_m[0])
-
-    def glide_h(self, potential_energy_wh: FloatArray) -> FloatArray:
-        """Hours of gliding from the potential energy of every element with the motor off [h]."""
-        hours, scale, power_w = (
-            np.zeros(np.shape(potential_energy_wh)),
-            *(
-                (self.efficiency, self.propulsion_power_w)
-                if self.chain is None
-                else (np.ones(len(self.design)), self.thrust_power_w)
-            ),
-        )
-        for place in np.flatnonzero(potential_energy_wh):
-            known = self.potential_energy_wh[:, place]
-            energies = np.linspace(0.0, known[-1], _GLIDE_POINTS)
-            level_w = np.interp(energies, known, power_w[:, place])
-            slowness = 1.0 / (scale[place] * (level_w * self.nominal_factor[place]))
-            each = np.diff(energies) * (slowness[1:] + slowness[:-1]) / 2.0
-            summed = np.concatenate(([0.0], np.cumsum(each)))
-            hours[place] = np.interp(potential_energy_wh[place], energies, summed)
-        return hours
 
 
 def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
@@ -237,11 +286,8 @@ def flight_levels(
     slow = [_same_aircraft_at(aircraft, there, design) for there in missions]
     flown, held = _against_winds(aircraft, missions, slow, design, day, each, paired=paired)
     weight_n = each(np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2)
-    potential_wh = _potential_wh(altitudes, flown, weight_n, each)
     power_w = np.stack([each(d.propulsion_power_w) for d in flown])
-    flies = np.isfinite(power_w).all(axis=0) & np.isfinite(potential_wh).all(axis=0) & held[0]
-    # Never falling: levels are looked up by it, and a wind may fall faster than height stores.
-    potential_wh = np.maximum.accumulate(np.where(flies, potential_wh, 0.0))
+    flies = np.isfinite(power_w).all(axis=0) & np.isfinite(weight_n) & held[0]
     limits, own = climb_limits(aircraft, design), np.shape(flown[0].propulsion_power_w)
     most_w = each(limits.maximum_power_w)
     thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
@@ -253,7 +299,6 @@ def flight_levels(
     steady = 1.0 + all_day
     return FlightLevels(
         altitude_m=altitudes,
-        potential_energy_wh=potential_wh,
         propulsion_power_w=np.where(flies, power_w, NO_FLIGHT_W),
         specific_power_w_per_m2=light,
         module_area_m2=each(design.variables.module_area_m2),
@@ -265,7 +310,8 @@ def flight_levels(
         maximum_power_w=np.where(flies, most_w, 0.0),
         flies=np.asarray(flies),
         design=np.asarray(each(np.arange(max(math.prod(own), 1)).reshape(own)), int),
-        highest_wh=_highest_wh(potential_wh, power_w, held, most_w),
+        weight_n=np.where(flies, weight_n, 0.0),
+        reach_m=_reach_m(altitudes - altitudes[0], power_w, held, most_w),
         chain=ClimbChain.of(aircraft, missions, flown),
         cooling=day.aloft_cooling,
         convection_w_per_m2k=_convection(day, missions, slow, each),
@@ -308,40 +354,23 @@ def _against_winds(
     return flown, np.stack([each(able) for _, able in found]) > 0.0
 
 
-def _potential_wh(
-    altitude_m: FloatArray,
-    flown: Sequence[Design],
-    weight_n: FloatArray,
-    each: Callable[[object], FloatArray],
+def _reach_m(
+    height_m: FloatArray, power_w: FloatArray, held: BoolArray, most_w: FloatArray
 ) -> FloatArray:
-    """Energy of height and speed above that of the lowest level, ``(level, element)``."""
-    speeds = [0.0 if one.airspeed_m_per_s is None else one.airspeed_m_per_s for one in flown]
-    height_m = np.stack(
-        [each(h + np.square(v) / _TWICE_GRAVITY) for h, v in zip(altitude_m, speeds, strict=True)]
-    )
-    with np.errstate(invalid="ignore"):  # of designs that cannot carry themselves
-        return np.asarray(weight_n * (height_m - height_m[0]) / 3600.0)
-
-
-def _highest_wh(
-    potential_wh: FloatArray, power_w: FloatArray, held: BoolArray, most_w: FloatArray
-) -> FloatArray:
-    """Potential energy below the first level whose wind is not held, ``(element,)``.
+    """Height below the first level whose wind is not held [m], ``(element,)``.
 
     Where the power, linear between levels, is the largest; at the level below where that of the
     first is not known.
     """
     columns, first = np.arange(len(most_w)), np.argmin(held, axis=0)
     below = np.maximum(first - 1, 0)
-    (low_w, beyond_w), (low_wh, beyond_wh) = (
-        (rows[below, columns], rows[first, columns]) for rows in (power_w, potential_wh)
-    )
+    low_w, beyond_w = power_w[below, columns], power_w[first, columns]
     with np.errstate(invalid="ignore", divide="ignore"):  # of designs that do not fly
         rise_w = np.where(beyond_w > most_w, beyond_w - low_w, np.inf)
         share = np.clip((most_w - low_w) / rise_w, 0.0, 1.0)
     share = np.where(held[0], share, 0.0)  # a floor that is not held has no power to compare
-    short_wh = low_wh + share * (beyond_wh - low_wh)
-    return np.asarray(np.where(held.all(axis=0), potential_wh[-1], short_wh))
+    short_m = height_m[below] + share * (height_m[first] - height_m[below])
+    return np.asarray(np.where(held.all(axis=0), height_m[-1], short_m))
 
 
 def _convection(
@@ -360,9 +389,6 @@ def _convection(
         for cooling, one, there in zip(day.aloft_cooling, flown, missions, strict=True)
     ]
     return np.stack([each(one) for one in known])
-
-
-_TWICE_GRAVITY = 2.0 * GRAVITY_M_PER_S2
 
 
 def _same_aircraft_at(aircraft: Aircraft, there: Mission, design: Design) -> Design:

@@ -130,6 +130,7 @@ class ChargeClock:
     hours: FloatArray
     constant_up_to: float
     constant_rate_per_h: float
+    limit: ChargeLimit
 
     @classmethod
     def of(cls, limit: ChargeLimit) -> ChargeClock | None:
@@ -143,7 +144,8 @@ class ChargeClock:
         hours = np.concatenate(
             ([0.0], np.cumsum(np.diff(soc) * (slowness[1:] + slowness[:-1]) / 2.0))
         )
-        return cls(soc, hours, constant_up_to(limit), float(charge_rate_per_h(limit, 0.0)))
+        rate = float(charge_rate_per_h(limit, 0.0))
+        return cls(soc, hours, constant_up_to(limit), rate, limit)
 
     def after(self, state_of_charge: FloatArray, duration_h: ArrayLike) -> FloatArray:
         """State of charge after following the limit for some hours, at most 1 [-]."""

@@ -2,6 +2,8 @@
 
 * ``variables``, ``transcription``, ``objectives``, ``own_terms``: the nonlinear program as data
 * ``task``, ``corrections``, ``start``, ``solve``, ``size``: solved until the simulator confirms it
+* ``days``, ``climbing``: intervals of a day, and flight along the heights of a program
+* ``schedule``, ``climbing_flights``: the best heights of a design that is given
 * ``reasons``, ``relaxations``: what is missed where there is no design, and what would change that
 * ``sensitivity``: how an optimum changes
 * ``result``: how a sizing ended

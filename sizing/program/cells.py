@@ -36,6 +36,7 @@ from sizing.program.result import (
     objective_value,
 )
 from sizing.program.size import Flight, Search
+from sizing.program.solve import ActiveSet
 from sizing.program.task import SizingTask, Values
 from sizing.program.variables import WIND
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
@@ -168,6 +169,7 @@ class _Cells:
 
     tasks: Sequence[SizingTask]
     day: SolarDay
+    row: ActiveSet = field(default_factory=ActiveSet)
     found: dict[int, Search] = field(default_factory=dict)
 
     def run(self, seed: int) -> CellSizings:
@@ -195,10 +197,10 @@ class _Cells:
         ends += [min(behind)] if behind else []
         known = [one for i in ends if (one := self.found[i].outcome) is not None]
         if not known:
-            return Search(self.tasks[cell])
+            return Search(self.tasks[cell], row=self.row)
         sizes = {name: np.array([one.values[name] for one in known]) for name in known[0].values}
         first = {n: float(np.exp(np.log(np.maximum(v, 1e-12)).mean())) for n, v in sizes.items()}
-        return Search(self.tasks[cell], first=first, warm=known[0].solution)
+        return Search(self.tasks[cell], first=first, warm=known[0].solution, row=self.row)
 
     def _run(self, searches: dict[int, Search]) -> None:
         """Run some searches; the designs of all fly together in every round."""

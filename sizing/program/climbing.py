@@ -16,10 +16,11 @@ from missions.air import GRAVITY_M_PER_S2
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import Design, DesignVariables, parametric_design
 from sizing.energy.battery import Store
-from sizing.energy.cycle import simulate_cycle
 from sizing.held_station import flown_faster
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance
+from sizing.program.days import lagrange
+from sizing.program.schedule import flown_along
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import LEVELS
 from solar.types import FloatArray
@@ -53,35 +54,23 @@ def climbing_performance(
     stacked = {name: np.array([float(one[name]) for one in chosen]) for name in chosen[0]}
     design = closed_design(task.flown, task.mission, DesignVariables(**stacked))
     levels = flight_levels(task.flown, task.mission, design, task.day)
-    time_h, count = task.day.time_h, task.count
-    shape = len(designs), count, len(time_h)
-    share = np.zeros((count, len(time_h)))
+    time_h, shape = task.day.time_h, (len(designs), task.count)
+    share = np.zeros((task.count, len(time_h)))
     for number, profile in profiles.items():
         share[number] = profile.at(time_h)
-    height_m = levels.altitude_m - levels.altitude_m[0]
-    place = share * height_m[-1]
-    places = place[levels.scenario]
-    light = _light(levels)
-    power = np.broadcast_to(levels.propulsion_power_w[..., np.newaxis], light.shape)
-    solar, motor = (
-        np.stack([_interpolated(at, height_m, rows[:, i]) for i, at in enumerate(places)])
-        for rows in (light, power)
+    height_m = np.tile(share * task.climb_height_m, (len(designs), 1))
+    energy_wh = np.asarray(design.battery_energy_wh)[:, np.newaxis]
+    store = Store.of(task.aircraft.battery, energy_wh)
+    flown = flown_along(time_h, levels, store.flat(shape), height_m)
+    altitude_m, solar_w, load_w = (
+        one.reshape(*shape, -1)
+        for one in (levels.altitude_m[0] + flown.height_m, flown.solar_w, flown.load_w)
     )
-    weight_n = np.repeat(np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2, count)
-    rate = np.diff(places, axis=-1) / (3600.0 * np.diff(time_h))
-    climb_w = (weight_n / levels.efficiency)[:, np.newaxis] * rate
-    ends = np.concatenate([climb_w[:, -1:], climb_w, climb_w[:, :1]], axis=-1)
-    at_nodes = (ends[:, 1:] + ends[:, :-1]) / 2.0  # the day repeats itself
-    factor = levels.turbulence_factor[levels.scenario]
-    load = motor * factor + at_nodes + levels.constant_power_w[:, np.newaxis]
-    solar = solar * levels.module_area_m2[:, np.newaxis]
-    store = Store.of(task.aircraft.battery, np.asarray(design.battery_energy_wh)[:, np.newaxis])
-    nominal = levels.nominal_load_w.reshape(shape[:2])
-    powers = solar.reshape(shape), load.reshape(shape)
-    cycle = simulate_cycle(time_h, *powers, store, nominal_load_w=nominal)
+    nominal_w, cycle = levels.nominal_load_w.reshape(shape), flown.cycle.reshaped(shape)
     perf = Performance(
-        *(design, task.mission, task.solar, task.day, *powers, nominal, store, cycle),
-        maximum_altitude_m=np.broadcast_to(levels.altitude_m[0] + place.max(-1), shape[:2]),
+        *(design, task.mission, task.solar, task.day, solar_w, load_w, nominal_w, store, cycle),
+        altitude_m=altitude_m,
+        levels=levels,
     )
     return perf, levels
 
@@ -108,40 +97,14 @@ def alone(perf: Performance) -> Performance:
         nominal_load_w=first(perf.nominal_load_w),
         store=replace(perf.store, battery_energy_wh=first(perf.store.battery_energy_wh)),
         cycle=replace(cycle, **{name: first(getattr(cycle, name)) for name in names}),
-        maximum_altitude_m=first(perf.maximum_altitude_m),
+        altitude_m=first(perf.altitude_m),
     )
-
-
-def _light(levels: FlightLevels) -> FloatArray:
-    """Specific power at all levels in the designs' own flow, ``(level, element, time)``."""
-    factors = [levels.cooling_factor(n) for n in range(len(levels.altitude_m))]
-    pairs = zip(levels.specific_power_w_per_m2[:, levels.scenario], factors, strict=True)
-    return np.stack([power if f is None else power * f for power, f in pairs])
-
-
-def _interpolated(place: FloatArray, known: FloatArray, rows: FloatArray) -> FloatArray:
-    """Values of rows of levels at a place of their own at every time."""
-    below = np.clip(np.searchsorted(known, place, side="right") - 1, 0, len(known) - 2)
-    upper = (place - known[below]) / (known[below + 1] - known[below])
-    at = np.arange(rows.shape[-1])
-    return (1.0 - upper) * rows[below, at] + upper * rows[below + 1, at]
 
 
 def light_at_heights(levels: FlightLevels, scenario: int) -> FloatArray:
     """Specific power of the first design at the program's heights, ``(height, time)``."""
-    light, known = _light(levels)[:, scenario], levels.altitude_m
-    heights = np.linspace(known[0], known[-1], LEVELS)
-    return np.stack([_interpolated(np.full(light.shape[-1], h), known, light) for h in heights])
-
-
-def lagrange(place: FloatArray, count: int) -> FloatArray:
-    """Weights of evenly spaced nodes from 0 to 1 in the polynomial through them."""
-    nodes = np.linspace(0.0, 1.0, count)
-    rows = []
-    for own in nodes:
-        others = nodes[nodes != own]
-        rows.append(np.prod([(place - other) / (own - other) for other in others], axis=0))
-    return np.stack(rows)
+    heights_m = np.linspace(0.0, levels.altitude_m[-1] - levels.altitude_m[0], LEVELS)
+    return levels.at_heights(scenario, heights_m)[0]
 
 
 def power_beyond_floor(

@@ -12,19 +12,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import Design
-from sizing.energy.battery import Store
-from sizing.energy.march import ChargingDay
-from sizing.energy.power_balance import PowerBalance
 from sizing.limits import design_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance
-from sizing.program.climbing import Profile, lagrange, light_at_heights, power_beyond_floor
+from sizing.program.climbing import Profile, light_at_heights, power_beyond_floor
+from sizing.program.days import (
+    Day,
+    day_means,
+    equal_power_step,
+    lagrange,
+    nodes_of,
+    positive_part,
+)
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
     EFFICIENCY_FACTOR,
@@ -45,147 +49,9 @@ _WIDE_STEP = 0.02
 # By how much more charge a day must return than its night takes, relative, to begin with: a day
 # that returns any less lets the battery run empty over many days.
 FIRST_MARGIN = 2e-4
-FIRST_DAWN_CHARGE = 0.3  # of a design that no repeated day is known of
 _INSIDE = (0.01, 0.99)  # where the state of charge starts: interior points start inside bounds
 _STEEPEST = 3.0  # slope of a logarithm; more is one of a neighbour that hardly flies
-_NEAR = 13  # steps of an hour around those in which the charge limit holds back
-_FAR = 0.2  # weight of a step of light away from those
-_DARK = 1e-3  # weight of a step of night
 _FIRST_HEIGHT = 0.3  # of climbs: between floor and ceiling
-
-
-class Day(NamedTuple):
-    """Powers of a scenario over a day that begins at its sunrise, or from launch to landing.
-
-    The batch first, time last. ``first``: node of the time axis that it begins at.
-    """
-
-    time_h: FloatArray
-    solar_w: FloatArray
-    load_w: FloatArray
-    first: int
-    lands: bool = False
-
-    @classmethod
-    def of(
-        cls, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray, first: int | None = None
-    ) -> Day:
-        """The same day, begun at sunrise; without a night where the sun is lowest.
-
-        ``first``: step that it begins with instead.
-        """
-        steps = len(time_h) - 1
-        lit = (solar_w[0, :-1] > 0.0) | (solar_w[0, 1:] > 0.0)
-        if first is None:
-            first = int(np.argmin(solar_w[0, :-1]))
-            if lit.any() and not lit.all():
-                first = int(np.flatnonzero(lit & ~np.roll(lit, 1))[0])
-        at = (first + np.arange(steps + 1)) % steps
-        hours = np.diff(time_h)[at[:-1]]
-        clock = time_h[first] + np.concatenate([[0.0], np.cumsum(hours)])
-        return cls(clock, solar_w[:, at], load_w[:, at], first)
-
-    @classmethod
-    def between(
-        cls, ends_h: FloatArray, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray
-    ) -> Day:
-        """Flight from a launch to a landing."""
-        inside = time_h[(time_h > ends_h[0]) & (time_h < ends_h[1])]
-        clock = np.concatenate([ends_h[:1], inside, ends_h[1:]])
-        solar, load = (
-            np.stack([np.interp(clock, time_h, one) for one in power])
-            for power in (solar_w, load_w)
-        )
-        return cls(clock, solar, load, 0, lands=True)
-
-    def path(self, store: Store, soc: float) -> FloatArray:
-        """State of charge of the first of the batch over the day, from one at its begin."""
-        full = np.asarray(store.battery_energy_wh, float).reshape(1)
-        balance = PowerBalance.of(self.time_h, self.solar_w[:1], self.load_w[:1])
-        run = ChargingDay.of(balance).run(store, soc * full)
-        return np.asarray(run.energy_at_nodes_wh()[:, 0] / full[0])
-
-
-def equal_power_step(day: Day, nominal_w: float) -> int:
-    """Step of a day at which the sun carries the nominal load for the first time; 0 if never."""
-    carried = day.solar_w[0] >= nominal_w
-    return int(np.argmax(carried)) if carried.any() and not carried.all() else 0
-
-
-def nodes_of(
-    day: Day,
-    path: FloatArray,
-    into: float,
-    full_wh: float,
-    nominal_w: float,
-    form: Form,
-) -> IntArray:
-    """Ends of the intervals on the time axis of a day.
-
-    They lie where light begins and ends, where power is equal, and where the charge limit begins
-    to hold back; the rest halve the longest interval of light, again and again, of climbs
-    those of night as well. On a flight that lands they are close where the charge is least.
-    """
-    steps = len(day.time_h) - 1
-    net, solar = day.solar_w[0] - day.load_w[0], day.solar_w[0]
-    light = (solar[:-1] > 0.0) | (solar[1:] > 0.0)
-    turns = np.flatnonzero((net[:-1] > 0.0) != (net[1:] > 0.0))
-    turns = turns + (np.abs(net[turns + 1]) < np.abs(net[turns]))
-    surplus = into * positive_part(net[:-1], net[1:]) * np.diff(day.time_h)
-    held = (surplus > 0.0) & (full_wh * np.diff(path) < 0.999 * surplus)
-    throttled = np.flatnonzero(held[1:] != held[:-1]) + 1
-    edges = np.flatnonzero(light[1:] != light[:-1]) + 1
-    nodes = {0, steps, equal_power_step(day, nominal_w)}
-    for some in (edges, turns, throttled):
-        if len(nodes) + len(some) <= form.intervals // 2:
-            nodes |= {int(one) for one in some}
-    ends = sorted(nodes)
-    least = day.lands & (net[:-1] <= 0.0) & (net[1:] > 0.0)
-    near = np.convolve(held | least, np.ones(_NEAR), "same") > 0.0
-    weight = (
-        np.where(light, np.where(near, 1.0, _FAR), _FAR if form.climbs else _DARK)
-        if light.any()
-        else np.ones(steps)
-    )
-    length = np.concatenate([[0.0], np.cumsum(weight)])
-    while len(ends) < form.intervals + 1:
-        spans = np.where(np.diff(ends) > 1, np.diff(length[ends]), -1.0)
-        i = int(np.argmax(spans))
-        ends.insert(i + 1, (ends[i] + ends[i + 1]) // 2)
-    return np.asarray(ends)
-
-
-def positive_part(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Mean positive part of what is linear over a step."""
-    up = np.maximum(left, 0.0) + np.maximum(right, 0.0)
-    both = np.abs(left) + np.abs(right)
-    return np.asarray(up * up / np.where(both > 0.0, 2.0 * both, 1.0))
-
-
-class DayMeans(NamedTuple):
-    """Light and load over the intervals; arrays with the intervals last.
-
-    ``light_w``: mean power of the modules. ``load_w``: mean load with which the lesser of what is
-    charged and drawn from the mean powers is what the flight charges and draws in the interval.
-    """
-
-    hours: FloatArray
-    light_w: FloatArray
-    load_w: FloatArray
-
-
-def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans:
-    """Means over the intervals of a day."""
-    h = np.diff(day.time_h)
-    net, solar = day.solar_w - day.load_w, day.solar_w
-    surplus = positive_part(net[:, :-1], net[:, 1:])
-    deficit = positive_part(-net[:, :-1], -net[:, 1:])
-    stored = (into * surplus - deficit / out_of) * h
-    light = (solar[:, :-1] + solar[:, 1:]) / 2.0 * h
-    gain, sun = (np.add.reduceat(values, nodes[:-1], axis=-1) for values in (stored, light))
-    hours = np.diff(day.time_h[nodes])
-    equal = np.where(gain > 0.0, gain / into, gain * out_of)
-    return DayMeans(hours, sun / hours, (sun - equal) / hours)
 
 
 @dataclass(frozen=True)
@@ -215,15 +81,14 @@ class Scenario:
     """What a search knows of a scenario.
 
     ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
-    more a night takes, relative. ``way_h``: what must be left on the way to a landing.
-    ``dawn_charge``: of the last solution. ``nodes``: of its intervals; None where they are to be
-    laid anew. ``clock_h``: of these. ``profile``: heights that are flown.
+    more a night takes, relative. ``way_h``: what must be left on the way to a landing. ``nodes``:
+    of its intervals; None where they are to be laid anew. ``clock_h``: of these. ``profile``:
+    heights that are flown.
     """
 
     shift_h: float = 0.0
     margin: float = FIRST_MARGIN
     way_h: float = 0.0
-    dawn_charge: float = FIRST_DAWN_CHARGE
     nodes: IntArray | None = None
     clock_h: FloatArray | None = None
     first: int = 0
@@ -312,6 +177,15 @@ def day_of(task: SizingTask, perf: Performance, number: int) -> Day:
     if task.window_h is None:
         return Day.of(time_h, solar_w, load_w)
     return Day.between(task.window_h[number], time_h, solar_w, load_w)
+
+
+def unserved(task: SizingTask, perf: Performance, number: int) -> float:
+    """Energy that the load of a design lacks in a scenario, relative to what its night takes."""
+    day = day_of(task, perf, number)
+    net = day.solar_w[0] - day.load_w[0]
+    night_wh = float(positive_part(-net[:-1], -net[1:]) @ np.diff(day.time_h))
+    lacking_wh = np.broadcast_to(perf.cycle.energy_budget.unserved_wh, perf.cycle.status.shape)
+    return float(lacking_wh[0, number]) / max(night_wh, 1e-9)
 
 
 def _heights(form: Form, scenario: Scenario) -> FloatArray:
@@ -425,7 +299,7 @@ def _block(
     into, out_of = battery.mean_charge_efficiency, battery.mean_discharge_efficiency
     ends_h = None if task.window_h is None else task.window_h[number]
     day = day_of(task, perf, number)
-    path = _path(task, perf, day, number, scenario, (len(nominal_w), task.count, len(time_h)))
+    path = _path(task, perf, day, number, (len(nominal_w), task.count, len(time_h)))
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     if scenario.nodes is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
@@ -472,20 +346,12 @@ def _block(
 
 
 def _path(
-    task: SizingTask,
-    perf: Performance,
-    day: Day,
-    number: int,
-    scenario: Scenario,
-    shape: tuple[int, ...],
+    task: SizingTask, perf: Performance, day: Day, number: int, shape: tuple[int, ...]
 ) -> FloatArray:
-    """State of charge over a day: of the repeated one, or of one from the last dawn's charge."""
-    excess_h = float(np.broadcast_to(perf.cycle.excess_time_h, shape[:2])[0, number])
+    """State of charge over a day that repeats itself, or over a flight from its launch."""
     store = perf.store.flat(shape[:2]).select(np.array([0]))
     if task.window_h is not None:
         return day.path(store, 1.0)
-    if not (math.isfinite(excess_h) and excess_h > 0.0):
-        return day.path(store, scenario.dawn_charge)
     charge = np.broadcast_to(perf.cycle.energy_wh, shape)[0, number]
     steps = shape[-1] - 1
     at = (day.first + np.arange(steps + 1)) % steps

@@ -20,7 +20,8 @@ from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import MASS_BUDGET, ROW_TOLERANCE, design_requirements
 from sizing.parameters import with_parameter
 from sizing.performance import Performance
-from sizing.program.corrections import day_of, positive_part
+from sizing.program.corrections import day_of
+from sizing.program.days import positive_part
 from sizing.program.objectives import Objective
 from sizing.program.result import Violation
 from sizing.program.solve import LACKING, Solution

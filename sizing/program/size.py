@@ -22,11 +22,17 @@ from sizing.design import NO_FLIGHT_W, DesignVariables, variables_of
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.climbing import Profile, alone, climbing_performance, flight
-from sizing.program.corrections import Scenario, linearised, neighbours
+from sizing.program.corrections import (
+    FIRST_MARGIN,
+    Scenario,
+    linearised,
+    neighbours,
+    unserved,
+)
 from sizing.program.objectives import Objective
 from sizing.program.reasons import least_mission, missed_by, names_of_limits, violations
 from sizing.program.result import SizingResult, SizingStatus, SolverReport
-from sizing.program.solve import LACKING, Solution, solve
+from sizing.program.solve import LACKING, ActiveSet, Solution, solve
 from sizing.program.start import most_promising
 from sizing.program.task import SizingTask, Values
 from sizing.program.variables import TOTAL_MASS
@@ -38,9 +44,7 @@ _ROUNDS = 12
 _CUSHION_H = 5e-4  # of the goal: what the simulator finds varies by less from round to round
 _WASTE = 3e-4  # of the objective: more excess time than required may cost this much
 _SAME = 2e-4  # of the objective, from one accepted design to the next
-_NEAR = 0.05  # relative change of a design within which its linearisation holds
-_SAME_DESIGN = 0.01  # likewise, within which a day that does not close needs a larger margin
-_WIDER = 3.0  # factor on the margin then
+_NEAR = 0.15  # relative change of a design within which its linearisation holds
 _OTHER_H = 0.3  # excess time by which program and simulator differ where nodes are laid anew
 _HOPELESS, _HOPELESS_ROUNDS = 0.03, (2, 5)  # violation that no correction mends; rounds given
 _NIGHT_H = 8.0  # hours over which a lack of power lacks energy, about
@@ -75,7 +79,8 @@ class Search:
     """One search for the optimum of a task, and its outcome.
 
     ``first``: values to start from, instead of a design whose mass is to be found. ``warm``:
-    solution for a similar task, whose multipliers the first program starts from.
+    solution for a similar task, whose multipliers the first program starts from. ``row``: solver
+    that is tried first.
     """
 
     task: SizingTask
@@ -83,6 +88,7 @@ class Search:
     stop_at_merit: float = math.inf
     first: Values | None = None
     warm: Solution | None = None
+    row: ActiveSet | None = None
     best: Judged | None = None
     nearest: Judged | None = None
     status: SizingStatus = SizingStatus.not_converged
@@ -130,6 +136,7 @@ class Search:
                 excess_h=excess_h,
                 elastic=elastic,
                 before=solution,
+                row=self.row,
             )
             self.report += SolverReport(
                 iterations=solution.iterations,
@@ -141,7 +148,6 @@ class Search:
                 if self.task.mission.climb is not None and scenario.clock_h is not None:
                     scenario.profile = Profile(scenario.clock_h, solution.heights(block))
                     self._profiles[list(self._chosen)[block]] = scenario.profile
-                scenario.dawn_charge = float(np.clip(solution.charge(block)[0], 0.01, 1.0))
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
@@ -229,7 +235,8 @@ class Search:
             return False
         if solution.violation > LACKING:
             early, late = _HOPELESS_ROUNDS
-            if number >= late or (number >= early and solution.violation > _HOPELESS):
+            known = number >= early or _moved_by(task, solution) < _NEAR
+            if number >= late or (known and solution.violation > _HOPELESS):
                 self.status = SizingStatus.infeasible
                 return True
             return False
@@ -264,7 +271,11 @@ class Search:
         order = [int(i) for i in np.argsort(judged.excess_h, kind="stable")]
         blocks = min(BLOCKS, self.task.count)
         if not self._known:
-            self._known = {number: Scenario() for number in order[:blocks]}
+            before = {} if self.warm is None else self.warm.linearisation.known
+            self._known = {
+                number: Scenario(before[number].shift_h) if number in before else Scenario()
+                for number in order[:blocks]
+            }
         elif judged.worst not in self._known:
             easiest = max(self._known, key=lambda number: float(judged.excess_h[number]))
             del self._known[easiest]
@@ -293,8 +304,8 @@ class Search:
                 scenario.shift_h += goal_h - lacking_h - simulated_h + _CUSHION_H
             elif simulated_h < task.required_h:
                 scenario.shift_h += task.required_h - simulated_h + _CUSHION_H
-        elif solution.violation <= LACKING and _moved_by(task, solution) < _SAME_DESIGN:
-            scenario.margin *= _WIDER
+        elif solution.violation <= LACKING and _moved_by(task, solution) < _NEAR:
+            scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)
 
 
 def _left_h(perf: Performance, number: int) -> tuple[float, float]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from functools import cached_property
+from io import StringIO
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from sizing.parameters import parameter_value
@@ -54,6 +58,58 @@ _WARM = {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": _NEAR} | {
     )
 }
 OPTIONS |= {f"{name} again": options | _WARM for name, options in OPTIONS.items()}
+
+
+_STEPS = 12  # of Newton, which doubles its digits each time; more is no neighbour
+_STILL = 1e-6  # of a step, in variables of order one
+_REACH = 1.0  # likewise: sizes change by no more than a factor of e at once
+
+
+@dataclass
+class ActiveSet:
+    """Sequential quadratic programming for a row of similar programs.
+
+    Whole Newton steps from the last solution. The rows that hold in one quadratic program are the
+    first guess for the next one (Ferreau, H. J. et al. 2014, qpOASES, Math. Prog. Comp. 6:327).
+    """
+
+    _program: Program | None = None
+    _quadratic: Any = None
+
+    def solve(
+        self, program: Program, ends: dict[str, Any], multipliers: FloatArray
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Answer and statistics, as those of IPOPT; without success where steps lead nowhere."""
+        if self._program is not program or self._quadratic is None:
+            self._program, shapes = program, program.derivatives
+            sparsity = {"h": shapes.sparsity_out(3), "a": shapes.sparsity_out(2)}
+            quiet: dict[str, Any] = {"printLevel": "none", "error_on_fail": False}
+            with redirect_stdout(StringIO()):  # it prints its licence
+                self._quadratic = ca.conic("row", "qpoases", sparsity, quiet)
+        x, held = ca.DM(ends["x0"]), ca.DM(multipliers)
+        p, low, high, most = (ca.DM(ends[name]) for name in ("p", "lbx", "ubx", "ubg"))
+        sizes = program.parts["design"]
+        for number in range(_STEPS):
+            least, largest = low - x, high - x
+            least[sizes] = ca.fmax(least[sizes], -_REACH)
+            largest[sizes] = ca.fmin(largest[sizes], _REACH)
+            rows, slope, jacobian, bent = program.derivatives(x, p, held)
+            step = self._quadratic(
+                h=bent, g=slope, a=jacobian, lba=-rows, uba=most - rows, lbx=least, ubx=largest
+            )
+            far = float(ca.norm_inf(step["x"]))
+            if not (self._quadratic.stats()["success"] and math.isfinite(far)):
+                break
+            x, held = x + step["x"], step["lam_a"]
+            if far < _STILL:
+                stats = {
+                    "success": True,
+                    "iter_count": number + 1,
+                    "return_status": "Solve_Succeeded",
+                }
+                return {"x": x, "lam_g": held, "lam_x": step["lam_x"]}, stats
+        self._quadratic = None  # what it has learnt leads nowhere
+        return {}, {"success": False, "iter_count": number + 1}
 
 
 @dataclass(frozen=True)
@@ -181,6 +237,7 @@ def solve(
     excess_h: float,
     elastic: bool,
     before: Solution | None = None,
+    row: ActiveSet | None = None,
 ) -> Solution:
     """Solve the program of a task around a simulated design.
 
@@ -198,6 +255,8 @@ def solve(
         finds no design that meets all of them.
     before : Solution, optional
         Solution of the last round, or of a similar task: the program starts from its multipliers.
+    row : ActiveSet, optional
+        Solver of many similar programs, that is tried first.
 
     Returns
     -------
@@ -221,32 +280,34 @@ def solve(
     for name, rows in (("charge", point.charge), ("height", point.height), ("speed", point.speed)):
         start[parts[name]] = np.concatenate(rows)
     equation = np.array([c.equation for c in program.constraints])
-    iterations, ways = 0, ["elastic"] if elastic else ["firm", "elastic"]
-    if before is not None and before.program is program and elastic == (before.violation > LACKING):
-        ways.insert(0, f"{ways[0]} again")
-        warm = {"lam_x0": before.bound_multipliers, "lam_g0": before.row_multipliers}
+    iterations, ways, nearby, warm = 0, ["elastic"] if elastic else ["firm", "elastic"], start, {}
+    if before is not None and before.program is program:
+        nearby = before.x.copy()
+        nearby[parts["design"]], nearby[parts["excess"]] = centre, excess_h
+        nearby[parts["charge"]] *= before.linearisation.load_w / point.load_w
+        if elastic == (before.violation > LACKING):
+            warm = {"lam_x0": before.bound_multipliers, "lam_g0": before.row_multipliers}
+            ways.insert(0, f"{ways[0]} again")
+    if row is not None:
+        ways = [*(f"{name} in a row" for name in ways if "again" not in name), "elastic"]
     for name in ways:
         most = high.copy()
-        x0 = start
-        if before is not None and name.endswith("again"):
-            x0 = before.x.copy()
-            x0[parts["design"]] = centre
-            x0[parts["excess"]] = excess_h
-            x0[parts["charge"]] *= before.linearisation.load_w / point.load_w
         if name.startswith("firm"):
             most[parts["missed"]] = most[parts["lack"]] = 0.0
+        ends: dict[str, Any] = {
+            "x0": np.clip(start if name in ("firm", "elastic") else nearby, low, most),
+            "lbx": low,
+            "ubx": most,
+            "ubg": np.where(equation, 0.0, np.inf),
+            "p": parameters,
+        }
         with program.lock:
-            solver = program.solver(name, OPTIONS[name])
-            answer = solver(
-                x0=np.clip(x0, low, most),
-                lbx=low,
-                ubx=most,
-                lbg=0.0,
-                ubg=np.where(equation, 0.0, np.inf),
-                p=parameters,
-                **(warm if name.endswith("again") else {}),
-            )
-            stats = solver.stats()
+            if row is not None and name.endswith("row"):
+                answer, stats = row.solve(program, ends, warm.get("lam_g0", 0.0 * equation))
+            else:
+                solver = program.solver(name, OPTIONS[name])
+                answer = solver(lbg=0.0, **ends, **(warm if name.endswith("again") else {}))
+                stats = solver.stats()
         iterations += int(stats["iter_count"])
         if stats["success"]:
             break

@@ -71,7 +71,7 @@ RATIOS = 4  # airspeeds likewise, from the design's own to the fastest
 FASTEST = math.log(3.0)  # airspeed over the design's own: rated powers end long before
 _OFF = 1e3  # beyond any row of order one: a row that is not asked for
 _BUDGET = 10.0  # of the price, for requirements on the design: next to none can be missed
-_FULLER = 1e-6  # of the cost: charges that nothing holds are as high as they can be
+FULLER = 1e-6  # of the cost: charges that nothing holds are as high as they can be
 
 _NUMBERS_OF_A_KIND = (
     "airframe.structure.cruise_gust_m_per_s",
@@ -192,6 +192,15 @@ class Program:
             "program", [self.symbols[k] for k in "xp"], [self.symbols[k] for k in "fg"]
         )
 
+    @cached_property
+    def derivatives(self) -> ca.Function:
+        """Rows, gradient of the cost, Jacobian of the rows and Hessian of the Lagrangian."""
+        x, p, cost, rows = (self.symbols[k] for k in "xpfg")
+        multipliers = ca.SX.sym("multipliers", rows.shape[0])
+        bent = ca.hessian(cost + ca.dot(multipliers, rows), x)[0]
+        found = rows, ca.gradient(cost, x), ca.jacobian(rows, x), bent
+        return ca.Function("derivatives", [x, p, multipliers], found)
+
     def evaluated(self, x: FloatArray, parameters: FloatArray) -> tuple[float, FloatArray]:
         """Cost and rows."""
         cost, rows = self._function(x, parameters)
@@ -282,7 +291,7 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
         every = found, found * len(chosen), len(chosen) ** 2, form.levels * form.ratios
         sizes |= dict(zip(PartsData._fields, every, strict=True))
     data = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
-    blocks = [_block_symbols(len(chosen), form) for _ in range(form.blocks)]
+    blocks = [block_symbols(len(chosen), form) for _ in range(form.blocks)]
     x, worst_h, lack = (
         ca.SX.sym(name, size)
         for name, size in (("design", len(chosen)), ("excess_time", 1), ("lack", form.blocks))
@@ -301,11 +310,11 @@ def _program(kind: Aircraft, limits: tuple[str, ...], form: Form) -> Program:
     rows = [(c, value + missed[i]) for i, (c, value) in enumerate(rows)]
     for i, block in enumerate(blocks):
         unknown = Unknowns(worst_h, lack[i], charge[:, i], height[:, i], speed[:, i])
-        day = _day_rows(kind.battery.charge_limit, form, design, block, unknown, x, data)
+        day = day_rows(kind.battery.charge_limit, form, design, block, unknown, x, data)
         rows += [(c._replace(block=i), value) for c, value in day]
     cost = ca.dot(data["weights"], ca.vertcat(x, worst_h))
     cost += data["price"] * (ca.sum1(lack) + _BUDGET * ca.sum1(missed))
-    cost -= _FULLER * ca.sum1(ca.vec(charge)) / form.blocks
+    cost -= FULLER * ca.sum1(ca.vec(charge)) / form.blocks
     symbols = {
         "x": ca.vertcat(x, worst_h, missed, lack, *(ca.vec(v) for v in (charge, height, speed))),
         "p": ca.vertcat(*data.values(), *(ca.vertcat(*block) for block in blocks)),
@@ -437,9 +446,9 @@ def power_surface(
 class Unknowns(NamedTuple):
     """What is unknown of a day besides the design; symbols.
 
-    ``lack``: missing power over the nominal load. ``charge``: energy at the nodes
-    over that load for ``RESERVE_SCALE_H``. ``height``: at the nodes, over the way to the ceiling.
-    ``speed``: logarithm of the airspeed over the design's.
+    ``lack``: missing power over the nominal load, of all or of each interval.
+    ``charge``: energy at the nodes over that load for ``RESERVE_SCALE_H``. ``height``: at the
+    nodes, over the way to the ceiling. ``speed``: logarithm of the airspeed over the design's.
     """
 
     excess_h: Any
@@ -449,7 +458,7 @@ class Unknowns(NamedTuple):
     speed: Any
 
 
-def _day_rows(
+def day_rows(
     limit: ChargeLimit,
     form: Form,
     design: DesignSymbols,
@@ -561,7 +570,8 @@ def _lagrange(place: Any, count: int) -> Any:
     )
 
 
-def _block_symbols(count: int, form: Form) -> BlockData:
+def block_symbols(count: int, form: Form) -> BlockData:
+    """Data of a scenario as symbols, of a program with some design variables."""
     sizes = dict.fromkeys(BlockData._fields, 1)
     sizes |= dict.fromkeys(("hours", "load"), form.intervals)
     sizes |= {"light_w_per_m2": form.intervals * form.levels, "wind_m_per_s": form.levels}

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.chosen_parts import put_parts_in
 from sizing.design import DesignVariables
 from sizing.design_space import Limit, Range
 from sizing.energy.battery_pack import BatteryPack
@@ -23,7 +24,6 @@ from sizing.layout.strings import Strings
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
-from sizing.smooth_propulsion import put_parts_in
 from sizing.sunlight import SolarModel
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 

@@ -11,7 +11,7 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
+from sizing.altitude.climb import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
 from sizing.design import Design
@@ -274,7 +274,7 @@ class Analysis(Result):
             "wind": wind_record(self.mission),
         }
         result |= {key: one for key, one in not_of_all.items() if one is not None}
-        result |= source_records(self.aircraft)
+        result |= source_records(self.aircraft, self.mission)
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)
         return result
@@ -302,8 +302,7 @@ class Analysis(Result):
             }
         )
         if self.climb is not None:
-            flown = self.climb.climb
-            table["altitude_m"] = flown.altitude_m[:, flown.nodes].ravel()
+            table["altitude_m"] = self.climb.altitude_m.ravel()
         return table
 
 

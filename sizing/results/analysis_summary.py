@@ -72,7 +72,7 @@ def summary(analysis: Analysis) -> Summary:
     if beyond is not None:
         blocks.append(Line(beyond, "warning"))
     blocks += extrapolation_blocks(analysis.extrapolations)
-    blocks += source_blocks(analysis.aircraft)
+    blocks += source_blocks(analysis.aircraft, analysis.mission)
     if analysis.excess_time_h < 0.0:
         blocks.append(Line(q.BELOW_ZERO, "faint"))
     error = uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
@@ -201,19 +201,19 @@ def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
     """What climbing does in the worst scenario; nothing where the mission does not climb."""
     if analysis.climb is None:
         return []
-    flown, worst, held_m = analysis.climb.climb, analysis.worst, analysis.climb.held_up_to_m
+    climb, worst, held_m = analysis.climb, analysis.worst, analysis.climb.held_up_to_m
     # Zero added: what rounds to -0 is no loss.
-    gain_h = round(float(analysis.climb.gain_h[worst]), 2) + 0.0
+    gain_h = round(float(climb.gain_h[worst]), 2) + 0.0
     # A limited flight is flown from a full battery, and may climb where the repeated day does not.
     day = "" if analysis.performance.cycle.perpetual[worst] else ", repeated day"
     return [
         *([] if held_m is None else [("wind held up to", _height(float(held_m[worst])))]),
-        (f"highest altitude{day}", f"{flown.maximum_altitude_m[worst]:.0f} m"),
-        (f"gliding in the evening{day}", hours(float(flown.gliding_h[worst]))),
-        (f"stored potential energy{day}", f"{flown.maximum_potential_energy_wh[worst]:.1f} Wh"),
+        (f"highest altitude{day}", f"{climb.altitude_m[worst].max():.0f} m"),
+        (f"gliding in the evening{day}", hours(float(climb.gliding_h[worst]))),
+        (f"stored potential energy{day}", f"{climb.stored_height_wh[worst]:.1f} Wh"),
         (
             "excess time at constant altitude",
-            q.EXCESS_TIME.fact(q.EXCESS_TIME.of(analysis.climb.constant)[worst])[1],
+            q.EXCESS_TIME.fact(q.EXCESS_TIME.of(climb.constant)[worst])[1],
         ),
         ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
     ]

@@ -15,7 +15,7 @@ from sizing.results.tables import Line
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
-    from sizing.altitude.climb_cycle import ClimbPerformance
+    from sizing.altitude.climb import ClimbPerformance
     from sizing.program.result import SizingResult
 
 
@@ -146,7 +146,8 @@ def wind_rows(mission: Mission) -> list[tuple[str, str]]:
 
 def climbs_record(climbs: ClimbPerformance, mission: Mission) -> dict[str, Any]:
     """Climbs of the optimum in its scenario of the least excess time, JSON-ready."""
-    return climb_record(climbs, mission, 0) | {"dawn_altitude_m": finite(_dawn_altitude_m(climbs))}
+    record = climb_record(climbs, mission, climbs.performance.worst_scenario())
+    return record | {"dawn_altitude_m": finite(_dawn_altitude_m(climbs))}
 
 
 def level_record(level: SizingResult) -> dict[str, Any]:
@@ -172,14 +173,14 @@ def climb_lines(
     if climbs is None or result.design is None:
         return []
     assert mission.climb is not None
-    flown, floor_m = climbs.climb, mission.altitude_m
-    highest_m, gliding_h = float(flown.maximum_altitude_m[0]), float(flown.gliding_h[0])
+    floor_m, worst = mission.altitude_m, climbs.performance.worst_scenario()
+    highest_m, gliding_h = float(climbs.altitude_m[worst].max()), float(climbs.gliding_h[worst])
     reached = "its ceiling of " if highest_m > mission.climb.ceiling_m - 1.0 else ""
     text = f"stays at {floor_m:.0f} m: no surplus, or no power, is left to climb with"
     if highest_m > floor_m + 1.0:
         text = (
             f"climbs by day from {floor_m:.0f} m to {reached}{highest_m:.0f} m, which stores "
-            f"{float(flown.maximum_potential_energy_wh[0]):.1f} Wh; glides {hours(gliding_h)} in "
+            f"{float(climbs.stored_height_wh[worst]):.1f} Wh; glides {hours(gliding_h)} in "
             f"the evening; at dawn at {_dawn_altitude_m(climbs):.0f} m"
         )
     lines: list[Any] = [text]
@@ -210,6 +211,8 @@ def _without(mission: Mission, result: SizingResult, level: SizingResult) -> str
 
 def _dawn_altitude_m(climbs: ClimbPerformance) -> float:
     """Altitude at the morning's equal power, of a sun that always carries the load at midnight."""
-    dawn_h = climbs.performance.cycle.equal_power_morning_h[0]
+    perf = climbs.performance
+    worst = perf.worst_scenario()
+    dawn_h = perf.cycle.equal_power_morning_h[worst]
     at_h = 0.0 if np.isnan(dawn_h) else float(dawn_h)
-    return float(np.interp(at_h, climbs.climb.time_h, climbs.climb.altitude_m[0]))
+    return float(np.interp(at_h, perf.day.time_h, climbs.altitude_m[worst]))

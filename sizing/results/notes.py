@@ -69,9 +69,10 @@ def mass_table(masses_kg: Mapping[str, float]) -> Table:
     return facts("", [("mass budget", ""), *masses])
 
 
-def source_blocks(aircraft: Aircraft) -> list[Any]:
-    """Lines on what was left out of its files, and on the values that catalogues gave."""
-    lines = [Line(text, "faint") for text in aircraft.reading_notes()]
+def source_blocks(aircraft: Aircraft, mission: Mission) -> list[Any]:
+    """Lines on what was left out of the files, and on the values that catalogues gave."""
+    notes = [*aircraft.reading_notes(), *mission.reading_notes()]
+    lines = [Line(text, "faint") for text in notes]
     taken = aircraft.from_catalogues()
     if not taken:
         return lines
@@ -83,11 +84,11 @@ def source_blocks(aircraft: Aircraft) -> list[Any]:
     return [*lines, Line(f"From catalogues: {'; '.join(parts)}.", "faint")]
 
 
-def source_records(aircraft: Aircraft) -> dict[str, Any]:
+def source_records(aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
     """Keys ``from_catalogues`` and ``reading_notes`` of a record, where there is something."""
     records = {
         "from_catalogues": [one.to_dict() for one in aircraft.from_catalogues()],
-        "reading_notes": aircraft.reading_notes(),
+        "reading_notes": [*aircraft.reading_notes(), *mission.reading_notes()],
     }
     return {key: value for key, value in records.items() if value}
 

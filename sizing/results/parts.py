@@ -11,6 +11,7 @@ from sizing.aircraft import Aircraft
 from sizing.balance.assessment import BalanceAssessment
 from sizing.balance.drag import DragShares
 from sizing.catalogues.choice import taken
+from sizing.chosen_parts import put_parts_in
 from sizing.design import Design
 from sizing.layout.cells import rows_text
 from sizing.parameters import parameter
@@ -18,7 +19,6 @@ from sizing.program.objectives import Objective
 from sizing.results.quantities import CHOSEN, TOTAL_MASS
 from sizing.results.records import finite_values, with_unit
 from sizing.results.tables import UNLIMITED, Column, Line, Table
-from sizing.smooth_propulsion import put_parts_in
 
 if TYPE_CHECKING:
     from sizing.program.whole_cells import WholeCells

@@ -10,10 +10,9 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design
 from sizing.mass_budget import ImpossibleDesignError
-from sizing.optimisation.propulsion import sized_in_own_flow, sized_smoothly
 from sizing.parameters import all_replaced
-from sizing.program import own_flow
 from sizing.program.objectives import Objective
+from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.result import SizingResult
 from sizing.results import quantities as q
 from sizing.results.records import finite, with_unit
@@ -87,20 +86,9 @@ def _sized(
     """Sizing that starts from another one; None where its propulsion flies no design."""
     near_design = None if near.design is None else near.design.variables
     try:
-        if mission.climb is None:  # until climbs are those of sizing.program
-            return own_flow.sized_in_own_flow(
-                *(aircraft, mission, objective, solar),
-                start=near_design,
-                required_excess_time_h=required_h,
-            )[1]
-        aircraft, start, settled = sized_smoothly(
-            *(aircraft, mission, objective, solar), required_excess_time_h=required_h
-        )
-        start = near_design if start is None else start
         return sized_in_own_flow(
             *(aircraft, mission, objective, solar),
-            settled=settled,
-            start=start,
+            start=near_design,
             required_excess_time_h=required_h,
         )[1]
     except ImpossibleDesignError:

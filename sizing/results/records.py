@@ -19,7 +19,7 @@ from solar.schema import Record
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
-    from sizing.altitude.climb_cycle import ClimbPerformance
+    from sizing.altitude.climb import ClimbPerformance
     from sizing.performance import Performance
     from sizing.program.objectives import Objective
     from sizing.replay import CalendarRun
@@ -150,16 +150,14 @@ def uncertainty_record(
 def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
     """What climbing does in one scenario, JSON-ready."""
     assert mission.climb is not None
-    flown, account = climbs.climb, climbs.climb.energy_budget
     held_m = climbs.held_up_to_m
     return {
-        "strategy": mission.climb.strategy,
         "ceiling_m": mission.climb.ceiling_m,
         **({} if held_m is None else {"held_up_to_m": finite(held_m[index])}),
-        "maximum_altitude_m": finite(flown.maximum_altitude_m[index]),
-        "gliding_h": finite(flown.gliding_h[index]),
-        "stored_height_wh": finite(flown.maximum_potential_energy_wh[index]),
-        "climb_energy_wh": finite(account.climb_electric_wh[index]),
+        "maximum_altitude_m": finite(climbs.altitude_m[index].max()),
+        "gliding_h": finite(climbs.gliding_h[index]),
+        "stored_height_wh": finite(climbs.stored_height_wh[index]),
+        "climb_energy_wh": finite(climbs.climb_energy_wh[index]),
         "constant_altitude_excess_time_h": finite(climbs.constant.cycle.excess_time_h[index]),
         "gain_in_excess_time_h": finite(climbs.gain_h[index]),
     }

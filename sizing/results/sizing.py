@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any, cast
 
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.mass_budget import check_own_models
-from sizing.optimisation import propulsion, search, sensitivity
-from sizing.optimisation import relaxations as former_relaxations
-from sizing.optimisation.propulsion import sized_smoothly
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
@@ -33,29 +29,6 @@ from sizing.results.records import check_subjects
 from sizing.results.sizing_study import SizingStudy
 from sizing.sunlight import SolarModel, solar_day
 from solar.names import CorrectionName, ModelName
-
-_PROGRAM = SimpleNamespace(
-    size_aircraft=size_aircraft,
-    sized_in_own_flow=sized_in_own_flow,
-    relaxations=relaxations,
-    sensitivities=sensitivities,
-    constraint_multipliers=constraint_multipliers,
-)
-_FORMER = SimpleNamespace(
-    size_aircraft=search.size_aircraft,
-    sized_in_own_flow=propulsion.sized_in_own_flow,
-    relaxations=former_relaxations.relaxations,
-    sensitivities=sensitivity.sensitivities,
-    constraint_multipliers=sensitivity.constraint_multipliers,
-)
-
-
-def _sizer(mission: Mission, objective: Objective) -> SimpleNamespace:
-    """What sizes an aircraft, and says what about it.
-
-    Climbs are sized as before until their results are those of :mod:`sizing.program.climbing`.
-    """
-    return _PROGRAM if mission.climb is None or objective.of_range else _FORMER
 
 
 def size(
@@ -162,27 +135,20 @@ def size(
         if with_sensitivities or with_cross_check:
             raise ValueError("sensitivities and cross-check know of no reliability: leave one out")
         return _reliable(aircraft, with_values(mission, required), wanted, solar, least=reliability)
-    by, exact, start = _sizer(mission, wanted), aircraft, None
-    settled: dict[str, Any] = {}
-    if by is _FORMER:
-        aircraft, start, known = sized_smoothly(aircraft, mission, wanted, solar, **options)
-        settled = {"settled": known}
-    coverage = None
+    exact, coverage = aircraft, None
     if wanted.of_range:
         coverage = widest_range(aircraft, mission, wanted, solar, **options)
         result = coverage.sizing
     else:
-        aircraft, result = by.sized_in_own_flow(
-            *(aircraft, mission, wanted, solar), start=start, **settled, **options
-        )
+        aircraft, result = sized_in_own_flow(aircraft, mission, wanted, solar, **options)
     asked = (aircraft, mission, result, solar)
     relaxed: tuple[Relaxation, ...] = ()
     if result.status is SizingStatus.infeasible and not wanted.of_range:
-        relaxed = tuple(by.relaxations(*asked))
+        relaxed = tuple(relaxations(*asked))
     worth = with_sensitivities and result.feasible
     multipliers = None
     if worth:
-        multipliers = by.constraint_multipliers(result)
+        multipliers = constraint_multipliers(result)
         multipliers.sort(key=lambda one: -one.gain)
     guarded = None
     if with_margin and result.feasible and coverage is None:
@@ -190,7 +156,7 @@ def size(
     level = None
     if mission.climb is not None and coverage is None:
         low_flight = (aircraft, mission.at_altitude(mission.altitude_m), wanted, solar)
-        level = by.size_aircraft(*low_flight, start=start, explain=False, **options)
+        level = size_aircraft(*low_flight, explain=False, **options)
     rows = with_builds and coverage is None
     builds = designs_by_build(exact, mission, wanted, solar, result, **options) if rows else ()
     study = study_of(
@@ -199,7 +165,7 @@ def size(
         relaxations=relaxed,
         without_climbs=level,
         builds=builds,
-        sensitivities=by.sensitivities(*asked) if worth else None,
+        sensitivities=sensitivities(*asked) if worth else None,
         multipliers=multipliers,
         cross_check=cross_check(*asked) if with_cross_check and result.feasible else None,
         with_margin=guarded,
@@ -248,7 +214,7 @@ def _with_margin(
     if mission.uncertainty_margins.given or optimum.design is None:
         return None
     guarded = with_values(mission, {"uncertainty_margins.solar_model_sigmas": 1.0})
-    result = _sizer(mission, optimum.objective).size_aircraft(
+    result = size_aircraft(
         *(aircraft, guarded, optimum.objective, solar),
         required_excess_time_h=optimum.required_excess_time_h,
         start=optimum.design.variables,

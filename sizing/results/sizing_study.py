@@ -14,7 +14,7 @@ from missions.dates import date_code
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_cycle import ClimbPerformance, climb_performance
+from sizing.altitude.climb import ClimbPerformance, beside_constant
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.design import Design, DesignVariables, FlightConditions, Masses, parametric_design
 from sizing.limits import QUANTITIES, DesignInFlight
@@ -212,14 +212,11 @@ class SizingStudy(Result):
 
     @cached_property
     def climbs(self) -> ClimbPerformance | None:
-        """Optimum on a mission with climbs, in steps of 1 min; None without one, or them."""
+        """Optimum on a mission with climbs; None without one, or them."""
         flown = self.result.simulated
         if flown is None or flown.mission.climb is None:
             return None
-        # A range has other scenarios than the mission: that of the least excess time stands for it.
-        worst = flown.day.at([flown.worst_scenario()]).scenarios
-        sized = self.sized_aircraft(), self.sized_mission(), self.solar
-        return climb_performance(*sized, scenarios=worst)
+        return beside_constant(self.aircraft, flown, flown.design, flown.day)
 
     @cached_property
     def balance(self) -> BalanceAssessment | None:
@@ -264,7 +261,7 @@ class SizingStudy(Result):
             "wind": wind_record(self.mission),
             "uncertainty": None if low is None or high is None else uncertainty_record(low, high),
             "extrapolations": extrapolation_records(self.extrapolations),
-            **source_records(self.aircraft),
+            **source_records(self.aircraft, self.mission),
             "range": _of(self.coverage, _range_record),
             "relaxations": _of(self.relaxations if infeasible else None, relaxation_records),
             "sensitivities": _of(self.sensitivities, sensitivity_records),

@@ -212,7 +212,7 @@ def _confidence(study: SizingStudy) -> list[Any]:
     condition = battery_line(study.aircraft, battery_record(study.aircraft, study.mission, mass_kg))
     blocks: list[Any] = [] if condition is None else [condition]
     blocks += extrapolation_blocks(study.extrapolations)
-    blocks += source_blocks(study.aircraft)
+    blocks += source_blocks(study.aircraft, study.mission)
     if flown is not None and low is not None and high is not None:
         worst = flown.worst_scenario()
         blocks.append(Line(uncertainty_line(low, high, worst, study.mission), "faint"))

@@ -14,8 +14,6 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.altitude.climb_day import cycles_with_climb
-from sizing.altitude.climb_endurance import ClimbFlights
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import Design, FlightConditions, parametric_design, variables_of
 from sizing.energy.battery import Store
@@ -25,6 +23,8 @@ from sizing.energy.power_balance import blocks
 from sizing.mass_budget import design_of, lightest_mass_kg, measured_design
 from sizing.module_power import balances_heat
 from sizing.parameters import with_parameter
+from sizing.program.climbing_flights import ClimbFlights
+from sizing.program.schedule import best_climbs
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.part_load import PartLoad
@@ -208,7 +208,7 @@ class Propagation:
                 longest = longest_flight(self.day.time_h, solar_w[at], load_w[at], store)
             else:
                 levels = self._levels(case, scenario).select(at)
-                longest = ClimbFlights.of(self.day.time_h, levels, store, climb.strategy).longest()
+                longest = ClimbFlights(self.day.time_h, levels, store).longest()
             hours[short[at]] = longest.endurance_h
         return hours
 
@@ -255,9 +255,9 @@ class Propagation:
 
     def _with_climbs(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray]:
         """Cycles of every draw in a scenario, and their highest altitudes [m]."""
-        assert case.mission.climb is not None
-        levels, strategy = self._levels(case, scenario), case.mission.climb.strategy
-        return cycles_with_climb(self.day.time_h, levels, case.store, strategy)
+        levels = self._levels(case, scenario)
+        found = best_climbs(self.day.time_h, levels, case.store)
+        return found.cycle, levels.altitude_m[0] + found.height_m.max(axis=-1)
 
     def _levels(self, case: _Case, scenario: int) -> FlightLevels:
         """Every draw in a scenario, each in its own light at all levels."""

@@ -225,8 +225,7 @@ class Session:
             "notes": notes,
         }
         if analysis.climb is not None:
-            climb = analysis.climb.climb
-            view["curve"]["altitude_m"] = _digits(climb.altitude_m[0, climb.nodes])
+            view["curve"]["altitude_m"] = _digits(analysis.climb.altitude_m[0])
         self._last_day = settings, view, perf.design
         return view.copy()
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sizing.altitude.climb_cycle import ClimbPerformance
+    from sizing.altitude.climb import ClimbPerformance
     from sizing.energy.endurance import Endurance
     from sizing.performance import Performance
     from sizing.replay import CalendarRun
@@ -178,9 +178,8 @@ def _draw_excess(axes: Axes, perf: Performance, index: int) -> None:
 
 
 def _draw_altitude(axes: Axes, climbs: ClimbPerformance, index: int) -> None:
-    flown = climbs.climb
-    altitude_m = flown.altitude_m[index]
-    axes.plot(flown.time_h, altitude_m, color=LOAD)
+    altitude_m = climbs.altitude_m[index]
+    axes.plot(climbs.performance.day.time_h, altitude_m, color=LOAD)
     # Zero added: what rounds to -0 is no loss.
     gain = f"{round(float(climbs.gain_h[index]), 1) + 0.0:+.1f}".replace("-", "−")
     axes.annotate(

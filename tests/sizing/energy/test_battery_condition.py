@@ -20,9 +20,9 @@ from sizing.energy.battery_condition import (
     InternalResistance,
     cycles_to_end_of_life,
 )
-from sizing.optimisation.search import size_aircraft
 from sizing.parameters import with_parameter
 from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
 from sizing.replay import calendar_run
 from sizing.results.analysis import analyse
 from sizing.results.conditions import battery_line, battery_record

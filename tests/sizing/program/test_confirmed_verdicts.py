@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from missions.mission import Scenarios
-from sizing.optimisation.cells import size_cells
 from sizing.performance import performance
+from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus

@@ -6,8 +6,8 @@ import pytest
 
 import sizing
 from sizing.aircraft import Aircraft
-from sizing.optimisation.problem import build_problem
 from sizing.parameters import catalogue
+from sizing.program.transcription import Form, build_program
 from sizing.results.requirements import constraint_words, parameter_words
 
 
@@ -47,7 +47,7 @@ def test_names_of_the_program_in_words(name: str, words: str, aircraft: Aircraft
 
 
 def test_every_requirement_of_the_program_has_words(aircraft: Aircraft) -> None:
-    for row in build_problem(aircraft, 1).constraints:
+    for row in build_program(aircraft, Form(1)).constraints:
         words = constraint_words(row.name, aircraft)
         assert "_" not in words.label
 

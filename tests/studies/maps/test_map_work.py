@@ -21,8 +21,8 @@ from missions.library import load_mission
 from missions.mission import Dates
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
-from sizing.optimisation.search import size_aircraft
 from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
 from sizing.sunlight import SolarModel
 from studies.engine.run import ComputationError, compute
 from studies.grid import Grid, MapConfiguration, chunks_of

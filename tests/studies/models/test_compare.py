@@ -13,9 +13,9 @@ from command_line import Run
 
 from missions.library import load_mission
 from sizing.library import load_aircraft
-from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance, performance_of_designs
 from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
 from sizing.results.analysis import analyse
 from sizing.sunlight import SolarModel
 from studies.maps.season import Season

@@ -23,9 +23,9 @@ from sizing.aircraft import Aircraft
 from sizing.energy.cycle import Status
 from sizing.library import load_aircraft
 from sizing.mass_budget import design_of
-from sizing.optimisation.search import size_aircraft
 from sizing.performance import performance
 from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
 from sizing.results.tables import Table
 from sizing.sunlight import SolarModel
 from studies.engine.run import compute

@@ -10,11 +10,10 @@ import pytest
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.optimisation.cells import size_cells
-from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.search import size_aircraft
+from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus
+from sizing.program.size import size_aircraft
 
 pytestmark = pytest.mark.slow
 
@@ -67,10 +66,9 @@ CASES = {"stratosphere": (HIGH, STRATOSPHERE), "thermals": (THERMALS, MIDSUMMER)
 
 
 @cache
-def largest(name: str) -> tuple[Aircraft, Mission, SizingProblems, SizingResult]:
+def largest(name: str) -> tuple[Aircraft, Mission, SizingResult]:
     plane, flown = CASES[name]
-    problems = SizingProblems(plane)
-    return plane, flown, problems, size_aircraft(plane, flown, problems=problems)
+    return plane, flown, size_aircraft(plane, flown)
 
 
 @pytest.mark.parametrize("left", [1e-3, 1e-4, 1e-6])
@@ -79,13 +77,11 @@ def largest(name: str) -> tuple[Aircraft, Mission, SizingProblems, SizingResult]
 def test_next_to_the_largest_excess_time_there_is_an_optimum(
     name: str, objective: Objective, left: float
 ) -> None:
-    plane, flown, problems, best = largest(name)
+    plane, flown, best = largest(name)
     assert best.objective_value is not None
     assert best.design is not None
     required_h = best.objective_value * (1.0 - left)
-    result = size_aircraft(
-        plane, flown, objective, required_excess_time_h=required_h, problems=problems
-    )
+    result = size_aircraft(plane, flown, objective, required_excess_time_h=required_h)
     assert result.status is SizingStatus.optimal
     assert result.design is not None
     assert result.simulated is not None

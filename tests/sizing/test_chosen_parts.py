@@ -1,4 +1,4 @@
-"""Tests of the propulsion by formulas against the exact chain, and of what is sized with it."""
+"""Tests of propulsion parts that are chosen by a sizing."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 from typing import Any
 
-import casadi as ca
 import numpy as np
 import pytest
 from propulsors import PARTS, VOLTAGE, aircraft
@@ -15,12 +14,9 @@ import sizing
 import studies
 from missions.files.errors import InputError
 from missions.library import load_mission
-from missions.mission import Mission
 from sizing.altitude.ceiling import flight_at_altitude
 from sizing.mass_budget import level_point
 from sizing.propulsion.chain import OperatingPointPropulsion
-from sizing.propulsion.smooth_chain import SmoothPropulsion
-from sizing.smooth_propulsion import smooth_propulsion
 from sizing.sunlight import SolarModel
 
 MISSION = load_mission("rafz-july")
@@ -46,37 +42,6 @@ def parts_of(own: sizing.Aircraft) -> OperatingPointPropulsion:
     parts = getattr(own.airframe, "propulsion", None)
     assert isinstance(parts, OperatingPointPropulsion)
     return parts
-
-
-def formulas(own: sizing.Aircraft, mission: Mission = MISSION) -> SmoothPropulsion:
-    return smooth_propulsion(own, mission, parts_of(own))
-
-
-def test_formulas_have_the_efficiency_of_the_exact_chain() -> None:
-    own = aircraft()
-    exact, smooth = parts_of(own), formulas(own)
-    rng = np.random.default_rng(3)
-    # A third to three times the thrust of the file's design, and 0.7 to 1.5 of its airspeed.
-    thrust_w = 24.0 * np.exp(rng.uniform(-1.0, 0.7, 60))
-    speed = 8.6 * np.exp(rng.uniform(-0.35, 0.4, 60))
-    air, bus_v = MISSION.air_state(), (22.0, 25.2)
-    truth = exact.in_flight(thrust_w, speed, air, bus_v)
-    found = smooth.in_flight(thrust_w, speed, air, bus_v)
-    known = np.isfinite(truth.efficiency)
-    assert known.sum() > 30
-    ratio = np.asarray(found.efficiency)[known] / np.asarray(truth.efficiency)[known]
-    # What the polynomials leave of blade elements; a sizing takes it out at its optimum.
-    assert np.abs(ratio - 1.0).max() < 2e-3
-    assert np.sqrt(np.mean((ratio - 1.0) ** 2)) < 6e-4
-
-
-def test_formulas_take_symbols() -> None:
-    smooth, air = formulas(aircraft()), MISSION.air_state()
-    power, speed = ca.SX.sym("power"), ca.SX.sym("speed")
-    chain = smooth.in_flight(power, speed, air, (18.0, 25.2))
-    at = ca.Function("efficiency", [power, speed], [chain.efficiency])(24.0, 8.6)
-    plain = smooth.in_flight(24.0, 8.6, air, (18.0, 25.2)).efficiency
-    assert float(at) == pytest.approx(plain, rel=1e-12)
 
 
 def test_the_efficiency_factor_is_one_of_the_power() -> None:

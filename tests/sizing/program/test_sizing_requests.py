@@ -24,10 +24,9 @@ from sizing.design import FlightConditions, variables_of
 from sizing.design_space import LimitedQuantity
 from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES, DesignInFlight
-from sizing.optimisation.cells import size_cells
-from sizing.optimisation.problem import SizingProblems
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
+from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.relaxations import bisected, relaxations
@@ -124,11 +123,9 @@ def test_verdicts_do_not_depend_on_the_objective() -> None:
         turbulence={"thermal": 0.3},
         uncertainty_margins={"battery_capacity": 0.8},
     )
-    solar, problems = SolarModel("CDM"), SizingProblems(plane)
+    solar = SolarModel("CDM")
     found = {
-        objective: size_aircraft(
-            plane, place, objective, solar, required_excess_time_h=0.0, problems=problems
-        )
+        objective: size_aircraft(plane, place, objective, solar, required_excess_time_h=0.0)
         for objective in (Objective.max_excess_time, Objective.min_mass, Objective.min_wingspan)
     }
     assert {one.status for one in found.values()} == {SizingStatus.optimal}

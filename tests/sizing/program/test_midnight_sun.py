@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import builders
@@ -15,17 +14,13 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables, variables_of
 from sizing.energy.cycle import Status
-from sizing.mass_budget import plain_design
-from sizing.optimisation.cells import size_cells
-from sizing.optimisation.energy_constraints import growing_lit_sets
-from sizing.optimisation.problem import SizingProblems
-from sizing.optimisation.search import size_aircraft, size_branch
-from sizing.optimisation.solver import ProgramSolver
 from sizing.performance import performance_of_designs
+from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
+from sizing.program.size import size_aircraft
+from sizing.sunlight import SolarModel
 
 # A structure as heavy as AtlantikSolar's at its size, by a formula that known designs can rely on.
 STRUCTURE = "airframe.structure={model: power_law, coefficient_kg: 0.0131, span_exponent: 3.1, "
@@ -195,30 +190,6 @@ def test_dates_with_and_without_a_night_are_sized_together() -> None:
     result = size_aircraft(plane, ranged, MIN_MASS, required_excess_time_h=3.0)
     assert result.feasible
     assert cross_check(plane, ranged, result).cross_checked
-
-
-def test_always_lit_scenarios_join_by_their_lowest_sun() -> None:
-    lowest = np.array([0.0, 30.0, 10.0, 30.0, 20.0])
-    assert growing_lit_sets(lowest) == [[1, 3], [1, 3, 4], [1, 3, 4, 2]]
-    assert growing_lit_sets(np.zeros(3)) == []
-
-
-def test_cross_check_asks_the_branches_that_the_sizing_left_out() -> None:
-    known = KNOWN["thermals at noon, one day"]
-    result = known.sized()
-    # The best design that needs its battery, as if no other way had been tried.
-    day = solar_day(known.plane, known.mission)
-    given = (SizingProblems(known.plane), known.mission, UNCORRECTED_CAM, day)
-    solver = ProgramSolver(*given, by_model=True)
-    by_battery = size_branch(solver, MIN_MASS, 12.0, variables_of(known.plane), []).simulated
-    assert by_battery is not None
-    assert np.isfinite(by_battery.cycle.excess_time_h).all()
-    value = float(objective_value(MIN_MASS, by_battery))
-    design = plain_design(by_battery.design)
-    worse = replace(result, simulated=by_battery, design=design, objective_value=value)
-    found = cross_check(known.plane, known.mission, worse)
-    assert not found.cross_checked
-    assert found.best_found == pytest.approx(result.objective_value, rel=1e-4)
 
 
 def test_only_requirements_that_limit_are_named() -> None:

@@ -1,0 +1,161 @@
+"""The day of a program: its intervals, and mean light and load over them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sizing.energy.battery import Store
+from sizing.energy.march import ChargingDay
+from sizing.energy.power_balance import PowerBalance
+from sizing.program.transcription import Form
+from solar.types import BoolArray, FloatArray, IntArray
+
+_NEAR = 13  # steps of an hour around those in which the charge limit holds back
+_FAR = 0.2  # weight of a step of light away from those
+_DARK = 1e-3  # weight of a step of night
+
+
+class Day(NamedTuple):
+    """Powers of a scenario over a day that begins at its sunrise, or from launch to landing.
+
+    The batch first, time last. ``first``: node of the time axis that it begins at.
+    """
+
+    time_h: FloatArray
+    solar_w: FloatArray
+    load_w: FloatArray
+    first: int
+    lands: bool = False
+
+    @classmethod
+    def of(
+        cls, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray, first: int | None = None
+    ) -> Day:
+        """The same day, begun at sunrise; without a night where the sun is lowest.
+
+        ``first``: step that it begins with instead.
+        """
+        steps = len(time_h) - 1
+        lit = (solar_w[0, :-1] > 0.0) | (solar_w[0, 1:] > 0.0)
+        if first is None:
+            first = int(np.argmin(solar_w[0, :-1]))
+            if lit.any() and not lit.all():
+                first = int(np.flatnonzero(lit & ~np.roll(lit, 1))[0])
+        at = (first + np.arange(steps + 1)) % steps
+        hours = np.diff(time_h)[at[:-1]]
+        clock = time_h[first] + np.concatenate([[0.0], np.cumsum(hours)])
+        return cls(clock, solar_w[:, at], load_w[:, at], first)
+
+    @classmethod
+    def between(
+        cls, ends_h: FloatArray, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray
+    ) -> Day:
+        """Flight from a launch to a landing."""
+        inside = time_h[(time_h > ends_h[0]) & (time_h < ends_h[1])]
+        clock = np.concatenate([ends_h[:1], inside, ends_h[1:]])
+        solar, load = (
+            np.stack([np.interp(clock, time_h, one) for one in power])
+            for power in (solar_w, load_w)
+        )
+        return cls(clock, solar, load, 0, lands=True)
+
+    def path(self, store: Store, soc: float) -> FloatArray:
+        """State of charge of the first of the batch over the day, from one at its begin."""
+        full = np.asarray(store.battery_energy_wh, float).reshape(1)
+        balance = PowerBalance.of(self.time_h, self.solar_w[:1], self.load_w[:1])
+        run = ChargingDay.of(balance).run(store, soc * full)
+        return np.asarray(run.energy_at_nodes_wh()[:, 0] / full[0])
+
+
+def equal_power_step(day: Day, nominal_w: float) -> int:
+    """Step of a day at which the sun carries the nominal load for the first time; 0 if never."""
+    carried = day.solar_w[0] >= nominal_w
+    return int(np.argmax(carried)) if carried.any() and not carried.all() else 0
+
+
+def nodes_of(
+    day: Day,
+    path: FloatArray,
+    into: float,
+    full_wh: float,
+    nominal_w: float,
+    form: Form,
+    close: BoolArray | bool = False,
+) -> IntArray:
+    """Ends of the intervals on the time axis of a day.
+
+    They lie where light begins and ends, where power is equal, and where the charge limit begins
+    to hold back; the rest halve the longest interval of light, again and again, of climbs
+    those of night as well. They are close in some steps, and on a flight that lands where the
+    charge is least.
+    """
+    steps = len(day.time_h) - 1
+    net, solar = day.solar_w[0] - day.load_w[0], day.solar_w[0]
+    light = (solar[:-1] > 0.0) | (solar[1:] > 0.0)
+    turns = np.flatnonzero((net[:-1] > 0.0) != (net[1:] > 0.0))
+    turns = turns + (np.abs(net[turns + 1]) < np.abs(net[turns]))
+    surplus = into * positive_part(net[:-1], net[1:]) * np.diff(day.time_h)
+    held = (surplus > 0.0) & (full_wh * np.diff(path) < 0.999 * surplus)
+    throttled = np.flatnonzero(held[1:] != held[:-1]) + 1
+    edges = np.flatnonzero(light[1:] != light[:-1]) + 1
+    nodes = {0, steps, equal_power_step(day, nominal_w)}
+    for some in (edges, turns, throttled):
+        if len(nodes) + len(some) <= form.intervals // 2:
+            nodes |= {int(one) for one in some}
+    ends = sorted(nodes)
+    least = day.lands & (net[:-1] <= 0.0) & (net[1:] > 0.0)
+    near = np.convolve(held | least, np.ones(_NEAR), "same") > 0.0
+    near |= close
+    elsewhere = np.where(light | form.climbs, _FAR, _DARK)
+    weight = np.where(near, 1.0, elsewhere) if light.any() else np.ones(steps)
+    length = np.concatenate([[0.0], np.cumsum(weight)])
+    while len(ends) < form.intervals + 1:
+        spans = np.where(np.diff(ends) > 1, np.diff(length[ends]), -1.0)
+        i = int(np.argmax(spans))
+        ends.insert(i + 1, (ends[i] + ends[i + 1]) // 2)
+    return np.asarray(ends)
+
+
+def positive_part(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Mean positive part of what is linear over a step."""
+    up = np.maximum(left, 0.0) + np.maximum(right, 0.0)
+    both = np.abs(left) + np.abs(right)
+    return np.asarray(up * up / np.where(both > 0.0, 2.0 * both, 1.0))
+
+
+class DayMeans(NamedTuple):
+    """Light and load over the intervals; arrays with the intervals last.
+
+    ``light_w``: mean power of the modules. ``load_w``: mean load with which the lesser of what is
+    charged and drawn from the mean powers is what the flight charges and draws in the interval.
+    """
+
+    hours: FloatArray
+    light_w: FloatArray
+    load_w: FloatArray
+
+
+def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans:
+    """Means over the intervals of a day."""
+    h = np.diff(day.time_h)
+    net, solar = day.solar_w - day.load_w, day.solar_w
+    surplus = positive_part(net[:, :-1], net[:, 1:])
+    deficit = positive_part(-net[:, :-1], -net[:, 1:])
+    stored = (into * surplus - deficit / out_of) * h
+    light = (solar[:, :-1] + solar[:, 1:]) / 2.0 * h
+    gain, sun = (np.add.reduceat(values, nodes[:-1], axis=-1) for values in (stored, light))
+    hours = np.diff(day.time_h[nodes])
+    equal = np.where(gain > 0.0, gain / into, gain * out_of)
+    return DayMeans(hours, sun / hours, (sun - equal) / hours)
+
+
+def lagrange(place: FloatArray, count: int) -> FloatArray:
+    """Weights of evenly spaced nodes from 0 to 1 in the polynomial through them."""
+    nodes = np.linspace(0.0, 1.0, count)
+    rows = []
+    for own in nodes:
+        others = nodes[nodes != own]
+        rows.append(np.prod([(place - other) / (own - other) for other in others], axis=0))
+    return np.stack(rows)

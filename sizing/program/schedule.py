@@ -1,0 +1,319 @@
+"""The best heights of a day for a design that is given: the sizing program with its design held.
+
+Light and power of the design at all heights are known; what is unknown is charge and height along
+the day. The excess time is as long as any schedule makes it, and where none closes the day the
+hours that lack power are as few as can be.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from threading import RLock
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from sizing.altitude.climb_levels import FlightLevels
+from sizing.energy.battery import ChargeLimit, NoChargeLimit, Store
+from sizing.energy.cycle import Cycle, joined, simulate_cycle
+from sizing.energy.power_balance import blocks
+from sizing.program.days import Day, day_means, equal_power_step, lagrange, nodes_of
+from sizing.program.transcription import (
+    FULLER,
+    LEVELS,
+    RESERVE_SCALE_H,
+    BlockData,
+    DesignSymbols,
+    Form,
+    Unknowns,
+    block_symbols,
+    day_rows,
+)
+from solar.types import FloatArray
+
+FORM = Form(1, climbs=True)
+_HEIGHTS = slice(-FORM.heights, None)
+_FIRST_CHARGE = 1 + FORM.intervals
+_DATA = {"efficiencies": 2, "reference_w": 1, "ceiling_m": 1}
+_DESIGN = dict.fromkeys(DesignSymbols._fields, 1) | {
+    "log_power_w": LEVELS,
+    "airspeed_m_per_s": LEVELS,
+}
+_ROUNDS = 6  # of program and simulator, at most
+_AGREED_H = 0.02  # excess time within which they agree
+# Of a night's charge, that a day must return beyond it, and the factor where that is too little.
+FIRST_MARGIN, _WIDER = 2e-4, 3.0
+_ELEMENTS_AT_ONCE = 512  # so that the arrays of a day stay near the processor
+# Cost of an hour without power in hours of excess time: far above what any schedule makes of it.
+_PRICE = 100.0
+_LONGEST_H = 1e4
+_INSIDE = (0.01, 0.99)  # where heights and charges start: interior points start inside bounds
+_HEIGHT = 0.3  # where heights start: between floor and ceiling
+LOWEST_M = 1.0  # way to climb that counts as one
+_OPTIONS: dict[str, Any] = {
+    "print_time": False,
+    "show_eval_warnings": False,
+    "error_on_fail": False,
+    "calc_lam_p": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.tol": 1e-6,
+    "ipopt.max_iter": 100,
+    "ipopt.mu_strategy": "adaptive",
+    "ipopt.mu_max": 1e-2,  # the start is a flight: no barrier that sends it away and back
+}
+
+
+class Climbs(NamedTuple):
+    """Cycles of elements along heights of their own; arrays ``(element, time)``."""
+
+    cycle: Cycle
+    height_m: FloatArray
+    solar_w: FloatArray
+    load_w: FloatArray
+
+
+class Window(NamedTuple):
+    """Part of a flight, of a day at most, from one solar time to another [h] with some charge."""
+
+    begin_h: float
+    end_h: float
+    begin_wh: float
+
+    def day(self, time_h: FloatArray, solar_w: FloatArray, load_w: FloatArray) -> Day:
+        """Powers of a repeated day in it."""
+        axis = np.concatenate([time_h, time_h[1:] + 24.0])
+        twice = (np.concatenate([one, one[:, 1:]], axis=1) for one in (solar_w, load_w))
+        return Day.between(np.array([self.begin_h, self.end_h]), axis, *twice)
+
+
+def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climbs:
+    """Fly every element along the heights with which its excess time is longest.
+
+    Parameters
+    ----------
+    time_h : ndarray, shape (time,)
+        Nodes of the day [h].
+    levels : FlightLevels
+        Aircraft between the lowest altitude and the ceiling, in a scenario each.
+    store : Store
+        Their batteries.
+
+    Returns
+    -------
+    Climbs
+        Heights above the lowest altitude [m].
+    """
+    parts = [
+        _best(time_h, levels.select(some), store.select(some))
+        for some in blocks(len(levels.scenario), _ELEMENTS_AT_ONCE)
+    ]
+    cycles, *arrays = zip(*parts, strict=True)
+    return Climbs(joined(cycles), *(np.concatenate(one) for one in arrays))
+
+
+def _best(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climbs:
+    best = flown_along(time_h, levels, store, np.zeros((len(levels.scenario), len(time_h))))
+    excess_h = best.cycle.excess_time_h
+    climb_m = levels.reach_m
+    able = levels.flies & (climb_m > LOWEST_M) & np.isfinite(excess_h)
+    able &= best.solar_w.max(axis=-1) > 0.0
+    flown, goal_h, margin = best, excess_h.copy(), np.full(len(excess_h), FIRST_MARGIN)
+    for _ in range(_ROUNDS):
+        if not able.any():
+            break
+        height_m = best.height_m.copy()
+        for i in np.flatnonzero(able).tolist():
+            height_m[i], goal_h[i] = best_heights(
+                time_h, levels, store, flown, i, margin=float(margin[i])
+            )
+        flown = flown_along(time_h, levels, store, height_m)
+        best = _better(best, flown)
+        # A day that should close, and does not quite.
+        margin = np.where(flown.cycle.missing_h > 0.0, _WIDER * margin, margin)
+        able &= np.abs(goal_h - flown.cycle.excess_time_h) > _AGREED_H
+        able &= goal_h > _AGREED_H
+    return best
+
+
+def _better(old: Climbs, new: Climbs) -> Climbs:
+    """Of two flights of every element the one with more excess time."""
+    better = new.cycle.excess_time_h > old.cycle.excess_time_h
+
+    def picked(pair: list[FloatArray]) -> FloatArray:
+        which = better.reshape((-1,) + (1,) * (pair[0].ndim - 1))
+        return np.where(which, pair[1], pair[0])
+
+    cycle = joined([old.cycle, new.cycle], picked)
+    return Climbs(cycle, *(picked(list(pair)) for pair in zip(old[1:], new[1:], strict=True)))
+
+
+def flown_along(
+    time_h: FloatArray, levels: FlightLevels, store: Store, height_m: FloatArray
+) -> Climbs:
+    """Fly elements along heights above the lowest altitude [m], ``(element, time)``."""
+    solar_w, load_w = levels.powers_along(time_h, height_m)
+    nominal_w = levels.nominal_load_w
+    cycle = simulate_cycle(time_h, solar_w, load_w, store, nominal_load_w=nominal_w)
+    # No battery that is empty lifts anything: what lacks counts in hours of the nominal load.
+    missing_h = np.maximum(cycle.missing_h, cycle.energy_budget.unserved_wh / nominal_w)
+    excess_h = np.where(cycle.missing_h > 0.0, -missing_h, cycle.excess_time_h)
+    return Climbs(
+        replace(cycle, missing_h=missing_h, excess_time_h=excess_h), height_m, solar_w, load_w
+    )
+
+
+def best_heights(
+    time_h: FloatArray,
+    levels: FlightLevels,
+    store: Store,
+    flown: Climbs,
+    i: int,
+    window: Window | None = None,
+    margin: float = 0.0,
+) -> tuple[FloatArray, float]:
+    """Best heights of one element by the program around a flight of it [m], and its excess time.
+
+    Of the day that repeats itself, or of a window, which begins and ends at the lowest altitude.
+    ``margin``: by how much more a night takes, relative.
+    """
+    into, out_of = (
+        float(np.broadcast_to(value, store.battery_energy_wh.shape)[i])
+        for value in (store.charge_efficiency, store.discharge_efficiency)
+    )
+    full_wh, nominal_w = float(store.battery_energy_wh[i]), float(levels.nominal_load_w[i])
+    one = slice(i, i + 1)
+    climb_m = float(levels.reach_m[i])
+    light, power_w = levels.at_heights(i, np.linspace(0.0, climb_m, LEVELS))
+    powers = flown.solar_w[one], flown.load_w[one]
+    if window is None:
+        day = Day.of(time_h, *powers)
+        lit = Day.of(time_h, light, np.zeros_like(light), day.first)
+        at = (day.first + np.arange(len(time_h))) % (len(time_h) - 1)
+        path = flown.cycle.energy_wh[i][at] / full_wh
+    else:
+        day, lit = window.day(time_h, *powers), window.day(time_h, light, np.zeros_like(light))
+        path = day.path(store.select(one), window.begin_wh / full_wh)
+    height_m = np.interp(day.time_h % 24.0, time_h, flown.height_m[i])
+    # A glide follows the light, and is short where nothing feeds it.
+    light_w = day.solar_w[0, :-1]
+    close = (np.diff(height_m) < 0.0) | ((light_w > 0.0) & (light_w < nominal_w))
+    nodes = nodes_of(day, path, into, full_wh, nominal_w, FORM, close)
+    means = day_means(day, nodes, into, out_of)
+    share = height_m[nodes] / climb_m
+    middle = lagrange((share[1:] + share[:-1]) / 2.0, LEVELS)
+    known = day_means(lit, nodes, 1.0, 1.0).light_w
+    own = np.sum(middle * known, axis=0)
+    known = known * np.where(own > 0.0, means.light_w / np.where(own > 0.0, own, 1.0), 1.0)
+    steady, table = float(levels.nominal_factor[i]), np.log(power_w)
+    climb_w = levels.weight_n[i] / levels.efficiency[i] * np.diff(share) * climb_m
+    climb_w = climb_w / (3600.0 * means.hours)
+    beyond_w = (np.exp(table @ middle) - power_w[0]) * steady + climb_w
+    level_w = power_w[0] * steady + levels.constant_power_w[i]
+    reserve = np.arange(len(nodes)) == len(nodes) - 1
+    if window is None:
+        dawn = np.argmin(np.abs(nodes - equal_power_step(day, nominal_w)))
+        reserve = np.arange(len(nodes)) <= 1 + dawn
+    block = BlockData(
+        hours=means.hours,
+        light_w_per_m2=known.ravel(order="F"),
+        load=(means.load_w - beyond_w) / level_w,
+        nominal=nominal_w / level_w,
+        light_slope=np.zeros(0),
+        load_slope=np.zeros(0),
+        shift_h=0.0,
+        reserve=reserve.astype(float),
+        way_h=0.0,
+        margin=margin,
+        continuous=0.0,
+        lowest_w_per_m2=0.0,
+        repeated=1.0,
+        wind_m_per_s=np.zeros(LEVELS),
+    )
+    data = into, out_of, nominal_w, climb_m
+    design = DesignSymbols(
+        area_m2=1.0,
+        full_wh=full_wh,
+        log_power_w=table,
+        airspeed_m_per_s=np.ones(LEVELS),
+        constant_w=levels.constant_power_w[i],
+        steady=steady,
+        rated_w=levels.most_power_w[i],
+        efficiency=levels.efficiency[i],
+        weight_n=levels.weight_n[i],
+    )
+    unit_wh = RESERVE_SCALE_H * nominal_w
+    start = (
+        [max(float(flown.cycle.excess_time_h[i]), 0.0)],
+        np.full(FORM.intervals, _INSIDE[0]),
+        np.clip(path[nodes], *_INSIDE) * full_wh / unit_wh,
+        np.clip(share, *_INSIDE) if share.any() else np.full(FORM.heights, _HEIGHT),
+    )
+    limit = NoChargeLimit() if store.clock is None else store.clock.limit
+    parameters = np.concatenate([np.ravel(value) for value in (*data, *design, *block)])
+    begin = None if window is None else window.begin_wh / unit_wh
+    program = _program(limit, window is None)
+    found, excess_h = program.heights(parameters, np.concatenate(start), begin)
+    at_h = day.time_h[nodes] % 24.0
+    return np.asarray(climb_m * np.interp(time_h, at_h, found, period=24.0)), excess_h
+
+
+@dataclass(frozen=True)
+class _Program:
+    """The program of batteries with one charge limit, for designs that are held."""
+
+    solver: ca.Function
+    upper: FloatArray
+    lock: RLock = field(default_factory=RLock)
+
+    def heights(
+        self, parameters: FloatArray, start: FloatArray, begin: float | None
+    ) -> tuple[FloatArray, float]:
+        """Heights at the nodes, over the way to the ceiling, and the excess time [h].
+
+        ``begin``: charge that a window begins with; it begins and ends without height.
+        """
+        low, most = np.zeros(len(start)), np.full(len(start), np.inf)
+        most[0], most[_HEIGHTS] = _LONGEST_H, 1.0
+        if begin is not None:
+            low[_FIRST_CHARGE] = most[_FIRST_CHARGE] = begin
+            most[_HEIGHTS.start] = 0.0
+        with self.lock:
+            answer = self.solver(
+                x0=np.clip(start, low, most),
+                lbx=low,
+                ubx=most,
+                lbg=0.0,
+                ubg=self.upper,
+                p=parameters,
+            )
+        x = np.asarray(answer["x"]).ravel()
+        return np.clip(x[_HEIGHTS], 0.0, 1.0), float(x[0])
+
+
+@lru_cache(maxsize=8)
+def _program(limit: ChargeLimit, repeated: bool) -> _Program:
+    """Program of a charge limit, for a day that repeats itself or a window; built once."""
+    data = {name: ca.SX.sym(name, size) for name, size in _DATA.items()}
+    design = DesignSymbols(*(ca.SX.sym(name, size) for name, size in _DESIGN.items()))
+    block, none = block_symbols(0, FORM), ca.SX(0, 1)
+    excess_h, lack = ca.SX.sym("excess"), ca.SX.sym("lack", FORM.intervals)
+    charge, height = (ca.SX.sym(name, FORM.heights) for name in ("charge", "height"))
+    unknown = Unknowns(excess_h, lack, charge, height, none)
+    rows = day_rows(limit, FORM, design, block, unknown, none, {**data, "centre": none})
+    ends = {"launch", "continuous"} | (set() if repeated else {"energy_balance"})
+    rows = [(c, value) for c, value in rows if c.name not in ends]
+    # What ends a flight is to come late.
+    dear = np.ones(FORM.intervals) if repeated else np.linspace(2.0, 1.0, FORM.intervals)
+    lacking_h = ca.dot(lack * dear, block.hours)
+    symbols = {
+        "x": ca.vertcat(excess_h, lack, charge, height),
+        "p": ca.vertcat(*data.values(), *design, *block),
+        "f": (_PRICE * lacking_h - excess_h) / RESERVE_SCALE_H - FULLER * ca.sum1(charge),
+        "g": ca.vertcat(*(value for _, value in rows)),
+    }
+    equation = [c.equation for c, value in rows for _ in range(value.shape[0])]
+    solver = ca.nlpsol("schedule", "ipopt", symbols, _OPTIONS)
+    return _Program(solver, np.where(equation, 0.0, np.inf))

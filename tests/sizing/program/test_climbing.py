@@ -1,0 +1,100 @@
+"""Sizings with climbs, beside level flight and other simulated designs."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from builders import DESIGN
+from builders import shipped_mission as mission
+
+import sizing
+from missions.mission import Mission, Scenarios
+from sizing.limits import meets_requirements
+from sizing.performance import performance_of_designs
+from sizing.program.cells import size_cells
+from sizing.program.objectives import Objective
+from sizing.program.result import SizingResult, SizingStatus, merit_of
+from sizing.program.size import size_aircraft
+from sizing.sunlight import solar_day
+
+
+def climbing(ceiling_m: float, **changes: object) -> Mission:
+    return mission(climb={"ceiling_m": ceiling_m}, **changes)
+
+
+@cache
+def sized(objective: Objective, ceiling_m: float, date: str = "07-15") -> SizingResult:
+    return size_aircraft(DESIGN, climbing(ceiling_m, dates={"on": date}), objective)
+
+
+@pytest.mark.parametrize("objective", [Objective.min_mass, Objective.max_excess_time])
+def test_a_ceiling_at_the_floor_is_level_flight(objective: Objective) -> None:
+    level = size_aircraft(DESIGN, mission(), objective)
+    ours = size_aircraft(DESIGN, climbing(mission().altitude_m), objective)
+    assert ours.objective_value == pytest.approx(level.objective_value, rel=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "objective", [Objective.min_mass, Objective.max_excess_time, Objective.max_payload_mass]
+)
+def test_no_design_nearby_is_better(objective: Objective) -> None:
+    result, there = sized(objective, 2536.0), climbing(2536.0)
+    assert result.design is not None
+    rng, own = np.random.default_rng(5), result.design.variables
+    names = ("wingspan_m", "battery_mass_kg", "module_area_m2")
+    near = {n: getattr(own, n) * np.exp(rng.normal(0.0, 0.02, 40)) for n in names}
+    flown = performance_of_designs(DESIGN, there, own._replace(**near))
+    good = np.min(flown.cycle.excess_time_h, axis=-1) > result.required_excess_time_h
+    good &= np.asarray(meets_requirements(DESIGN, there, flown.design))
+    # Each flies the best schedule of its own, which a sizing knows to half a per cent.
+    best = float(np.where(good, merit_of(objective, flown), -np.inf).max())
+    assert best <= result.merit + 0.01 * abs(result.merit)
+
+
+def test_a_higher_ceiling_takes_less_mass() -> None:
+    level = size_aircraft(DESIGN, mission(), Objective.min_mass)
+    results = [level, *(sized(Objective.min_mass, ceiling_m) for ceiling_m in (1536.0, 3536.0))]
+    masses = [one.objective_value or 0.0 for one in results]
+    assert masses[0] > 1.005 * masses[1] > 1.01 * masses[2]
+
+
+def test_what_is_sized_flies_as_analysed() -> None:
+    study = sizing.size(DESIGN, climbing(3536.0), required_excess_time_h=1.0)
+    again = sizing.analyse(study.sized_aircraft(), study.sized_mission())
+    # The analysis has the best schedule of this design, the sizing one that is enough.
+    assert 1.0 <= again.excess_time_h < 1.1
+    assert study.climbs is not None
+    assert study.climbs.altitude_m.max() == pytest.approx(3536.0, abs=5.0)
+    level = study.without_climbs
+    assert level is not None
+    assert level.objective_value is not None
+    assert study.result.objective_value is not None
+    assert level.objective_value > 1.02 * study.result.objective_value
+    assert "climbs by day from 536 m" in str(study)
+
+
+def test_what_is_asked_of_a_sizing_knows_climbs() -> None:
+    study = sizing.size(DESIGN, climbing(2536.0), with_sensitivities=True, with_builds=True)
+    assert study.sensitivities
+    masses = {one.build: one.objective_value for one in study.builds}
+    assert len({value for value in masses.values() if value}) > 1
+    failed = sizing.size(DESIGN, climbing(2536.0, dates={"on": "12-21"}))
+    assert failed.result.status is SizingStatus.infeasible
+    assert failed.relaxations
+
+
+@pytest.mark.slow
+def test_cells_are_the_sizings_of_each() -> None:
+    days = np.array([166, 196, 226])
+    there = climbing(2536.0)
+    cells = size_cells(
+        DESIGN, there, Scenarios(np.full(3, 47.6), days), Objective.min_mass, scenarios_per_cell=1
+    )
+    for place, day in enumerate(days.tolist()):
+        place_of = Scenarios(np.array([47.6]), np.array([day]))
+        light = solar_day(DESIGN, there, scenarios=place_of)
+        alone = size_aircraft(DESIGN, there, Objective.min_mass, day=light)
+        assert cells.objective_value[place] == pytest.approx(alone.objective_value, rel=5e-3)
