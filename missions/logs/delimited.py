@@ -87,7 +87,11 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     line, first = lines[0]
     if first.startswith("FMT,"):
         raise file_error(source, "is ArduPilot's log as text: use the .bin that it was made from")
-    separator = _separator(first, layout, named[1] if named else None)
+    # Names may hold a comma, hardly ever one of the others.
+    guessed = next((sign for sign in "\t;|" if first.count(sign) >= 2), ",")
+    separator = named[1] if named else guessed
+    if layout.separator is not None:
+        separator = _SEPARATORS.get(layout.separator, layout.separator)
     header = [name.strip() for name in next(csv.reader([first], delimiter=separator))]
     kept = _of_width(source, lines, separator, notes)
     if kept and _are_units(kept[0][1], separator):
@@ -96,15 +100,17 @@ def read_text(source: str, layout: ColumnMap) -> Text:
         header = [f"{name} [{unit}]" if unit else name for name, unit in pairs]
         notes.append("units are those of the row below the header")
     numbers, rows = [number for number, _ in kept], [row for _, row in kept]
-    decimal = layout.decimal or _decimal(rows, separator)
+    # A comma is the decimal sign only where it separates nothing.
+    fields = [field for row in rows[:_LOOKED_AT] for field in row.split(separator)]
+    comma = separator != "," and any(_DECIMAL_COMMA.fullmatch(field) for field in fields)
+    decimal = layout.decimal or ("," if comma else ".")
     if separator != ",":
         sign = "decimal comma" if decimal == "," else "decimal point"
         notes.insert(0, f"columns are separated by {_NAMES[separator]}, numbers have a {sign}")
     thousands = _thousands(rows, separator, decimal)
     if thousands is not None:
         notes.append(f"numbers have {thousands!r} between thousands")
-    written = (separator, decimal, thousands, tuple(notes))
-    return Text(source, header, line, rows, numbers, *written)
+    return Text(source, header, line, rows, numbers, separator, decimal, thousands, tuple(notes))
 
 
 def _text_lines(source: str) -> tuple[list[tuple[int, str]], list[str]]:
@@ -214,18 +220,6 @@ def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
     return None
 
 
-def _separator(header: str, layout: ColumnMap, named: str | None) -> str:
-    if layout.separator is not None:
-        return _SEPARATORS.get(layout.separator, layout.separator)
-    if named is not None:
-        return named
-    # Names may hold a comma, hardly ever one of the others.
-    for separator in ("\t", ";", "|"):
-        if header.count(separator) >= 2:
-            return separator
-    return ","
-
-
 def _fields(row: str, separator: str) -> list[str]:
     return [field.strip().strip("[]()").strip() for field in row.split(separator)]
 
@@ -237,19 +231,17 @@ def _are_units(row: str, separator: str) -> bool:
     return all(f.lower() in known for f in fields) and any(f.isalpha() for f in fields)
 
 
-def _decimal(rows: Sequence[str], separator: str) -> str:
-    """Decimal sign of the first rows; a comma only where it separates nothing."""
-    if separator == ",":
-        return "."
-    fields = [field for row in rows[:_LOOKED_AT] for field in row.split(separator)]
-    return "," if any(_DECIMAL_COMMA.fullmatch(field) for field in fields) else "."
-
-
 def _of_width(
     source: str, lines: list[tuple[int, str]], separator: str, notes: list[str]
 ) -> list[tuple[int, str]]:
     """Rows with as many fields as the header above them; most must have them."""
-    expected, *widths = (_width(line, separator) for _, line in lines)
+
+    def width_of(row: str) -> int:
+        if '"' in row:
+            return len(next(csv.reader([row], delimiter=separator)))
+        return row.count(separator) + 1
+
+    expected, *widths = (width_of(line) for _, line in lines)
     rows = list(zip(lines[1:], widths, strict=True))
     odd = [(number, width) for (number, _), width in rows if width != expected]
     if len(odd) > MAXIMUM_DROPPED * len(rows):
@@ -262,10 +254,3 @@ def _of_width(
         number, found = odd[0]
         notes.append(f"{count} left out: line {number} has {found} fields, the header {expected}")
     return [row for row, width in rows if width == expected]
-
-
-def _width(row: str, separator: str) -> int:
-    """Number of fields of a row."""
-    if '"' in row:
-        return len(next(csv.reader([row], delimiter=separator)))
-    return row.count(separator) + 1

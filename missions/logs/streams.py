@@ -13,15 +13,7 @@ from numpy.typing import NDArray
 from missions.files.errors import InputError, Problem, file_error, printable
 from missions.logs.columns import ColumnMap, Recipe, Source, recipes_for
 from missions.logs.quantities import EPOCH
-from missions.logs.table import (
-    OTHER_AGE_S,
-    REQUIRED,
-    FlightLog,
-    Series,
-    age_s_of,
-    log_from_table,
-    sampled,
-)
+from missions.logs.table import REQUIRED, FlightLog, Series, log_from_table, sampled
 from solar.types import BoolArray, FloatArray
 
 _FIX_3D = 3
@@ -84,13 +76,13 @@ def given_series(
 def _made(recipe: Recipe, streams: Mapping[str, Stream]) -> dict[str, Series]:
     """Series at the times of its first stream, and of several MPPTs the power of each."""
     if recipe.value is not None:
-        return {recipe.quantity: Series(np.zeros(1), np.full(1, recipe.value))}
+        return {recipe.quantity: Series(np.full(1, np.nan), np.full(1, recipe.value))}
     first = streams[recipe.columns[0].rpartition(".")[0]].time_s
 
     def column(name: str) -> FloatArray:
         stream, _, field = name.rpartition(".")
         values = np.asarray(streams[stream].fields[field], float)
-        return sampled(Series(streams[stream].time_s, values), first, OTHER_AGE_S)
+        return sampled(Series(streams[stream].time_s, values), first)
 
     return {name: Series(first, values) for name, values in recipe.values(column).items()}
 
@@ -109,12 +101,7 @@ def log_from_series(
     columns: dict[str, Any] = {EPOCH: time_s + boot_s}
     for quantity, one in series.items():
         if quantity not in layout.ignore:
-            columns[quantity] = sampled(one, time_s, age_s_of(quantity))
-    for quantity, said in layout.columns.items():
-        if quantity in layout.ignore:
-            continue
-        if isinstance(said, Source) and said.value is not None:
-            columns[quantity] = said.factor * said.value
+            columns[quantity] = sampled(one, time_s, quantity)
     return log_from_table(pd.DataFrame(columns), source, notes, layout.exclude)
 
 

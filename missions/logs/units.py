@@ -51,7 +51,9 @@ UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
     dimension: {name: unit for names, unit in known.items() for name in names.split()}
     for dimension, known in _SPELLINGS.items()
 }
-
+# Of any dimension, as no spelling is of two; what has no unit is in that of the log format.
+SCALES: dict[str | None, Unit] = {None: Unit(1.0)}
+SCALES.update(one for known in UNITS.values() for one in known.items())
 _TWO_PI = 2.0 * np.pi
 MOST_SINCE_START = 1e8  # s: smaller times count from the start of a log
 
@@ -66,13 +68,13 @@ def spelled(unit: str) -> str:
     return _SPELLED.get(unit, unit.upper() if unit in ("w", "v", "a", "k", "c", "f") else unit)
 
 
-def known_unit(text: str, dimension: Dimension) -> str | None:
-    """Spelling of a unit in :data:`UNITS`, None if it is none of the dimension."""
+def known_unit(text: str, *dimensions: Dimension) -> str | None:
+    """Spelling of a unit in :data:`UNITS`, None if it is none of the dimensions."""
     plain = text.strip().strip("[]()").strip()
-    if dimension == "power" and plain == "MW":  # else it would be read as mW
+    if plain == "MW":  # else it would be read as mW
         return None
     plain = plain.lower().replace("°deg", "°")
-    return plain if plain in UNITS[dimension] else None
+    return plain if any(plain in UNITS[one] for one in dimensions) else None
 
 
 def split_unit(name: str) -> tuple[str, str | None]:
