@@ -19,7 +19,6 @@ from scipy.optimize import least_squares
 from scipy.stats import norm
 
 from solar.types import FloatArray, IntArray
-from studies.flight_logs.autocorrelation import correlation_time
 from studies.flight_logs.forward import Forward, Offsets
 
 CONFIDENCE = 0.95
@@ -48,6 +47,10 @@ _LEAST_SCATTER = 2e-3  # of the peak: to which tables and rounding of the model 
 _ROUNDS, _NEAR = 5, 1e-4  # each round goes on from the last one
 # Coarse grid of starts: clocks to either side, and turns of the heading.
 _MOST_CLOCK_S, _SHIFT_S, _TURNS, _STARTS = 14 * 3600.0, 1800.0, 12, 3
+# Autocorrelation that counts as none: where the window of its sum ends.
+_LAST_CORRELATION = 0.05
+_LONGEST_MEMORY = 0.97  # of a process, from bin to bin
+_MOST_LOST = 0.75  # share of that sum which a fit may have taken away; keeps the correction finite
 
 
 @dataclass(frozen=True)
@@ -143,11 +146,6 @@ class _Data:
         return _Data(chosen, self.measured_w[places], self.names)
 
     @cached_property
-    def peak_w(self) -> float:
-        """Power that two in a hundred samples exceed: spikes do not count."""
-        return float(np.quantile(self.measured_w, 0.98)) if len(self.measured_w) else 0.0
-
-    @cached_property
     def blocks(self) -> tuple[IntArray, IntArray]:
         """Block of ten minutes of each sample, and the uninterrupted stretch of each block."""
         log, index = self.forward.log, self.forward.index
@@ -156,10 +154,6 @@ class _Data:
         first = np.flatnonzero(np.diff(block, prepend=-1))
         apart = np.diff(slot[first]) > 1
         return block, np.concatenate(([0], np.cumsum(apart)))
-
-    def power_w(self, values: FloatArray) -> FloatArray:
-        """Modelled power."""
-        return _power_w(self.forward, self.names, values)
 
     def starts(self) -> Iterator[FloatArray]:
         """Factor, clock and heading: as logged, and the best of a grid if they fit better."""
@@ -184,20 +178,26 @@ class _Data:
     def fit(self, values: FloatArray, rounds: int = _ROUNDS) -> Fit:
         """Fit with weights that follow from the residuals, and these from the weights."""
         sigmas, steps = np.array([_UNKNOWNS[name] for name in self.names]).T
-        residual, time = self.measured_w - self.power_w(values), 10.0
+
+        def residual_w(values: FloatArray) -> FloatArray:
+            return self.measured_w - _power_w(self.forward, self.names, values)
+
+        # Power that two in a hundred samples exceed: spikes do not count.
+        peak_w = float(np.quantile(self.measured_w, 0.98))
+        residual, time = residual_w(values), 10.0
         for _ in range(rounds):
             scatter = 1.4826 * float(np.median(np.abs(residual)))
-            scatter = max(scatter, _LEAST_SCATTER * self.peak_w)
+            scatter = max(scatter, _LEAST_SCATTER * peak_w)
             weight = 1.0 / (1.0 + (residual / (_CAUCHY * scatter)) ** 2)
             root = np.sqrt(weight / time) / scatter
 
             def rows(scaled: FloatArray, root: FloatArray = root) -> FloatArray:
-                left = self.measured_w - self.power_w(scaled * steps)
+                left = residual_w(scaled * steps)
                 return np.concatenate((root * left, scaled * steps / sigmas))
 
             best = least_squares(rows, values / steps, method="lm", ftol=_NEAR, xtol=_NEAR)
             values = best.x * steps
-            residual = self.measured_w - self.power_w(values)
+            residual = residual_w(values)
             jacobian = best.jac / steps
             inverse = np.linalg.pinv(jacobian.T @ jacobian)
             shares = (jacobian[: len(residual)] * (root * residual)[:, np.newaxis]) @ inverse
@@ -225,10 +225,67 @@ class _Data:
 
         def level(values: FloatArray) -> float:
             moved = np.where(np.isin(self.names, ("clock_s", "heading")), values, 0.0)
-            return float(np.log(self.power_w(values).sum() / self.power_w(moved).sum()))
+            whole, part = (_power_w(self.forward, self.names, v) for v in (values, moved))
+            return float(np.log(whole.sum() / part.sum()))
 
         steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in self.names])
         middle = level(fit.values)
         slopes = np.array([level(fit.values + one) - middle for one in np.diag(steps)]) / steps
         error = float(np.sqrt(slopes @ fit.covariance @ slopes))
-        return Fit(fit.names, fit.values, fit.covariance, fit.scatter_w, (middle, error))
+        return replace(fit, level=(middle, error))
+
+
+def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float:
+    """Integrated autocorrelation time of residuals, in bins, at least 1.
+
+    The fit takes some of the correlation away with what it explains: estimates are too low by about
+    the time over the number of residuals for each fitted value (Marriott, F. H. C. & Pope, J. A.
+    (1954), Biometrika 41, 390-402). That is added back. The time is at least that of the process of
+    first order that the correlations of the next two bins belong to. Pairs across the ends of a
+    ``run`` do not count.
+    """
+    count = len(residual)
+    raw = _autocorrelation(residual, run)
+    if len(raw) < 2:
+        return 1.0
+    least = _mixed_time(raw, 0.0)
+    least = _mixed_time(raw, min(least * unknown / count, 1.0))
+    small = np.flatnonzero(raw < _LAST_CORRELATION)
+    window = int(small[0]) if len(small) else len(raw)
+    lags = np.arange(1, window + 1)
+    seen = 1.0 + 2.0 * float(np.sum(raw[:window] * (1.0 - lags / count)))
+    # Every correlation within the window is too low by time * unknown / count.
+    lost = min(2.0 * window * unknown / count, _MOST_LOST)
+    time = min(max(seen, 1.0) / (1.0 - lost), count / 2.0)
+    return max(time, min(least, count / 2.0))
+
+
+def _mixed_time(raw: FloatArray, lost: float) -> float:
+    """Autocorrelation time of a process of the first order, averaged or with white noise on it.
+
+    Its correlations are ``r_1 rho^(lag - 1)``, their sum ``1 + 2 r_1/(1 - rho)``; ``lost`` of each
+    was taken away by the fit, and is added back [-].
+    """
+    first, second = ((float(value) + lost) / (1.0 + lost) for value in raw[:2])
+    if first <= 0.0:
+        return 1.0
+    rho = min(max(second / first, 0.0), _LONGEST_MEMORY)
+    return 1.0 + 2.0 * first / (1.0 - rho)
+
+
+def _autocorrelation(residual: FloatArray, run: IntArray) -> FloatArray:
+    """Autocorrelation at lags of 1, 2, ... bins, up to a third of them."""
+    count = len(residual)
+    variance = float(np.mean(residual**2))
+    if variance == 0.0 or count < 6:
+        return np.zeros(0)
+    correlations = []
+    for lag in range(1, count // 3):
+        same = run[lag:] == run[:-lag]
+        if np.count_nonzero(same) < 5:
+            break
+        correlations.append(float(np.mean((residual[lag:] * residual[:-lag])[same])) / variance)
+        # Beyond the first that are none, only noise is summed up.
+        if len(correlations) > 10 and max(correlations[-5:]) < 0.0:
+            break
+    return np.array(correlations)

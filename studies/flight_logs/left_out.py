@@ -88,8 +88,8 @@ def _with_taper(log: FlightLog, as_load: BoolArray) -> BoolArray:
     return result
 
 
-def without_power(log: FlightLog) -> BoolArray:
-    """Samples of stretches in which bright power vanishes, or comes back, at once."""
+def without_power(log: FlightLog) -> tuple[BoolArray, list[Stretch]]:
+    """Samples of stretches in which bright power vanishes, or comes back, at once; and these."""
     power, time_s = log.solar_power_w, log.time_s
     peak = float(np.quantile(power, 0.98))
     none, mask = power < _NONE * peak, np.zeros(len(log), bool)
@@ -101,7 +101,9 @@ def without_power(log: FlightLog) -> BoolArray:
         after = int(np.searchsorted(time_s, time_s[stop - 1] + _SMOOTH_S, side="right"))
         beside = np.concatenate((power[before:start], power[stop:after]))
         mask[start:stop] = beside.max(initial=0.0) > _ABRUPT * peak
-    return mask
+    text = f"below {100 * _NONE:.0f} % of the peak, from or to bright power at once"
+    every = (np.isin(np.arange(len(log)), np.r_[part]) for part in _clusters(mask, time_s))
+    return mask, [_stretch("no_power", time_s, inside & mask, text) for inside in every]
 
 
 def battery_full(
@@ -133,13 +135,6 @@ def battery_full(
             why = f"state of charge {100 * mean:.0f} % on average"
         text = f"power down to {100 * least:.0f} % of what is expected; {why}"
         yield _stretch("battery_full", time_s, inside, text), inside
-
-
-def power_gone(log: FlightLog, mask: BoolArray) -> list[Stretch]:
-    """Stretches of :func:`without_power`."""
-    text = f"below {100 * _NONE:.0f} % of the peak, from or to bright power at once"
-    every = (np.isin(np.arange(len(log)), np.r_[part]) for part in _clusters(mask, log.time_s))
-    return [_stretch("no_power", log.time_s, inside & mask, text) for inside in every]
 
 
 def of_values(log: FlightLog) -> Iterator[Stretch]:

@@ -26,10 +26,11 @@ from studies.flight_logs.errors import (
     ModelErrors,
     Section,
     Window,
-    by_day,
-    by_window,
     filtered,
+    in_windows,
+    on_days,
     parse_window,
+    sections,
 )
 from studies.flight_logs.estimates import Applied, Estimate, estimates, estimates_table
 from studies.flight_logs.fit import Fit, fitted
@@ -40,7 +41,6 @@ from studies.flight_logs.left_out import (
     left_out_table,
     may_be_limited,
     of_values,
-    power_gone,
     without_power,
 )
 from studies.flight_logs.residuals import Residual, Residuals, residual_tables, residuals
@@ -325,6 +325,7 @@ def verify(
     own, how = surfaces_of(log, forward.geometry)
     samples, remarks = lit_samples(forward)
     fit, stretches, excluded = _what_counts(forward, samples)
+    inside = list(in_windows(samples, periods, log.source))
     window_s = WINDOW_FILTER_S if filter_s is None else filter_s
     day_s = DAY_FILTER_S if filter_s is None else filter_s
     lit, applied = forward.of(samples.index), Applied(clock_offset_min, heading_offset_deg)
@@ -349,8 +350,8 @@ def verify(
         rms_w=(rms_w(samples.modelled_w[samples.best_model]), rms_w(estimated)),
         estimated_w=estimated,
         residuals=residuals(samples, ~excluded, estimated),
-        windows=by_window(samples, excluded, window_s, periods, log.source),
-        days=by_day(samples, excluded, day_s),
+        windows=sections(samples, excluded, window_s, "solar time", inside),
+        days=sections(samples, excluded, day_s, "UTC", on_days(samples)),
         trackers=None if own is None else compared(lit, own, how, ~excluded),
         notes=(*log.notes, *([how] if how and own is None else []), *remarks),
     )
@@ -376,7 +377,7 @@ def _what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[S
     Where the battery may limit the power, nothing is fitted until that expects as much.
     """
     log, index, aircraft = forward.log, samples.index, forward.aircraft
-    modelled, measured, dead = forward.power_w(), log.solar_power_w, without_power(log)
+    modelled, measured, (dead, gone) = forward.power_w(), log.solar_power_w, without_power(log)
     peak = float(np.quantile(measured, 0.98))
     dark = (measured <= _DARK * peak) & (modelled <= _DARK * modelled.max(initial=0.0))
 
@@ -385,7 +386,7 @@ def _what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[S
         return fitted(forward.of(use), measured[use])
 
     limited, full = may_be_limited(log, aircraft), np.zeros(len(log), bool)
-    fit, stretches = fit_without(dead | limited), [*power_gone(log, dead), *of_values(log)]
+    fit, stretches = fit_without(dead | limited), [*gone, *of_values(log)]
     if fit is not None and limited[index].any():
         expected = fit.expected_w(forward.of(index))
         may_be = (limited & ~dead)[index]
