@@ -9,6 +9,7 @@ import re
 import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,7 +19,7 @@ from missions.files.errors import InputError, Problem, file_error, printable
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import MAXIMUM_DROPPED, first_few
-from missions.logs.units import UNITS
+from missions.logs.units import SCALES
 
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 _NAMES = {"\t": "tabs", ",": "commas", ";": "semicolons", "|": "bars"}
@@ -34,6 +35,7 @@ _CELL = re.compile(rb"""\br\s{0,9}=\s{0,9}["']([A-Za-z]{0,3})(\d{1,7})["']""")
 _LONGEST_CELL = 40
 _MOST_CELLS, _MOST_UNPACKED = 10_000_000, 1_000_000_000
 _LONGEST_LINE = 100_000  # the module csv takes no field of more than 131072 characters
+_IN_UNITS = {*SCALES, "", "iso", "utc", "iso8601"}  # fields of a row that says the units
 _LOOKED_AT = 50  # rows that a guess is made from
 
 
@@ -76,7 +78,17 @@ class Text:
 
 def read_text(source: str, layout: ColumnMap) -> Text:
     """Read a table's text and find out how it is written."""
-    lines, notes = _text_lines(source)
+    if Path(source).suffix.lower() == ".xlsx":
+        content, notes = _sheet_text(source)
+    else:
+        content, notes = _decoded(read_plain_file(source, most_bytes=_MOST_BYTES), source)
+    # Only line breaks: str.splitlines would also break at other control characters.
+    every = enumerate(content.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)
+    lines = [(number, line) for number, line in every if line.strip()]
+    for number, text in lines:
+        if len(text) > _LONGEST_LINE:
+            message = f"is longer than {_LONGEST_LINE} characters"
+            raise InputError([Problem(source, number, None, "", message)])
     named = _NAMED_SEPARATOR.fullmatch(lines[0][1]) if lines else None
     if named is not None:
         del lines[0]
@@ -94,8 +106,10 @@ def read_text(source: str, layout: ColumnMap) -> Text:
         separator = _SEPARATORS.get(layout.separator, layout.separator)
     header = [name.strip() for name in next(csv.reader([first], delimiter=separator))]
     kept = _of_width(source, lines, separator, notes)
-    if kept and _are_units(kept[0][1], separator):
-        units = _fields(kept.pop(0)[1], separator)
+    row = kept[0][1].split(separator) if kept else []
+    units = [field.strip().strip("[]()").strip() for field in row]
+    if all(unit.lower() in _IN_UNITS for unit in units) and any(unit.isalpha() for unit in units):
+        del kept[0]
         pairs = zip(header, units, strict=False)
         header = [f"{name} [{unit}]" if unit else name for name, unit in pairs]
         notes.append("units are those of the row below the header")
@@ -111,22 +125,6 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     if thousands is not None:
         notes.append(f"numbers have {thousands!r} between thousands")
     return Text(source, header, line, rows, numbers, separator, decimal, thousands, tuple(notes))
-
-
-def _text_lines(source: str) -> tuple[list[tuple[int, str]], list[str]]:
-    """Lines that are not blank with their numbers from 1 on, and how the text was read."""
-    if Path(source).suffix.lower() == ".xlsx":
-        text, notes = _sheet_text(source)
-    else:
-        text, notes = _decoded(read_plain_file(source, most_bytes=_MOST_BYTES), source)
-    # Only line breaks: str.splitlines would also break at other control characters.
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    every = list(enumerate(lines, start=1))
-    for number, line in every:
-        if len(line) > _LONGEST_LINE:
-            message = f"is longer than {_LONGEST_LINE} characters"
-            raise InputError([Problem(source, number, None, "", message)])
-    return [(number, line) for number, line in every if line.strip()], notes
 
 
 def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
@@ -187,7 +185,9 @@ def _check_cells(content: BinaryIO, source: str) -> None:
                     block = rest + block
                     for letters, row in _CELL.findall(block):
                         last_row = max(last_row, int(row))
-                        last_column = max(last_column, _column(letters))
+                        # A is 1, AA 27.
+                        column = reduce(lambda n, letter: 26 * n + (letter & 0x1F), letters, 0)
+                        last_column = max(last_column, column)
                     rest = block[-_LONGEST_CELL:]
             if (count := last_row * last_column) > _MOST_CELLS:
                 raise file_error(
@@ -195,14 +195,6 @@ def _check_cells(content: BinaryIO, source: str) -> None:
                     f"has cells up to row {last_row} and column {last_column}, {count:,} in all, "
                     f"at most {_MOST_CELLS:,}: delete those far away, or save it as CSV",
                 )
-
-
-def _column(letters: bytes) -> int:
-    """Number of a column of a sheet: A is 1, AA 27."""
-    number = 0
-    for letter in letters:
-        number = 26 * number + (letter & 0x1F)
-    return number
 
 
 def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
@@ -218,17 +210,6 @@ def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
         ):
             return sign
     return None
-
-
-def _fields(row: str, separator: str) -> list[str]:
-    return [field.strip().strip("[]()").strip() for field in row.split(separator)]
-
-
-def _are_units(row: str, separator: str) -> bool:
-    """Whether a row says what the columns are measured in."""
-    known = {unit for units in UNITS.values() for unit in units} | {"", "iso", "utc", "iso8601"}
-    fields = _fields(row, separator)
-    return all(f.lower() in known for f in fields) and any(f.isalpha() for f in fields)
 
 
 def _of_width(

@@ -180,16 +180,6 @@ def _unchanging(
             yield kind, runs[number]
 
 
-def repeated(rows: pd.DataFrame) -> BoolArray:
-    """Rows of stretches that have all been written before, with power that changes in them."""
-    content = pd.util.hash_pandas_object(rows.reset_index(drop=True), index=False)
-    lag = np.arange(len(content)) - content.groupby(content).transform("idxmin").to_numpy(int)
-    number = np.concatenate([[0], np.cumsum(np.diff(lag) != 0)])
-    power = rows["solar_power_w"].groupby(number)
-    distinct, length = (power.transform(how).to_numpy(int) for how in ("nunique", "size"))
-    return np.asarray((lag > 0) & (length >= _LEAST_REPEATED) & (distinct >= _LEAST_DISTINCT))
-
-
 def without_spans(
     rows: pd.DataFrame, exclude: Sequence[Span], zone: datetime.tzinfo | None, left: list[LeftOut]
 ) -> pd.DataFrame:
@@ -206,7 +196,14 @@ def without_spans(
 def leave_out_held(rows: pd.DataFrame, labels: Mapping[str, str]) -> list[LeftOut]:
     """Leave out what neighbours do not allow: spikes, frozen channels, rows written twice."""
     left, time_s = [], rows.index.to_numpy(float)
-    if (copies := repeated(rows)).any():
+    # Rows of stretches that have all been written before, with power that changes in them.
+    content = pd.util.hash_pandas_object(rows.reset_index(drop=True), index=False)
+    lag = np.arange(len(content)) - content.groupby(content).transform("idxmin").to_numpy(int)
+    number = np.concatenate([[0], np.cumsum(np.diff(lag) != 0)])
+    power = rows["solar_power_w"].groupby(number)
+    distinct, length = (power.transform(how).to_numpy(int) for how in ("nunique", "size"))
+    copies = (lag > 0) & (length >= _LEAST_REPEATED) & (distinct >= _LEAST_DISTINCT)
+    if copies.any():
         left.append(left_out("", "repeated", copies, time_s))
         rows.loc[copies] = np.nan
     for name in map(str, rows):

@@ -202,7 +202,18 @@ def checked_log(
         rows = rows.drop(columns=list(ATTITUDE), errors="ignore")
         if len(empty) < len(ATTITUDE):
             check.notes.append(f"the attitude is not used: {', '.join(empty)} not logged")
-    rows = without_spans(_in_order(rows, check.notes), exclude, zone, left)
+    back = int(np.count_nonzero(np.diff(rows.index.dropna()) < 0.0))
+    if back:
+        rows = rows.sort_index(kind="stable")
+        often = "once" if back == 1 else f"{back} times"
+        check.notes.append(f"time goes back {often}: the rows are sorted")
+    # Of rows with the same time and all quantities the first.
+    twice = rows[list(REQUIRED)].notna().all(axis=1).to_numpy(bool) & rows.index.notna()
+    twice[twice] = rows.index[twice].duplicated()
+    if count := int(twice.sum()):
+        have = "1 row has" if count == 1 else f"{count} rows have"
+        check.notes.append(f"{have} the time of another: the first one is used")
+    rows = without_spans(rows.loc[~twice], exclude, zone, left)
     _leave_out_sums(rows)
     left += leave_out_held(rows, check.labels)
     _leave_out_sums(rows)
@@ -219,21 +230,6 @@ def _leave_out_sums(rows: pd.DataFrame) -> None:
     """Leave out the solar power where that of one of its MPPTs is not known."""
     unknown = rows[_trackers(rows)].isna().any(axis=1).to_numpy(bool)
     rows.loc[unknown, "solar_power_w"] = np.nan
-
-
-def _in_order(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
-    """Rows by their time; of those with the same time and all quantities the first."""
-    back = int(np.count_nonzero(np.diff(rows.index.dropna()) < 0.0))
-    if back:
-        rows = rows.sort_index(kind="stable")
-        times = "once" if back == 1 else f"{back} times"
-        notes.append(f"time goes back {times}: the rows are sorted")
-    twice = rows[list(REQUIRED)].notna().all(axis=1).to_numpy(bool) & rows.index.notna()
-    twice[twice] = rows.index[twice].duplicated()
-    if count := int(twice.sum()):
-        have = "1 row has" if count == 1 else f"{count} rows have"
-        notes.append(f"{have} the time of another: the first one is used")
-    return rows.loc[~twice]
 
 
 def _needed(rows: pd.DataFrame) -> list[str]:

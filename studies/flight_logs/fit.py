@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -145,7 +144,6 @@ class _Data:
         chosen = self.forward.of(self.forward.index[places])
         return _Data(chosen, self.measured_w[places], self.names)
 
-    @cached_property
     def blocks(self) -> tuple[IntArray, IntArray]:
         """Block of ten minutes of each sample, and the uninterrupted stretch of each block."""
         log, index = self.forward.log, self.forward.index
@@ -184,7 +182,7 @@ class _Data:
 
         # Power that two in a hundred samples exceed: spikes do not count.
         peak_w = float(np.quantile(self.measured_w, 0.98))
-        residual, time = residual_w(values), 10.0
+        residual, time, (block, run) = residual_w(values), 10.0, self.blocks()
         for _ in range(rounds):
             scatter = 1.4826 * float(np.median(np.abs(residual)))
             scatter = max(scatter, _LEAST_SCATTER * peak_w)
@@ -201,20 +199,16 @@ class _Data:
             jacobian = best.jac / steps
             inverse = np.linalg.pinv(jacobian.T @ jacobian)
             shares = (jacobian[: len(residual)] * (root * residual)[:, np.newaxis]) @ inverse
-            covariance, time = self._sandwich(shares)
-            covariance = covariance + inverse @ np.diag(sigmas**-2.0) @ inverse
+            sums = np.stack([np.bincount(block, column) for column in shares.T], axis=1)
+            times = [correlation_time(column, run, len(self.names)) for column in sums.T]
+            sandwich = (sums.T @ sums) * np.sqrt(np.outer(times, times))
+            # Samples for an independent one.
+            squares = np.maximum(np.sum(shares**2, axis=0), 1e-300)
+            time = max(float(np.median(np.diag(sandwich) / squares)), 1.0)
+            covariance = sandwich + inverse @ np.diag(sigmas**-2.0) @ inverse
         if not self.forward.knows_angles:
             covariance[1, 1] += _CAM_CLOCK_S**2
         return Fit(self.names, values, covariance, scatter)
-
-    def _sandwich(self, shares: FloatArray) -> tuple[FloatArray, float]:
-        """Covariance by what each sample contributes, and samples for an independent one."""
-        block, run = self.blocks
-        sums = np.stack([np.bincount(block, column) for column in shares.T], axis=1)
-        times = np.array([correlation_time(column, run, len(self.names)) for column in sums.T])
-        covariance = np.asarray((sums.T @ sums) * np.sqrt(np.outer(times, times)), float)
-        squares = np.maximum(np.sum(shares**2, axis=0), 1e-300)
-        return covariance, max(float(np.median(np.diag(covariance) / squares)), 1.0)
 
     def with_level(self, fit: Fit) -> Fit:
         """Fit with measured over modelled energy at its clock and heading, and its error.

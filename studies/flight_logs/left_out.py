@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from missions.logs.plausible import Kind, span_text
-from missions.logs.table import GAP_STEPS, FlightLog
+from missions.logs.table import GAP_STEPS, FlightLog, Gap
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
 from sizing.results.tables import Column, Table
@@ -143,19 +143,17 @@ def of_values(log: FlightLog) -> Iterator[Stretch]:
     for one in log.left_out:
         yield Stretch(_OF_VALUES.get(one.kind, "implausible"), *one.ends, one.values, one.told())
     slack_s = GAP_STEPS * log.step_s
-    gaps = []
+    groups: list[list[Gap]] = []
     for gap in log.gaps:
         at = int(np.searchsorted(log.time_s, gap.start_s))
         middle_s = 0.5 * (gap.start_s + gap.end_s)
         sun = sun_position(np.array([middle_s]), log.latitude_deg[at], log.longitude_deg[at])
         told = any(a <= gap.start_s + slack_s and b >= gap.end_s - slack_s for a, b in spans)
         if sun.elevation_rad[0] > 0.0 and not told:
-            gaps.append(gap)
-    starts = [
-        i for i, gap in enumerate(gaps) if not i or gap.start_s - gaps[i - 1].end_s > _MERGE_S
-    ]
-    for first, stop in zip(starts, [*starts[1:], len(gaps)], strict=False):
-        group = gaps[first:stop]
+            if not groups or gap.start_s - groups[-1][-1].end_s > _MERGE_S:
+                groups.append([])
+            groups[-1].append(gap)
+    for group in groups:
         total_s = sum(gap.duration_s for gap in group)
         text = f"{total_s:.0f} s without samples while the sun is up"
         yield Stretch("missing_data", group[0].start_s, group[-1].end_s, 0, text)

@@ -43,8 +43,14 @@ from studies.flight_logs.left_out import (
     of_values,
     without_power,
 )
-from studies.flight_logs.residuals import Residual, Residuals, residual_tables, residuals
-from studies.flight_logs.trackers import Trackers, compared, surfaces_of
+from studies.flight_logs.residuals import (
+    Residuals,
+    Trackers,
+    compared,
+    residual_tables,
+    residuals,
+    surfaces_of,
+)
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
@@ -178,7 +184,11 @@ class Verification(Result):
             "clock_heading_correlation": self.correlation,
             "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
             "residuals": {
-                name: [_residual_record(name, one) for one in rows]
+                name: [
+                    (_span_record(one.low, one.high) if name == "time" else {})
+                    | _without(one._asdict(), *(("low", "high") if name == "time" else ()))
+                    for one in rows
+                ]
                 for name, rows in self.residuals._asdict().items()
             },
             "mppts": [] if self.trackers is None else [m._asdict() for m in self.trackers.each],
@@ -228,11 +238,6 @@ def _span_record(start_s: float, end_s: float) -> dict[str, str]:
 
 def _without(record: dict[str, Any], *names: str) -> dict[str, Any]:
     return {name: value for name, value in record.items() if name not in names}
-
-
-def _residual_record(name: str, one: Residual) -> dict[str, Any]:
-    ends = _span_record(one.low, one.high) if name == "time" else {"low": one.low, "high": one.high}
-    return ends | _without(one._asdict(), "low", "high")
 
 
 def _section_record(section: Section) -> dict[str, Any]:
@@ -320,7 +325,17 @@ def verify(
     log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     if clock_offset_min or heading_offset_deg:
-        log = _without_offsets(log, 60.0 * clock_offset_min, heading_offset_deg)
+        ahead_s, attitude = 60.0 * clock_offset_min, log.attitude
+        if attitude is not None:
+            yaw_rad = attitude.yaw_rad - np.radians(heading_offset_deg)
+            attitude = attitude._replace(yaw_rad=yaw_rad)
+        log = replace(
+            log,
+            time_s=log.time_s - ahead_s,
+            attitude=attitude,
+            gaps=tuple(Gap(gap.start_s - ahead_s, gap.end_s - ahead_s) for gap in log.gaps),
+            left_out=tuple(one.earlier(ahead_s) for one in log.left_out),
+        )
     forward = Forward(log, aircraft, mission, np.arange(len(log)))
     own, how = surfaces_of(log, forward.geometry)
     samples, remarks = lit_samples(forward)
@@ -354,20 +369,6 @@ def verify(
         days=sections(samples, excluded, day_s, "UTC", on_days(samples)),
         trackers=None if own is None else compared(lit, own, how, ~excluded),
         notes=(*log.notes, *([how] if how and own is None else []), *remarks),
-    )
-
-
-def _without_offsets(log: FlightLog, clock_s: float, heading_deg: float) -> FlightLog:
-    """Log whose clock was so much ahead, and whose yaw was so much too large."""
-    attitude, gaps = log.attitude, log.gaps
-    if attitude is not None:
-        attitude = attitude._replace(yaw_rad=attitude.yaw_rad - np.radians(heading_deg))
-    return replace(
-        log,
-        time_s=log.time_s - clock_s,
-        attitude=attitude,
-        gaps=tuple(Gap(gap.start_s - clock_s, gap.end_s - clock_s) for gap in gaps),
-        left_out=tuple(one.earlier(clock_s) for one in log.left_out),
     )
 
 
