@@ -11,10 +11,11 @@ import numpy as np
 import pandas as pd
 
 from missions.files.errors import shown
-from missions.logs.units import MOST_SINCE_START, SCALES, epoch_unit
+from missions.logs.units import SCALES
 from solar.types import BoolArray, FloatArray
 
 _DAY_S = 86400.0
+_MOST_SINCE_START = 1e8  # s: smaller times count from the start of a log
 _SPAN = re.compile(r"(?:(\d{4}-\d\d-\d\d)@)?(\d\d?:\d\d(?::\d\d)?)-(\d\d?:\d\d(?::\d\d)?)")
 _OFFSET = re.compile(r"([+-])(\d{1,2})(?::?(\d\d))?")
 # Other common forms as ISO 8601; between dots the order is day, month, year everywhere.
@@ -120,9 +121,12 @@ def times_from_text(
     other = given & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)
     notes: list[str] = []
     if form is None:
-        text, of_halves = _of_whole_day(text)
+        halves = text.str.extract(_HALF_DAY).dropna()  # with AM or PM
+        if len(halves):
+            hour = halves[1].astype(int) % 12 + 12 * halves[3].str.lower().eq("p")
+            text[halves.index] = halves[0] + hour.map("{:02d}".format) + halves[2]
         if other.any():
-            text[other] = _as_iso(text[other], notes, american=of_halves)
+            text[other] = _as_iso(text[other], notes, american=len(halves) > 0)
     if text.str.contains(",", regex=False, na=False).any():
         text = text.str.replace(r"(:\d\d),(\d)", r"\1.\2", regex=True)
     zoned = text.str.fullmatch(r".*\d.*(?:[Zz]|[+-]\d\d(?::?\d\d)?)", na=False).to_numpy(bool)
@@ -147,18 +151,6 @@ def times_from_text(
     unknown = given & np.isnan(time_s)
     why = _NO_ZONE if zone is None else _NO_HOUR
     return Times(time_s, {_NO_FORM: unknown & ~naive, why: unknown & naive}, tuple(notes))
-
-
-def _of_whole_day(text: pd.Series) -> tuple[pd.Series, bool]:
-    """Times with AM or PM on the clock of 24 hours, and whether there are such."""
-    halves = text.str.extract(_HALF_DAY)
-    rows = halves[0].notna()
-    if not rows.any():
-        return text, False
-    hour = halves.loc[rows, 1].astype(int) % 12
-    hour += 12 * halves.loc[rows, 3].str.lower().eq("p").astype(int)
-    whole = halves.loc[rows, 0] + hour.map("{:02d}".format) + halves.loc[rows, 2]
-    return text.where(~rows, whole.reindex(text.index).astype("string")), True
 
 
 def _as_iso(text: pd.Series, notes: list[str], *, american: bool) -> pd.Series:
@@ -187,13 +179,18 @@ def times_from_numbers(
         first = values[np.isfinite(values)][:1]
         since_first = values - (first[0] if len(first) else 0.0)
         return start_s + SCALES[unit].factor * since_first, None
-    epoch, known = epoch_unit(values), values[np.isfinite(values)]
-    if epoch is None and not (len(known) and np.median(np.abs(known)) <= MOST_SINCE_START):
+    known = np.abs(values[np.isfinite(values)])
+    size = float(np.median(known)) if len(known) else np.inf
+    # 1e8 s are in 1973, 2.6e9 s in 2052: each range is clear of the next.
+    factors = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
+    fits = (u for u, by in factors.items() if _MOST_SINCE_START * by <= size < 2.6e9 * by)
+    epoch = next(fits, None)
+    if epoch is None and size > _MOST_SINCE_START:
         return values, None  # refused by its size, as other times that no flight has
     if epoch is None:
-        size = f" ({values[0]:g}, {values[1]:g}, ...)" if len(values) > 1 else ""
+        shape = f" ({values[0]:g}, {values[1]:g}, ...)" if len(values) > 1 else ""
         raise ValueError(
-            f"counts from the start of the log, not from 1970{size}: give the time of its first "
+            f"counts from the start of the log, not from 1970{shape}: give the time of its first "
             "row with its zone, such as --start 2015-06-30T11:14:00+02:00"
         )
     note = None

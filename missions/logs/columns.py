@@ -19,8 +19,19 @@ from missions.files.errors import printable, shortened, shown
 from missions.files.validation import unknown_key, validate
 from missions.files.yaml import read_yaml
 from missions.logs.clock import Span, parse_instant, parse_span, parse_zone
-from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER
-from missions.logs.units import SCALES, UNITS, Dimension, known_unit, spelled, split_unit
+from missions.logs.units import (
+    ATTITUDE,
+    EPOCH,
+    QUANTITIES,
+    SCALES,
+    TIME,
+    TRACKER,
+    UNITS,
+    Dimension,
+    known_unit,
+    spelled,
+    split_unit,
+)
 from solar.schema import Real, Record, Text
 from solar.types import FloatArray
 

@@ -22,9 +22,18 @@ from missions.logs.columns import ColumnMap, Recipe, Recipes, recipes_for
 from missions.logs.dataflash import read_dataflash
 from missions.logs.delimited import Text, read_text
 from missions.logs.px4_ulog import read_ulog
-from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER
 from missions.logs.table import COLUMNS, REQUIRED, Check, FlightLog, checked_log, numbers
-from missions.logs.units import in_radians, recognised, spelled, surely_radians
+from missions.logs.units import (
+    ATTITUDE,
+    EPOCH,
+    QUANTITIES,
+    TIME,
+    TRACKER,
+    in_radians,
+    recognised,
+    spelled,
+    surely_radians,
+)
 
 _RADIANS = "roll, pitch and yaw read as radians: the yaw turns within 2 pi and none exceeds it"
 

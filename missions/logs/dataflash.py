@@ -16,9 +16,9 @@ import numpy as np
 from missions.files.errors import file_error
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
-from missions.logs.quantities import ATTITUDE
 from missions.logs.streams import Stream, Streams, kinds_named
 from missions.logs.table import FlightLog, Series
+from missions.logs.units import ATTITUDE
 
 _MOST_BYTES = 500_000_000
 _HEAD, _FMT, _FMT_LENGTH = b"\xa3\x95", 128, 89
@@ -92,40 +92,30 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
             continue
         if at + length > len(content):
             break
-        if kind == _FMT:
-            _take_in_format(content[at + 3 : at + length], kinds, lengths, wanted)
-        elif kind in kinds:
+        if kind in kinds:
             kinds[kind].places.append(at)
-        at += length
+        body, at = content[at + 3 : at + length], at + length
+        if kind != _FMT or (number := body[0]) == _FMT or number in lengths or body[1] < 4:
+            continue
+        name, letters, labels = (
+            part.split(b"\0")[0].decode("ascii", "replace")
+            for part in (body[2:6], body[6:22], body[22:86])
+        )
+        fields, lengths[number] = labels.split(","), body[1]
+        known = all(letter in _LETTERS for letter in letters)
+        if not known or len(fields) != len(letters) or len(set(fields)) != len(fields):
+            continue
+        kind_of = dict(zip(fields, letters, strict=True))
+        dtype = np.dtype([("head", "S3"), *((f, _LETTERS[c][0]) for f, c in kind_of.items())])
+        if dtype.itemsize == body[1] and name in wanted:
+            scales = {f: _LETTERS[c][1] for f, c in kind_of.items()}
+            if name == "CURR":  # until 2016 hundredths of volts and amperes, as plain integers
+                scales |= {f: 0.01 for f in ("Volt", "Curr") if kind_of.get(f, "") in ("h", "H")}
+            kinds[number] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
     if len(lengths) == 1:
         raise file_error(source, "is not a DataFlash log: it describes no messages")
     own = (_by_instance(one, content) for one in kinds.values() if one.places)
     return {name: stream for part in own for name, stream in part.items()}, skipped
-
-
-def _take_in_format(
-    body: bytes, kinds: dict[int, _Kind], lengths: dict[int, int], wanted: set[str]
-) -> None:
-    """Take in a FMT message; what it cannot be is left out."""
-    number, length = body[0], body[1]
-    name, letters, labels = (
-        part.split(b"\0")[0].decode("ascii", "replace")
-        for part in (body[2:6], body[6:22], body[22:86])
-    )
-    fields = labels.split(",")
-    if number == _FMT or length < 4 or number in lengths:
-        return
-    known = all(letter in _LETTERS for letter in letters)
-    lengths[number] = length
-    if not known or len(fields) != len(letters) or len(set(fields)) != len(fields):
-        return
-    kind_of = dict(zip(fields, letters, strict=True))
-    dtype = np.dtype([("head", "S3"), *((f, _LETTERS[c][0]) for f, c in kind_of.items())])
-    if dtype.itemsize == length and name in wanted:
-        scales = {f: _LETTERS[c][1] for f, c in kind_of.items()}
-        if name == "CURR":  # until 2016 hundredths of volts and amperes, as plain integers
-            scales |= {f: 0.01 for f in ("Volt", "Curr") if kind_of.get(f, "") in ("h", "H")}
-        kinds[number] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
 
 
 def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:

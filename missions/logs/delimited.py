@@ -7,11 +7,11 @@ import csv
 import io
 import re
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import pandas as pd
 
@@ -48,10 +48,8 @@ class Text:
     line: int
     rows: list[str]
     numbers: list[int]
-    separator: str
-    decimal: str
-    thousands: str | None
-    notes: tuple[str, ...]
+    form: Mapping[str, Any]
+    notes: list[str]
 
     def frame(self, used: Sequence[str]) -> pd.DataFrame:
         """Columns of the table, numbers where all fields are."""
@@ -60,11 +58,9 @@ class Text:
         # By their places: names of columns that nothing needs may be there twice.
         places = [self.header.index(name) for name in used]
         try:
-            table = pd.read_csv(
+            table: pd.DataFrame = pd.read_csv(
                 io.StringIO("\n".join(self.rows)),
-                sep=self.separator,
-                decimal=self.decimal,
-                thousands=self.thousands,
+                **self.form,
                 header=None,
                 usecols=places,
                 index_col=False,
@@ -124,23 +120,23 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     thousands = _thousands(rows, separator, decimal)
     if thousands is not None:
         notes.append(f"numbers have {thousands!r} between thousands")
-    return Text(source, header, line, rows, numbers, separator, decimal, thousands, tuple(notes))
+    form = {"sep": separator, "decimal": decimal, "thousands": thousands}
+    return Text(source, header, line, rows, numbers, form, notes)
 
 
 def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
     """Text of a file: UTF-8, UTF-16 of spreadsheets, else the code page of Windows."""
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    try:
-        text, notes = content.decode("utf-16" if wide else "utf-8-sig"), []
-    except UnicodeDecodeError as error:
-        if wide:
-            raise file_error(source, f"is not UTF-16 text (byte {error.start})") from None
-        # Latin-1 has a character for every byte; where it differs, it has control characters.
+    # Latin-1 has a character for every byte; where it differs, it has control characters.
+    for encoding in ("utf-16" if wide else "utf-8-sig", "cp1252", "latin-1"):
         try:
-            text = content.decode("cp1252")
-        except UnicodeDecodeError:
-            text = content.decode("latin-1")
-        notes = ["the text is not UTF-8: read as that of Windows (code page 1252)"]
+            text = content.decode(encoding)
+            break
+        except UnicodeDecodeError as error:
+            if wide:
+                raise file_error(source, f"is not UTF-16 text (byte {error.start})") from None
+    windows = "the text is not UTF-8: read as that of Windows (code page 1252)"
+    notes = [] if encoding.startswith("utf") else [windows]
     if _CONTROLS.search(text[:_LONGEST_LINE]):
         raise file_error(source, "is not a text table: it holds control characters")
     return text, notes

@@ -1,6 +1,6 @@
 """Values of a log that cannot be: found before anything is computed, told, and left out.
 
-What a quantity can be, and whether it may rest, is declared once in ``quantities``.
+What a quantity can be, and whether it may rest, is declared once in ``units``.
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ import numpy as np
 import pandas as pd
 
 from missions.logs.clock import Span
-from missions.logs.quantities import QUANTITIES, quantity_of
-from missions.logs.units import UNITS, Dimension
+from missions.logs.units import QUANTITIES, UNITS, Dimension, quantity_of
 from solar.types import BoolArray, FloatArray
 
 Kind = Literal[
@@ -56,11 +55,6 @@ class LeftOut(NamedTuple):
     values: int
     example: str
     periods: tuple[tuple[float, float], ...]
-
-    def earlier(self, by_s: float) -> LeftOut:
-        """The same by a clock that was so much ahead [s]."""
-        periods = tuple((start - by_s, end - by_s) for start, end in self.periods)
-        return self._replace(periods=periods)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -116,14 +110,6 @@ def codes(dimension: Dimension, values: FloatArray) -> BoolArray:
     low, high = np.quantile(others, (0.01, 0.99))
     apart = np.maximum(low - values, values - high)
     return np.asarray(marked & (apart > _APART * (high - low)) & (apart > 0.0))
-
-
-def no_place(latitude_deg: FloatArray, longitude_deg: FloatArray) -> BoolArray:
-    """Positions of 0, 0, which receivers without a fix give, where the flight was elsewhere."""
-    zero = (latitude_deg == 0.0) & (longitude_deg == 0.0)
-    others = (np.abs(latitude_deg) + np.abs(longitude_deg))[~zero]
-    others = others[np.isfinite(others)]
-    return np.asarray(zero & bool(len(others) and np.median(others) > 1.0))
 
 
 def stretches(

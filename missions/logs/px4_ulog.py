@@ -13,9 +13,9 @@ import numpy as np
 from missions.files.errors import InputError, file_error, printable
 from missions.files.texts import open_plain
 from missions.logs.columns import ColumnMap
-from missions.logs.quantities import ATTITUDE, TRACKER
 from missions.logs.streams import Stream, Streams, kinds_named
 from missions.logs.table import FlightLog, Series
+from missions.logs.units import ATTITUDE, TRACKER
 
 _POWER_TOPIC = "sensor_mppt"
 _POSITION_TOPICS = ("vehicle_gps_position", "sensor_gps")

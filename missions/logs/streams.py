@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, printable
 from missions.logs.columns import ColumnMap, Recipe, Source, recipes_for
-from missions.logs.quantities import EPOCH
 from missions.logs.table import REQUIRED, FlightLog, Series, log_from_table, sampled
+from missions.logs.units import EPOCH
 from solar.types import BoolArray, FloatArray
 
 _FIX_3D = 3

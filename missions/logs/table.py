@@ -20,16 +20,8 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
 from missions.logs.clock import Span, times_from_text
-from missions.logs.plausible import (
-    Kind,
-    LeftOut,
-    codes,
-    leave_out_held,
-    left_out,
-    no_place,
-    without_spans,
-)
-from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER, quantity_of
+from missions.logs.plausible import Kind, LeftOut, codes, leave_out_held, left_out, without_spans
+from missions.logs.units import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER, quantity_of
 from solar.types import BoolArray, FloatArray, IntArray
 
 REQUIRED = ("latitude_deg", "longitude_deg", "altitude_m", "solar_power_w")
@@ -191,7 +183,10 @@ def checked_log(
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
     names += _trackers(table)
     values = {name: numbers(table[name], check, quantity_of(name)) for name in names}
-    nowhere = no_place(values["latitude_deg"], values["longitude_deg"])
+    # Receivers without a fix give 0, 0, where the flight was elsewhere.
+    distance = np.abs(values["latitude_deg"]) + np.abs(values["longitude_deg"])
+    others = distance[distance > 0.0]
+    nowhere = (distance == 0.0) & bool(len(others) and np.median(others) > 1.0)
     for name in ("latitude_deg", "longitude_deg"):
         values[name] = check.without(values[name], nowhere, table[name], "code")
     check.done()

@@ -107,7 +107,7 @@ def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Est
 
 def _heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
     attitude = forward.log.attitude
-    if attitude is None or not fit.turned:
+    if attitude is None or "heading" not in fit.names:
         lacking = "the log has no attitude" if attitude is None else "no modules.geometry"
         return _estimate("heading_offset", why=lacking)
     value, wide = (float(np.degrees(one)) for one in fit.of("heading"))

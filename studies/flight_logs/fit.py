@@ -66,11 +66,6 @@ class Fit:
     scatter_w: float
     level: tuple[float, float] = (0.0, 0.0)
 
-    @property
-    def turned(self) -> bool:
-        """Whether a heading is among what is fitted."""
-        return "heading" in self.names
-
     def of(self, name: str) -> tuple[float, float]:
         """Value and half-width of its interval."""
         place = self.names.index(name)
@@ -86,7 +81,7 @@ class Fit:
     @property
     def correlation(self) -> float | None:
         """Correlation of the errors of clock and heading, if both are fitted."""
-        if not self.turned:
+        if "heading" not in self.names:
             return None
         i, j = self.names.index("clock_s"), self.names.index("heading")
         c = self.covariance
@@ -122,7 +117,18 @@ def fitted(forward: Forward, measured_w: FloatArray) -> Fit | None:
         start = min(
             (few.fit(one, rounds=1) for one in starts), key=lambda one: one.scatter_w
         ).values
-    return data.with_level(data.fit(np.append(start, np.zeros(len(data.names) - len(start)))))
+    fit = data.fit(np.append(start, np.zeros(len(names) - len(start))))
+
+    # The other errors move the factor of the fit, and whoever applies it does not apply them.
+    def level(values: FloatArray) -> float:
+        moved = np.where(np.isin(names, ("clock_s", "heading")), values, 0.0)
+        whole, part = (_power_w(data.forward, names, v).sum() for v in (values, moved))
+        return float(np.log(whole / part))
+
+    steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in names])
+    middle = level(fit.values)
+    slopes = np.array([level(fit.values + one) - middle for one in np.diag(steps)]) / steps
+    return replace(fit, level=(middle, float(np.sqrt(slopes @ fit.covariance @ slopes))))
 
 
 @dataclass(frozen=True)
@@ -209,24 +215,6 @@ class _Data:
         if not self.forward.knows_angles:
             covariance[1, 1] += _CAM_CLOCK_S**2
         return Fit(self.names, values, covariance, scatter)
-
-    def with_level(self, fit: Fit) -> Fit:
-        """Fit with measured over modelled energy at its clock and heading, and its error.
-
-        The other errors move the factor of the fit; whoever applies clock, heading and factor does
-        not apply them.
-        """
-
-        def level(values: FloatArray) -> float:
-            moved = np.where(np.isin(self.names, ("clock_s", "heading")), values, 0.0)
-            whole, part = (_power_w(self.forward, self.names, v) for v in (values, moved))
-            return float(np.log(whole.sum() / part.sum()))
-
-        steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in self.names])
-        middle = level(fit.values)
-        slopes = np.array([level(fit.values + one) - middle for one in np.diag(steps)]) / steps
-        error = float(np.sqrt(slopes @ fit.covariance @ slopes))
-        return replace(fit, level=(middle, error))
 
 
 def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float:

@@ -59,16 +59,12 @@ AS_LOGGED = Offsets()
 
 
 class Sunlight(NamedTuple):
-    """Sun, clear sky and rotation from body axes of some samples."""
+    """Sun, clear sky, sine of elevation (zero by night) and rotation from body axes of samples."""
 
     sun: SunPosition
     light: Irradiance
+    sine: FloatArray
     to_ned: FloatArray | None
-
-    @property
-    def sine(self) -> FloatArray:
-        """Sine of the sun's elevation, zero below the horizon."""
-        return np.maximum(-self.sun.vector_ned[:, 2], 0.0)
 
 
 @dataclass(frozen=True)
@@ -143,10 +139,10 @@ class Forward:
             dhi = light.dhi + _SCATTERED_DOWN * (light.dni - dni) * sine
             light = Irradiance(dni, np.maximum(dhi, 0.1 * light.dhi) * np.exp(offsets.diffuse))
         if log.attitude is None or not self.knows_angles:
-            return Sunlight(sun, light, None)
+            return Sunlight(sun, light, sine, None)
         roll, pitch, yaw = (angle[index] for angle in log.attitude)
         angles = (roll - offsets.roll, pitch - offsets.pitch, yaw - offsets.heading)
-        return Sunlight(sun, light, direction_cosines(*angles))
+        return Sunlight(sun, light, sine, direction_cosines(*angles))
 
     def full(self, given: Sunlight) -> ModulePower:
         """The Full Model in some sunlight."""

@@ -14,7 +14,7 @@ from solar.sun import SECONDS_PER_DAY
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.left_out import Reason
-from studies.flight_logs.residuals import Residual, Trackers
+from studies.flight_logs.residuals import Residual
 from studies.flight_logs.verification import Verification
 from studies.output.figures.drawing import (
     BLUE,
@@ -79,8 +79,8 @@ def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT
 def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure:
     """Power, and residuals over time, the sun's elevation and its azimuth, and by MPPTs."""
     samples, found = result.samples, result.residuals
-    panels, every = 3 + bool(found.bearing) + (result.trackers is not None), samples.time_s > 0.0
-    filter_s = result.days[0].filter_s
+    panels = 3 + bool(found.bearing) + (result.trackers is not None)
+    every, filter_s = np.ones(len(samples.time_s), bool), result.days[0].filter_s
     page = _Page(result, panels, "models against flight", every, filter_s, figure)
     power, error, elevation, *rest = page.panels
     page.draw_power(power)
@@ -102,7 +102,16 @@ def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure
         rest[0].set(ylabel="error [%]", xlabel="azimuth of the sun from the nose, clockwise [deg]")
         rest[0].set(xlim=(0, 360), xticks=range(0, 361, 45))
     if result.trackers is not None:
-        _draw_trackers(page, result.trackers, rest[-1])
+        bright = result.trackers.modelled_w.sum(axis=1)
+        bright = bright > _BRIGHT * bright.max()
+        powers = result.trackers.measured_w.T, result.trackers.modelled_w.T
+        colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
+        columns = zip(result.trackers.each, *powers, colours, strict=False)
+        for tracker, measured, modelled, colour in columns:
+            share = page.smooth(measured) / np.maximum(page.smooth(modelled), 1e-9)
+            percent = np.where(bright, 100.0 * share, np.nan)
+            page.line(rest[-1], percent, label=tracker.name, color=colour)
+        rest[-1].set_ylabel("measured / FM [%]")
     return page.finished([power, error, *rest[bool(found.bearing) :]], zero)
 
 
@@ -179,19 +188,6 @@ class _Page:
             if axes.get_legend_handles_labels()[0]:
                 axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
         return self.figure
-
-
-def _draw_trackers(page: _Page, found: Trackers, axes: Axes) -> None:
-    """Measured over modelled power of each MPPT."""
-    total = found.modelled_w.sum(axis=1)
-    bright = total > _BRIGHT * total.max()
-    colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
-    columns = zip(found.each, found.measured_w.T, found.modelled_w.T, colours, strict=False)
-    for tracker, measured, modelled, colour in columns:
-        share = page.smooth(measured) / np.maximum(page.smooth(modelled), 1e-9)
-        percent = np.where(bright, 100.0 * share, np.nan)
-        page.line(axes, percent, label=tracker.name, color=colour)
-    axes.set_ylabel("measured / FM [%]")
 
 
 def _draw_bins(axes: Axes, rows: tuple[Residual, ...], when: str, marker: str) -> None:

@@ -33,16 +33,8 @@ from studies.flight_logs.errors import (
     sections,
 )
 from studies.flight_logs.estimates import Applied, Estimate, estimates, estimates_table
-from studies.flight_logs.fit import Fit, fitted
 from studies.flight_logs.forward import Forward, Samples, lit_samples
-from studies.flight_logs.left_out import (
-    Stretch,
-    battery_full,
-    left_out_table,
-    may_be_limited,
-    of_values,
-    without_power,
-)
+from studies.flight_logs.left_out import Stretch, left_out_table, what_counts
 from studies.flight_logs.residuals import (
     Residuals,
     Trackers,
@@ -72,7 +64,6 @@ _WHOLE_WATTS = tuple(
     for column in _ERRORS
 )
 _DECIMALS = 5  # of hours: a twentieth of a second
-_DARK = 0.02  # share of the peak below which there is nothing to fit
 
 
 @dataclass(frozen=True, repr=False)
@@ -334,12 +325,15 @@ def verify(
             time_s=log.time_s - ahead_s,
             attitude=attitude,
             gaps=tuple(Gap(gap.start_s - ahead_s, gap.end_s - ahead_s) for gap in log.gaps),
-            left_out=tuple(one.earlier(ahead_s) for one in log.left_out),
+            left_out=tuple(
+                one._replace(periods=tuple((a - ahead_s, b - ahead_s) for a, b in one.periods))
+                for one in log.left_out
+            ),
         )
     forward = Forward(log, aircraft, mission, np.arange(len(log)))
     own, how = surfaces_of(log, forward.geometry)
     samples, remarks = lit_samples(forward)
-    fit, stretches, excluded = _what_counts(forward, samples)
+    fit, stretches, excluded = what_counts(forward, samples)
     inside = list(in_windows(samples, periods, log.source))
     window_s = WINDOW_FILTER_S if filter_s is None else filter_s
     day_s = DAY_FILTER_S if filter_s is None else filter_s
@@ -370,30 +364,3 @@ def verify(
         trackers=None if own is None else compared(lit, own, how, ~excluded),
         notes=(*log.notes, *([how] if how and own is None else []), *remarks),
     )
-
-
-def _what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[Stretch], BoolArray]:
-    """Fit, what is left out, and which samples are.
-
-    Where the battery may limit the power, nothing is fitted until that expects as much.
-    """
-    log, index, aircraft = forward.log, samples.index, forward.aircraft
-    modelled, measured, (dead, gone) = forward.power_w(), log.solar_power_w, without_power(log)
-    peak = float(np.quantile(measured, 0.98))
-    dark = (measured <= _DARK * peak) & (modelled <= _DARK * modelled.max(initial=0.0))
-
-    def fit_without(left_out: BoolArray) -> Fit | None:
-        use = np.flatnonzero(~(dark | left_out))
-        return fitted(forward.of(use), measured[use])
-
-    limited, full = may_be_limited(log, aircraft), np.zeros(len(log), bool)
-    fit, stretches = fit_without(dead | limited), [*gone, *of_values(log)]
-    if fit is not None and limited[index].any():
-        expected = fit.expected_w(forward.of(index))
-        may_be = (limited & ~dead)[index]
-        for stretch, inside in battery_full(log, samples, may_be, expected):
-            stretches.append(stretch)
-            full[index[inside]] = True
-        if np.any(limited & ~full):
-            fit = fit_without(dead | full) or fit
-    return fit, stretches, (full | dead)[index]
