@@ -123,7 +123,7 @@ def times_from_text(
     if form is None:
         halves = text.str.extract(_HALF_DAY).dropna()  # with AM or PM
         if len(halves):
-            hour = halves[1].astype(int) % 12 + 12 * halves[3].str.lower().eq("p")
+            hour = halves[1].astype(int) % 12 + 12 * halves[3].str.lower().eq("p").astype(int)
             text[halves.index] = halves[0] + hour.map("{:02d}".format) + halves[2]
         if other.any():
             text[other] = _as_iso(text[other], notes, american=len(halves) > 0)
