@@ -116,7 +116,8 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     decimal = layout.decimal or ("," if comma else ".")
     if separator != ",":
         sign = "decimal comma" if decimal == "," else "decimal point"
-        notes.insert(0, f"columns are separated by {_NAMES[separator]}, numbers have a {sign}")
+        signs = _NAMES.get(separator, repr(separator))
+        notes.insert(0, f"columns are separated by {signs}, numbers have a {sign}")
     thousands = _thousands(rows, separator, decimal)
     if thousands is not None:
         notes.append(f"numbers have {thousands!r} between thousands")
