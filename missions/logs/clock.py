@@ -11,13 +11,20 @@ import numpy as np
 import pandas as pd
 
 from missions.files.errors import shown
-from missions.logs.units import MOST_SINCE_START, UNITS, epoch_unit
+from missions.logs.units import SCALES
 from solar.types import BoolArray, FloatArray
 
 _DAY_S = 86400.0
+_MOST_SINCE_START = 1e8  # s: smaller times count from the start of a log
 _SPAN = re.compile(r"(?:(\d{4}-\d\d-\d\d)@)?(\d\d?:\d\d(?::\d\d)?)-(\d\d?:\d\d(?::\d\d)?)")
 _OFFSET = re.compile(r"([+-])(\d{1,2})(?::?(\d\d))?")
-_DOTTED = r"^\s*(\d{1,2})\.(\d{1,2})\.(\d{4})[ T,]+"
+# Other common forms as ISO 8601; between dots the order is day, month, year everywhere.
+_REWRITTEN = (
+    (r"^\s*(\d{1,2})\.(\d{1,2})\.(\d{4})[ T,]+", r"\3-\2-\1 "),
+    (r"^(\d{4})[-/](\d\d?)[-/](\d\d?)", r"\1-\2-\3"),
+    (r"^(\d{4})-(\d)-", r"\1-0\2-"),
+    (r"^(\d{4}-\d\d)-(\d)(?!\d)", r"\1-0\2"),
+)
 _SLASHED = r"^\s*(\d{1,2})/(\d{1,2})/(\d{4})[ T,]+"
 _NO_FORM = "must be ISO 8601 like 2015-07-01T05:30:00Z"
 _NO_ZONE = "has no time zone; write UTC like 2015-07-01T05:30:00Z or +02:00, or give --timezone"
@@ -114,9 +121,12 @@ def times_from_text(
     other = given & ~text.str.match(r"\d{4}-\d\d-\d\d", na=False).to_numpy(bool)
     notes: list[str] = []
     if form is None:
-        text, of_halves = _of_whole_day(text)
+        halves = text.str.extract(_HALF_DAY).dropna()  # with AM or PM
+        if len(halves):
+            hour = halves[1].astype(int) % 12 + 12 * halves[3].str.lower().eq("p").astype(int)
+            text[halves.index] = halves[0] + hour.map("{:02d}".format) + halves[2]
         if other.any():
-            text[other] = _rewritten(_ordered(text[other], notes, american=of_halves))
+            text[other] = _as_iso(text[other], notes, american=len(halves) > 0)
     if text.str.contains(",", regex=False, na=False).any():
         text = text.str.replace(r"(:\d\d),(\d)", r"\1.\2", regex=True)
     zoned = text.str.fullmatch(r".*\d.*(?:[Zz]|[+-]\d\d(?::?\d\d)?)", na=False).to_numpy(bool)
@@ -133,46 +143,27 @@ def times_from_text(
         local = pd.to_datetime(text[rows], format=form or "ISO8601", errors="coerce")
         naive[rows] = local.notna().to_numpy(bool)
         if zone is not None:
-            time_s[rows] = _localised(local, zone)
+            try:
+                local = local.dt.tz_localize(zone, ambiguous="infer", nonexistent="NaT")
+            except ValueError:  # an hour that comes twice, without its repetition to tell by
+                local = local.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
+            time_s[rows] = _seconds(local.dt.tz_convert("UTC"))
     unknown = given & np.isnan(time_s)
     why = _NO_ZONE if zone is None else _NO_HOUR
     return Times(time_s, {_NO_FORM: unknown & ~naive, why: unknown & naive}, tuple(notes))
 
 
-def _of_whole_day(text: pd.Series) -> tuple[pd.Series, bool]:
-    """Times with AM or PM on the clock of 24 hours, and whether there are such."""
-    halves = text.str.extract(_HALF_DAY)
-    rows = halves[0].notna()
-    if not rows.any():
-        return text, False
-    hour = halves.loc[rows, 1].astype(int) % 12
-    hour += 12 * halves.loc[rows, 3].str.lower().eq("p").astype(int)
-    whole = halves.loc[rows, 0] + hour.map("{:02d}".format) + halves.loc[rows, 2]
-    return text.where(~rows, whole.reindex(text.index).astype("string")), True
-
-
-def _ordered(text: pd.Series, notes: list[str], *, american: bool) -> pd.Series:
-    """Dates between slashes as year-month-day, where a day above 12, AM or PM tells the order."""
-    parts = text.str.extract(_SLASHED)
-    known = parts[0].notna()
-    if not known.any():
-        return text
-    first, second = (parts.loc[known, i].astype(int) for i in (0, 1))
-    day_first = bool((first > 12).any())
-    if not (day_first or american or (second > 12).any()):
-        return text
-    order = "day/month/year" if day_first else "month/day/year"
-    notes.append(f"dates are read as {order}")
-    form = r"\3-\2-\1 " if day_first else r"\3-\1-\2 "
-    return text.str.replace(_SLASHED, form, regex=True)
-
-
-def _rewritten(text: pd.Series) -> pd.Series:
-    """Other common forms as ISO 8601; between dots the order is day, month, year everywhere."""
-    text = text.str.replace(_DOTTED, r"\3-\2-\1 ", regex=True)
-    text = text.str.replace(r"^(\d{4})[-/](\d\d?)[-/](\d\d?)", r"\1-\2-\3", regex=True)
-    text = text.str.replace(r"^(\d{4})-(\d)-", r"\1-0\2-", regex=True)
-    return text.str.replace(r"^(\d{4}-\d\d)-(\d)(?!\d)", r"\1-0\2", regex=True)
+def _as_iso(text: pd.Series, notes: list[str], *, american: bool) -> pd.Series:
+    """Other forms as ISO 8601; between slashes a day above 12, AM or PM tells the order."""
+    parts = text.str.extract(_SLASHED).dropna().astype(int)
+    day_first = bool((parts[0] > 12).any())
+    if len(parts) and (day_first or american or (parts[1] > 12).any()):
+        notes.append(f"dates are read as {'day/month/year' if day_first else 'month/day/year'}")
+        form = r"\3-\2-\1 " if day_first else r"\3-\1-\2 "
+        text = text.str.replace(_SLASHED, form, regex=True)
+    for pattern, form in _REWRITTEN:
+        text = text.str.replace(pattern, form, regex=True)
+    return text
 
 
 def _seconds(instants: pd.Series) -> FloatArray:
@@ -180,35 +171,31 @@ def _seconds(instants: pd.Series) -> FloatArray:
     return np.where(np.isnat(plain), np.nan, plain.astype(np.int64) / 1e6)
 
 
-def _localised(local: pd.Series, zone: datetime.tzinfo) -> FloatArray:
-    """Seconds since 1970 of local times; NaN in the hour that a change of clocks leaves out."""
-    try:
-        localised = local.dt.tz_localize(zone, ambiguous="infer", nonexistent="NaT")
-    except ValueError:  # an hour that comes twice, without its repetition to tell by
-        localised = local.dt.tz_localize(zone, ambiguous="NaT", nonexistent="NaT")
-    return _seconds(localised.dt.tz_convert("UTC"))
-
-
 def times_from_numbers(
     values: FloatArray, unit: str | None, start_s: float | None, name: str
 ) -> tuple[FloatArray, str | None]:
     """Read times that are numbers, from 1970 or from ``start_s`` since then."""
     if start_s is not None:
-        factor = UNITS["time"][unit or "s"].factor
         first = values[np.isfinite(values)][:1]
-        return start_s + factor * (values - (first[0] if len(first) else 0.0)), None
-    epoch, known = epoch_unit(values), values[np.isfinite(values)]
-    if epoch is None and not (len(known) and np.median(np.abs(known)) <= MOST_SINCE_START):
+        since_first = values - (first[0] if len(first) else 0.0)
+        return start_s + SCALES[unit].factor * since_first, None
+    known = np.abs(values[np.isfinite(values)])
+    size = float(np.median(known)) if len(known) else np.inf
+    # 1e8 s are in 1973, 2.6e9 s in 2052: each range is clear of the next.
+    factors = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
+    fits = (u for u, by in factors.items() if _MOST_SINCE_START * by <= size < 2.6e9 * by)
+    epoch = next(fits, None)
+    if epoch is None and size > _MOST_SINCE_START:
         return values, None  # refused by its size, as other times that no flight has
     if epoch is None:
-        size = f" ({values[0]:g}, {values[1]:g}, ...)" if len(values) > 1 else ""
+        shape = f" ({values[0]:g}, {values[1]:g}, ...)" if len(values) > 1 else ""
         raise ValueError(
-            f"counts from the start of the log, not from 1970{size}: give the time of its first "
+            f"counts from the start of the log, not from 1970{shape}: give the time of its first "
             "row with its zone, such as --start 2015-06-30T11:14:00+02:00"
         )
     note = None
-    if unit is not None and UNITS["time"][unit].factor != UNITS["time"][epoch].factor:
+    if unit is not None and SCALES[unit] != SCALES[epoch]:
         note = f"{name} is said to be in {unit}, and read as {epoch} since 1970: so its size says"
     elif unit is None:
         note = f"{name} read as {epoch} since 1970"
-    return UNITS["time"][epoch].factor * values, note
+    return SCALES[epoch].factor * values, note

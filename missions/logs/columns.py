@@ -19,8 +19,19 @@ from missions.files.errors import printable, shortened, shown
 from missions.files.validation import unknown_key, validate
 from missions.files.yaml import read_yaml
 from missions.logs.clock import Span, parse_instant, parse_span, parse_zone
-from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER
-from missions.logs.units import UNITS, Dimension, Unit, known_unit, spelled, split_unit
+from missions.logs.units import (
+    ATTITUDE,
+    EPOCH,
+    QUANTITIES,
+    SCALES,
+    TIME,
+    TRACKER,
+    UNITS,
+    Dimension,
+    known_unit,
+    spelled,
+    split_unit,
+)
 from solar.schema import Real, Record, Text
 from solar.types import FloatArray
 
@@ -153,7 +164,12 @@ class Recipe:
 
     def told(self) -> str:
         """What is read as what."""
-        text = " + ".join(" * ".join(map(_with_unit, term)) for term in self.terms)
+
+        def with_unit(factor: Factor) -> str:
+            shown = factor.unit is not None and split_unit(factor.column)[1] is None
+            return f"{factor.column} [{spelled(str(factor.unit))}]" if shown else factor.column
+
+        text = " + ".join(" * ".join(map(with_unit, term)) for term in self.terms)
         return f"{self.quantity} = {printable(text)}"
 
     def values(
@@ -167,34 +183,13 @@ class Recipe:
         for term in self.terms:
             product: Any = self.factor
             for factor in term:
-                scale = _scale(self.quantity, len(term), factor.unit or unit)
+                scale = SCALES[factor.unit or unit]
                 product = product * (scale.factor * column(factor.column) + scale.offset)
             parts.append((" * ".join(factor.column for factor in term), np.asarray(product, float)))
         every = {self.quantity: np.asarray(sum(values for _, values in parts), float)}
         if self.quantity == "solar_power_w" and len(parts) > 1:
             every |= {TRACKER + name: values for name, values in parts}
         return every
-
-
-def _with_unit(factor: Factor) -> str:
-    if factor.unit is None or split_unit(factor.column)[1] is not None:
-        return factor.column
-    return f"{factor.column} [{spelled(factor.unit)}]"
-
-
-def _scale(quantity: str, factors: int, unit: str | None) -> Unit:
-    """Unit of a column; the first of its dimension by default."""
-    units = [UNITS[dimension] for dimension in _dimensions(quantity, factors)]
-    if unit is None:
-        return next(iter(units[0].values()))
-    return next(known[unit] for known in units if unit in known)
-
-
-def _dimensions(quantity: str, factors: int) -> tuple[Dimension, ...]:
-    """Dimensions that a column may have: of a product those of voltage and current."""
-    if factors == 1:
-        return (QUANTITIES[quantity].dimension,)
-    return ("voltage", "current")
 
 
 class Recipes(NamedTuple):
@@ -227,10 +222,21 @@ def recipes_for(
                 taken.add(column.column)
     if guess and "solar_power_w" not in recipes:
         recipes |= _power_of_trackers(header, taken)
-    _join_power(recipes)
+    # Power from voltage and current where it has no column of its own.
+    volts, amps = (recipes.pop(part, None) for part in _PARTS)
+    if amps is not None and volts is None:
+        volts = recipes.get("mppt_voltage_v")
+    pair = [one.terms[0][0] for one in (volts, amps) if one is not None and one.single]
+    if "solar_power_w" not in recipes and len(pair) == 2:
+        recipes["solar_power_w"] = Recipe("solar_power_w", (tuple(pair),), guessed=True)
     for quantity in given.ignore:
         recipes.pop(quantity, None)
-    _leave_half_attitude(recipes, given.ignore)
+    # Guessed angles that are not all three are forgotten: a course alone is no attitude.
+    angles = [name for name in ATTITUDE if name in recipes]
+    unwanted = any(name in given.ignore for name in ATTITUDE)
+    if len(angles) < len(ATTITUDE) and (unwanted or all(recipes[n].guessed for n in angles)):
+        for name in angles:
+            del recipes[name]
     used = {column for recipe in recipes.values() for column in recipe.columns}
     return Recipes(recipes, [name for name in header if name not in used], problems)
 
@@ -253,31 +259,36 @@ def _given(quantity: str, source: str | Source, header: Sequence[str]) -> Recipe
     if one.unit is not None:
         if len(terms) != 1 or len(terms[0]) != 1:
             raise ValueError(f"{key}: in a sum or product the unit stands behind each column")
-        terms = ((Factor(terms[0][0].column, _unit_of_quantity(key, quantity, 1, one.unit)),),)
+        dimension = QUANTITIES[quantity].dimension
+        terms = ((Factor(terms[0][0].column, _allowed_unit(key, one.unit, dimension)),),)
     return Recipe(quantity, terms, factor=one.factor, form=one.format)
 
 
 def _term(key: str, quantity: str, text: str, header: Sequence[str]) -> tuple[Factor, ...]:
+    """Product of columns, each perhaps with its unit behind it."""
     parts = [text.strip()] if text.strip() in header else text.strip().split(" * ")
     if len(parts) > 2:
         raise ValueError(f"{key}: a product is that of a voltage and a current (got {shown(text)})")
-    return tuple(_factor(key, quantity, len(parts), part.strip(), header) for part in parts)
+    alone: tuple[Dimension, ...] = (QUANTITIES[quantity].dimension,)
+    dimensions = alone if len(parts) == 1 else ("voltage", "current")
+    factors = []
+    for part in map(str.strip, parts):
+        name, unit = (part, None) if part in header else split_unit(part)
+        if name not in header:
+            message = unknown_key(part, list(header)).replace("unknown key", "no such column")
+            raise ValueError(f"{key}: {message}")
+        if unit is not None:
+            unit = _allowed_unit(key, unit, *dimensions)
+        elif name != quantity:
+            unit = _unit_of_name(name, *dimensions)
+        factors.append(Factor(name, unit))
+    return tuple(factors)
 
 
-def _factor(key: str, quantity: str, factors: int, text: str, header: Sequence[str]) -> Factor:
-    if text in header:
-        return Factor(text, _unit_of_name(quantity, factors, text))
-    name, unit = split_unit(text)
-    if name in header and unit is not None:
-        return Factor(name, _unit_of_quantity(key, quantity, factors, unit))
-    message = unknown_key(text, list(header)).replace("unknown key", "no such column")
-    raise ValueError(f"{key}: {message}")
-
-
-def _unit_of_quantity(key: str, quantity: str, factors: int, text: str) -> str:
-    if (unit := _known_unit(quantity, factors, text)) is not None:
+def _allowed_unit(key: str, text: str, *dimensions: Dimension) -> str:
+    if (unit := known_unit(text, *dimensions)) is not None:
         return unit
-    allowed = ", ".join(spelled(u) for d in _dimensions(quantity, factors) for u in UNITS[d])
+    allowed = ", ".join(spelled(unit) for one in dimensions for unit in UNITS[one])
     raise ValueError(f"{key}: unknown unit {shown(text)}; allowed: {allowed}")
 
 
@@ -287,21 +298,13 @@ def _words_of_name(name: str) -> list[str]:
     return re.findall(r"[a-z0-9%°µ]+", apart.lower())
 
 
-def _unit_of_name(quantity: str, factors: int, name: str) -> str | None:
+def _unit_of_name(name: str, *dimensions: Dimension) -> str | None:
     """Unit that a name ends with."""
-    if name == quantity:
-        return None
     base, bracketed = split_unit(name)
     words = _words_of_name(base)
     endings = [bracketed] if bracketed else []
     endings += [sign.join(words[-n:]) for n in (3, 2, 1) for sign in ("_", "") if len(words) > n]
-    units = (_known_unit(quantity, factors, ending) for ending in endings)
-    return next((unit for unit in units if unit is not None), None)
-
-
-def _known_unit(quantity: str, factors: int, text: str) -> str | None:
-    """Unit of a column that its text names, if it names one."""
-    units = (known_unit(text, dimension) for dimension in _dimensions(quantity, factors))
+    units = (known_unit(ending, *dimensions) for ending in endings)
     return next((unit for unit in units if unit is not None), None)
 
 
@@ -351,24 +354,3 @@ def _power_of_trackers(header: Sequence[str], taken: set[str]) -> dict[str, Reci
     if len(terms) < 2:
         return {}
     return {"solar_power_w": Recipe("solar_power_w", tuple((one,) for one in terms), guessed=True)}
-
-
-def _join_power(recipes: dict[str, Recipe]) -> None:
-    """Power from voltage and current where it has no column of its own."""
-    volts, amps = recipes.pop("solar_voltage_v", None), recipes.pop("solar_current_a", None)
-    if amps is not None and volts is None:
-        volts = recipes.get("mppt_voltage_v")
-    if "solar_power_w" in recipes or volts is None or amps is None:
-        return
-    if volts.single and amps.single:
-        term = (volts.terms[0][0], amps.terms[0][0])
-        recipes["solar_power_w"] = Recipe("solar_power_w", (term,), guessed=True)
-
-
-def _leave_half_attitude(recipes: dict[str, Recipe], ignored: Sequence[str]) -> None:
-    """Forget guessed angles if there are not all three: a course alone is no attitude."""
-    angles = [name for name in ATTITUDE if name in recipes]
-    unwanted = any(name in ignored for name in ATTITUDE)
-    if len(angles) < len(ATTITUDE) and (unwanted or all(recipes[n].guessed for n in angles)):
-        for name in angles:
-            del recipes[name]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,9 +22,18 @@ from missions.logs.columns import ColumnMap, Recipe, Recipes, recipes_for
 from missions.logs.dataflash import read_dataflash
 from missions.logs.delimited import Text, read_text
 from missions.logs.px4_ulog import read_ulog
-from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER
 from missions.logs.table import COLUMNS, REQUIRED, Check, FlightLog, checked_log, numbers
-from missions.logs.units import in_radians, recognised, spelled, surely_radians
+from missions.logs.units import (
+    ATTITUDE,
+    EPOCH,
+    QUANTITIES,
+    TIME,
+    TRACKER,
+    in_radians,
+    recognised,
+    spelled,
+    surely_radians,
+)
 
 _RADIANS = "roll, pitch and yaw read as radians: the yaw turns within 2 pi and none exceeds it"
 
@@ -70,31 +78,20 @@ def read_csv(path: str | os.PathLike[str], columns: ColumnMap | None = None) -> 
             alike = did_you_mean(name, [*text.header, *QUANTITIES])
             notes.append(f"nothing is called {shortened(printable(name))}, to ignore it{alike}")
     frame = text.frame([name for name in text.header if name in used or name == date])
-    check, remarks = Check(source, np.asarray(text.numbers)), list[str]()
-    raw = _Raw(text, layout, frame, date, check, remarks)
-    made = [_time(raw, matched["time"])]
+    check = Check(source, np.asarray(text.numbers))
+    made = [_time(text, layout, frame, date, matched["time"], check)]
     for quantity, recipe in matched.items():
         if quantity != "time":
-            made += _quantity(raw, recipe)
+            made += _quantity(frame, recipe, check)
             check.labels[quantity] = recipe.expression or quantity
     check.done()
     table = pd.DataFrame({str(column.name): column for column in made})
-    _turn_radians(matched, table, remarks)
+    _turn_radians(matched, table, check.notes)
     guessed = [recipe.told() for recipe in matched.values() if recipe.guessed]
     if guessed:
-        remarks.insert(0, f"guessed: {', '.join(guessed)}")
-    return checked_log(table, check, [*remarks, *notes], layout.exclude, layout.timezone)
-
-
-class _Raw(NamedTuple):
-    """A text table, its layout and the columns that are needed; what is found while it is read."""
-
-    text: Text
-    layout: ColumnMap
-    frame: pd.DataFrame
-    date: str | None
-    check: Check
-    notes: list[str]
+        check.notes.insert(0, f"guessed: {', '.join(guessed)}")
+    check.notes += notes
+    return checked_log(table, check, layout.exclude, layout.timezone)
 
 
 def _check_header(text: Text, recipes: Recipes, date: str | None) -> list[str]:
@@ -135,56 +132,63 @@ def _check_header(text: Text, recipes: Recipes, date: str | None) -> list[str]:
     return [f"columns not used: {', '.join(ignored)}"] if ignored else []
 
 
-def _time(raw: _Raw, recipe: Recipe) -> pd.Series:
+def _time(
+    text: Text,
+    layout: ColumnMap,
+    frame: pd.DataFrame,
+    date: str | None,
+    recipe: Recipe,
+    check: Check,
+) -> pd.Series:
     """Column of time: text in the form of the log format, or seconds since 1970."""
-    check, notes = raw.check, raw.notes
     if recipe.value is not None or not recipe.single:
         raise file_error(check.source, "columns.time: needs the name of one column")
     name = recipe.columns[0]
-    column = raw.frame[name]
+    column = frame[name]
     check.labels |= dict.fromkeys((TIME, EPOCH), shortened(printable(name)))
     as_numbers = pd.to_numeric(column, errors="coerce").notna().sum() > 0.5 * column.notna().sum()
-    if as_numbers and raw.date is None and recipe.form is None:
+    if as_numbers and date is None and recipe.form is None:
         values = numbers(column, check)
         unit = "s" if name == EPOCH else recipe.unit
         try:
-            time_s, note = times_from_numbers(values, unit, raw.layout.start, printable(name))
+            time_s, note = times_from_numbers(values, unit, layout.start, printable(name))
         except ValueError as error:
-            problem = Problem(check.source, raw.text.line, None, printable(name), str(error))
+            problem = Problem(check.source, text.line, None, printable(name), str(error))
             raise InputError([problem]) from None
-        notes += [note] if note else []
+        check.notes += [note] if note else []
         return pd.Series(time_s, name=EPOCH)
-    text = column.astype("string")
-    if raw.layout.start is not None:
-        notes.append("the given start is not used: the log has times of its own")
-    if raw.date is not None:
-        text = raw.frame[raw.date].astype("string").str.strip() + " " + text.str.strip()
-        notes.append(f"{printable(raw.date)} and {printable(name)} read as date and time")
+    written = column.astype("string")
+    if layout.start is not None:
+        check.notes.append("the given start is not used: the log has times of its own")
+    if date is not None:
+        written = frame[date].astype("string").str.strip() + " " + written.str.strip()
+        check.notes.append(f"{printable(date)} and {printable(name)} read as date and time")
     if recipe.form is None:
-        return text.rename(TIME)
-    times = times_from_text(text, raw.layout.timezone, recipe.form)
+        return written.rename(TIME)
+    times = times_from_text(written, layout.timezone, recipe.form)
     for wrong in times.wrong.values():
-        check.complain(text.rename(TIME), wrong, f"is not of the form {recipe.form!r} or its zone")
+        why = f"is not of the form {recipe.form!r} or its zone"
+        check.complain(written.rename(TIME), wrong, why)
     return pd.Series(times.time_s, name=EPOCH)
 
 
-def _quantity(raw: _Raw, recipe: Recipe) -> list[pd.Series]:
+def _quantity(frame: pd.DataFrame, recipe: Recipe, check: Check) -> list[pd.Series]:
     """A quantity in the unit of the log format, and of several MPPTs the power of each."""
     quantity = recipe.quantity
     if recipe.value is not None:
-        return [pd.Series(np.full(len(raw.frame), recipe.value), name=quantity)]
+        return [pd.Series(np.full(len(frame), recipe.value), name=quantity)]
     if recipe.plain:
-        return [raw.frame[quantity]]
-    parts = {name: numbers(raw.frame[name], raw.check) for name in recipe.columns}
+        return [frame[quantity]]
+    parts = {name: numbers(frame[name], check) for name in recipe.columns}
     unit = None
     if recipe.single and recipe.unit is None:
         dimension = QUANTITIES[quantity].dimension
         unit = recognised(quantity, dimension, next(iter(parts.values())))
         if unit is not None:
             name = printable(recipe.columns[0])
-            raw.notes.append(f"{name} read as {spelled(unit)}: so its size says")
+            check.notes.append(f"{name} read as {spelled(unit)}: so its size says")
     every = recipe.values(parts.__getitem__, unit)
-    raw.check.labels |= {name: name.removeprefix(TRACKER) for name in every}
+    check.labels |= {name: name.removeprefix(TRACKER) for name in every}
     return [pd.Series(values, name=name) for name, values in every.items()]
 
 

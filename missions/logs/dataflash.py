@@ -16,9 +16,9 @@ import numpy as np
 from missions.files.errors import file_error
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
-from missions.logs.quantities import ATTITUDE
-from missions.logs.streams import Stream, given_series, kinds_named, log_from_series, no_power
+from missions.logs.streams import Stream, Streams, kinds_named
 from missions.logs.table import FlightLog, Series
+from missions.logs.units import ATTITUDE
 
 _MOST_BYTES = 500_000_000
 _HEAD, _FMT, _FMT_LENGTH = b"\xa3\x95", 128, 89
@@ -58,24 +58,22 @@ def read_dataflash(path: str | os.PathLike[str], columns: ColumnMap | None = Non
     source, layout = os.fspath(path), columns or ColumnMap()
     content = read_plain_file(source, most_bytes=_MOST_BYTES)
     streams, skipped = _streams(content, {*_KINDS, *kinds_named(layout)}, source)
-    given = given_series(streams, layout, source)
-    if "solar_power_w" not in given:
-        raise no_power(streams, source, _EXAMPLE)
-    gps = _needed(streams, "GPS", source)
+    every = Streams(streams, layout, source)
+    if "solar_power_w" not in every.given:
+        raise every.no_power(_EXAMPLE)
+    gps = every.needed(("GPS",), "has no messages GPS")
     place = {name: gps.field(source, field) for name, field in _GPS_FIELDS.items()}
     fixed = gps.has_fix("Status")
     series = gps.series({name: np.where(fixed, v, np.nan) for name, v in place.items()})
-    if not all(name in given for name in ATTITUDE):
-        attitude = _needed(streams, "ATT", source)
+    if not all(name in every.given for name in ATTITUDE):
+        attitude = every.needed(("ATT",), "has no messages ATT")
         angles = (attitude.field(source, name) for name in ("Roll", "Pitch", "Yaw"))
         series |= attitude.series(dict(zip(ATTITUDE, angles, strict=True)))
     series |= _first_battery(streams)
     notes = []
     if skipped:
         notes.append(f"the log is damaged: {skipped} of {len(content)} bytes are no messages")
-    if "load_w" in series and "load_w" not in given:
-        notes.append("load_w is voltage times current of the first battery monitor")
-    return log_from_series(series | given, _boot_s(gps, source), source, notes, layout)
+    return every.log(series, _boot_s(gps, source), notes, "the first battery monitor")
 
 
 def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, Stream], int]:
@@ -94,45 +92,30 @@ def _streams(content: bytes, wanted: set[str], source: str) -> tuple[dict[str, S
             continue
         if at + length > len(content):
             break
-        if kind == _FMT:
-            _take_in_format(content[at + 3 : at + length], kinds, lengths, wanted)
-        elif kind in kinds:
+        if kind in kinds:
             kinds[kind].places.append(at)
-        at += length
+        body, at = content[at + 3 : at + length], at + length
+        if kind != _FMT or (number := body[0]) == _FMT or number in lengths or body[1] < 4:
+            continue
+        name, letters, labels = (
+            part.split(b"\0")[0].decode("ascii", "replace")
+            for part in (body[2:6], body[6:22], body[22:86])
+        )
+        fields, lengths[number] = labels.split(","), body[1]
+        known = all(letter in _LETTERS for letter in letters)
+        if not known or len(fields) != len(letters) or len(set(fields)) != len(fields):
+            continue
+        kind_of = dict(zip(fields, letters, strict=True))
+        dtype = np.dtype([("head", "S3"), *((f, _LETTERS[c][0]) for f, c in kind_of.items())])
+        if dtype.itemsize == body[1] and name in wanted:
+            scales = {f: _LETTERS[c][1] for f, c in kind_of.items()}
+            if name == "CURR":  # until 2016 hundredths of volts and amperes, as plain integers
+                scales |= {f: 0.01 for f in ("Volt", "Curr") if kind_of.get(f, "") in ("h", "H")}
+            kinds[number] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
     if len(lengths) == 1:
         raise file_error(source, "is not a DataFlash log: it describes no messages")
-    streams: dict[str, Stream] = {}
-    for one in kinds.values():
-        if one.places:
-            streams |= _by_instance(one, content)
-    return streams, skipped
-
-
-def _take_in_format(
-    body: bytes, kinds: dict[int, _Kind], lengths: dict[int, int], wanted: set[str]
-) -> None:
-    """Take in a FMT message; what it cannot be is left out."""
-    number, length = body[0], body[1]
-    name, letters, labels = (
-        part.split(b"\0")[0].decode("ascii", "replace")
-        for part in (body[2:6], body[6:22], body[22:86])
-    )
-    fields = labels.split(",")
-    if number == _FMT or length < 4 or number in lengths:
-        return
-    known = all(letter in _LETTERS for letter in letters)
-    lengths[number] = length
-    if not known or len(fields) != len(letters) or len(set(fields)) != len(fields):
-        return
-    dtype = np.dtype(
-        [("head", "S3"), *((f, _LETTERS[c][0]) for f, c in zip(fields, letters, strict=True))]
-    )
-    if dtype.itemsize == length and name in wanted:
-        scales = {f: _LETTERS[c][1] for f, c in zip(fields, letters, strict=True)}
-        if name == "CURR":  # until 2016 hundredths of volts and amperes, as plain integers
-            hundredths = {f for f, c in zip(fields, letters, strict=True) if c in "hH"}
-            scales |= dict.fromkeys(hundredths & {"Volt", "Curr"}, 0.01)
-        kinds[number] = _Kind(name, dtype, {f: s for f, s in scales.items() if s}, [])
+    own = (_by_instance(one, content) for one in kinds.values() if one.places)
+    return {name: stream for part in own for name, stream in part.items()}, skipped
 
 
 def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
@@ -156,12 +139,6 @@ def _by_instance(kind: _Kind, content: bytes) -> dict[str, Stream]:
     return streams
 
 
-def _needed(streams: Mapping[str, Stream], name: str, source: str) -> Stream:
-    if name not in streams:
-        raise file_error(source, f"has no messages {name}")
-    return streams[name]
-
-
 def _first_battery(streams: Mapping[str, Stream]) -> dict[str, Series]:
     """Load [W] and state of charge of the first battery monitor, where it has them."""
     battery = streams.get("BAT", streams.get("CURR"))
@@ -181,9 +158,7 @@ def _boot_s(gps: Stream, source: str) -> float:
     """Universal time of the boot [s since 1970], from the satellites' weeks and milliseconds."""
     week, ms = gps.field(source, "GWk", "Week"), gps.field(source, "GMS", "TimeMS")
     known = gps.has_fix("Status") & (week > 0.0)
-    if not known.any():
-        raise file_error(source, "message GPS never knows the universal time")
     gps_s = _GPS_EPOCH_S + _WEEK_S * week + 1e-3 * ms
+    boot_s = gps.boot_s(source, known, gps_s)
     middle = float(np.median(gps_s[known]))
-    leap = max((ahead for since, ahead in _LEAP if middle - ahead >= since), default=14.0)
-    return float(np.median((gps_s - gps.time_s)[known])) - leap
+    return boot_s - max((ahead for since, ahead in _LEAP if middle - ahead >= since), default=14.0)

@@ -7,10 +7,11 @@ import csv
 import io
 import re
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import pandas as pd
 
@@ -18,7 +19,7 @@ from missions.files.errors import InputError, Problem, file_error, printable
 from missions.files.texts import read_plain_file
 from missions.logs.columns import ColumnMap
 from missions.logs.table import MAXIMUM_DROPPED, first_few
-from missions.logs.units import UNITS
+from missions.logs.units import SCALES
 
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 _NAMES = {"\t": "tabs", ",": "commas", ";": "semicolons", "|": "bars"}
@@ -34,6 +35,7 @@ _CELL = re.compile(rb"""\br\s{0,9}=\s{0,9}["']([A-Za-z]{0,3})(\d{1,7})["']""")
 _LONGEST_CELL = 40
 _MOST_CELLS, _MOST_UNPACKED = 10_000_000, 1_000_000_000
 _LONGEST_LINE = 100_000  # the module csv takes no field of more than 131072 characters
+_IN_UNITS = {*SCALES, "", "iso", "utc", "iso8601"}  # fields of a row that says the units
 _LOOKED_AT = 50  # rows that a guess is made from
 
 
@@ -46,10 +48,8 @@ class Text:
     line: int
     rows: list[str]
     numbers: list[int]
-    separator: str
-    decimal: str
-    thousands: str | None
-    notes: tuple[str, ...]
+    form: Mapping[str, Any]
+    notes: list[str]
 
     def frame(self, used: Sequence[str]) -> pd.DataFrame:
         """Columns of the table, numbers where all fields are."""
@@ -58,11 +58,9 @@ class Text:
         # By their places: names of columns that nothing needs may be there twice.
         places = [self.header.index(name) for name in used]
         try:
-            table = pd.read_csv(
+            table: pd.DataFrame = pd.read_csv(
                 io.StringIO("\n".join(self.rows)),
-                sep=self.separator,
-                decimal=self.decimal,
-                thousands=self.thousands,
+                **self.form,
                 header=None,
                 usecols=places,
                 index_col=False,
@@ -76,7 +74,17 @@ class Text:
 
 def read_text(source: str, layout: ColumnMap) -> Text:
     """Read a table's text and find out how it is written."""
-    lines, notes = _text_lines(source)
+    if Path(source).suffix.lower() == ".xlsx":
+        content, notes = _sheet_text(source)
+    else:
+        content, notes = _decoded(read_plain_file(source, most_bytes=_MOST_BYTES), source)
+    # Only line breaks: str.splitlines would also break at other control characters.
+    every = enumerate(content.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)
+    lines = [(number, line) for number, line in every if line.strip()]
+    for number, text in lines:
+        if len(text) > _LONGEST_LINE:
+            message = f"is longer than {_LONGEST_LINE} characters"
+            raise InputError([Problem(source, number, None, "", message)])
     named = _NAMED_SEPARATOR.fullmatch(lines[0][1]) if lines else None
     if named is not None:
         del lines[0]
@@ -87,56 +95,49 @@ def read_text(source: str, layout: ColumnMap) -> Text:
     line, first = lines[0]
     if first.startswith("FMT,"):
         raise file_error(source, "is ArduPilot's log as text: use the .bin that it was made from")
-    separator = _separator(first, layout, named[1] if named else None)
+    # Names may hold a comma, hardly ever one of the others.
+    guessed = next((sign for sign in "\t;|" if first.count(sign) >= 2), ",")
+    separator = named[1] if named else guessed
+    if layout.separator is not None:
+        separator = _SEPARATORS.get(layout.separator, layout.separator)
     header = [name.strip() for name in next(csv.reader([first], delimiter=separator))]
     kept = _of_width(source, lines, separator, notes)
-    if kept and _are_units(kept[0][1], separator):
-        units = _fields(kept.pop(0)[1], separator)
+    row = kept[0][1].split(separator) if kept else []
+    units = [field.strip().strip("[]()").strip() for field in row]
+    if all(unit.lower() in _IN_UNITS for unit in units) and any(unit.isalpha() for unit in units):
+        del kept[0]
         pairs = zip(header, units, strict=False)
         header = [f"{name} [{unit}]" if unit else name for name, unit in pairs]
         notes.append("units are those of the row below the header")
     numbers, rows = [number for number, _ in kept], [row for _, row in kept]
-    decimal = layout.decimal or _decimal(rows, separator)
+    # A comma is the decimal sign only where it separates nothing.
+    fields = [field for row in rows[:_LOOKED_AT] for field in row.split(separator)]
+    comma = separator != "," and any(_DECIMAL_COMMA.fullmatch(field) for field in fields)
+    decimal = layout.decimal or ("," if comma else ".")
     if separator != ",":
         sign = "decimal comma" if decimal == "," else "decimal point"
-        notes.insert(0, f"columns are separated by {_NAMES[separator]}, numbers have a {sign}")
+        signs = _NAMES.get(separator, repr(separator))
+        notes.insert(0, f"columns are separated by {signs}, numbers have a {sign}")
     thousands = _thousands(rows, separator, decimal)
     if thousands is not None:
         notes.append(f"numbers have {thousands!r} between thousands")
-    written = (separator, decimal, thousands, tuple(notes))
-    return Text(source, header, line, rows, numbers, *written)
-
-
-def _text_lines(source: str) -> tuple[list[tuple[int, str]], list[str]]:
-    """Lines that are not blank with their numbers from 1 on, and how the text was read."""
-    if Path(source).suffix.lower() == ".xlsx":
-        text, notes = _sheet_text(source)
-    else:
-        text, notes = _decoded(read_plain_file(source, most_bytes=_MOST_BYTES), source)
-    # Only line breaks: str.splitlines would also break at other control characters.
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    every = list(enumerate(lines, start=1))
-    for number, line in every:
-        if len(line) > _LONGEST_LINE:
-            message = f"is longer than {_LONGEST_LINE} characters"
-            raise InputError([Problem(source, number, None, "", message)])
-    return [(number, line) for number, line in every if line.strip()], notes
+    form = {"sep": separator, "decimal": decimal, "thousands": thousands}
+    return Text(source, header, line, rows, numbers, form, notes)
 
 
 def _decoded(content: bytes, source: str) -> tuple[str, list[str]]:
     """Text of a file: UTF-8, UTF-16 of spreadsheets, else the code page of Windows."""
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    try:
-        text, notes = content.decode("utf-16" if wide else "utf-8-sig"), []
-    except UnicodeDecodeError as error:
-        if wide:
-            raise file_error(source, f"is not UTF-16 text (byte {error.start})") from None
-        # Latin-1 has a character for every byte; where it differs, it has control characters.
+    # Latin-1 has a character for every byte; where it differs, it has control characters.
+    for encoding in ("utf-16" if wide else "utf-8-sig", "cp1252", "latin-1"):
         try:
-            text = content.decode("cp1252")
-        except UnicodeDecodeError:
-            text = content.decode("latin-1")
-        notes = ["the text is not UTF-8: read as that of Windows (code page 1252)"]
+            text = content.decode(encoding)
+            break
+        except UnicodeDecodeError as error:
+            if wide:
+                raise file_error(source, f"is not UTF-16 text (byte {error.start})") from None
+    windows = "the text is not UTF-8: read as that of Windows (code page 1252)"
+    notes = [] if encoding.startswith("utf") else [windows]
     if _CONTROLS.search(text[:_LONGEST_LINE]):
         raise file_error(source, "is not a text table: it holds control characters")
     return text, notes
@@ -181,7 +182,9 @@ def _check_cells(content: BinaryIO, source: str) -> None:
                     block = rest + block
                     for letters, row in _CELL.findall(block):
                         last_row = max(last_row, int(row))
-                        last_column = max(last_column, _column(letters))
+                        # A is 1, AA 27.
+                        column = reduce(lambda n, letter: 26 * n + (letter & 0x1F), letters, 0)
+                        last_column = max(last_column, column)
                     rest = block[-_LONGEST_CELL:]
             if (count := last_row * last_column) > _MOST_CELLS:
                 raise file_error(
@@ -189,14 +192,6 @@ def _check_cells(content: BinaryIO, source: str) -> None:
                     f"has cells up to row {last_row} and column {last_column}, {count:,} in all, "
                     f"at most {_MOST_CELLS:,}: delete those far away, or save it as CSV",
                 )
-
-
-def _column(letters: bytes) -> int:
-    """Number of a column of a sheet: A is 1, AA 27."""
-    number = 0
-    for letter in letters:
-        number = 26 * number + (letter & 0x1F)
-    return number
 
 
 def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
@@ -214,42 +209,17 @@ def _thousands(rows: Sequence[str], separator: str, decimal: str) -> str | None:
     return None
 
 
-def _separator(header: str, layout: ColumnMap, named: str | None) -> str:
-    if layout.separator is not None:
-        return _SEPARATORS.get(layout.separator, layout.separator)
-    if named is not None:
-        return named
-    # Names may hold a comma, hardly ever one of the others.
-    for separator in ("\t", ";", "|"):
-        if header.count(separator) >= 2:
-            return separator
-    return ","
-
-
-def _fields(row: str, separator: str) -> list[str]:
-    return [field.strip().strip("[]()").strip() for field in row.split(separator)]
-
-
-def _are_units(row: str, separator: str) -> bool:
-    """Whether a row says what the columns are measured in."""
-    known = {unit for units in UNITS.values() for unit in units} | {"", "iso", "utc", "iso8601"}
-    fields = _fields(row, separator)
-    return all(f.lower() in known for f in fields) and any(f.isalpha() for f in fields)
-
-
-def _decimal(rows: Sequence[str], separator: str) -> str:
-    """Decimal sign of the first rows; a comma only where it separates nothing."""
-    if separator == ",":
-        return "."
-    fields = [field for row in rows[:_LOOKED_AT] for field in row.split(separator)]
-    return "," if any(_DECIMAL_COMMA.fullmatch(field) for field in fields) else "."
-
-
 def _of_width(
     source: str, lines: list[tuple[int, str]], separator: str, notes: list[str]
 ) -> list[tuple[int, str]]:
     """Rows with as many fields as the header above them; most must have them."""
-    expected, *widths = (_width(line, separator) for _, line in lines)
+
+    def width_of(row: str) -> int:
+        if '"' in row:
+            return len(next(csv.reader([row], delimiter=separator)))
+        return row.count(separator) + 1
+
+    expected, *widths = (width_of(line) for _, line in lines)
     rows = list(zip(lines[1:], widths, strict=True))
     odd = [(number, width) for (number, _), width in rows if width != expected]
     if len(odd) > MAXIMUM_DROPPED * len(rows):
@@ -262,10 +232,3 @@ def _of_width(
         number, found = odd[0]
         notes.append(f"{count} left out: line {number} has {found} fields, the header {expected}")
     return [row for row, width in rows if width == expected]
-
-
-def _width(row: str, separator: str) -> int:
-    """Number of fields of a row."""
-    if '"' in row:
-        return len(next(csv.reader([row], delimiter=separator)))
-    return row.count(separator) + 1

@@ -1,6 +1,6 @@
 """Values of a log that cannot be: found before anything is computed, told, and left out.
 
-What a quantity can be, and whether it may rest, is declared once in ``quantities``.
+What a quantity can be, and whether it may rest, is declared once in ``units``.
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ import numpy as np
 import pandas as pd
 
 from missions.logs.clock import Span
-from missions.logs.quantities import QUANTITIES, quantity_of
-from missions.logs.units import UNITS, Dimension
+from missions.logs.units import QUANTITIES, UNITS, Dimension, quantity_of
 from solar.types import BoolArray, FloatArray
 
 Kind = Literal[
@@ -56,11 +55,6 @@ class LeftOut(NamedTuple):
     values: int
     example: str
     periods: tuple[tuple[float, float], ...]
-
-    def earlier(self, by_s: float) -> LeftOut:
-        """The same by a clock that was so much ahead [s]."""
-        periods = tuple((start - by_s, end - by_s) for start, end in self.periods)
-        return self._replace(periods=periods)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -118,14 +112,6 @@ def codes(dimension: Dimension, values: FloatArray) -> BoolArray:
     return np.asarray(marked & (apart > _APART * (high - low)) & (apart > 0.0))
 
 
-def no_place(latitude_deg: FloatArray, longitude_deg: FloatArray) -> BoolArray:
-    """Positions of 0, 0, which receivers without a fix give, where the flight was elsewhere."""
-    zero = (latitude_deg == 0.0) & (longitude_deg == 0.0)
-    others = (np.abs(latitude_deg) + np.abs(longitude_deg))[~zero]
-    others = others[np.isfinite(others)]
-    return np.asarray(zero & bool(len(others) and np.median(others) > 1.0))
-
-
 def stretches(
     quantity: str, values: FloatArray, time_s: FloatArray
 ) -> Iterator[tuple[Kind, BoolArray]]:
@@ -180,16 +166,6 @@ def _unchanging(
             yield kind, runs[number]
 
 
-def repeated(rows: pd.DataFrame) -> BoolArray:
-    """Rows of stretches that have all been written before, with power that changes in them."""
-    content = pd.util.hash_pandas_object(rows.reset_index(drop=True), index=False)
-    lag = np.arange(len(content)) - content.groupby(content).transform("idxmin").to_numpy(int)
-    number = np.concatenate([[0], np.cumsum(np.diff(lag) != 0)])
-    power = rows["solar_power_w"].groupby(number)
-    distinct, length = (power.transform(how).to_numpy(int) for how in ("nunique", "size"))
-    return np.asarray((lag > 0) & (length >= _LEAST_REPEATED) & (distinct >= _LEAST_DISTINCT))
-
-
 def without_spans(
     rows: pd.DataFrame, exclude: Sequence[Span], zone: datetime.tzinfo | None, left: list[LeftOut]
 ) -> pd.DataFrame:
@@ -206,7 +182,14 @@ def without_spans(
 def leave_out_held(rows: pd.DataFrame, labels: Mapping[str, str]) -> list[LeftOut]:
     """Leave out what neighbours do not allow: spikes, frozen channels, rows written twice."""
     left, time_s = [], rows.index.to_numpy(float)
-    if (copies := repeated(rows)).any():
+    # Rows of stretches that have all been written before, with power that changes in them.
+    content = pd.util.hash_pandas_object(rows.reset_index(drop=True), index=False)
+    lag = np.arange(len(content)) - content.groupby(content).transform("idxmin").to_numpy(int)
+    number = np.concatenate([[0], np.cumsum(np.diff(lag) != 0)])
+    power = rows["solar_power_w"].groupby(number)
+    distinct, length = (power.transform(how).to_numpy(int) for how in ("nunique", "size"))
+    copies = (lag > 0) & (length >= _LEAST_REPEATED) & (distinct >= _LEAST_DISTINCT)
+    if copies.any():
         left.append(left_out("", "repeated", copies, time_s))
         rows.loc[copies] = np.nan
     for name in map(str, rows):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,13 +13,18 @@ import numpy as np
 from missions.files.errors import InputError, file_error, printable
 from missions.files.texts import open_plain
 from missions.logs.columns import ColumnMap
-from missions.logs.quantities import ATTITUDE, TRACKER
-from missions.logs.streams import Stream, given_series, kinds_named, log_from_series, no_power
+from missions.logs.streams import Stream, Streams, kinds_named
 from missions.logs.table import FlightLog, Series
-from solar.types import FloatArray
+from missions.logs.units import ATTITUDE, TRACKER
 
 _POWER_TOPIC = "sensor_mppt"
 _POSITION_TOPICS = ("vehicle_gps_position", "sensor_gps")
+# Fields in degrees and metres, and those of old logs, integers in a unit.
+_POSITION_FIELDS = {
+    "latitude_deg": ("latitude_deg", "lat", 1e-7),
+    "longitude_deg": ("longitude_deg", "lon", 1e-7),
+    "altitude_m": ("altitude_msl_m", "alt", 1e-3),
+}
 _EXAMPLE = "battery_status[1].voltage_v * battery_status[1].current_a"
 # How often a log is read over before its reader is taken to go round in circles.
 _MOST_PASSES = 20
@@ -37,23 +42,32 @@ def read_ulog(path: str | os.PathLike[str], columns: ColumnMap | None = None) ->
     """
     source, layout = os.fspath(path), columns or ColumnMap()
     topics, damage = _ulog_topics(source, kinds_named(layout))
-    given = given_series(topics, layout, source)
-    series: dict[str, Series] = {}
-    if "solar_power_w" not in given:
+    every, series = Streams(topics, layout, source), dict[str, Series]()
+    if "solar_power_w" not in every.given:
         if _POWER_TOPIC not in topics:
-            raise no_power(topics, source, _EXAMPLE)
+            raise every.no_power(_EXAMPLE)
         series |= _mppt(topics[_POWER_TOPIC], source)
-    position = _topic(topics, _POSITION_TOPICS, source, "needed for position and universal time")
-    series |= _position(position, source)
-    if not all(name in given for name in ATTITUDE):
-        attitude = _topic(topics, ("vehicle_attitude",), source, "needed for the attitude")
-        series |= _euler_deg(attitude, source)
-    if "battery_status" in topics:
-        series |= _battery_state(topics["battery_status"])
-    notes = damage
-    if "load_w" in series and "load_w" not in given:
-        notes.append("load_w is voltage times current of battery_status")
-    return log_from_series(series | given, _boot_s(position, source), source, notes, layout)
+    lack = f"has no topic {' or '.join(_POSITION_TOPICS)}: needed for position and universal time"
+    position = every.needed(_POSITION_TOPICS, lack)
+    fixed = position.has_fix("fix_type")
+    for column, (new, old, unit) in _POSITION_FIELDS.items():
+        values = position.field(source, new, old) * (1.0 if new in position.fields else unit)
+        series |= position.series({column: np.where(fixed, values, np.nan)})
+    if not all(name in every.given for name in ATTITUDE):
+        lack = "has no topic vehicle_attitude: needed for the attitude"
+        series |= _euler_deg(every.needed(("vehicle_attitude",), lack), source)
+    if battery := topics.get("battery_status"):
+        # Load and state of charge are not known where they are negative.
+        fields = {name: np.asarray(values, float) for name, values in battery.fields.items()}
+        if "voltage_v" in fields and "current_a" in fields:
+            amp = np.where(fields["current_a"] == -1.0, np.nan, fields["current_a"])
+            series |= battery.series({"load_w": fields["voltage_v"] * amp})
+        if "remaining" in fields:
+            share = np.where(fields["remaining"] < 0.0, np.nan, fields["remaining"])
+            series |= battery.series({"state_of_charge": share})
+    utc = position.field(source, "time_utc_usec") / 1e6
+    boot_s = position.boot_s(source, (utc > 0.0) & fixed, utc)
+    return every.log(series, boot_s, damage, "battery_status")
 
 
 class _EndlessError(Exception):
@@ -152,13 +166,6 @@ def _ulog_topics(source: str, others: Iterable[str]) -> tuple[dict[str, Stream],
     return topics, lost
 
 
-def _topic(topics: dict[str, Stream], names: Sequence[str], source: str, purpose: str) -> Stream:
-    for name in names:
-        if name in topics:
-            return topics[name]
-    raise file_error(source, f"has no topic {' or '.join(names)}: {purpose}")
-
-
 def _mppt(power: Stream, source: str) -> dict[str, Series]:
     """Mean voltage [V] of the MPPTs in use, and power of all [W]."""
     count = max(sum(name.startswith("mppt_volt[") for name in power.fields), 1)
@@ -172,31 +179,6 @@ def _mppt(power: Stream, source: str) -> dict[str, Series]:
     if used.sum() > 1:
         values |= {f"{TRACKER}mppt {i}": volt[i] * amp[i] for i in np.flatnonzero(used)}
     return power.series(values)
-
-
-def _boot_s(position: Stream, source: str) -> float:
-    """Universal time of the boot [s since 1970]."""
-    utc = position.field(source, "time_utc_usec") / 1e6
-    known = (utc > 0.0) & position.has_fix("fix_type")
-    if not known.any():
-        raise file_error(source, f"topic {position.name} never knows the universal time")
-    return float(np.median((utc - position.time_s)[known]))
-
-
-def _position(position: Stream, source: str) -> dict[str, Series]:
-    """Position in degrees and metres, from floating-point fields or the integers of old logs."""
-    columns = {
-        "latitude_deg": ("latitude_deg", "lat", 1e-7),
-        "longitude_deg": ("longitude_deg", "lon", 1e-7),
-        "altitude_m": ("altitude_msl_m", "alt", 1e-3),
-    }
-    fixed = position.has_fix("fix_type")
-    result = {}
-    for column, (new, old, unit) in columns.items():
-        values = position.field(source, new, old)
-        scaled = values if new in position.fields else values * unit
-        result[column] = np.where(fixed, scaled, np.nan)
-    return position.series(result)
 
 
 def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
@@ -214,16 +196,3 @@ def _euler_deg(attitude: Stream, source: str) -> dict[str, Series]:
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     degrees = map(np.degrees, (roll, pitch, yaw))
     return attitude.series(dict(zip(ATTITUDE, degrees, strict=True)))
-
-
-def _battery_state(battery: Stream) -> dict[str, Series]:
-    """Load [W] and state of charge, where they are known (negative: unknown)."""
-    fields = battery.fields
-    result: dict[str, FloatArray] = {}
-    if "voltage_v" in fields and "current_a" in fields:
-        volt, amp = (np.asarray(fields[name], float) for name in ("voltage_v", "current_a"))
-        result["load_w"] = np.where(amp == -1.0, np.nan, volt * amp)
-    if "remaining" in fields:
-        remaining = np.asarray(fields["remaining"], float)
-        result["state_of_charge"] = np.where(remaining < 0.0, np.nan, remaining)
-    return battery.series(result)

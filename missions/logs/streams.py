@@ -12,16 +12,8 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, printable
 from missions.logs.columns import ColumnMap, Recipe, Source, recipes_for
-from missions.logs.quantities import EPOCH
-from missions.logs.table import (
-    OTHER_AGE_S,
-    REQUIRED,
-    FlightLog,
-    Series,
-    age_s_of,
-    log_from_table,
-    sampled,
-)
+from missions.logs.table import REQUIRED, FlightLog, Series, log_from_table, sampled
+from missions.logs.units import EPOCH
 from solar.types import BoolArray, FloatArray
 
 _FIX_3D = 3
@@ -50,6 +42,13 @@ class Stream(NamedTuple):
             return np.ones(len(self.time_s), bool)
         return np.asarray(self.fields[status] >= _FIX_3D)
 
+    def boot_s(self, source: str, known: BoolArray, universal_s: FloatArray) -> float:
+        """Universal time of the boot [s since 1970] by the satellites, where they are known."""
+        if not known.any():
+            name = printable(self.name)
+            raise file_error(source, f"{self.kind} {name} never knows the universal time")
+        return float(np.median((universal_s - self.time_s)[known]))
+
     def series(self, values: Mapping[str, NDArray[Any]]) -> dict[str, Series]:
         """Quantities at the times of the messages."""
         return {name: Series(self.time_s, np.asarray(v, float)) for name, v in values.items()}
@@ -69,60 +68,59 @@ def kinds_named(layout: ColumnMap) -> set[str]:
     return {match[1] for text in texts for match in _STREAM.finditer(text)}
 
 
-def given_series(
-    streams: Mapping[str, Stream], layout: ColumnMap, source: str
-) -> dict[str, Series]:
-    """Quantities that a map of columns makes of ``STREAM.FIELD``."""
-    header = [f"{name}.{field}" for name, stream in streams.items() for field in stream.fields]
-    recipes = recipes_for(header, layout, guess=False)
-    if recipes.problems:
-        raise InputError(Problem(source, None, None, "", text) for text in recipes.problems)
-    made = (_made(recipe, streams) for name, recipe in recipes.found.items() if name != "time")
-    return {name: series for every in made for name, series in every.items()}
+class Streams:
+    """Streams of one log by their names, and what a map of columns makes of ``STREAM.FIELD``."""
 
+    def __init__(self, streams: Mapping[str, Stream], layout: ColumnMap, source: str) -> None:
+        self.streams, self.layout, self.source = streams, layout, source
+        header = [f"{name}.{field}" for name, stream in streams.items() for field in stream.fields]
+        recipes = recipes_for(header, layout, guess=False)
+        if recipes.problems:
+            raise InputError(Problem(source, None, None, "", text) for text in recipes.problems)
+        self.given: dict[str, Series] = {}
+        for name, recipe in recipes.found.items():
+            self.given |= {} if name == "time" else self._made(recipe)
 
-def _made(recipe: Recipe, streams: Mapping[str, Stream]) -> dict[str, Series]:
-    """Series at the times of its first stream, and of several MPPTs the power of each."""
-    if recipe.value is not None:
-        return {recipe.quantity: Series(np.zeros(1), np.full(1, recipe.value))}
-    first = streams[recipe.columns[0].rpartition(".")[0]].time_s
+    def _made(self, recipe: Recipe) -> dict[str, Series]:
+        """Series at the times of its first stream, and of several MPPTs the power of each."""
+        if recipe.value is not None:
+            return {recipe.quantity: Series(np.full(1, np.nan), np.full(1, recipe.value))}
+        first = self.streams[recipe.columns[0].rpartition(".")[0]].time_s
 
-    def column(name: str) -> FloatArray:
-        stream, _, field = name.rpartition(".")
-        values = np.asarray(streams[stream].fields[field], float)
-        return sampled(Series(streams[stream].time_s, values), first, OTHER_AGE_S)
+        def column(name: str) -> FloatArray:
+            stream, _, field = name.rpartition(".")
+            values = np.asarray(self.streams[stream].fields[field], float)
+            return sampled(Series(self.streams[stream].time_s, values), first)
 
-    return {name: Series(first, values) for name, values in recipe.values(column).items()}
+        return {name: Series(first, values) for name, values in recipe.values(column).items()}
 
+    def needed(self, names: Sequence[str], lack: str) -> Stream:
+        """First of some streams that there is."""
+        for name in names:
+            if name in self.streams:
+                return self.streams[name]
+        raise file_error(self.source, lack)
 
-def log_from_series(
-    series: Mapping[str, Series],
-    boot_s: float,
-    source: str,
-    notes: Sequence[str],
-    layout: ColumnMap,
-) -> FlightLog:
-    """Put quantities together at the times of the solar power, those of one value at all."""
-    if needed := set(REQUIRED) & set(layout.ignore):
-        raise file_error(source, f"{min(needed)} cannot be ignored: it is needed")
-    time_s = series["solar_power_w"].time_s
-    columns: dict[str, Any] = {EPOCH: time_s + boot_s}
-    for quantity, one in series.items():
-        if quantity not in layout.ignore:
-            columns[quantity] = sampled(one, time_s, age_s_of(quantity))
-    for quantity, said in layout.columns.items():
-        if quantity in layout.ignore:
-            continue
-        if isinstance(said, Source) and said.value is not None:
-            columns[quantity] = said.factor * said.value
-    return log_from_table(pd.DataFrame(columns), source, notes, layout.exclude)
+    def no_power(self, example: str) -> InputError:
+        """Error of a log that does not say which message holds the solar power."""
+        names = ", ".join(printable(name) for name in list(self.streams)[:12]) or "nothing"
+        return file_error(
+            self.source,
+            f"does not say where the solar power is; give it, for instance --column "
+            f"'solar_power_w={example}'; read: {names}",
+        )
 
-
-def no_power(streams: Mapping[str, Stream], source: str, example: str) -> InputError:
-    """Error of a log that does not say which message holds the solar power."""
-    names = ", ".join(printable(name) for name in list(streams)[:12]) or "nothing"
-    return file_error(
-        source,
-        f"does not say where the solar power is; give it, for instance --column "
-        f"'solar_power_w={example}'; read: {names}",
-    )
+    def log(
+        self, made: Mapping[str, Series], boot_s: float, notes: list[str], battery: str
+    ) -> FlightLog:
+        """Put quantities together at the times of the solar power; what is given counts."""
+        ignored = self.layout.ignore
+        if needed := set(REQUIRED) & set(ignored):
+            raise file_error(self.source, f"{min(needed)} cannot be ignored: it is needed")
+        if "load_w" in made and "load_w" not in self.given:
+            notes.append(f"load_w is voltage times current of {battery}")
+        series = {name: one for name, one in {**made, **self.given}.items() if name not in ignored}
+        time_s = series["solar_power_w"].time_s
+        columns = {name: sampled(one, time_s, name) for name, one in series.items()}
+        table = pd.DataFrame({EPOCH: time_s + boot_s, **columns})
+        return log_from_table(table, self.source, notes, self.layout.exclude)

@@ -20,16 +20,8 @@ from numpy.typing import NDArray
 
 from missions.files.errors import InputError, Problem, file_error, shown
 from missions.logs.clock import Span, times_from_text
-from missions.logs.plausible import (
-    Kind,
-    LeftOut,
-    codes,
-    leave_out_held,
-    left_out,
-    no_place,
-    without_spans,
-)
-from missions.logs.quantities import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER, quantity_of
+from missions.logs.plausible import Kind, LeftOut, codes, leave_out_held, left_out, without_spans
+from missions.logs.units import ATTITUDE, EPOCH, QUANTITIES, TIME, TRACKER, quantity_of
 from solar.types import BoolArray, FloatArray, IntArray
 
 REQUIRED = ("latitude_deg", "longitude_deg", "altitude_m", "solar_power_w")
@@ -49,26 +41,20 @@ _SHOWN_PROBLEMS = 3
 _YEAR_S = 365.25 * 86400.0  # no flight is as long
 
 # A sample of what is logged at times of its own stands for a time no further from it than this [s].
-_PLACE = ("latitude_deg", "longitude_deg", "altitude_m")
-_AGES = {**dict.fromkeys(ATTITUDE, 0.5), **dict.fromkeys(_PLACE, 2.0)}
-OTHER_AGE_S = 5.0
+_AGES = {**dict.fromkeys(ATTITUDE, 0.5), **dict.fromkeys(REQUIRED[:3], 2.0)}
+_OTHER_AGE_S = 5.0
 
 _HINTS = {"state_of_charge": "; it is a share, not a percentage"}
 
 
 class Series(NamedTuple):
-    """A quantity in the unit of the log format, over time since boot [s]."""
+    """A quantity in the unit of the log format, over time since boot [s]; NaN: of any time."""
 
     time_s: FloatArray
     values: FloatArray
 
 
-def age_s_of(quantity: str) -> float:
-    """How far from a time a sample of a quantity may be to stand for it [s]."""
-    return _AGES.get(quantity, OTHER_AGE_S)
-
-
-def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
+def sampled(series: Series, time_s: FloatArray, quantity: str = "") -> FloatArray:
     """Nearest sample at other times, NaN if it is older or younger than allowed."""
     own = series.time_s
     if not len(own):
@@ -77,8 +63,8 @@ def sampled(series: Series, time_s: FloatArray, age_s: float) -> FloatArray:
     before = np.maximum(after - 1, 0)
     earlier = np.abs(time_s - own[before]) <= np.abs(own[after] - time_s)
     nearest = np.where(earlier, before, after)
-    fresh = np.abs(own[nearest] - time_s) <= age_s
-    return np.where(fresh, series.values[nearest], np.nan)
+    far = np.abs(own[nearest] - time_s) > _AGES.get(quantity, _OTHER_AGE_S)
+    return np.where(far, np.nan, series.values[nearest])
 
 
 class EulerAngles(NamedTuple):
@@ -177,26 +163,30 @@ def log_from_table(
     table: pd.DataFrame, source: str, notes: Iterable[str] = (), exclude: Sequence[Span] = ()
 ) -> FlightLog:
     """Log of a table with the columns of the CSV format, without some times of day."""
-    return checked_log(table, Check(source, np.arange(2, len(table) + 2)), list(notes), exclude)
+    check = Check(source, np.arange(2, len(table) + 2))
+    check.notes += notes
+    return checked_log(table, check, exclude)
 
 
 def checked_log(
-    table: pd.DataFrame,
-    check: Check,
-    notes: Sequence[str],
-    exclude: Sequence[Span],
-    zone: datetime.tzinfo | None = None,
+    table: pd.DataFrame, check: Check, exclude: Sequence[Span], zone: datetime.tzinfo | None = None
 ) -> FlightLog:
     """Log of a table that is being read; ``zone``: of spans, and of times without one."""
-    remarks = list(notes)
     if TIME in table:
-        time_s = _times(table[TIME], zone, check, remarks)
+        times = times_from_text(table[TIME], zone)
+        check.notes.extend(times.notes)
+        for why, wrong in times.wrong.items():
+            check.without(times.time_s, wrong, table[TIME], "no_number", why)
+        time_s = _of_flight(times.time_s, table[TIME], check)
     else:
         time_s = numbers(table[EPOCH], check, "time")
     names = [name for name in (*REQUIRED, *ATTITUDE, *OPTIONAL) if name in table]
     names += _trackers(table)
     values = {name: numbers(table[name], check, quantity_of(name)) for name in names}
-    nowhere = no_place(values["latitude_deg"], values["longitude_deg"])
+    # Receivers without a fix give 0, 0, where the flight was elsewhere.
+    distance = np.abs(values["latitude_deg"]) + np.abs(values["longitude_deg"])
+    others = distance[distance > 0.0]
+    nowhere = (distance == 0.0) & bool(len(others) and np.median(others) > 1.0)
     for name in ("latitude_deg", "longitude_deg"):
         values[name] = check.without(values[name], nowhere, table[name], "code")
     check.done()
@@ -206,14 +196,24 @@ def checked_log(
     if empty:
         rows = rows.drop(columns=list(ATTITUDE), errors="ignore")
         if len(empty) < len(ATTITUDE):
-            remarks.append(f"the attitude is not used: {', '.join(empty)} not logged")
-    rows = without_spans(_in_order(rows, remarks), exclude, zone, left)
+            check.notes.append(f"the attitude is not used: {', '.join(empty)} not logged")
+    back = int(np.count_nonzero(np.diff(rows.index.dropna()) < 0.0))
+    if back:
+        rows = rows.sort_index(kind="stable")
+        often = "once" if back == 1 else f"{back} times"
+        check.notes.append(f"time goes back {often}: the rows are sorted")
+    # Of rows with the same time and all quantities the first.
+    twice = rows[list(REQUIRED)].notna().all(axis=1).to_numpy(bool) & rows.index.notna()
+    twice[twice] = rows.index[twice].duplicated()
+    if count := int(twice.sum()):
+        have = "1 row has" if count == 1 else f"{count} rows have"
+        check.notes.append(f"{have} the time of another: the first one is used")
+    rows = without_spans(rows.loc[~twice], exclude, zone, left)
     _leave_out_sums(rows)
     left += leave_out_held(rows, check.labels)
     _leave_out_sums(rows)
-    remarks += [one.told() for one in left]
-    rows = _put_together(rows, remarks)
-    return _assembled(check.source, rows, remarks, tuple(left))
+    check.notes += [one.told() for one in left]
+    return _assembled(check, _put_together(rows, check.notes), tuple(left))
 
 
 def _trackers(table: pd.DataFrame) -> list[str]:
@@ -225,21 +225,6 @@ def _leave_out_sums(rows: pd.DataFrame) -> None:
     """Leave out the solar power where that of one of its MPPTs is not known."""
     unknown = rows[_trackers(rows)].isna().any(axis=1).to_numpy(bool)
     rows.loc[unknown, "solar_power_w"] = np.nan
-
-
-def _in_order(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
-    """Rows by their time; of those with the same time and all quantities the first."""
-    back = int(np.count_nonzero(np.diff(rows.index.dropna()) < 0.0))
-    if back:
-        rows = rows.sort_index(kind="stable")
-        times = "once" if back == 1 else f"{back} times"
-        notes.append(f"time goes back {times}: the rows are sorted")
-    twice = rows[list(REQUIRED)].notna().all(axis=1).to_numpy(bool) & rows.index.notna()
-    twice[twice] = rows.index[twice].duplicated()
-    if count := int(twice.sum()):
-        have = "1 row has" if count == 1 else f"{count} rows have"
-        notes.append(f"{have} the time of another: the first one is used")
-    return rows.loc[~twice]
 
 
 def _needed(rows: pd.DataFrame) -> list[str]:
@@ -258,8 +243,8 @@ def _put_together(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
     for name in rows:
         column = known[name].dropna()
         series = Series(column.index.to_numpy(float), column.to_numpy(float))
-        together[name] = sampled(series, at_s.to_numpy(float), age_s_of(str(name)))
-    ages = sorted({age_s_of(str(name)) for name in rows})
+        together[name] = sampled(series, at_s.to_numpy(float), str(name))
+    ages = sorted({_AGES.get(str(name), _OTHER_AGE_S) for name in rows})
     notes.append(
         "columns are written at times of their own: for each value of the solar power the nearest "
         f"one of the others is used, {', '.join(f'{age:g}' for age in ages)} s away at most"
@@ -269,12 +254,13 @@ def _put_together(rows: pd.DataFrame, notes: list[str]) -> pd.DataFrame:
 
 @dataclass
 class Check:
-    """What is being read, mistakes so far, and ``doubts``: column, why, rows, one of the values."""
+    """What is being read, mistakes so far, notes, ``doubts``: column, why, rows, one value."""
 
     source: str
     lines: IntArray
     labels: dict[str, str] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     doubts: list[tuple[str, Kind, BoolArray, str]] = field(default_factory=list)
 
     def complain(self, column: pd.Series, wrong: NDArray[Any], message: str) -> None:
@@ -314,16 +300,6 @@ class Check:
             raise InputError(self.problems)
 
 
-def _times(
-    column: pd.Series, zone: datetime.tzinfo | None, check: Check, notes: list[str]
-) -> FloatArray:
-    times = times_from_text(column, zone)
-    notes.extend(times.notes)
-    for why, wrong in times.wrong.items():
-        check.without(times.time_s, wrong, column, "no_number", why)
-    return _of_flight(times.time_s, column, check)
-
-
 def _of_flight(time_s: FloatArray, column: pd.Series, check: Check) -> FloatArray:
     """Times without those that no flight has: before clocks are set, and a year from the others."""
     limits = QUANTITIES["time"]
@@ -358,8 +334,8 @@ def _cell(value: object) -> str:
     return shown(value.item() if isinstance(value, np.generic) else value)
 
 
-def _complete(rows: pd.DataFrame, source: str, left: Sequence[LeftOut]) -> pd.DataFrame:
-    """Rows in which nothing required is missing."""
+def _assembled(check: Check, rows: pd.DataFrame, left: tuple[LeftOut, ...]) -> FlightLog:
+    """Log of the rows in which nothing required is missing."""
     lacking = rows[_needed(rows)].isna()
     lacking.insert(0, TIME, rows.index.isna())
     drop = lacking.any(axis=1)
@@ -368,54 +344,41 @@ def _complete(rows: pd.DataFrame, source: str, left: Sequence[LeftOut]) -> pd.Da
     if dropped > MAXIMUM_DROPPED * total:
         counts = ", ".join(f"{name} in {lacks}" for name, lacks in lacking.sum().items() if lacks)
         message = f"{dropped} of {total} rows lack a required value ({counts})"
-        raise file_error(source, f"{message}; allowed: at most {MAXIMUM_DROPPED:.0%}{why}")
+        raise file_error(check.source, f"{message}; allowed: at most {MAXIMUM_DROPPED:.0%}{why}")
     if total - dropped < 2:
-        raise file_error(source, f"has fewer than two complete rows{why}")
-    return rows[~drop]
-
-
-def _assembled(
-    source: str, every: pd.DataFrame, notes: Iterable[str], left: tuple[LeftOut, ...]
-) -> FlightLog:
-    rows = _complete(every, source, left)
+        raise file_error(check.source, f"has fewer than two complete rows{why}")
+    if dropped:
+        check.notes.append(f"{dropped} of {total} rows left out: a required value is missing")
+    rows = rows[~drop]
     values = {str(name): column.to_numpy(float) for name, column in rows.items()}
     time_s = rows.index.to_numpy(float)
     step = np.diff(time_s)
     after = np.flatnonzero(step > GAP_STEPS * np.median(step))
     gaps = tuple(Gap(float(time_s[i]), float(time_s[i + 1])) for i in after)
+    if gaps:
+        longest = max(gap.duration_s for gap in gaps)
+        plural = "gap splits" if len(gaps) == 1 else "gaps split"
+        check.notes.append(f"{len(gaps)} {plural} the log, the longest of {longest:.1f} s")
     attitude = None
     if "roll_deg" in values:
-        attitude = EulerAngles(*(np.radians(values[name]) for name in ATTITUDE))
-    dropped = len(every) - len(rows)
-    optional: dict[str, Any] = {
-        n: values[n] for n in OPTIONAL if n in rows.dropna(axis=1, how="all")
-    }
+        angles = [values[name] for name in ATTITUDE]
+        if np.ptp(angles[2]) > 3.0 and np.abs(angles).max() <= 2 * np.pi:
+            check.notes.append(
+                "no angle of the attitude exceeds 2 pi: are these radians? degrees are read"
+            )
+        attitude = EulerAngles(*map(np.radians, angles))
+    logged = rows.dropna(axis=1, how="all")
+    optional: dict[str, Any] = {name: values[name] for name in OPTIONAL if name in logged}
     return FlightLog(
-        source=source,
+        source=check.source,
         time_s=time_s,
         attitude=attitude,
-        rows_read=len(every),
+        rows_read=total,
         rows_dropped=dropped,
         gaps=gaps,
-        notes=(*notes, *_remarks(values, dropped, len(every), gaps)),
+        notes=tuple(check.notes),
         left_out=left,
         tracker_power_w={n.removeprefix(TRACKER): values[n] for n in _trackers(rows)},
         **{name: values[name] for name in REQUIRED},
         **optional,
     )
-
-
-def _remarks(
-    values: dict[str, FloatArray], dropped: int, total: int, gaps: Sequence[Gap]
-) -> list[str]:
-    notes = []
-    if dropped:
-        notes.append(f"{dropped} of {total} rows left out: a required value is missing")
-    if gaps:
-        longest = max(gap.duration_s for gap in gaps)
-        plural = "gap splits" if len(gaps) == 1 else "gaps split"
-        notes.append(f"{len(gaps)} {plural} the log, the longest of {longest:.1f} s")
-    angles = [values[name] for name in ATTITUDE if name in values]
-    if angles and np.ptp(angles[-1]) > 3.0 and all(np.abs(a).max() <= 2 * np.pi for a in angles):
-        notes.append("no angle of the attitude exceeds 2 pi: are these radians? degrees are read")
-    return notes

@@ -1,4 +1,4 @@
-"""Units of the columns of a log: their spellings, and what the numbers themselves say."""
+"""Quantities of a log: what they can be, names elsewhere, units, what the numbers say of them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,70 @@ from solar.types import FloatArray
 Dimension = Literal[
     "time", "angle", "length", "power", "voltage", "current", "temperature", "share"
 ]
+TIME, EPOCH = "time_utc", "time_utc_s"
+ATTITUDE = ("roll_deg", "pitch_deg", "yaw_deg")
+TRACKER = "solar_power_w: "  # power of one of several MPPTs, before its own name
+
+
+class Quantity(NamedTuple):
+    """What may be in a log, least and most that it can be in the unit of the log format.
+
+    ``rests``: whether one value may stay for minutes in flight. ``aliases``: names that it goes by
+    elsewhere, likeliest first, in lower case without anything between words and without a unit.
+    """
+
+    dimension: Dimension
+    low: float
+    high: float
+    rests: bool
+    aliases: str
+
+
+def quantity_of(column: str) -> str:
+    """Quantity of a column: the power of one of several MPPTs has its name behind that."""
+    return column.partition(":")[0]
+
+
+# A place, an altitude held to the metre, a full battery, the air and the voltage of an MPPT may
+# rest; power and attitude never do. Times: where the almanac behind the sun's position
+# holds. Air: the highest on record is 56.7 C (World Meteorological Organization).
+QUANTITIES: Mapping[str, Quantity] = {
+    "time": Quantity("time", -631152000.0, 2524608000.0, False,
+        "time timestamp datetime utc timeutc utctime gpstime timegps epoch unixtime timeunix unix "
+        "localtime timelocal clock t"),
+    "latitude_deg": Quantity("angle", -90.0, 90.0, True,
+        "latitude lat gpslat gpslatitude latgps poslat"),
+    "longitude_deg": Quantity("angle", -180.0, 180.0, True,
+        "longitude lon lng long gpslon gpslongitude longps gpslng poslon"),
+    "altitude_m": Quantity("length", -500.0, 32000.0, True,
+        "altitude alt altitudemsl altmsl amsl gpsalt gpsaltitude altgps altitudeamsl "
+        "altamsl posalt"),
+    "roll_deg": Quantity("angle", -180.0, 180.0, False,
+        "roll rollangle phi bank bankangle attroll attituderoll"),
+    "pitch_deg": Quantity("angle", -90.0, 90.0, False,
+        "pitch pitchangle theta attpitch attitudepitch"),
+    "yaw_deg": Quantity("angle", -360.0, 360.0, False,
+        "yaw yawangle psi heading trueheading hdg attyaw attitudeyaw"),
+    "solar_power_w": Quantity("power", -1e3, 1e6, False,
+        "solarpower powersolar psolar pvpower powerpv ppv mpptpower powermppt pmppt solar "
+        "arraypower parray solararraypower psun"),
+    "solar_voltage_v": Quantity("voltage", -1.0, 1e4, True,
+        "solarvoltage voltagesolar vsolar usolar pvvoltage vpv upv mpptvoltage mpptvolt vmppt"),
+    "solar_current_a": Quantity("current", -1e3, 1e5, False,
+        "solarcurrent currentsolar isolar pvcurrent ipv mpptcurrent mpptamp imppt"),
+    "ambient_temperature_c": Quantity("temperature", -100.0, 57.0, True,
+        "ambienttemperature ambienttemp airtemperature airtemp tamb tambient tair oat "
+        "outsideairtemperature outsideairtemp temperature temp"),
+    "mppt_voltage_v": Quantity("voltage", -1.0, 1e4, True,
+        "mpptvoltage mpptvolt vmppt umppt"),
+    "load_w": Quantity("power", -1e6, 1e6, False,
+        "load loadpower powerload pload consumption powerconsumption consumedpower pout ptotal"),
+    "state_of_charge": Quantity("share", -0.05, 1.05, True,
+        "stateofcharge soc batterysoc socbattery batsoc batteryremaining remaining chargestate "
+        "batterypercent batpercent batterylevel"),
+    "battery_power_w": Quantity("power", -1e6, 1e6, False,
+        "batterychargepower chargepower"),
+}  # fmt: skip
 
 
 class Unit(NamedTuple):
@@ -51,9 +115,10 @@ UNITS: Mapping[Dimension, Mapping[str, Unit]] = {
     dimension: {name: unit for names, unit in known.items() for name in names.split()}
     for dimension, known in _SPELLINGS.items()
 }
-
+# Of any dimension, as no spelling is of two; what has no unit is in that of the log format.
+SCALES: dict[str | None, Unit] = {None: Unit(1.0)}
+SCALES.update(one for known in UNITS.values() for one in known.items())
 _TWO_PI = 2.0 * np.pi
-MOST_SINCE_START = 1e8  # s: smaller times count from the start of a log
 
 _SPELLED = {
     "dege7": "1e-7 deg", "e7": "1e-7 deg", "1e-7deg": "1e-7 deg", "kw": "kW", "mw": "mW",
@@ -66,13 +131,13 @@ def spelled(unit: str) -> str:
     return _SPELLED.get(unit, unit.upper() if unit in ("w", "v", "a", "k", "c", "f") else unit)
 
 
-def known_unit(text: str, dimension: Dimension) -> str | None:
-    """Spelling of a unit in :data:`UNITS`, None if it is none of the dimension."""
+def known_unit(text: str, *dimensions: Dimension) -> str | None:
+    """Spelling of a unit in :data:`UNITS`, None if it is none of the dimensions."""
     plain = text.strip().strip("[]()").strip()
-    if dimension == "power" and plain == "MW":  # else it would be read as mW
+    if plain == "MW":  # else it would be read as mW
         return None
     plain = plain.lower().replace("°deg", "°")
-    return plain if plain in UNITS[dimension] else None
+    return plain if any(plain in UNITS[one] for one in dimensions) else None
 
 
 def split_unit(name: str) -> tuple[str, str | None]:
@@ -99,19 +164,6 @@ def recognised(quantity: str, dimension: Dimension, values: FloatArray) -> str |
         return "%" if 1.5 < largest <= 105.0 else None
     if dimension == "temperature":
         return "k" if median > 150.0 else None
-    return None
-
-
-def epoch_unit(values: FloatArray) -> str | None:
-    """Unit of times counted from 1970 by their size; None if they count from elsewhere."""
-    known = values[np.isfinite(values)]
-    if not len(known):
-        return None
-    size = float(np.median(np.abs(known)))
-    # 1e8 s are in 1973, 2.6e9 s in 2052: each range is clear of the next.
-    for unit, factor in (("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)):
-        if MOST_SINCE_START * factor <= size < 2.6e9 * factor:
-            return unit
     return None
 
 

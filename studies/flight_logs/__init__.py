@@ -2,6 +2,5 @@
 
 * ``verification``: ``verify``, which puts the others together
 * ``forward``: models on a log; ``errors``, ``residuals``: how far they are off, and where
-* ``left_out``: what says nothing; ``fit``, ``estimates``: what a log tells
-* ``trackers``: MPPTs one by one; ``plots``: figures
+* ``left_out``: what says nothing; ``fit``, ``estimates``: what a log tells; ``plots``: figures
 """

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import datetime
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,24 +101,6 @@ def moving_average(
     return np.asarray(runs.rolling(width, center=True, closed="both").mean(), float)
 
 
-def in_window(samples: Samples, window: Window) -> BoolArray:
-    """Samples that lie in a window."""
-    hours = samples.time_solar_h
-    inside = (hours >= window.start_h) & (hours <= window.end_h)
-    if window.day is not None:
-        inside &= samples.solar_day == window.day
-    return np.asarray(inside, bool)
-
-
-def _solar_span(samples: Samples) -> str:
-    """Solar days and hours that the samples cover, for messages."""
-    spans = []
-    for day in np.unique(samples.solar_day):
-        hours = samples.time_solar_h[samples.solar_day == day]
-        spans.append(f"{_iso_date(int(day))} {hours.min():.2f} to {hours.max():.2f} h")
-    return ", ".join(spans)
-
-
 def _iso_date(day: int) -> str:
     return (datetime.date(1970, 1, 1) + datetime.timedelta(days=day)).isoformat()
 
@@ -133,56 +115,58 @@ def filtered(
     return raw, moving_average(raw, run, samples.time_s[used], filter_s)
 
 
-def by_window(
-    samples: Samples, excluded: BoolArray, filter_s: float, windows: Iterable[Window], source: str
-) -> tuple[Section, ...]:
-    """Errors of all models in some windows, each of which must have samples."""
-    masks = [(window.label, in_window(samples, window)) for window in windows]
-    for label, mask in masks:
+def in_windows(
+    samples: Samples, windows: Iterable[Window], source: str
+) -> Iterator[tuple[str, BoolArray]]:
+    """Windows and the samples in each, of which there must be some."""
+    hours, days = samples.time_solar_h, samples.solar_day
+    for window in windows:
+        mask = (hours >= window.start_h) & (hours <= window.end_h)
+        if window.day is not None:
+            mask &= days == window.day
         if not mask.any():
-            message = f"no sample with the sun up lies in the window {label} (solar time)"
-            raise file_error(source, f"{message}; allowed: {_solar_span(samples)}")
-    return _sections(samples, excluded, filter_s, "solar time", masks)
+            by_day = ((_iso_date(int(day)), hours[days == day]) for day in np.unique(days))
+            spans = (f"{date} {own.min():.2f} to {own.max():.2f} h" for date, own in by_day)
+            message = f"no sample with the sun up lies in the window {window.label} (solar time)"
+            raise file_error(source, f"{message}; allowed: {', '.join(spans)}")
+        yield window.label, mask
 
 
-def by_day(samples: Samples, excluded: BoolArray, filter_s: float) -> tuple[Section, ...]:
-    """Errors of all models on each of the log's days (UTC)."""
+def on_days(samples: Samples) -> Iterator[tuple[str, BoolArray]]:
+    """The log's days (UTC) and the samples on each."""
     days = np.floor(samples.time_s / SECONDS_PER_DAY).astype(int)
-    masks = [(_iso_date(day), days == day) for day in np.unique(days).tolist()]
-    return _sections(samples, excluded, filter_s, "UTC", masks)
+    for day in np.unique(days).tolist():
+        yield _iso_date(day), days == day
 
 
-def _sections(
+def sections(
     samples: Samples,
     excluded: BoolArray,
     filter_s: float,
     clock: str,
-    masks: Sequence[tuple[str, BoolArray]],
+    masks: Iterable[tuple[str, BoolArray]],
 ) -> tuple[Section, ...]:
-    """Errors of all models in several parts of a log, by name and samples of each."""
+    """Errors of all models in several parts of a log, by name and samples of each.
+
+    Averages are those of all samples, RMS and maximum those of the filtered ones.
+    """
     used, models = ~excluded, samples.modelled_w.items()
-    errors = {m: filtered(samples, excluded, filter_s, power) for m, power in models}
+    every = {m: filtered(samples, excluded, filter_s, power) for m, power in models}
     result = []
     for label, mask in masks:
         inside, times = mask[used], samples.time_s[mask]
         measured = samples.measured_w[mask & used]
-        result.append(
-            Section(
-                *(label, clock, mask, float(times[0]), float(times[-1])),
-                *(len(measured), int((mask & excluded).sum()), filter_s),
-                {m: _model_errors(measured, raw[inside], smooth[inside])
-                 for m, (raw, smooth) in errors.items() if len(measured)},
+        errors = {}
+        for model, both in every.items() if len(measured) else ():
+            raw, smooth = (values[inside] for values in both)
+            errors[model] = ModelErrors(
+                modelled_mean_w=float((measured + raw).mean()),
+                measured_mean_w=float(measured.mean()),
+                average_w=float(raw.mean()),
+                rms_w=float(np.sqrt(np.mean(smooth**2))),
+                maximum_w=float(np.abs(smooth).max()),
             )
-        )  # fmt: skip
+        ends = float(times[0]), float(times[-1])
+        counts = len(measured), int((mask & excluded).sum())
+        result.append(Section(label, clock, mask, *ends, *counts, filter_s, errors))
     return tuple(result)
-
-
-def _model_errors(measured: FloatArray, raw: FloatArray, smooth: FloatArray) -> ModelErrors:
-    """Average of all samples, RMS and maximum of the filtered ones."""
-    return ModelErrors(
-        modelled_mean_w=float((measured + raw).mean()),
-        measured_mean_w=float(measured.mean()),
-        average_w=float(raw.mean()),
-        rms_w=float(np.sqrt(np.mean(smooth**2))),
-        maximum_w=float(np.abs(smooth).max()),
-    )

@@ -21,9 +21,8 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import all_replaced, parameter_value
 from sizing.results.tables import Column, Table
-from solar.types import BoolArray, FloatArray, IntArray
-from studies.flight_logs.autocorrelation import correlation_time
-from studies.flight_logs.fit import CONFIDENCE, Fit
+from solar.types import FloatArray, IntArray
+from studies.flight_logs.fit import CONFIDENCE, Fit, correlation_time
 from studies.flight_logs.forward import Forward
 
 # Half-widths of intervals beyond which nothing is said to be known [min, deg].
@@ -72,14 +71,10 @@ def estimates(
     return (*_of_fit(forward, fit, applied), _of_load(forward, lit))
 
 
-def _known(
-    name: str, value: float, ends: tuple[float, float], apply: tuple[str, ...], why: str = ""
-) -> Estimate:
-    return Estimate(name, value, *ends, _LABELS[name][1], apply, why)
-
-
-def _unknown(name: str, why: str) -> Estimate:
-    return Estimate(name, None, None, None, _LABELS[name][1], (), why)
+def _estimate(name: str, *found: float, apply: tuple[str, ...] = (), why: str = "") -> Estimate:
+    """Estimate of a value and the ends of its interval, or of none."""
+    value, low, high = found or (None, None, None)
+    return Estimate(name, value, low, high, _LABELS[name][1], apply, why)
 
 
 def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Estimate]:
@@ -88,16 +83,16 @@ def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Est
         why = "too few samples with power count"
         if log.solar_power_w.sum() < 0.0:
             why = "the power is negative: give its column a factor of -1 (--columns)"
-        yield from (_unknown(name, why) for name in list(_LABELS)[:3])
+        yield from (_estimate(name, why=why) for name in list(_LABELS)[:3])
         return
     value, wide = (one / 60.0 for one in fit.of("clock_s"))
     if wide > _UNKNOWN_MIN:
         hours = (log.time_s[-1] - log.time_s[0]) / 3600.0
         why = f"known to ± {wide:.0f} min only: the power of these {hours:.1f} h does not tell it"
-        yield _unknown("clock_offset", why)
+        yield _estimate("clock_offset", why=why)
     else:
         option = ("--clock-offset", f"{applied.clock_min + value:.1f}")
-        yield _known("clock_offset", value, (value - wide, value + wide), option)
+        yield _estimate("clock_offset", value, value - wide, value + wide, apply=option)
     yield _heading(forward, fit, applied)
     factor, *ends = fit.factor
     other = next((name for one, name in _UNITS if 0.1 < factor / one < 10.0), None)
@@ -107,58 +102,50 @@ def _of_fit(forward: Forward, fit: Fit | None, applied: Applied) -> Iterator[Est
         efficiency = parameter_value(forward.aircraft, None, _EFFICIENCY)
         assert efficiency is not None  # every aircraft has one
         apply, why = ("--set", f"{_EFFICIENCY}={factor * efficiency:.4g}"), ""
-    yield _known("solar_factor", factor, (ends[0], ends[1]), apply, why)
+    yield _estimate("solar_factor", factor, *ends, apply=apply, why=why)
 
 
 def _heading(forward: Forward, fit: Fit, applied: Applied) -> Estimate:
     attitude = forward.log.attitude
-    if attitude is None or not fit.turned:
+    if attitude is None or "heading" not in fit.names:
         lacking = "the log has no attitude" if attitude is None else "no modules.geometry"
-        return _unknown("heading_offset", lacking)
+        return _estimate("heading_offset", why=lacking)
     value, wide = (float(np.degrees(one)) for one in fit.of("heading"))
     if wide > _UNKNOWN_DEG:
         bank = float(np.degrees(np.sqrt(np.mean(attitude.roll_rad**2))))
         why = "the power hardly changes with the heading"
         if bank < _LEVEL_DEG:
             why = f"the wings are level to {bank:.1f} deg, so the heading hardly changes the power"
-        return _unknown("heading_offset", f"known to ± {wide:.0f} deg only: {why}")
+        return _estimate("heading_offset", why=f"known to ± {wide:.0f} deg only: {why}")
     value = (value + 180.0) % 360.0 - 180.0
     total = (applied.heading_deg + value + 180.0) % 360.0 - 180.0
     option = ("--heading-offset", f"{total:.1f}")
-    return _known("heading_offset", value, (value - wide, value + wide), option)
+    return _estimate("heading_offset", value, value - wide, value + wide, apply=option)
 
 
 def _of_load(forward: Forward, lit: IntArray) -> Estimate:
-    found = _level_power(forward, lit)
-    if isinstance(found, str):
-        return _unknown("level_power", found)
-    value, wide = found
-    key = level_power_key(forward.aircraft, forward.mission, value)
-    apply, why = ((), key) if isinstance(key, str) else (("--set", f"{key[0]}={key[1]:.4g}"), "")
-    return _known("level_power", value, (value - wide, value + wide), apply, why)
-
-
-def _level_power(forward: Forward, lit: IntArray) -> tuple[float, float] | str:
-    """Power of level flight by the load, less that of avionics and payload; or why it is unknown.
-
-    In the air of the mission [W], with the half-width of its interval.
+    """Power of level flight by the load, less that of avionics and payload [W].
 
     By night if there is one: thermals and work are of the day. At the density of the mission's air:
     the power of level flight falls with its square root.
     """
-    log, mission = forward.log, forward.mission
+    log, mission, name = forward.log, forward.mission, "level_power"
     if log.load_w is not None:
         load = log.load_w
     elif log.battery_power_w is not None:
         load = log.solar_power_w - log.battery_power_w
     else:
-        return "neither load_w nor battery_power_w is logged"
+        return _estimate(name, why="neither load_w nor battery_power_w is logged")
     slot = np.floor((log.time_s - log.time_s[0]) / _BIN_S).astype(int)
-    known, night = np.isfinite(load), np.ones(len(log), bool)
+    use, night = np.isfinite(load), np.ones(len(log), bool)
     night[lit] = False
-    use = known & _level(log.time_s, log.altitude_m, slot)
-    if np.count_nonzero(known & night) * log.step_s >= _SHORTEST_NIGHT_S:
+    if np.count_nonzero(use & night) * log.step_s >= _SHORTEST_NIGHT_S:
         use &= night
+    # Samples in slots over which the altitude changes no faster than in level flight.
+    (mean_m, slots), (mean_s, _) = _means(log.altitude_m, slot), _means(log.time_s, slot)
+    if len(slots) > 1:
+        slow = np.abs(np.gradient(mean_m, mean_s)) <= _FASTEST_CLIMB_M_PER_S
+        use &= slow[np.searchsorted(slots, slot)]
     height_m = np.clip(log.altitude_m[use], MINIMUM_ALTITUDE_M, MAXIMUM_ALTITUDE_M)
     kelvin = forward.of(np.flatnonzero(use)).ambient_c()[0] + ZERO_CELSIUS_K
     density = air_at(kelvin, standard_air(height_m).pressure_pa).density_kg_per_m3
@@ -167,32 +154,25 @@ def _level_power(forward: Forward, lit: IntArray) -> tuple[float, float] | str:
     try:
         constant_w = float(design_of(forward.aircraft, mission).constant_power_w)
     except ImpossibleDesignError as error:
-        return str(error)
+        return _estimate(name, why=str(error))
     means, bins = _means((load[use] - constant_w) / rising, slot[use])
     if len(means) < _LEAST_BINS:
-        return f"less than {_LEAST_BINS * _BIN_S / 60:.0f} min of level flight with a load"
+        least_min = _LEAST_BINS * _BIN_S / 60
+        return _estimate(name, why=f"less than {least_min:.0f} min of level flight with a load")
     mean = float(means.mean())
     run = np.cumsum(np.diff(bins, prepend=bins[0]) > 1).astype(int)
     count = len(means) / correlation_time(means - mean, run, 1)
     freedom = max(count - 1.0, 1.0)
     wide = float(t.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * means.std() / np.sqrt(freedom))
-    return mean, wide
+    key = level_power_key(forward.aircraft, mission, mean)
+    apply, why = ((), key) if isinstance(key, str) else (("--set", f"{key[0]}={key[1]:.4g}"), "")
+    return _estimate(name, mean, mean - wide, mean + wide, apply=apply, why=why)
 
 
 def _means(values: FloatArray, slot: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean of the values in each slot that has some, and these slots."""
     slots, number = np.unique(slot, return_inverse=True)
     return np.bincount(number, values) / np.bincount(number), slots
-
-
-def _level(time_s: FloatArray, altitude_m: FloatArray, slot: FloatArray) -> BoolArray:
-    """Samples in slots over which the altitude changes no faster than in level flight."""
-    mean_m, slots = _means(altitude_m, slot)
-    mean_s, _ = _means(time_s, slot)
-    if len(slots) < 2:
-        return np.ones(len(slot), bool)
-    slow = np.abs(np.gradient(mean_m, mean_s)) <= _FASTEST_CLIMB_M_PER_S
-    return np.asarray(slow[np.searchsorted(slots, slot)])
 
 
 def level_power_key(

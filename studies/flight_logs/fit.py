@@ -12,14 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import norm
 
 from solar.types import FloatArray, IntArray
-from studies.flight_logs.autocorrelation import correlation_time
 from studies.flight_logs.forward import Forward, Offsets
 
 CONFIDENCE = 0.95
@@ -48,6 +46,10 @@ _LEAST_SCATTER = 2e-3  # of the peak: to which tables and rounding of the model 
 _ROUNDS, _NEAR = 5, 1e-4  # each round goes on from the last one
 # Coarse grid of starts: clocks to either side, and turns of the heading.
 _MOST_CLOCK_S, _SHIFT_S, _TURNS, _STARTS = 14 * 3600.0, 1800.0, 12, 3
+# Autocorrelation that counts as none: where the window of its sum ends.
+_LAST_CORRELATION = 0.05
+_LONGEST_MEMORY = 0.97  # of a process, from bin to bin
+_MOST_LOST = 0.75  # share of that sum which a fit may have taken away; keeps the correction finite
 
 
 @dataclass(frozen=True)
@@ -64,11 +66,6 @@ class Fit:
     scatter_w: float
     level: tuple[float, float] = (0.0, 0.0)
 
-    @property
-    def turned(self) -> bool:
-        """Whether a heading is among what is fitted."""
-        return "heading" in self.names
-
     def of(self, name: str) -> tuple[float, float]:
         """Value and half-width of its interval."""
         place = self.names.index(name)
@@ -84,7 +81,7 @@ class Fit:
     @property
     def correlation(self) -> float | None:
         """Correlation of the errors of clock and heading, if both are fitted."""
-        if not self.turned:
+        if "heading" not in self.names:
             return None
         i, j = self.names.index("clock_s"), self.names.index("heading")
         c = self.covariance
@@ -120,7 +117,18 @@ def fitted(forward: Forward, measured_w: FloatArray) -> Fit | None:
         start = min(
             (few.fit(one, rounds=1) for one in starts), key=lambda one: one.scatter_w
         ).values
-    return data.with_level(data.fit(np.append(start, np.zeros(len(data.names) - len(start)))))
+    fit = data.fit(np.append(start, np.zeros(len(names) - len(start))))
+
+    # The other errors move the factor of the fit, and whoever applies it does not apply them.
+    def level(values: FloatArray) -> float:
+        moved = np.where(np.isin(names, ("clock_s", "heading")), values, 0.0)
+        whole, part = (_power_w(data.forward, names, v).sum() for v in (values, moved))
+        return float(np.log(whole / part))
+
+    steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in names])
+    middle = level(fit.values)
+    slopes = np.array([level(fit.values + one) - middle for one in np.diag(steps)]) / steps
+    return replace(fit, level=(middle, float(np.sqrt(slopes @ fit.covariance @ slopes))))
 
 
 @dataclass(frozen=True)
@@ -142,12 +150,6 @@ class _Data:
         chosen = self.forward.of(self.forward.index[places])
         return _Data(chosen, self.measured_w[places], self.names)
 
-    @cached_property
-    def peak_w(self) -> float:
-        """Power that two in a hundred samples exceed: spikes do not count."""
-        return float(np.quantile(self.measured_w, 0.98)) if len(self.measured_w) else 0.0
-
-    @cached_property
     def blocks(self) -> tuple[IntArray, IntArray]:
         """Block of ten minutes of each sample, and the uninterrupted stretch of each block."""
         log, index = self.forward.log, self.forward.index
@@ -156,10 +158,6 @@ class _Data:
         first = np.flatnonzero(np.diff(block, prepend=-1))
         apart = np.diff(slot[first]) > 1
         return block, np.concatenate(([0], np.cumsum(apart)))
-
-    def power_w(self, values: FloatArray) -> FloatArray:
-        """Modelled power."""
-        return _power_w(self.forward, self.names, values)
 
     def starts(self) -> Iterator[FloatArray]:
         """Factor, clock and heading: as logged, and the best of a grid if they fit better."""
@@ -184,51 +182,92 @@ class _Data:
     def fit(self, values: FloatArray, rounds: int = _ROUNDS) -> Fit:
         """Fit with weights that follow from the residuals, and these from the weights."""
         sigmas, steps = np.array([_UNKNOWNS[name] for name in self.names]).T
-        residual, time = self.measured_w - self.power_w(values), 10.0
+
+        def residual_w(values: FloatArray) -> FloatArray:
+            return self.measured_w - _power_w(self.forward, self.names, values)
+
+        # Power that two in a hundred samples exceed: spikes do not count.
+        peak_w = float(np.quantile(self.measured_w, 0.98))
+        residual, time, (block, run) = residual_w(values), 10.0, self.blocks()
         for _ in range(rounds):
             scatter = 1.4826 * float(np.median(np.abs(residual)))
-            scatter = max(scatter, _LEAST_SCATTER * self.peak_w)
+            scatter = max(scatter, _LEAST_SCATTER * peak_w)
             weight = 1.0 / (1.0 + (residual / (_CAUCHY * scatter)) ** 2)
             root = np.sqrt(weight / time) / scatter
 
             def rows(scaled: FloatArray, root: FloatArray = root) -> FloatArray:
-                left = self.measured_w - self.power_w(scaled * steps)
+                left = residual_w(scaled * steps)
                 return np.concatenate((root * left, scaled * steps / sigmas))
 
             best = least_squares(rows, values / steps, method="lm", ftol=_NEAR, xtol=_NEAR)
             values = best.x * steps
-            residual = self.measured_w - self.power_w(values)
+            residual = residual_w(values)
             jacobian = best.jac / steps
             inverse = np.linalg.pinv(jacobian.T @ jacobian)
             shares = (jacobian[: len(residual)] * (root * residual)[:, np.newaxis]) @ inverse
-            covariance, time = self._sandwich(shares)
-            covariance = covariance + inverse @ np.diag(sigmas**-2.0) @ inverse
+            sums = np.stack([np.bincount(block, column) for column in shares.T], axis=1)
+            times = [correlation_time(column, run, len(self.names)) for column in sums.T]
+            sandwich = (sums.T @ sums) * np.sqrt(np.outer(times, times))
+            # Samples for an independent one.
+            squares = np.maximum(np.sum(shares**2, axis=0), 1e-300)
+            time = max(float(np.median(np.diag(sandwich) / squares)), 1.0)
+            covariance = sandwich + inverse @ np.diag(sigmas**-2.0) @ inverse
         if not self.forward.knows_angles:
             covariance[1, 1] += _CAM_CLOCK_S**2
         return Fit(self.names, values, covariance, scatter)
 
-    def _sandwich(self, shares: FloatArray) -> tuple[FloatArray, float]:
-        """Covariance by what each sample contributes, and samples for an independent one."""
-        block, run = self.blocks
-        sums = np.stack([np.bincount(block, column) for column in shares.T], axis=1)
-        times = np.array([correlation_time(column, run, len(self.names)) for column in sums.T])
-        covariance = np.asarray((sums.T @ sums) * np.sqrt(np.outer(times, times)), float)
-        squares = np.maximum(np.sum(shares**2, axis=0), 1e-300)
-        return covariance, max(float(np.median(np.diag(covariance) / squares)), 1.0)
 
-    def with_level(self, fit: Fit) -> Fit:
-        """Fit with measured over modelled energy at its clock and heading, and its error.
+def correlation_time(residual: FloatArray, run: IntArray, unknown: int) -> float:
+    """Integrated autocorrelation time of residuals, in bins, at least 1.
 
-        The other errors move the factor of the fit; whoever applies clock, heading and factor does
-        not apply them.
-        """
+    The fit takes some of the correlation away with what it explains: estimates are too low by about
+    the time over the number of residuals for each fitted value (Marriott, F. H. C. & Pope, J. A.
+    (1954), Biometrika 41, 390-402). That is added back. The time is at least that of the process of
+    first order that the correlations of the next two bins belong to. Pairs across the ends of a
+    ``run`` do not count.
+    """
+    count = len(residual)
+    raw = _autocorrelation(residual, run)
+    if len(raw) < 2:
+        return 1.0
+    least = _mixed_time(raw, 0.0)
+    least = _mixed_time(raw, min(least * unknown / count, 1.0))
+    small = np.flatnonzero(raw < _LAST_CORRELATION)
+    window = int(small[0]) if len(small) else len(raw)
+    lags = np.arange(1, window + 1)
+    seen = 1.0 + 2.0 * float(np.sum(raw[:window] * (1.0 - lags / count)))
+    # Every correlation within the window is too low by time * unknown / count.
+    lost = min(2.0 * window * unknown / count, _MOST_LOST)
+    time = min(max(seen, 1.0) / (1.0 - lost), count / 2.0)
+    return max(time, min(least, count / 2.0))
 
-        def level(values: FloatArray) -> float:
-            moved = np.where(np.isin(self.names, ("clock_s", "heading")), values, 0.0)
-            return float(np.log(self.power_w(values).sum() / self.power_w(moved).sum()))
 
-        steps = 0.1 * np.array([_UNKNOWNS[name][1] for name in self.names])
-        middle = level(fit.values)
-        slopes = np.array([level(fit.values + one) - middle for one in np.diag(steps)]) / steps
-        error = float(np.sqrt(slopes @ fit.covariance @ slopes))
-        return Fit(fit.names, fit.values, fit.covariance, fit.scatter_w, (middle, error))
+def _mixed_time(raw: FloatArray, lost: float) -> float:
+    """Autocorrelation time of a process of the first order, averaged or with white noise on it.
+
+    Its correlations are ``r_1 rho^(lag - 1)``, their sum ``1 + 2 r_1/(1 - rho)``; ``lost`` of each
+    was taken away by the fit, and is added back [-].
+    """
+    first, second = ((float(value) + lost) / (1.0 + lost) for value in raw[:2])
+    if first <= 0.0:
+        return 1.0
+    rho = min(max(second / first, 0.0), _LONGEST_MEMORY)
+    return 1.0 + 2.0 * first / (1.0 - rho)
+
+
+def _autocorrelation(residual: FloatArray, run: IntArray) -> FloatArray:
+    """Autocorrelation at lags of 1, 2, ... bins, up to a third of them."""
+    count = len(residual)
+    variance = float(np.mean(residual**2))
+    if variance == 0.0 or count < 6:
+        return np.zeros(0)
+    correlations = []
+    for lag in range(1, count // 3):
+        same = run[lag:] == run[:-lag]
+        if np.count_nonzero(same) < 5:
+            break
+        correlations.append(float(np.mean((residual[lag:] * residual[:-lag])[same])) / variance)
+        # Beyond the first that are none, only noise is summed up.
+        if len(correlations) > 10 and max(correlations[-5:]) < 0.0:
+            break
+    return np.array(correlations)

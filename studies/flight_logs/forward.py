@@ -6,9 +6,9 @@ aircraft allow: VM and FM need the attitude and the module surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -59,16 +59,12 @@ AS_LOGGED = Offsets()
 
 
 class Sunlight(NamedTuple):
-    """Sun, clear sky and rotation from body axes of some samples."""
+    """Sun, clear sky, sine of elevation (zero by night) and rotation from body axes of samples."""
 
     sun: SunPosition
     light: Irradiance
+    sine: FloatArray
     to_ned: FloatArray | None
-
-    @property
-    def sine(self) -> FloatArray:
-        """Sine of the sun's elevation, zero below the horizon."""
-        return np.maximum(-self.sun.vector_ned[:, 2], 0.0)
 
 
 @dataclass(frozen=True)
@@ -130,15 +126,23 @@ class Forward:
         time_s, latitude = log.time_s[index] - offsets.clock_s, log.latitude_deg[index]
         sun = sun_position(time_s, latitude, log.longitude_deg[index])
         sine = np.maximum(-sun.vector_ned[:, 2], 0.0)
-        sky = self.mission.sky(_day_of_year(time_s), latitude, sine, log.altitude_m[index])
+        instants = time_s.astype("datetime64[s]")
+        years = instants.astype("datetime64[Y]").astype("datetime64[s]").astype(np.int64)
+        day_of_year = 1.0 + (time_s - years) / SECONDS_PER_DAY  # 1.0 at the start of 1 January
+        sky = self.mission.sky(day_of_year, latitude, sine, log.altitude_m[index])
         light = Irradiance(*(self.mission.clearness * part for part in sky))
         if offsets.haze or offsets.diffuse:
-            light = _other_sky(light, sun, sine, offsets)
+            # More haze: most of what the beam loses comes down diffuse.
+            height = np.maximum(np.degrees(sun.elevation_rad), _LEAST_ELEVATION_DEG)
+            mass = 1.0 / (np.sin(np.radians(height)) + 0.50572 * (height + 6.07995) ** -1.6364)
+            dni = light.dni * np.exp(-offsets.haze * mass)
+            dhi = light.dhi + _SCATTERED_DOWN * (light.dni - dni) * sine
+            light = Irradiance(dni, np.maximum(dhi, 0.1 * light.dhi) * np.exp(offsets.diffuse))
         if log.attitude is None or not self.knows_angles:
-            return Sunlight(sun, light, None)
+            return Sunlight(sun, light, sine, None)
         roll, pitch, yaw = (angle[index] for angle in log.attitude)
         angles = (roll - offsets.roll, pitch - offsets.pitch, yaw - offsets.heading)
-        return Sunlight(sun, light, direction_cosines(*angles))
+        return Sunlight(sun, light, sine, direction_cosines(*angles))
 
     def full(self, given: Sunlight) -> ModulePower:
         """The Full Model in some sunlight."""
@@ -185,25 +189,6 @@ class Forward:
         useful = useful * full.low_light_efficiency_by_surface * self.geometry.area_shares
         power = modules.area_m2 * np.asarray(full.specific_power_w_per_m2)[:, np.newaxis]
         return np.asarray(power * useful / np.maximum(useful.sum(axis=1, keepdims=True), 1e-9))
-
-
-def _other_sky(
-    light: Irradiance, sun: SunPosition, sine: FloatArray, offsets: Offsets
-) -> Irradiance:
-    """Light of a sky with more haze; most of what the beam loses comes down diffuse."""
-    height = np.maximum(np.degrees(sun.elevation_rad), _LEAST_ELEVATION_DEG)
-    mass = 1.0 / (np.sin(np.radians(height)) + 0.50572 * (height + 6.07995) ** -1.6364)
-    dni = light.dni * np.exp(-offsets.haze * mass)
-    scattered = _SCATTERED_DOWN * (light.dni - dni) * sine
-    dhi = np.maximum(light.dhi + scattered, 0.1 * light.dhi) * np.exp(offsets.diffuse)
-    return Irradiance(dni, dhi)
-
-
-def _day_of_year(time_s: FloatArray) -> FloatArray:
-    """Fractional day of year, 1.0 at the start of 1 January (UTC)."""
-    instants = np.asarray(time_s).astype("datetime64[s]")
-    years = instants.astype("datetime64[Y]").astype("datetime64[s]")
-    return np.asarray(1.0 + (np.asarray(time_s) - years.astype(np.int64)) / SECONDS_PER_DAY, float)
 
 
 @dataclass(frozen=True)
@@ -267,7 +252,15 @@ def lit_samples(forward: Forward) -> tuple[Samples, list[str]]:
         modelled_w=_joined(powers),
         detail=_joined(details),
     )
-    return samples, [*_not_modelled(forward), lit.ambient_c()[1], of_modules]
+    modules, name, missing = forward.aircraft.modules, forward.aircraft.name, []
+    if log.attitude is None:
+        lacking = "the log has no attitude (roll_deg, pitch_deg, yaw_deg)"
+        missing = [f"VM and FM are not computed: {lacking}"]
+    elif modules.geometry is None:
+        missing = [f"VM and FM are not computed: {name} has no modules.geometry"]
+    elif modules.tail is None:
+        missing = [f"shading is not modelled: {name} has no modules.tail"]
+    return samples, [*missing, lit.ambient_c()[1], of_modules]
 
 
 def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
@@ -276,24 +269,9 @@ def numbered_runs(index: IntArray, segment: IntArray) -> IntArray:
     return np.concatenate(([0], np.cumsum(breaks))).astype(int)
 
 
-def _not_modelled(forward: Forward) -> Iterator[str]:
-    """Why VM and FM, or the shadow of the tail, cannot be computed."""
-    modules, name = forward.aircraft.modules, forward.aircraft.name
-    if forward.log.attitude is None:
-        yield "VM and FM are not computed: the log has no attitude (roll_deg, pitch_deg, yaw_deg)"
-    elif modules.geometry is None:
-        yield f"VM and FM are not computed: {name} has no modules.geometry"
-    elif modules.tail is None:
-        yield f"shading is not modelled: {name} has no modules.tail"
-
-
-_Name = TypeVar("_Name", bound=str)
-
-
-def _joined(parts: Iterable[Mapping[_Name, FloatArray]]) -> dict[_Name, FloatArray]:
+def _joined(parts: Sequence[Mapping[Any, FloatArray]]) -> dict[Any, FloatArray]:
     """Columns of chunks put together."""
-    every = list(parts)
-    return {name: np.concatenate([part[name] for part in every]) for name in every[0]}
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _of_chunk(

@@ -9,14 +9,15 @@ from typing import Literal
 import numpy as np
 
 from missions.logs.plausible import Kind, span_text
-from missions.logs.table import GAP_STEPS, FlightLog
+from missions.logs.table import GAP_STEPS, FlightLog, Gap
 from sizing.aircraft import Aircraft
 from sizing.energy.battery import NoChargeLimit, charge_rate_per_h
 from sizing.results.tables import Column, Table
 from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
-from studies.flight_logs.forward import Samples
+from studies.flight_logs.fit import Fit, fitted
+from studies.flight_logs.forward import Forward, Samples
 
 Reason = Literal["battery_full", "no_power", "frozen", "implausible", "excluded", "missing_data"]
 _OF_VALUES: Mapping[Kind, Reason] = {
@@ -33,6 +34,7 @@ _AS_LOAD, _TAPER_S, _TAPER_MEAN_S = 0.05, 3.0 * 3600.0, 600.0
 # from which it is whole; load of the modules from which that is judged.
 _LIMITED, _LIMITED_CAM, _WHOLE, _BRIGHT = 0.90, 0.75, 0.97, 0.25
 _LEAST_S, _MERGE_S, _SMOOTH_S = 120.0, 600.0, 60.0
+_DARK = 0.02  # share of the peak below which there is nothing to fit
 # Share of the peak below which there is none, and that which no dusk has a minute before.
 _NONE, _ABRUPT = 0.02, 0.25
 
@@ -48,17 +50,25 @@ class Stretch:
     evidence: str
 
 
-def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
+def _may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
     """Samples in which the battery may hold power back, by what is logged; no model decides."""
     battery = aircraft.battery
     power = _smooth(log, log.solar_power_w)
     load = None if log.load_w is None else _smooth(log, np.nan_to_num(log.load_w))
     if log.state_of_charge is None:
-        if load is None:
+        if load is None or log.load_w is None:
             return np.zeros(len(log), bool)
         rated_w = aircraft.modules.full_load_w_per_m2 * aircraft.modules.area_m2
-        near = np.abs(power - load) < _AS_LOAD * rated_w
-        return _with_taper(log, near & (power > 0.0))
+        as_load = (np.abs(power - load) < _AS_LOAD * rated_w) & (power > 0.0)
+        # And before, from the highest charging power in three hours, while that falls to the load.
+        surplus = log.solar_power_w - np.nan_to_num(log.load_w)
+        surplus, result = _smooth(log, surplus, _TAPER_MEAN_S), as_load.copy()
+        for part in _clusters(as_load, log.time_s):
+            if as_load[part].sum() * log.step_s >= _LEAST_S:
+                first = int(np.searchsorted(log.time_s, log.time_s[part.start] - _TAPER_S))
+                highest = first + int(np.argmax(surplus[first : part.start + 1]))
+                result[highest : part.stop] = True
+        return result
     # Where the sun is low, power may be held in a part of each circle while its mean is below.
     power = np.maximum(power, log.solar_power_w)
     charge = np.clip(np.nan_to_num(log.state_of_charge, nan=0.0), 0.0, 1.0)
@@ -72,24 +82,8 @@ def may_be_limited(log: FlightLog, aircraft: Aircraft) -> BoolArray:
     return np.asarray((charge >= _NEAR_FULL) & (power > _OF_LIMIT * (taken + load)))
 
 
-def _with_taper(log: FlightLog, as_load: BoolArray) -> BoolArray:
-    """Samples whose power is the load, and those before in which the charging power fell to that.
-
-    From its highest in the three hours before, of means over ten minutes to either side.
-    """
-    assert log.load_w is not None  # so is the load
-    surplus = log.solar_power_w - np.nan_to_num(log.load_w)
-    surplus, result = _smooth(log, surplus, _TAPER_MEAN_S), as_load.copy()
-    for part in _clusters(as_load, log.time_s):
-        if as_load[part].sum() * log.step_s >= _LEAST_S:
-            first = int(np.searchsorted(log.time_s, log.time_s[part.start] - _TAPER_S))
-            highest = first + int(np.argmax(surplus[first : part.start + 1]))
-            result[highest : part.stop] = True
-    return result
-
-
-def without_power(log: FlightLog) -> BoolArray:
-    """Samples of stretches in which bright power vanishes, or comes back, at once."""
+def _without_power(log: FlightLog) -> tuple[BoolArray, list[Stretch]]:
+    """Samples of stretches in which bright power vanishes, or comes back, at once; and these."""
     power, time_s = log.solar_power_w, log.time_s
     peak = float(np.quantile(power, 0.98))
     none, mask = power < _NONE * peak, np.zeros(len(log), bool)
@@ -101,10 +95,12 @@ def without_power(log: FlightLog) -> BoolArray:
         after = int(np.searchsorted(time_s, time_s[stop - 1] + _SMOOTH_S, side="right"))
         beside = np.concatenate((power[before:start], power[stop:after]))
         mask[start:stop] = beside.max(initial=0.0) > _ABRUPT * peak
-    return mask
+    text = f"below {100 * _NONE:.0f} % of the peak, from or to bright power at once"
+    every = (np.isin(np.arange(len(log)), np.r_[part]) for part in _clusters(mask, time_s))
+    return mask, [_stretch("no_power", time_s, inside & mask, text) for inside in every]
 
 
-def battery_full(
+def _battery_full(
     log: FlightLog, samples: Samples, limited: BoolArray, expected_w: FloatArray
 ) -> Iterator[tuple[Stretch, BoolArray]]:
     """Periods in which the battery limits the power, and which samples are in each.
@@ -135,35 +131,53 @@ def battery_full(
         yield _stretch("battery_full", time_s, inside, text), inside
 
 
-def power_gone(log: FlightLog, mask: BoolArray) -> list[Stretch]:
-    """Stretches of :func:`without_power`."""
-    text = f"below {100 * _NONE:.0f} % of the peak, from or to bright power at once"
-    every = (np.isin(np.arange(len(log)), np.r_[part]) for part in _clusters(mask, log.time_s))
-    return [_stretch("no_power", log.time_s, inside & mask, text) for inside in every]
-
-
-def of_values(log: FlightLog) -> Iterator[Stretch]:
+def _of_values(log: FlightLog) -> Iterator[Stretch]:
     """Values that cannot be, and sunlit gaps that they do not explain; close gaps are one."""
     spans = [span for one in log.left_out for span in one.periods]
     for one in log.left_out:
         yield Stretch(_OF_VALUES.get(one.kind, "implausible"), *one.ends, one.values, one.told())
     slack_s = GAP_STEPS * log.step_s
-    gaps = []
+    groups: list[list[Gap]] = []
     for gap in log.gaps:
         at = int(np.searchsorted(log.time_s, gap.start_s))
         middle_s = 0.5 * (gap.start_s + gap.end_s)
         sun = sun_position(np.array([middle_s]), log.latitude_deg[at], log.longitude_deg[at])
         told = any(a <= gap.start_s + slack_s and b >= gap.end_s - slack_s for a, b in spans)
         if sun.elevation_rad[0] > 0.0 and not told:
-            gaps.append(gap)
-    starts = [
-        i for i, gap in enumerate(gaps) if not i or gap.start_s - gaps[i - 1].end_s > _MERGE_S
-    ]
-    for first, stop in zip(starts, [*starts[1:], len(gaps)], strict=False):
-        group = gaps[first:stop]
+            if not groups or gap.start_s - groups[-1][-1].end_s > _MERGE_S:
+                groups.append([])
+            groups[-1].append(gap)
+    for group in groups:
         total_s = sum(gap.duration_s for gap in group)
         text = f"{total_s:.0f} s without samples while the sun is up"
         yield Stretch("missing_data", group[0].start_s, group[-1].end_s, 0, text)
+
+
+def what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[Stretch], BoolArray]:
+    """Fit, what is left out, and which samples are.
+
+    Where the battery may limit the power, nothing is fitted until that expects as much.
+    """
+    log, index, aircraft = forward.log, samples.index, forward.aircraft
+    modelled, measured, (dead, gone) = forward.power_w(), log.solar_power_w, _without_power(log)
+    peak = float(np.quantile(measured, 0.98))
+    dark = (measured <= _DARK * peak) & (modelled <= _DARK * modelled.max(initial=0.0))
+
+    def fit_without(left_out: BoolArray) -> Fit | None:
+        use = np.flatnonzero(~(dark | left_out))
+        return fitted(forward.of(use), measured[use])
+
+    limited, full = _may_be_limited(log, aircraft), np.zeros(len(log), bool)
+    fit, stretches = fit_without(dead | limited), [*gone, *_of_values(log)]
+    if fit is not None and limited[index].any():
+        expected = fit.expected_w(forward.of(index))
+        may_be = (limited & ~dead)[index]
+        for stretch, inside in _battery_full(log, samples, may_be, expected):
+            stretches.append(stretch)
+            full[index[inside]] = True
+        if np.any(limited & ~full):
+            fit = fit_without(dead | full) or fit
+    return fit, stretches, (full | dead)[index]
 
 
 def left_out_table(stretches: tuple[Stretch, ...]) -> Table:

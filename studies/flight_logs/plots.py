@@ -15,7 +15,6 @@ from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import moving_average
 from studies.flight_logs.left_out import Reason
 from studies.flight_logs.residuals import Residual
-from studies.flight_logs.trackers import Trackers
 from studies.flight_logs.verification import Verification
 from studies.output.figures.drawing import (
     BLUE,
@@ -66,14 +65,14 @@ def figures(
 def window_figure(result: Verification, number: int, *, figure: Canvas = DEFAULT) -> Figure:
     """Measured and modelled power in one window, and errors of all models."""
     section = result.windows[number]
-    drawn, (power, error) = _panels(result, 2, section.label, section.filter_s, figure)
-    over_time = _OverTime(result, section.mask, section.filter_s)
-    _draw_power(over_time, power)
+    page = _Page(result, 2, section.label, section.mask, section.filter_s, figure)
+    power, error = page.panels
+    page.draw_power(power)
     for model, modelled in result.samples.modelled_w.items():
         style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
-        over_time.line(error, over_time.smooth(modelled - result.samples.measured_w), **style)
+        page.line(error, page.smooth(modelled - result.samples.measured_w), **style)
     error.set_ylabel("model − measured [W]")
-    return _finished(drawn, over_time, [power, error], [error])
+    return page.finished([power, error], [error])
 
 
 @styled
@@ -81,19 +80,17 @@ def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure
     """Power, and residuals over time, the sun's elevation and its azimuth, and by MPPTs."""
     samples, found = result.samples, result.residuals
     panels = 3 + bool(found.bearing) + (result.trackers is not None)
-    filter_s = result.days[0].filter_s
-    drawn, every = _panels(result, panels, "models against flight", filter_s, figure)
-    power, error, elevation, *rest = every
-    by_time = [power, error, *rest[bool(found.bearing) :]]
-    over_time = _OverTime(result, np.ones(len(samples.time_s), bool), filter_s)
-    _draw_power(over_time, power)
+    every, filter_s = np.ones(len(samples.time_s), bool), result.days[0].filter_s
+    page = _Page(result, panels, "models against flight", every, filter_s, figure)
+    power, error, elevation, *rest = page.panels
+    page.draw_power(power)
     for label, modelled, style in (
         ("as logged", samples.modelled_w[result.best_model], _LOGGED),
         ("with the estimates", result.estimated_w, _ESTIMATED),
     ):
         if modelled is not None:
-            left = over_time.smooth(modelled - samples.measured_w)
-            over_time.line(error, np.where(result.excluded, np.nan, left), label=label, **style)
+            left = page.smooth(modelled - samples.measured_w)
+            page.line(error, np.where(result.excluded, np.nan, left), label=label, **style)
     error.set_ylabel(f"{result.best_model} − measured [W]")
     _draw_bins(elevation, found.morning, "morning", "o")
     _draw_bins(elevation, found.afternoon, "afternoon", "^")
@@ -105,14 +102,38 @@ def residual_figure(result: Verification, *, figure: Canvas = DEFAULT) -> Figure
         rest[0].set(ylabel="error [%]", xlabel="azimuth of the sun from the nose, clockwise [deg]")
         rest[0].set(xlim=(0, 360), xticks=range(0, 361, 45))
     if result.trackers is not None:
-        _draw_trackers(over_time, result.trackers, rest[-1])
-    return _finished(drawn, over_time, by_time, zero)
+        bright = result.trackers.modelled_w.sum(axis=1)
+        bright = bright > _BRIGHT * bright.max()
+        powers = result.trackers.measured_w.T, result.trackers.modelled_w.T
+        colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
+        columns = zip(result.trackers.each, *powers, colours, strict=False)
+        for tracker, measured, modelled, colour in columns:
+            share = page.smooth(measured) / np.maximum(page.smooth(modelled), 1e-9)
+            percent = np.where(bright, 100.0 * share, np.nan)
+            page.line(rest[-1], percent, label=tracker.name, color=colour)
+        rest[-1].set_ylabel("measured / FM [%]")
+    return page.finished([power, error, *rest[bool(found.bearing) :]], zero)
 
 
-class _OverTime:
-    """Some samples of a flight over the hours of its first day, universal time."""
+class _Page:
+    """Panels for some samples of a flight, over the hours of its first day, universal time."""
 
-    def __init__(self, result: Verification, mask: BoolArray, filter_s: float) -> None:
+    def __init__(
+        self,
+        result: Verification,
+        count: int,
+        what: str,
+        mask: BoolArray,
+        filter_s: float,
+        canvas: Canvas,
+    ) -> None:
+        self.figure, self.panels = new_figure(
+            count,
+            canvas=canvas,
+            title=f"{result.aircraft}, {what}",
+            notes=(f"over time averaged over ±{filter_s:g} s",),
+            size_in=(8.0, 2.3 * count + 0.8),
+        )
         self.result, self.filter_s = result, filter_s
         samples, places = result.samples, np.flatnonzero(mask)
         self.chosen = places[:: max(1, len(places) // _MOST_POINTS)]
@@ -133,57 +154,40 @@ class _OverTime:
         points = np.insert(hours, breaks, np.nan), np.insert(shown, breaks, np.nan)
         axes.plot(*points, **{"linewidth": 1.0, **style})
 
-    def hatch(self, axes: Axes, *, named: bool) -> None:
-        """Mark what is left out, a hatch for each reason."""
-        axes.set_xlabel(f"time of {self.date} [h UTC]")
+    def draw_power(self, axes: Axes) -> None:
+        """Measured and modelled power."""
+        samples = self.result.samples
+        for model, modelled in samples.modelled_w.items():
+            style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
+            self.line(axes, self.smooth(modelled), label=model, **style)
+        measured = self.smooth(samples.measured_w)
+        self.line(axes, measured, label="measured", color=ink(), linewidth=1.8)
+        axes.set_ylabel("solar power [W]")
+
+    def finished(self, by_time: list[Axes], with_zero: list[Axes]) -> Figure:
+        """Figure with lines at zero, hatches on what is left out, legends beside its panels."""
+        for axes in with_zero:
+            axes.axhline(0.0, color=ink(), linewidth=0.8)
         shown = self.hours[self.chosen]
         first, last = float(shown.min()), float(np.nextafter(shown.max(), np.inf))
-        for one in self.result.left_out:
-            label, hatch = _LEFT_OUT[one.reason]
-            start, end = ((t - self.midnight_s) / 3600.0 for t in (one.start_s, one.end_s))
-            if min(end, last) > max(start, first):
-                style: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK_GREY}
-                again = label in axes.get_legend_handles_labels()[1]
-                axes.axvspan(
-                    max(start, first), min(end, last), hatch=hatch, zorder=0.5, linewidth=0.0,
-                    label=label if named and not again else None, **style,
-                )  # fmt: skip
-        axes.set_xlim(first, last)
-
-
-def _panels(
-    result: Verification, count: int, what: str, filter_s: float, canvas: Canvas
-) -> tuple[Figure, list[Axes]]:
-    return new_figure(
-        count,
-        canvas=canvas,
-        title=f"{result.aircraft}, {what}",
-        notes=(f"over time averaged over ±{filter_s:g} s",),
-        size_in=(8.0, 2.3 * count + 0.8),
-    )
-
-
-def _draw_power(over_time: _OverTime, axes: Axes) -> None:
-    samples = over_time.result.samples
-    for model, modelled in samples.modelled_w.items():
-        style = {"color": MODEL_COLOURS[model], "linestyle": MODEL_LINES[model]}
-        over_time.line(axes, over_time.smooth(modelled), label=model, **style)
-    measured = over_time.smooth(samples.measured_w)
-    over_time.line(axes, measured, label="measured", color=ink(), linewidth=1.8)
-    axes.set_ylabel("solar power [W]")
-
-
-def _draw_trackers(over_time: _OverTime, found: Trackers, axes: Axes) -> None:
-    """Measured over modelled power of each MPPT."""
-    total = found.modelled_w.sum(axis=1)
-    bright = total > _BRIGHT * total.max()
-    colours = cycle((BLUE, ORANGE, GREEN, SKY, VERMILLION, PURPLE))
-    columns = zip(found.each, found.measured_w.T, found.modelled_w.T, colours, strict=False)
-    for tracker, measured, modelled, colour in columns:
-        share = over_time.smooth(measured) / np.maximum(over_time.smooth(modelled), 1e-9)
-        percent = np.where(bright, 100.0 * share, np.nan)
-        over_time.line(axes, percent, label=tracker.name, color=colour)
-    axes.set_ylabel("measured / FM [%]")
+        named = set()
+        for axes in by_time:
+            axes.set_xlabel(f"time of {self.date} [h UTC]")
+            for one in self.result.left_out:
+                label, hatch = _LEFT_OUT[one.reason]
+                start, end = ((t - self.midnight_s) / 3600.0 for t in (one.start_s, one.end_s))
+                if min(end, last) > max(start, first):
+                    axes.axvspan(
+                        max(start, first), min(end, last), hatch=hatch, zorder=0.5, linewidth=0.0,
+                        facecolor="none", edgecolor=DARK_GREY,
+                        label=None if label in named else label,
+                    )  # fmt: skip
+                    named.add(label)
+            axes.set_xlim(first, last)
+        for axes in self.figure.axes:
+            if axes.get_legend_handles_labels()[0]:
+                axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+        return self.figure
 
 
 def _draw_bins(axes: Axes, rows: tuple[Residual, ...], when: str, marker: str) -> None:
@@ -194,17 +198,3 @@ def _draw_bins(axes: Axes, rows: tuple[Residual, ...], when: str, marker: str) -
         if rows and None not in values:
             label = ", ".join(filter(None, (when, name.replace("_", " "))))
             axes.plot(middle, 100.0 * np.array(values), marker=marker, label=label, **style)
-
-
-def _finished(
-    figure: Figure, over_time: _OverTime, by_time: list[Axes], with_zero: list[Axes]
-) -> Figure:
-    """Figure with hatches, lines at zero, and legends beside its panels."""
-    for axes in with_zero:
-        axes.axhline(0.0, color=ink(), linewidth=0.8)
-    for number, axes in enumerate(by_time):
-        over_time.hatch(axes, named=number == 0)
-    for axes in figure.axes:
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    return figure

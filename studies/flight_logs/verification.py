@@ -26,25 +26,23 @@ from studies.flight_logs.errors import (
     ModelErrors,
     Section,
     Window,
-    by_day,
-    by_window,
     filtered,
+    in_windows,
+    on_days,
     parse_window,
+    sections,
 )
 from studies.flight_logs.estimates import Applied, Estimate, estimates, estimates_table
-from studies.flight_logs.fit import Fit, fitted
 from studies.flight_logs.forward import Forward, Samples, lit_samples
-from studies.flight_logs.left_out import (
-    Stretch,
-    battery_full,
-    left_out_table,
-    may_be_limited,
-    of_values,
-    power_gone,
-    without_power,
+from studies.flight_logs.left_out import Stretch, left_out_table, what_counts
+from studies.flight_logs.residuals import (
+    Residuals,
+    Trackers,
+    compared,
+    residual_tables,
+    residuals,
+    surfaces_of,
 )
-from studies.flight_logs.residuals import Residual, Residuals, residual_tables, residuals
-from studies.flight_logs.trackers import Trackers, compared, surfaces_of
 
 DEFAULT_MISSION = "rafz-28h"
 # Time to either side [s]: the report's filters of 2 and 800 samples at its 2 Hz.
@@ -66,7 +64,6 @@ _WHOLE_WATTS = tuple(
     for column in _ERRORS
 )
 _DECIMALS = 5  # of hours: a twentieth of a second
-_DARK = 0.02  # share of the peak below which there is nothing to fit
 
 
 @dataclass(frozen=True, repr=False)
@@ -178,7 +175,11 @@ class Verification(Result):
             "clock_heading_correlation": self.correlation,
             "rms_error_w": dict(zip(("as_logged", "estimated"), self.rms_w, strict=True)),
             "residuals": {
-                name: [_residual_record(name, one) for one in rows]
+                name: [
+                    (_span_record(one.low, one.high) if name == "time" else {})
+                    | _without(one._asdict(), *(("low", "high") if name == "time" else ()))
+                    for one in rows
+                ]
                 for name, rows in self.residuals._asdict().items()
             },
             "mppts": [] if self.trackers is None else [m._asdict() for m in self.trackers.each],
@@ -228,11 +229,6 @@ def _span_record(start_s: float, end_s: float) -> dict[str, str]:
 
 def _without(record: dict[str, Any], *names: str) -> dict[str, Any]:
     return {name: value for name, value in record.items() if name not in names}
-
-
-def _residual_record(name: str, one: Residual) -> dict[str, Any]:
-    ends = _span_record(one.low, one.high) if name == "time" else {"low": one.low, "high": one.high}
-    return ends | _without(one._asdict(), "low", "high")
 
 
 def _section_record(section: Section) -> dict[str, Any]:
@@ -320,11 +316,25 @@ def verify(
     log = log if isinstance(log, FlightLog) else read_flight_log(os.fspath(log))
     mission = load_mission(DEFAULT_MISSION) if mission is None else mission
     if clock_offset_min or heading_offset_deg:
-        log = _without_offsets(log, 60.0 * clock_offset_min, heading_offset_deg)
+        ahead_s, attitude = 60.0 * clock_offset_min, log.attitude
+        if attitude is not None:
+            yaw_rad = attitude.yaw_rad - np.radians(heading_offset_deg)
+            attitude = attitude._replace(yaw_rad=yaw_rad)
+        log = replace(
+            log,
+            time_s=log.time_s - ahead_s,
+            attitude=attitude,
+            gaps=tuple(Gap(gap.start_s - ahead_s, gap.end_s - ahead_s) for gap in log.gaps),
+            left_out=tuple(
+                one._replace(periods=tuple((a - ahead_s, b - ahead_s) for a, b in one.periods))
+                for one in log.left_out
+            ),
+        )
     forward = Forward(log, aircraft, mission, np.arange(len(log)))
     own, how = surfaces_of(log, forward.geometry)
     samples, remarks = lit_samples(forward)
-    fit, stretches, excluded = _what_counts(forward, samples)
+    fit, stretches, excluded = what_counts(forward, samples)
+    inside = list(in_windows(samples, periods, log.source))
     window_s = WINDOW_FILTER_S if filter_s is None else filter_s
     day_s = DAY_FILTER_S if filter_s is None else filter_s
     lit, applied = forward.of(samples.index), Applied(clock_offset_min, heading_offset_deg)
@@ -349,49 +359,8 @@ def verify(
         rms_w=(rms_w(samples.modelled_w[samples.best_model]), rms_w(estimated)),
         estimated_w=estimated,
         residuals=residuals(samples, ~excluded, estimated),
-        windows=by_window(samples, excluded, window_s, periods, log.source),
-        days=by_day(samples, excluded, day_s),
+        windows=sections(samples, excluded, window_s, "solar time", inside),
+        days=sections(samples, excluded, day_s, "UTC", on_days(samples)),
         trackers=None if own is None else compared(lit, own, how, ~excluded),
         notes=(*log.notes, *([how] if how and own is None else []), *remarks),
     )
-
-
-def _without_offsets(log: FlightLog, clock_s: float, heading_deg: float) -> FlightLog:
-    """Log whose clock was so much ahead, and whose yaw was so much too large."""
-    attitude, gaps = log.attitude, log.gaps
-    if attitude is not None:
-        attitude = attitude._replace(yaw_rad=attitude.yaw_rad - np.radians(heading_deg))
-    return replace(
-        log,
-        time_s=log.time_s - clock_s,
-        attitude=attitude,
-        gaps=tuple(Gap(gap.start_s - clock_s, gap.end_s - clock_s) for gap in gaps),
-        left_out=tuple(one.earlier(clock_s) for one in log.left_out),
-    )
-
-
-def _what_counts(forward: Forward, samples: Samples) -> tuple[Fit | None, list[Stretch], BoolArray]:
-    """Fit, what is left out, and which samples are.
-
-    Where the battery may limit the power, nothing is fitted until that expects as much.
-    """
-    log, index, aircraft = forward.log, samples.index, forward.aircraft
-    modelled, measured, dead = forward.power_w(), log.solar_power_w, without_power(log)
-    peak = float(np.quantile(measured, 0.98))
-    dark = (measured <= _DARK * peak) & (modelled <= _DARK * modelled.max(initial=0.0))
-
-    def fit_without(left_out: BoolArray) -> Fit | None:
-        use = np.flatnonzero(~(dark | left_out))
-        return fitted(forward.of(use), measured[use])
-
-    limited, full = may_be_limited(log, aircraft), np.zeros(len(log), bool)
-    fit, stretches = fit_without(dead | limited), [*power_gone(log, dead), *of_values(log)]
-    if fit is not None and limited[index].any():
-        expected = fit.expected_w(forward.of(index))
-        may_be = (limited & ~dead)[index]
-        for stretch, inside in battery_full(log, samples, may_be, expected):
-            stretches.append(stretch)
-            full[index[inside]] = True
-        if np.any(limited & ~full):
-            fit = fit_without(dead | full) or fit
-    return fit, stretches, (full | dead)[index]

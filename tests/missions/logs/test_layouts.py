@@ -353,8 +353,8 @@ def test_encodings_of_spreadsheets(tmp_path: Path, encoding: str, note: str | No
 
 def test_first_line_that_names_the_separator(tmp_path: Path) -> None:
     short = table()[["time_utc", "latitude_deg", "longitude_deg", "altitude_m", "solar_power_w"]]
-    log = read(tmp_path, "sep=|\n" + short.to_csv(index=False, sep="|"))
-    same_power(log)
+    for sign in "|!":
+        same_power(read(tmp_path, f"sep={sign}\n" + short.to_csv(index=False, sep=sign)))
     told = refused(
         tmp_path, "sep=;\n" + short.assign(solar_power_w="x").to_csv(index=False, sep=";")
     )

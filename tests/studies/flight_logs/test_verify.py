@@ -33,7 +33,7 @@ from studies.flight_logs.errors import ModelErrors, Window, moving_average, pars
 from studies.flight_logs.estimates import Applied, Estimate, estimates, level_power_key
 from studies.flight_logs.fit import Fit
 from studies.flight_logs.forward import Forward
-from studies.flight_logs.trackers import surfaces_of
+from studies.flight_logs.residuals import surfaces_of
 from studies.flight_logs.verification import Verification, verify
 
 pytestmark = pytest.mark.slow
