@@ -68,7 +68,7 @@ def flown(given: dict[str, Any], end: int, *, climbs: bool = True) -> tuple[floa
     )
     aircraft = with_total_mass(Aircraft.model_validate(data), mission, value["total_mass_kg"])
     found = analyse(aircraft, mission, replay=False)
-    reached = value["floor_m"] if found.climb is None else found.climb.climb.maximum_altitude_m[0]
+    reached = value["floor_m"] if found.climb is None else found.climb.altitude_m[0].max()
     return float(found.performance.cycle.excess_time_h[0]), float(reached)
 
 

@@ -258,7 +258,7 @@ def test_a_record_has_the_load_of_its_air(name: str) -> None:
 
 def test_a_climb_begins_with_the_load_of_the_moment() -> None:
     own = AIRCRAFT["atlantiksolar"]
-    climb = {"ceiling_m": 1500.0, "strategy": "battery_full"}
+    climb = {"ceiling_m": 1500.0}
     mission = load_mission("rafz-july", {"climb": climb})
     flown = climb_performance(own, mission)
     constant = performance(own, rough())

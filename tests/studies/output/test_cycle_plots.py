@@ -67,7 +67,7 @@ def test_a_flight_with_climbs_that_ends_is_drawn_with_its_altitude() -> None:
     # surplus to climb with.
     assert altitude_m[[0, -1]] == pytest.approx(536.0)
     assert altitude_m.max() > 2500.0
-    assert analysis.climb.climb.maximum_altitude_m[0] == pytest.approx(536.0)
+    assert analysis.climb.altitude_m[0].max() == pytest.approx(536.0)
     assert "highest altitude, repeated day" in str(analysis)
 
 
