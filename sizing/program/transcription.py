@@ -127,6 +127,9 @@ class PartsData(NamedTuple):
 
 Rows = list[tuple[Constraint, Any]]
 
+# Options of IPOPT and its functions, which take most of the time of building a solver.
+_DERIVATIVES = {"grad_f": "nlp_grad_f", "jac_g": "nlp_jac_g", "hess_lag": "nlp_hess_l"}
+
 
 class Form(NamedTuple):
     """What a program of a kind of aircraft has.
@@ -181,8 +184,11 @@ class Program:
     _solvers: dict[str, ca.Function] = field(default_factory=dict)
 
     def solver(self, name: str, options: dict[str, Any]) -> ca.Function:
-        """Solver with some options, built at the first call."""
+        """Solver with some options, built at the first call; derivatives are the first one's."""
         if name not in self._solvers:
+            for first in list(self._solvers.values())[:1]:
+                shared = {key: first.get_function(of) for key, of in _DERIVATIVES.items()}
+                options = options | shared
             self._solvers[name] = ca.nlpsol("sizing", "ipopt", self.symbols, options)
         return self._solvers[name]
 
