@@ -462,8 +462,8 @@ def _explained(search: Search) -> SizingResult:
         easiest = task.with_values(
             mission=mission, objective=Objective.max_excess_time, required_h=0.0
         )
-        nearest = search.nearest
-        start = None if nearest is None else easiest.design_variables(nearest.values)
+        near = search.nearest
+        start = None if near is None else easiest.design_variables(near.values)
         largest = searched(easiest, start)
         report += largest.report
         if largest.best is not None and largest.best.excess_h.min() >= task.required_h:
