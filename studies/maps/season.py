@@ -125,10 +125,18 @@ class _Year:
             return {}
         # The simulator sees nothing of a model but its power.
         together = SolarDay.joined(list(suns.values()))
-        flown = performance(self.aircraft, self.mission, day=together, keep_trajectory=False)
+        flags, mission = np.zeros(len(together.scenarios), bool), self.mission
+        if mission.climb is not None:  # level flight is one of the schedules, and known at once
+            flags |= self._flown(mission.at_altitude(mission.altitude_m), together)
+        if not flags.all():
+            flags[~flags] = self._flown(mission, together.at(np.flatnonzero(~flags)))
         ends = np.cumsum([len(sun.scenarios) for sun in suns.values()])
-        parts = np.split(flown.cycle.flown, ends[:-1])
+        parts = np.split(flags, ends[:-1])
         return {name: part.tolist() for name, part in zip(suns, parts, strict=True)}
+
+    def _flown(self, mission: Mission, day: SolarDay) -> Flags:
+        flown = performance(self.aircraft, mission, day=day, keep_trajectory=False)
+        return flown.cycle.flown
 
 
 class _SomeDays(Sunlight):
