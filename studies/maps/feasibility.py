@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 _CELLS_AT_ONCE = 8192
 _CLIMBING_AT_ONCE = 1024  # as many as are marched at once; with their light at all levels
 _ENDURANCE_S = 2e-4  # of a cell, roughly
-_CLIMB_S = 1e-3
+_CLIMB_S = 5e-2  # of the program of a day
 
 
 # Variable -> unit, long name.

@@ -79,7 +79,7 @@ _LEAST, _LARGEST = 1e-9, 1e12
 _COMBINED_KEYS = 6
 # Times [s], roughly, that decide the size of chunks and nothing else.
 _SCENARIO_S, _SCENARIO_ON_PATH_S, _AIRCRAFT_S, _SIZING_S = 3e-4, 1e-2, 3e-2, 0.25
-_CLIMB_S = 1e-3
+_CLIMB_S = 5e-2  # of the program of a day
 _ALTITUDE = f"{MISSION_PREFIX}altitude_m"
 
 

@@ -46,7 +46,8 @@ def test_a_shipped_objective_written_as_a_function(
     assert found.design.total_mass_kg == pytest.approx(expected.design.total_mass_kg, rel=2e-3)
     if shipped == "min_mass":
         assert found.result.objective_value == pytest.approx(
-            expected.result.objective_value, rel=1e-6
+            expected.result.objective_value,
+            rel=1e-4,  # of searches by two programs
         )
 
 
