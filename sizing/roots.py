@@ -1,10 +1,11 @@
-"""Roots of many functions at once, each bracketed and narrowed on its own.
+"""Roots of many functions at once, each bracketed and narrowed on its own; bisection of one.
 
 ``scipy.optimize.elementwise`` finds the same roots; its import takes longer than a sizing.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
@@ -15,6 +16,29 @@ from solar.types import BoolArray, FloatArray, IntArray
 _MAXIMUM_ROUNDS = 100
 _SECANT_ROUNDS = 8
 _CLOSE = 4.0 * np.finfo(float).eps
+
+
+def bisected(
+    short: float,
+    enough: float,
+    suffices: Callable[[float], bool],
+    tolerance: Callable[[float], float],
+    *,
+    step: float = 1.0,
+    most: float = math.inf,
+) -> float:
+    """Value that is enough, next to one that is too short, within a tolerance of what is found.
+
+    Where none is known to be enough (infinity), it is looked for up to ``most`` in steps that
+    double; infinite where none is.
+    """
+    while math.isinf(enough) and short < most:
+        value, step = min(short + step, most), 2.0 * step
+        short, enough = (short, value) if suffices(value) else (value, enough)
+    while math.isfinite(enough) and abs(enough - short) > tolerance(enough):
+        middle = (short + enough) / 2.0
+        short, enough = (short, middle) if suffices(middle) else (middle, enough)
+    return enough
 
 
 def bracketed_root(

@@ -16,13 +16,9 @@ from sizing.design import DesignVariables
 from sizing.limits import ROW_TOLERANCE, meets_requirements
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
-from sizing.program.result import (
-    ABSOLUTE_TOLERANCE_H,
-    RELATIVE_TOLERANCE,
-    SizingResult,
-    objective_value,
-)
+from sizing.program.result import ABSOLUTE_TOLERANCE_H, RELATIVE_TOLERANCE, SizingResult, merit_of
 from sizing.program.start import grid_of
+from sizing.program.variables import chosen_variables
 from sizing.sunlight import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
@@ -63,65 +59,49 @@ def cross_check(
         raise ValueError(
             f"the sizing is {result.status.name}: only an optimum can be cross-checked"
         )
-    objective, optimum, day = result.objective, result.design.variables, result.simulated.day
+    objective, flown = result.objective, result.simulated
     fine_day = solar_day(aircraft, mission, solar, step_h=FINE_STEP_H)
-    sign = 1.0 if objective.maximised else -1.0
 
-    def value(variables: DesignVariables, light: SolarDay) -> FloatArray:
-        """Objective; NaN for designs that miss a requirement, by more than the time step allows."""
+    def merit(variables: DesignVariables, light: SolarDay) -> FloatArray:
+        """Merit; NaN for designs that miss a requirement, by more than the time step allows."""
         perf = performance_of_designs(aircraft, mission, variables, solar, day=light)
         worst_h = np.min(perf.cycle.excess_time_h, axis=-1)
         least_h = result.required_excess_time_h - ABSOLUTE_TOLERANCE_H * (light is fine_day)
         kept = (worst_h > 0.0) & (worst_h >= least_h)
         kept = kept & meets_requirements(aircraft, mission, perf.design)
-        return np.where(kept, objective_value(objective, perf), np.nan)
+        return np.where(kept, merit_of(objective, perf), np.nan)
 
-    own, fine = float(value(optimum, day)), float(value(optimum, fine_day))
-    tried, on_grid = _candidates(aircraft, result, np.random.default_rng(seed))
-    merits = sign * value(tried, day)
-    best = np.argsort(np.where(np.isnan(merits), np.inf, -merits), kind="stable")[:_FINALISTS]
-    confirmed = ~np.isnan(value(tried.mapped(lambda v: np.asarray(v)[best]), fine_day))
-    merit = -np.inf if np.isnan(own) else sign * own
-    better = [i for i in best[confirmed] if merit < merits[i]]
-    # Equal first: the excess time is infinite where the battery is never needed.
-    found = sign * float(merits[better[0]]) if better else own
-    advantage = float(merits[better[0]] - merit) if better else 0.0
+    optimum, grid = result.design.variables, grid_of(aircraft).chosen()
+    bounds = {v.name: (v.minimum, v.maximum) for v in chosen_variables(aircraft)}
+    rng, on_grid, designs = np.random.default_rng(seed), np.size(grid["wingspan_m"]), {}
+    for name, value in optimum.mapped(float).chosen().items():
+        around = value * np.exp(_SPREADS * rng.standard_normal(len(_SPREADS)))
+        around = np.clip(around, *bounds.get(name, (value, value)))
+        designs[name] = np.append(np.zeros(on_grid) + np.asarray(grid.get(name, value)), around)
+    tried = DesignVariables(**designs)
+    own, fine, merits = merit(optimum, flown.day), merit(optimum, fine_day), merit(tried, flown.day)
+    finalists = np.argsort(-merits, kind="stable")[:_FINALISTS]  # NaN last
+    confirmed = ~np.isnan(merit(tried.mapped(lambda v: np.asarray(v)[finalists]), fine_day))
+    least = -np.inf if np.isnan(own) else own
+    better = [i for i in finalists[confirmed] if merits[i] > least]
+    # Not by a difference: the excess time is infinite where the battery is never needed.
+    best, advantage = (merits[better[0]], merits[better[0]] - least) if better else (own, 0.0)
     # A payload is what is left of a mass, or of a load, that is known to a tolerance itself.
-    tolerance = max(
-        RELATIVE_TOLERANCE * abs(own),
-        {
-            Objective.max_excess_time: ABSOLUTE_TOLERANCE_H,
-            Objective.max_payload_mass: ROW_TOLERANCE * float(result.design.total_mass_kg),
-            Objective.max_payload_power: ROW_TOLERANCE
-            * float(np.max(result.simulated.nominal_load_w)),
-        }.get(objective, 0.0),
-    )
+    tolerances = {
+        Objective.max_excess_time: ABSOLUTE_TOLERANCE_H,
+        Objective.max_payload_mass: ROW_TOLERANCE * result.design.total_mass_kg,
+        Objective.max_payload_power: ROW_TOLERANCE * np.max(flown.nominal_load_w),
+    }
+    tolerance = max(RELATIVE_TOLERANCE * abs(own), tolerances.get(objective, 0.0))
+    sign = 1.0 if objective.maximised else -1.0
     return CrossCheck(
-        cross_checked=advantage <= tolerance and (fine == own or abs(fine - own) <= tolerance),
-        objective_value=own,
-        fine_step_value=fine,
-        best_found=found,
-        advantage=advantage,
+        cross_checked=bool(
+            advantage <= tolerance and (fine == own or abs(fine - own) <= tolerance)
+        ),
+        objective_value=sign * float(own),
+        fine_step_value=sign * float(fine),
+        best_found=sign * float(best),
+        advantage=float(advantage),
         found_by=("grid" if better[0] < on_grid else "neighbours") if better else "optimum",
         designs_tried=len(merits),
     )
-
-
-def _candidates(
-    aircraft: Aircraft, result: SizingResult, rng: np.random.Generator
-) -> tuple[DesignVariables, int]:
-    """Designs of a grid and around the optimum within its bounds; how many the grid has."""
-    assert result.design is not None
-    space, grid = aircraft.design_space, grid_of(aircraft).chosen()
-    free = space.requested_ranges() | {
-        name: getattr(space, name) for name in ("wingspan_m", "battery_mass_kg", "module_area_m2")
-    }
-    bounds = {name: (one.minimum, one.maximum) for name, one in free.items()}
-    if result.objective.variable.startswith("payload"):
-        bounds[result.objective.variable] = (0.0, np.inf)
-    count, designs = np.size(grid["wingspan_m"]), {}
-    for name, value in result.design.variables.mapped(float).chosen().items():
-        random = value * np.exp(_SPREADS * rng.standard_normal(len(_SPREADS)))
-        around = np.clip(random, *bounds.get(name, (value, value)))
-        designs[name] = np.append(np.broadcast_to(np.asarray(grid.get(name, value)), count), around)
-    return DesignVariables(**designs), int(count)

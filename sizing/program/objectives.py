@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from enum import IntEnum, StrEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from sizing import parameters
 
 if TYPE_CHECKING:
     from sizing.design import Design
-    from solar.types import FloatArray
 
 
 class Objective(StrEnum):
@@ -17,17 +16,36 @@ class Objective(StrEnum):
 
     The last three are no costs of one program but searches over many: the longest run of days and
     the widest band of latitudes in which one design flies perpetually
-    (:mod:`sizing.program.coverage`), and the longest flight (:mod:`sizing.program.endurance`).
+    (:mod:`sizing.program.ranges`), and the longest flight (:mod:`sizing.program.endurance`).
+
+    ``variable``: quantity that is as large or as small as possible. ``weight``: of its logarithm in
+    what the program minimises, of an excess time in days. ``column``: of tables and gridded
+    results; ``beside``: another one that is worth a look beside it.
     """
 
-    max_excess_time = "max_excess_time"
-    min_wingspan = "min_wingspan"
-    min_mass = "min_mass"
-    max_payload_mass = "max_payload_mass"
-    max_payload_power = "max_payload_power"
-    longest_season = "longest_season"
-    widest_latitude_band = "widest_latitude_band"
-    max_endurance = "max_endurance"
+    _value_: str
+    variable: str
+    weight: float
+    column: str
+    beside: str
+
+    max_excess_time = "max_excess_time", "worst_excess_time_h", -1 / 24, "excess_time", "total_mass"
+    min_wingspan = "min_wingspan", "wingspan_m", 1.0, "wingspan", "total_mass"
+    min_mass = "min_mass", "total_mass_kg", 1.0, "total_mass", "wingspan"
+    max_payload_mass = "max_payload_mass", "payload_mass_kg", -1.0, "payload_mass", "wingspan"
+    max_payload_power = "max_payload_power", "payload_power_w", -1.0, "payload_power", "wingspan"
+    longest_season = "longest_season", "season_days"
+    widest_latitude_band = "widest_latitude_band", "latitude_band_deg"
+    max_endurance = "max_endurance", "endurance_h"
+
+    def __new__(
+        cls, value: str, variable: str = "", weight: float = 0.0, column: str = "", beside: str = ""
+    ) -> Objective:
+        """Make an objective of its value and what is known of it."""
+        one = str.__new__(cls, value)
+        one._value_, one.variable, one.weight = value, variable, weight
+        one.column, one.beside = column, beside
+        return one
 
     @classmethod
     def _missing_(cls, value: object) -> Objective | None:
@@ -35,24 +53,9 @@ class Objective(StrEnum):
         return cls.max_payload_mass if value == "max_payload" else None
 
     @property
-    def variable(self) -> str:
-        """Quantity that the objective is the largest or least of."""
-        return _TABLE[self].variable
-
-    @property
-    def column(self) -> str:
-        """Column of tables and variable of gridded results that the objective is about."""
-        return _TABLE[self].column
-
-    @property
-    def beside(self) -> str:
-        """Another column that is worth a look beside it."""
-        return _TABLE[self].beside
-
-    @property
     def cost(self) -> dict[str, float]:
         """Weights of the program's variables in what it minimises; none for a range."""
-        return {} if self.of_range else {self.variable: _TABLE[self].weight}
+        return {} if self.of_range else {self.variable: self.weight}
 
     @property
     def unit(self) -> str:
@@ -67,12 +70,12 @@ class Objective(StrEnum):
     @property
     def maximised(self) -> bool:
         """Whether more is better."""
-        return _TABLE[self].weight <= 0.0
+        return self.weight <= 0.0
 
     @property
     def of_range(self) -> bool:
         """Whether the objective is a range of days or latitudes."""
-        return _TABLE[self].weight == 0.0
+        return self.weight == 0.0
 
     @property
     def payload_key(self) -> str | None:
@@ -85,40 +88,14 @@ class Objective(StrEnum):
         """Whether the design alone tells its value, without a flight."""
         return not (self.of_range or self is Objective.max_excess_time)
 
-    def value_of(self, design: Design) -> FloatArray | float | None:
+    def value_of(self, design: Design) -> Any:
         """Value of a design, where it tells it; None for a payload that is the mission's."""
-        value: FloatArray | float | None
         if self is Objective.min_mass:
-            value = design.total_mass_kg
-        elif self is Objective.max_payload_mass:
-            value = design.masses.payload
-        else:
-            value = getattr(design.variables, self.variable)
-        return value
+            return design.total_mass_kg
+        if self is Objective.max_payload_mass:
+            return design.masses.payload
+        return getattr(design.variables, self.variable)
 
-
-class _Row(NamedTuple):
-    """An objective: its quantity, the weight of that in the program's cost, and its columns."""
-
-    variable: str
-    weight: float
-    column: str = ""
-    beside: str = ""
-
-
-# The weight is that of the logarithm of a size; an excess time counts in days.
-_TABLE = {
-    Objective.max_excess_time: _Row(
-        "worst_excess_time_h", -1.0 / 24.0, "excess_time", "total_mass"
-    ),
-    Objective.min_wingspan: _Row("wingspan_m", 1.0, "wingspan", "total_mass"),
-    Objective.min_mass: _Row("total_mass_kg", 1.0, "total_mass", "wingspan"),
-    Objective.max_payload_mass: _Row("payload_mass_kg", -1.0, "payload_mass", "wingspan"),
-    Objective.max_payload_power: _Row("payload_power_w", -1.0, "payload_power", "wingspan"),
-    Objective.longest_season: _Row("season_days", 0.0),
-    Objective.widest_latitude_band: _Row("latitude_band_deg", 0.0),
-    Objective.max_endurance: _Row("endurance_h", 0.0),
-}
 
 OBJECTIVE_NAMES = tuple(one.value for one in Objective)
 # Those that a map or a trade study can have in every cell, and the short name of one.

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -29,12 +29,7 @@ from sizing.smooth import Value
 
 OwnFunction = Callable[[Any], Any]
 
-_ENERGY = (
-    "battery_capacity",
-    "energy_balance",
-    "excess_time",
-    "height",
-)  # requirements of the cycle
+_ENERGY = ("battery_capacity", "energy_balance", "excess_time", "height")  # rows of the cycle
 
 # Quantities of a design that a function may use, by the names that results have.
 NAMES: dict[str, Callable[[DesignInFlight], Value]] = {
@@ -141,15 +136,11 @@ class OwnObjective:
         return Requirement(OWN, (variable - self.term(it)) / self.scale, "")
 
 
-@dataclass(frozen=True, eq=False)
-class _OwnConstraint:
+class _OwnConstraint(NamedTuple):
     """A requirement of the user's own: ``term`` is at least zero where it is kept."""
 
     name: str
     term: _Term
-
-    def row(self, it: DesignInFlight) -> Requirement:
-        return Requirement(self.name, self.term(it), f"{self.name} is missed by {{missed}}")
 
 
 class _OwnDesignSpace(DesignSpace):
@@ -161,7 +152,10 @@ class _OwnDesignSpace(DesignSpace):
     __hash__ = DesignSpace.__hash__
 
     def own_requirements(self, it: Any) -> list[Any]:
-        return [one.row(it) for one in self.own_constraints]
+        return [
+            Requirement(one.name, one.term(it), f"{one.name} is missed by {{missed}}")
+            for one in self.own_constraints
+        ]
 
 
 def with_own_terms(
@@ -174,7 +168,13 @@ def with_own_terms(
 
     Returns the objective as well; None where none is given.
     """
-    start = _start(aircraft, mission)
+    # What scales refer to: the aircraft's own design, or where that has no mass one of a guess.
+    variables, conditions = variables_of(aircraft), FlightConditions.of(mission, aircraft)
+    design: Design = closed_design(aircraft, conditions, variables)
+    if not np.isfinite(design.total_mass_kg):
+        mass_kg = 3.0 * variables.battery_mass_kg
+        design = parametric_design(aircraft, conditions, variables, mass_kg)
+    start = DesignInFlight(aircraft, design, conditions)
     own = None if objective is None else _objective(objective, start)
     rows = tuple(_constraint(one, start) for one in constraints)
     taken = {*_ENERGY, OWN, *(row.name for row in design_requirements(*start))}
@@ -187,16 +187,6 @@ def with_own_terms(
     fields |= {"own_objective": own, "own_constraints": rows}
     changed = _OwnDesignSpace.model_construct(set(space.model_fields_set), **fields)
     return replaced(aircraft, ["design_space"], changed), own
-
-
-def _start(aircraft: Aircraft, mission: Mission) -> DesignInFlight:
-    """Design that scales refer to: the aircraft's own, or where that has no mass one of a guess."""
-    variables, conditions = variables_of(aircraft), FlightConditions.of(mission, aircraft)
-    design: Design = closed_design(aircraft, conditions, variables)
-    if not np.isfinite(design.total_mass_kg):
-        mass_kg = 3.0 * variables.battery_mass_kg
-        design = parametric_design(aircraft, conditions, variables, mass_kg)
-    return DesignInFlight(aircraft, design, conditions)
 
 
 def _objective(function: OwnFunction, start: DesignInFlight) -> OwnObjective:
@@ -219,10 +209,10 @@ def _constraint(function: OwnFunction, start: DesignInFlight) -> _OwnConstraint:
             "a constraint must be one comparison by <= or >=, of quantities or numbers"
         )
     small, large = expression.dep(0), expression.dep(1)
-    sizes = [abs(float(_Term.of(one)(start) if ca.symvar(one) else one)) for one in (small, large)]
     # A number is the limit; of two quantities the larger one.
-    numbers = [s for s, one in zip(sizes, (small, large), strict=True) if not ca.symvar(one)]
-    scale = next(iter(numbers), max(sizes)) or max(sizes) or 1.0
+    numbers = [abs(float(one)) for one in (small, large) if not ca.symvar(one)]
+    sizes = [abs(float(_Term.of(one)(start))) for one in (small, large) if ca.symvar(one)]
+    scale = max(numbers, default=0.0) or max(sizes) or 1.0
     name = _name(function, expression).removeprefix("(").removesuffix(")")
     return _OwnConstraint(name, _Term.of((large - small) / scale))
 

@@ -8,7 +8,9 @@ it, and none with 1 % less of it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from bisect import bisect_left
+from collections.abc import Iterator
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +18,7 @@ import numpy as np
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
+from sizing.design_space import LimitedQuantity, LimitEnd
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective, SizingStatus
@@ -25,8 +28,8 @@ from sizing.program.size import Search, searched, size_aircraft
 from sizing.program.task import Eased, SizingTask
 from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables, limit_rows
 from sizing.relaxed_flight import Direction, Relaxation, rounded
+from sizing.roots import bisected
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
-from solar.types import FloatArray
 
 # A structure lighter than this fraction of today's is no relaxation; others may fall to the last.
 _LEAST_RELATIVE = {
@@ -61,19 +64,21 @@ def relaxations(
 
 
 class _Move(NamedTuple):
-    """A variable of the program that may move, and the parameter that it stands for.
+    """A variable of the program that may move between its ends, for a parameter.
 
-    ``ends``: of the variable. ``eased``: aircraft and mission with a value of the parameter, which
-    is ``scale`` times the variable.
+    ``eased``: aircraft and mission with a value of the parameter: ``scale`` times the variable.
     """
 
     key: str
     name: str
     present: float
     ends: tuple[float, float]
-    upwards: bool
     eased: Eased
     scale: float = 1.0
+
+    @property
+    def upwards(self) -> bool:
+        return self.scale * self.ends[1] > self.present
 
 
 class _Relaxations:
@@ -96,19 +101,17 @@ class _Relaxations:
         """Technology and payload; bounds that are reached; wind and limits in the way."""
         chosen = {v.name: v for v in chosen_variables(self.aircraft, eased=True)}
         for v in chosen.values():
+            key = parameter(v.name).key if v.role is Role.payload else v.name
+            present, eased = self._present(key), self._with(key)
             if v.role is Role.technology:
-                one, present = parameter(v.name), self._present(v.name)
-                upwards, furthest = one.relaxable == "up", one.maximum / present
-                if not upwards:
-                    furthest = _LEAST_RELATIVE.get(v.name, _LEAST_OTHER)
-                if upwards and furthest <= 1.0:
-                    continue
-                ends = (min(furthest, 1.0), max(furthest, 1.0))
-                yield _Move(v.name, v.name, present, ends, upwards, self._with(v.name), present)
-            if v.role is Role.payload and self.objective.variable != v.name:
-                key = parameter(v.name).key
-                if present := self._present(key):
-                    yield _Move(key, v.name, present, (0.0, present), False, self._with(key))
+                furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
+                if parameter(key).relaxable == "up":
+                    furthest = max(parameter(key).maximum / present, 1.0)
+                if furthest != 1.0:
+                    ends = min(furthest, 1.0), max(furthest, 1.0)
+                    yield _Move(key, key, present, ends, eased, present)
+            elif v.role is Role.payload and self.objective.variable != v.name and present:
+                yield _Move(key, v.name, present, (0.0, present), eased)
         reached = self.start.chosen() | {TOTAL_MASS: float(self.nearest.design.total_mass_kg)}
         for key in (key for key, one in catalogue().items() if one.kind == "bound"):
             bare = key.removeprefix("design_space.")
@@ -116,28 +119,28 @@ class _Relaxations:
             present = chosen[name].maximum
             always = name == Objective.min_wingspan.variable
             if math.isfinite(present) and (always or reached[name] >= _AT_BOUND * present):
-                yield _Move(key, name, present, (present, _WIDER * present), True, self._with(key))
-        space, wind = self.aircraft.design_space, self.mission.strongest_wind_m_per_s
+                yield _Move(key, name, present, (present, _WIDER * present), self._with(key))
+        wind = self.mission.strongest_wind_m_per_s
         if "airspeed_above_wind" in self.in_the_way and wind != 0.0:
-
-            def in_wind(value: float) -> tuple[Aircraft, Mission]:
-                return self.aircraft, self.mission.in_wind(value)
-
-            yield _Move(WIND, WIND, wind, (0.0, wind), False, in_wind)
+            in_wind = self.mission.in_wind
+            yield _Move(
+                WIND, WIND, wind, (0.0, wind), lambda value: (self.aircraft, in_wind(value))
+            )
+        space = self.aircraft.design_space
         for name, (quantity, end) in limit_rows(self.aircraft).items():
             if name in self.in_the_way:
                 present = getattr(space.all_limits()[quantity], end)
-                upwards = end == "maximum"
-                ends = (1.0, chosen[name].maximum) if upwards else (chosen[name].minimum, 1.0)
-
-                def limited(
-                    value: float, quantity: str = quantity, end: str = end
-                ) -> tuple[Aircraft, Mission]:
-                    eased = space.with_limit(quantity, end, value)  # type: ignore[arg-type]
-                    return self.aircraft.model_copy(update={"design_space": eased}), self.mission
-
+                v = chosen[name]
+                ends = (1.0, v.maximum) if end == "maximum" else (v.minimum, 1.0)
                 key = f"design_space.{space.key_of_limit(quantity, end)}"
-                yield _Move(key, name, present, ends, upwards, limited, present)
+                yield _Move(key, name, present, ends, self._with_limit(quantity, end), present)
+
+    def _with_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> Eased:
+        def eased(value: float) -> tuple[Aircraft, Mission]:
+            space = self.aircraft.design_space.with_limit(quantity, end, value)
+            return self.aircraft.model_copy(update={"design_space": space}), self.mission
+
+        return eased
 
     def _present(self, key: str) -> float:
         return float(parameter_value(self.aircraft, self.mission, key) or 0.0)
@@ -164,26 +167,27 @@ class _Relaxations:
         start = task.design_variables(best.values)._replace(**_AS_GIVEN)
         direction: Direction = "at least" if move.upwards else "at most"
         value = rounded(move.scale * best.values[move.name], direction)
-        reached: dict[float, float | None] = {}
 
-        def suffices(value: float) -> bool:
-            reached[value] = self._reached_h(*move.eased(value), start)
-            return reached[value] is not None
+        @cache
+        def reached_h(value: float) -> float | None:
+            return self._reached_h(*move.eased(value), start)
 
-        if not suffices(value):
+        if reached_h(value) is None:
             return None
         step = PERCENT * (value or move.present)
         less = value + (-step if move.upwards else step)
-        if (less > move.present) is move.upwards and suffices(less):
+        if (less > move.present) is move.upwards and reached_h(less) is not None:
             less = bisected(
-                *(move.present, less, suffices),
+                *(move.present, less, lambda value: reached_h(value) is not None),
                 lambda found: _BISECTED * max(found, PERCENT * move.present),
             )
-            if suffices(rounded(less, direction)):
+            if reached_h(rounded(less, direction)) is not None:
                 value = rounded(less, direction)
         limit = limit_rows(self.aircraft).get(move.name)
         unit = parameter(move.key if limit is None else limit[0]).unit
-        return Relaxation(*(move.key, unit, move.present, direction, value), reached[value] or 0.0)
+        return Relaxation(
+            *(move.key, unit, move.present, direction, value), reached_h(value) or 0.0
+        )
 
     def _reached_h(
         self, aircraft: Aircraft, mission: Mission, start: DesignVariables | None = None
@@ -223,11 +227,13 @@ class _Relaxations:
             present, other, end = latitude.from_deg, latitude.to_deg, "from_deg"
             if abs(worst - other) < abs(worst - present):
                 present, other, end = other, present, "to_deg"
-            places = np.linspace(present, other, round(abs(other - present) / _STEP_DEG) + 1)[1:-1]
+            count = round(abs(other - present) / _STEP_DEG) + 1
+            places = np.linspace(present, other, count)[1:-1].tolist()
             key = f"{key}.{end}"
         else:
             present, places = latitude, self._easier_latitudes()
 
+        @cache
         def reached_h(place: float) -> float | None:
             to: float | LatitudeRange = place
             if isinstance(latitude, LatitudeRange):
@@ -236,21 +242,13 @@ class _Relaxations:
             return self._reached_h(self.aircraft, moved)
 
         # From hard to easy: the easiest tells whether there is any.
-        low, high = -1, len(places) - 1
-        enough_h = reached_h(float(places[high])) if len(places) else None
-        if enough_h is None:
+        if not places or reached_h(places[-1]) is None:
             return None
-        while high - low > 1:
-            middle = (low + high) // 2
-            if (worst_h := reached_h(float(places[middle]))) is None:
-                low = middle
-            else:
-                high, enough_h = middle, worst_h
-        value = float(places[high])
+        value = places[bisect_left(places, True, key=lambda place: reached_h(place) is not None)]
         direction: Direction = "at most" if value < present else "at least"
-        return Relaxation(key, "deg", present, direction, value, enough_h)
+        return Relaxation(key, "deg", present, direction, value, reached_h(value) or 0.0)
 
-    def _easier_latitudes(self) -> FloatArray:
+    def _easier_latitudes(self) -> list[float]:
         """Latitudes from the mission's to where the nearest design does best, in steps."""
         reach = np.arange(_STEP_DEG, _REACH_DEG, _STEP_DEG)
         ends = self.mission.wind_latitudes_deg
@@ -263,26 +261,5 @@ class _Relaxations:
         perf = performance_of_designs(*given, self.start, self.solar, day=day)
         excess = perf.cycle.excess_time_h.reshape(*tried.shape, -1).min(axis=-1)
         side, peak = np.unravel_index(int(np.argmax(excess)), excess.shape)
-        return sides[side][: 4 + 20 * int(peak)]
-
-
-def bisected(
-    short: float,
-    enough: float,
-    suffices: Callable[[float], bool],
-    tolerance: Callable[[float], float],
-    as_shown: Callable[[float], float] = float,
-) -> float:
-    """Value that is enough, next to one that is too short, within a tolerance of what is found.
-
-    ``as_shown``: form in which values are tried.
-    """
-    while abs(enough - short) > tolerance(enough):
-        middle = as_shown((short + enough) / 2.0)
-        if middle in (short, enough):
-            break
-        if suffices(middle):
-            enough = middle
-        else:
-            short = middle
-    return enough
+        places: list[float] = sides[side][: 4 + 20 * int(peak)].tolist()
+        return places

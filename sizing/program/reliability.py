@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -31,6 +31,7 @@ from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
 from sizing.program.whole_cell_designs import without_whole_cells
+from sizing.roots import bisected
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import (
     SOLAR_MODEL,
@@ -42,7 +43,6 @@ from sizing.uncertainty.inputs import (
 from sizing.uncertainty.propagation import Propagation, check_inputs
 from solar.types import FloatArray
 
-_NORMAL = NormalDist()
 SEARCH_SAMPLES = 4096
 VERIFICATION_SAMPLES = 10_000
 _SEARCH_SEED, _VERIFICATION_SEED = 20_040, 1_999  # any two that differ
@@ -65,38 +65,26 @@ class Trial(NamedTuple):
 def least_margin(
     trial: Callable[[float], Trial | None], ends: tuple[float, float], step: float, tolerance: float
 ) -> Trial | None:
-    """Design of the least margin that its judge accepts, by bisection; else of most reach.
+    """Find the design of the least margin that its judge accepts; else the one of most reach.
 
-    Parameters
-    ----------
-    trial : callable
-        Design of a margin; None where the margin leaves none.
-    ends : tuple
-        A margin that is not enough, and the largest that is tried.
-    step : float
-        From a margin that is not enough to the next, as long as none is.
-    tolerance : float
-        Of the margin.
+    ``trial``: design of a margin; None where the margin leaves none. ``ends``: a margin that is not
+    enough, and the largest that is tried. ``step``: from the first margin to the next.
     """
-    (low, most), high = ends, math.inf
     tried: list[Trial] = []
-    while high - low > tolerance and low < most:
-        margin = low + step if math.isinf(high) else (low + high) / 2.0
-        one = trial(margin)
-        if one is not None:
+
+    def suffices(margin: float) -> bool:
+        if (one := trial(margin)) is not None:
             tried.append(one)
-        if one is None or one.enough:
-            high = margin
-        else:
-            low = margin
+        return one is None or one.enough
+
+    bisected(ends[0], math.inf, suffices, lambda _: tolerance, step=step, most=ends[1])
     good = [one for one in tried if one.enough]
     if good:
         return max(good, key=lambda one: one.result.merit)
     return max(tried, key=lambda one: one.reached, default=None)
 
 
-@dataclass(frozen=True)
-class Reliability:
+class Reliability(NamedTuple):
     """How reliable a sized design is.
 
     ``required``: probability that was asked for [-]. ``achieved``: share of independent draws that
@@ -174,22 +162,6 @@ _SCALED_LIMITS: dict[LimitedQuantity, float] = {
 }
 
 
-def with_storage(aircraft: Aircraft, mission: Mission, factor: float) -> tuple[Aircraft, Mission]:
-    """Aircraft and mission with another storage, of which the limits on the battery know nothing.
-
-    The factor is no margin of a file: it may exceed 1.
-    """
-    space = aircraft.design_space
-    for name in _SCALED_LIMITS.keys() & space.all_limits().keys():
-        for end in ("minimum", "maximum"):
-            if (value := getattr(space.all_limits()[name], end)) is not None:
-                space = space.with_limit(name, end, value * factor ** _SCALED_LIMITS[name])
-    key = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
-    capacity = factor * mission.uncertainty_margins.battery_capacity
-    limited = aircraft.model_copy(update={"design_space": space})
-    return with_parameter(limited, mission, key, capacity)
-
-
 def size_with_margins(
     aircraft: Aircraft,
     mission: Mission,
@@ -200,14 +172,25 @@ def size_with_margins(
     income: float,
     storage: float,
 ) -> SizingResult:
-    """Size with factors on sun and storage; flight and objective are those without them."""
-    larger = with_storage(aircraft, mission, float(storage))
-    sun = day.scaled(float(income))
+    """Size with factors on sun and storage; flight and objective are those without them.
+
+    Limits on the battery know nothing of its factor, which is no margin of a file: it may exceed 1.
+    """
+    space = aircraft.design_space
+    for name in _SCALED_LIMITS.keys() & space.all_limits().keys():
+        for end in ("minimum", "maximum"):
+            if (value := getattr(space.all_limits()[name], end)) is not None:
+                space = space.with_limit(name, end, value * storage ** _SCALED_LIMITS[name])
+    key = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
+    capacity = storage * mission.uncertainty_margins.battery_capacity
+    limited = aircraft.model_copy(update={"design_space": space})
+    larger = with_parameter(limited, mission, key, capacity)
+    sun = day.scaled(income)
     result = size_aircraft(*larger, objective, solar, day=sun, start=start, explain=False)
     if result.design is None:
         return result
-    given = (aircraft, mission, result.design.variables, solar)
-    return result.with_design(performance_of_designs(*given, day=day))
+    variables = result.design.variables
+    return result.with_design(performance_of_designs(aircraft, mission, variables, solar, day=day))
 
 
 def size_reliably(
@@ -217,115 +200,78 @@ def size_reliably(
     solar: SolarModel,
     *,
     reliability: float,
-    start: DesignVariables | None = None,
 ) -> tuple[SizingResult, Reliability | None]:
     """Find the best design that has the required excess time with a given probability.
 
-    ``aircraft``, ``mission``, ``objective``, ``solar``, ``start``: as for
+    ``aircraft``, ``mission``, ``objective``, ``solar``: as for
     :func:`sizing.program.size.size_aircraft`, with uncertain inputs; the mission has the required
     excess time. ``reliability``: least probability of the required excess time in every scenario.
     Returns reliability is None where there is no design even without uncertainty.
     """
-    nominal = size_aircraft(aircraft, mission, objective, solar, start=start)
-    if nominal.design is None:
+    nominal = size_aircraft(aircraft, mission, objective, solar)
+    if nominal.design is None or nominal.simulated is None or nominal.objective_value is None:
         return nominal, None
-    day = solar_day(aircraft, mission, solar)
-    return _Search(aircraft, mission, objective, solar, reliability, nominal, day).run()
+    required_h, work = mission.required_excess_time_h, nominal.solver
+    day, start = solar_day(aircraft, mission, solar), nominal.design.variables
 
-
-@dataclass
-class _Search:
-    """Search for the factors of the best design that is reliable enough."""
-
-    aircraft: Aircraft
-    mission: Mission
-    objective: Objective
-    solar: SolarModel
-    required: float
-    nominal: SizingResult
-    day: SolarDay
-
-    def run(self) -> tuple[SizingResult, Reliability]:
-        trial, case = self._judged(self.nominal), (self.aircraft, self.mission, self.objective)
-        work, assumed = self.nominal.solver, self.nominal.design
-        assert assumed is not None
-        if not trial.enough:
-            mean, towards = self._failure()
-            step = max(_NORMAL.inv_cdf(self.required), _LEAST_STEP)
-
-            def sized(index: float) -> Trial | None:
-                nonlocal work
-                income, storage = np.exp(mean + index * towards)
-                result = size_with_margins(
-                    *(*case, self.solar, self.day, assumed.variables), income, storage
-                )
-                work += result.solver
-                return None if result.design is None else self._judged(result)
-
-            ends = (0.0, _LARGEST_INDEX)
-            trial = least_margin(sized, ends, step, _INDEX_TOLERANCE) or trial
-        reliability = self._verified(trial)
-        result = replace(trial.result, solver=work)
-        if trial.enough:
-            return result, reliability
-        text = (
-            f"a reliability of {100 * self.required:g} % is out of reach: the most reliable design "
-            f"that was found has {100 * trial.reached:.1f} %"
-        )
-        missed = Violation("reliability", self.required - trial.reached, text)
-        status = SizingStatus.infeasible
-        return result.without_design(status, result.simulated, missed), reliability
-
-    # --- flights -----------------------------------------------------------------------------
-
-    def _study(self, result: SizingResult) -> tuple[Propagation, UncertainInputs]:
+    def study(result: SizingResult) -> tuple[Propagation, UncertainInputs]:
         """Flights of the draws of a design, and its uncertain inputs."""
         assert result.design is not None
-        aircraft, mission = with_design(self.aircraft, self.mission, result.design)
-        inputs = uncertain_inputs(aircraft, mission, self.solar)
-        return Propagation(aircraft, mission, self.solar), inputs
+        case = *with_design(aircraft, mission, result.design), solar
+        return Propagation(*case), uncertain_inputs(*case)
 
-    def _excess_h(self, result: SizingResult, shares: FloatArray | None = None) -> FloatArray:
-        """Excess time of the draws of a design, minus infinity where they have none."""
-        study, inputs = self._study(result)
-        if shares is None:
-            shares = sobol_points(len(inputs), SEARCH_SAMPLES, _SEARCH_SEED)
-        excess_h = study.flights(inputs.values(shares)).excess_time_h
-        return np.where(excess_h > 0.0, excess_h, -np.inf)
+    def excess_h(result: SizingResult, shares: FloatArray) -> FloatArray:
+        flights, inputs = study(result)
+        hours = flights.flights(inputs.values(shares)).excess_time_h
+        return np.where(hours > 0.0, hours, -np.inf)
 
-    def _judged(self, result: SizingResult) -> Trial:
+    propagation, inputs = study(nominal)
+    shares = sobol_points(len(inputs), SEARCH_SAMPLES, _SEARCH_SEED)
+
+    def judged(result: SizingResult) -> Trial:
         assert result.design is not None
-        reached = float(np.mean(self._excess_h(result) >= self.mission.required_excess_time_h))
-        sound = meets_requirements(self.aircraft, self.mission, result.design)
-        return Trial(result, reached, bool(sound) and reached >= self.required)
+        reached = float(np.mean(excess_h(result, shares) >= required_h))
+        sound = meets_requirements(aircraft, mission, result.design)
+        return Trial(result, reached, bool(sound) and reached >= reliability)
 
-    def _verified(self, trial: Trial) -> Reliability:
-        """Reliability by draws that the search has not seen."""
-        count = len(self._study(self.nominal)[1])
-        rng = np.random.default_rng(_VERIFICATION_SEED)
-        shares = rng.random((count, VERIFICATION_SAMPLES))
-        achieved, nominal = (
-            Proportion.of(self._excess_h(one, shares) >= self.mission.required_excess_time_h)
-            for one in (trial.result, self.nominal)
-        )
-        value = self.nominal.objective_value
-        assert value is not None
-        return Reliability(self.required, achieved, VERIFICATION_SAMPLES, nominal, value)
-
-    # --- factors on income and storage, as logarithms ----------------------------------------
-
-    def _failure(self) -> tuple[FloatArray, FloatArray]:
-        """Mean of the draws of the nominal design, and where those that fail lie from it."""
-        (study, inputs), flown = self._study(self.nominal), self.nominal.simulated
-        assert flown is not None
-        worst = int(np.argmin(flown.cycle.excess_time_h))
-        shares = sobol_points(len(inputs), SEARCH_SAMPLES, _SEARCH_SEED)
+    trial = judged(nominal)
+    if not trial.enough:
+        # Income and storage, as logarithms: their mean, and where the draws that fail lie from it.
+        worst = int(np.argmin(nominal.simulated.cycle.excess_time_h))
         files = {one.key: np.array([one.nominal]) for one in inputs.inputs}
         drawn, plain = (
-            np.log(study.income_and_storage(one, worst)) for one in (inputs.values(shares), files)
+            np.log(propagation.income_and_storage(values, worst))
+            for values in (inputs.values(shares), files)
         )
-        excess_h = self._excess_h(self.nominal)
+        hours = excess_h(nominal, shares)
         # Where all of them fail, their mean says nothing.
-        some = min(self.mission.required_excess_time_h, float(np.quantile(excess_h, _MOST_FAILING)))
-        mean, failing = drawn.mean(axis=1), drawn[:, excess_h < some].mean(axis=1)
-        return mean - plain[:, 0], failing - mean
+        failing = hours < min(required_h, float(np.quantile(hours, _MOST_FAILING)))
+        mean = drawn.mean(axis=1)
+        towards = drawn[:, failing].mean(axis=1) - mean
+
+        def sized(index: float) -> Trial | None:
+            nonlocal work
+            factors = np.exp(mean - plain[:, 0] + index * towards).tolist()
+            case = aircraft, mission, objective, solar, day, start
+            result = size_with_margins(*case, *factors)
+            work += result.solver
+            return None if result.design is None else judged(result)
+
+        step = max(NormalDist().inv_cdf(reliability), _LEAST_STEP)
+        trial = least_margin(sized, (0.0, _LARGEST_INDEX), step, _INDEX_TOLERANCE) or trial
+    # Draws that the search has not seen.
+    fresh = np.random.default_rng(_VERIFICATION_SEED).random((len(inputs), VERIFICATION_SAMPLES))
+    achieved, before = (
+        Proportion.of(excess_h(one, fresh) >= required_h) for one in (trial.result, nominal)
+    )
+    value = nominal.objective_value
+    verified = Reliability(reliability, achieved, VERIFICATION_SAMPLES, before, value)
+    result = replace(trial.result, solver=work)
+    if trial.enough:
+        return result, verified
+    text = (
+        f"a reliability of {100 * reliability:g} % is out of reach: the most reliable design "
+        f"that was found has {100 * trial.reached:.1f} %"
+    )
+    missed = Violation("reliability", reliability - trial.reached, text)
+    return result.without_design(SizingStatus.infeasible, result.simulated, missed), verified

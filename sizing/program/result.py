@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from sizing.program.objectives import Objective
 from sizing.program.objectives import SizingStatus as SizingStatus
 from sizing.program.own_terms import OwnObjective
 from solar.types import FloatArray
-
-if TYPE_CHECKING:
-    pass
 
 # A design that is better than an optimum by less than this is within what the time steps and
 # tolerances allow; relative, and for excess times in hours.
@@ -102,18 +99,7 @@ class SizingResult:
     ) -> SizingResult:
         """The same without a design.
 
-        Parameters
-        ----------
-        status : SizingStatus
-            How it ends.
-        nearest : Performance or None
-            Design that comes closest, simulated.
-        *violations : Violation
-            What that one misses.
-
-        Returns
-        -------
-        SizingResult
+        ``nearest``: design that comes closest, simulated; ``violations``: what that one misses.
         """
         return replace(
             self,
@@ -133,19 +119,15 @@ class SizingResult:
 
 
 def objective_value(objective: Objective | OwnObjective, perf: Performance) -> FloatArray:
-    """Objective of simulated designs.
-
-    ``perf``: of one design, or of a batch; the scenarios are the last axis. Returns of the shape of
-    the batch, in the objective's unit.
-    """
+    """Objective of simulated designs, in its unit: one for each of a batch."""
     if objective.of_range and objective is not Objective.max_endurance:
         raise ValueError(f"{objective.value} is no number of a single simulation")
     worst = np.min(perf.cycle.excess_time_h, axis=-1)
-    value: Any
+    value: Any = worst
     if isinstance(objective, OwnObjective):
         value = objective.of_flight(perf)
-    else:
-        value = objective.value_of(perf.design) if objective.of_design else worst
+    elif objective.of_design:
+        value = objective.value_of(perf.design)
     if value is None:  # the payload is not a variable: the mission's
         value = perf.mission.payload.power_w
     return np.array(np.broadcast_to(np.asarray(value, float), worst.shape))

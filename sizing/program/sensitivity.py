@@ -71,11 +71,15 @@ def sensitivities(
     if not np.isfinite(objective_value):
         return []
     to_units = _objective_per_cost(optimum, objective_value)
-    chosen = _chosen_keys(aircraft, result.objective)
+    # What the optimiser chooses is no parameter.
+    requested = aircraft.design_space.requested_ranges()
+    chosen = {key for key, name in variable_keys().items() if name in requested}
     rows = []
     for name, one in catalogue().items():
         value = parameter_value(aircraft, mission, name)
         if not one.sensitive or value is None or name in chosen or is_doubled(aircraft, name):
+            continue
+        if result.objective.variable in (one.key, one.name):
             continue
         step = _RELATIVE_STEP * abs(value) if value != 0.0 else _RELATIVE_STEP
         low, high = max(value - step, 0.0), value + step  # no parameter may become negative
@@ -143,23 +147,13 @@ def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
             one.profile = Profile(one.clock_h, found.heights(block))
     perf, levels = flight(task, neighbours(task, values), profiles_of(known))
     point = linearised(task, values, perf, known, levels)
-    blocks = found.program.blocks
-    return (
-        solve(task, point, blocks, excess_h=found.excess_time_h, elastic=False),
-        result.objective_value,
-    )
+    goal_h, blocks = found.excess_time_h, found.program.blocks
+    return solve(task, point, blocks, excess_h=goal_h, elastic=False), result.objective_value
 
 
 def profiles_of(known: Mapping[int, Scenario]) -> dict[int, Profile]:
     """Heights that are flown in the scenarios of a program."""
     return {number: one.profile for number, one in known.items() if one.profile is not None}
-
-
-def _chosen_keys(aircraft: Aircraft, objective: Objective) -> set[str]:
-    """Keys whose values the optimiser chooses: no parameters."""
-    requested = aircraft.design_space.requested_ranges()
-    chosen = {one.key for one in catalogue().values() if objective.variable in (one.key, one.name)}
-    return chosen | {key for key, name in variable_keys().items() if name in requested}
 
 
 def _objective_per_cost(optimum: Solution, objective_value: float) -> float:

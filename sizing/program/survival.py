@@ -87,13 +87,16 @@ class SurvivalSizing:
         clear, done = size_aircraft(*given), 0
         start = None if clear.design is None else clear.design.variables
 
-        def trial(margin: float, storage: float) -> Trial | None:
+        def tell(steps: int) -> None:
+            if self.progress is not None:
+                self.progress(done, max(steps, _STEPS))
+
+        def trial(margin: float, of_storage: float) -> Trial | None:
             nonlocal done
-            self._tell(done, max(done + 1, _STEPS))
+            tell(done + 1)
             done += 1
-            result = size_with_margins(
-                *(*given, day, start), math.exp(-margin), math.exp(-margin * storage)
-            )
+            factors = math.exp(-margin), math.exp(-margin * of_storage)
+            result = size_with_margins(*given, day, start, *factors)
             if result.design is None:
                 return None
             active = (DAYS_THAT_CLOSE if " (" in n else n for n in result.active_constraints)
@@ -104,12 +107,10 @@ class SurvivalSizing:
         found = least_margin(lambda m: trial(m, 0.0), _ENDS, _STEP, _TOLERANCE)
         if found is None or not found.enough:  # dark days that only a larger battery outlasts
             other = least_margin(lambda m: trial(m, 1.0), _ENDS, _STEP, _TOLERANCE)
-            found = max(
-                (one for one in (found, other) if one is not None),
-                key=lambda one: (one.enough, one.reached),
-                default=None,
-            )
-        self._tell(max(done, _STEPS), max(done, _STEPS))
+            if found is None or (other is not None and other.reached > found.reached):
+                found = other
+        done = max(done, _STEPS)
+        tell(done)
         if found is None:
             return clear, clear, None
         result = found.result
@@ -154,7 +155,3 @@ class SurvivalSizing:
         design = design_of(aircraft, mission)
         parts = LoadInAir.of(aircraft, mission, design, days.ambient_c, days.wind_m_per_s)
         return days.flown(design, parts).closes
-
-    def _tell(self, done: int, steps: int) -> None:
-        if self.progress is not None:
-            self.progress(done, steps)

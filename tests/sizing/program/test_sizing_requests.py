@@ -29,11 +29,12 @@ from sizing.performance import performance, performance_of_designs
 from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
-from sizing.program.relaxations import bisected, relaxations
+from sizing.program.relaxations import relaxations
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import sensitivities
 from sizing.program.size import size_aircraft
 from sizing.relaxed_flight import Relaxation, rounded
+from sizing.roots import bisected
 from sizing.sunlight import SolarModel, solar_day
 
 pytestmark = pytest.mark.slow
