@@ -150,16 +150,6 @@ def first_chain(propulsion: OperatingPointPropulsion) -> Propulsion:
     return propulsion.with_links(Propulsion().links)
 
 
-def mixed_chain(chain: Propulsion, other: Propulsion, beyond: float) -> Propulsion:
-    """Chain beyond a first one by a share of what it differs from another."""
-    others = other.links
-    further = {
-        f"{name}_efficiency": one + beyond * (one - others[name])
-        for name, one in chain.links.items()
-    }
-    return chain.model_copy(update=further)
-
-
 def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -> Design:
     """Design whose mass closes with the efficiencies that it has itself in level flight.
 
@@ -176,8 +166,6 @@ def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -
     return _impossible_where(design, ~np.isfinite(np.asarray(chain.efficiency)))
 
 
-# What a static margin may be off by that the size of the tail holds.
-MARGIN_TOLERANCE = 1e-7
 # Rounds in which mass and efficiencies settle, and what may then be open of the mass budget.
 _ROUNDS, _SETTLED = 30, 1e-10
 # In these an estimated mass of a gear is found with usual efficiencies, well within a gram.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import ceil
 
@@ -16,7 +16,7 @@ from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
 from sizing.design import Design, DesignVariables
 from sizing.energy.battery import Store
-from sizing.energy.cycle import Cycle
+from sizing.energy.cycle import Cycle, joined
 from sizing.energy.endurance import Course, Endurance, flight_time_h, longest_flight
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
@@ -74,22 +74,6 @@ class Performance:
     def maximum_altitude_m(self) -> FloatArray | None:
         """Highest altitude of every flight with climbs [m]; None of a mission without."""
         return None if self.altitude_m is None else np.asarray(self.altitude_m.max(axis=-1))
-
-    def sun_in_own_flow(self, day: SolarDay) -> SolarDay:
-        """Sun of the same scenarios on modules that the design's own flow cools (of one design)."""
-        alone = np.ndim(self.design.total_mass_kg) == 0
-        own = replace(
-            day,
-            specific_power_w_per_m2=day.power_of(self.design, self.mission, paired=not alone),
-            cooling=None,
-            aloft_cooling=(),
-        )
-        if self.levels is None or day.aloft_w_per_m2 is None:
-            return own
-        factors = [self.levels.cooling_factor(n) for n in range(len(day.aloft_w_per_m2))]
-        pairs = zip(day.aloft_w_per_m2, factors, strict=True)
-        aloft = [power if factor is None else power * factor for power, factor in pairs]
-        return replace(own, aloft_w_per_m2=np.stack(aloft))
 
     def endurances(self) -> list[Endurance | None]:
         """Longest flight in every scenario (of a single design); None where it is unlimited."""
@@ -319,15 +303,16 @@ def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle
     climb to the same levels or none does. Returns arrays of shape ``(variant, scenario)``.
     """
     battery, first = variants[0][0].battery, variants[0][1]
-    energy_wh = np.array([float(one.design.battery_energy_wh) for _, one in variants])
-    store = Store.of(battery, energy_wh[:, np.newaxis])
+    energy_wh = np.array([[float(one.design.battery_energy_wh)] for _, one in variants])
     if first.mission.climb is None:
+        store = Store.of(battery, energy_wh)
         return flown_cycle([one for _, one in variants], store, keep_trajectory=False)[0]
-    batch = len(variants), len(first.day.scenarios)
-    levels = FlightLevels.joined(
-        [flight_levels(aircraft, one.mission, one.design, one.day) for aircraft, one in variants]
-    )
-    return best_climbs(first.day.time_h, levels, store.flat(batch)).cycle.reshaped(batch)
+    cycles = []
+    for (aircraft, one), own_wh in zip(variants, energy_wh, strict=True):
+        levels = flight_levels(aircraft, one.mission, one.design, one.day)
+        store = Store.of(battery, own_wh).flat((len(first.day.scenarios),))
+        cycles.append(best_climbs(first.day.time_h, levels, store).cycle)
+    return joined(cycles, np.stack)
 
 
 def _simulate(

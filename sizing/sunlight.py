@@ -139,12 +139,6 @@ class SolarDay:
             aloft_w_per_m2=None if aloft is None or others is None else aloft - others,
         )
 
-    def coarsened(self, steps: int) -> SolarDay:
-        """Same day with some steps in one."""
-        coarse = self._with(lambda power: power[..., ::steps])
-        cooling, aloft = self._cooling_at((..., slice(None, None, steps)))
-        return replace(coarse, time_h=self.time_h[::steps], cooling=cooling, aloft_cooling=aloft)
-
     def _cooling_at(self, some: Any) -> tuple[Cooling | None, tuple[Cooling | None, ...]]:
         """Cooling of a part of the scenarios or times, and that aloft."""
         first, *aloft = (

@@ -11,8 +11,7 @@ time: no propeller that turns along costs power.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -114,43 +113,10 @@ class ClimbChain:
             aircraft.battery.nominal_voltage_v,
         )
 
-    @classmethod
-    def joined(cls, several: Sequence[ClimbChain]) -> ClimbChain:
-        """Chains of designs at the same levels, with the voltage of the first."""
-        first = several[0]
-        parts = [replace(one, bus_v=first.bus_v) for one in several]
-        levels = len(first.thrust_w)
-
-        def together(arrays: list[FloatArray]) -> FloatArray:
-            apart = [one.reshape(levels, -1, *one.shape[1:]) for one in arrays]
-            found = np.concatenate(apart, axis=1)
-            return found.reshape(-1, *found.shape[2:])
-
-        tables = [one._tables for one in parts]
-        columns = zip(*(one.power for one in tables), strict=True)
-        power = _Table(*(together(list(column)) for column in columns))
-        thrust_w = np.concatenate([one.thrust_w for one in parts], axis=1)
-        chain = replace(first, thrust_w=thrust_w)
-        # Made of parts that differ: what the tables were made from is no longer one thing.
-        chain.__dict__["_tables"] = _Tables(power, together([t.most_w for t in tables]))
-        return chain
-
     @property
     def count(self) -> int:
         """Number of designs."""
         return int(self.thrust_w.shape[1])
-
-    def select(self, some: IntArray) -> ClimbChain:
-        """Chain of some of the designs."""
-        return replace(
-            self,
-            sizes=tuple(None if one is None else one[some] for one in self.sizes),
-            factor=self.factor[some],
-            thrust_w=self.thrust_w[:, some],
-            airspeed_m_per_s=self.airspeed_m_per_s[:, some],
-            air=Air(*(one[:, some] for one in self.air)),
-            flies=self.flies[some],
-        )
 
     def power_w(self, row: IntArray, load: FloatArray) -> FloatArray:
         """Electric power of thrust powers over that of level flight [W]."""

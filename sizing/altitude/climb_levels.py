@@ -17,12 +17,11 @@ from sizing.altitude.climb_chain import ClimbChain
 from sizing.design import NO_FLIGHT_W, Design, parametric_design
 from sizing.held_station import against_wind
 from sizing.mass_budget import ImpossibleDesignError, measured_design, operating_trouble
-from sizing.module_power import Cooling, convection_of, joined_cooling
+from sizing.module_power import Cooling, convection_of
 from sizing.sunlight import SolarDay
 from sizing.varying_load import thermal_shape
 from solar.types import BoolArray, FloatArray, IntArray
 
-_DESIGNS_AT_ONCE = 512  # whose propulsion is tabulated together
 # Fields of the levels that every element has one of.
 _OF_EACH = (
     *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
@@ -184,40 +183,7 @@ class FlightLevels:
         if self.convection_w_per_m2k is not None:
             rows["convection_w_per_m2k"] = self.convection_w_per_m2k[:, some]
         rows |= {name: getattr(self, name)[some] for name in _OF_EACH}
-        chain = self.chain
-        if chain is not None and chain.count > _DESIGNS_AT_ONCE:
-            designs, rows["design"] = np.unique(rows["design"], return_inverse=True)
-            chain = chain.select(designs)
-        return replace(self, **rows, chain=chain)
-
-    @classmethod
-    def joined(cls, several: Sequence[FlightLevels]) -> FlightLevels:
-        """Flights at the same levels, each in its own scenarios."""
-        first = [0, *np.cumsum([one.specific_power_w_per_m2.shape[1] for one in several])]
-        along = {
-            1: ("propulsion_power_w", "specific_power_w_per_m2"),
-            0: ("turbulence_factor", *_OF_EACH),
-        }
-        arrays: dict[str, Any] = {
-            name: np.concatenate([getattr(one, name) for one in several], axis=axis)
-            for axis, names in along.items()
-            for name in names
-        }
-        places = [one.scenario + n for one, n in zip(several, first, strict=False)]
-        arrays["scenario"] = np.concatenate(places)
-        known = (one.convection_w_per_m2k for one in several)
-        flows = [one for one in known if one is not None]
-        if flows:
-            arrays["convection_w_per_m2k"] = np.concatenate(flows, axis=1)
-            levels = zip(*(one.cooling for one in several), strict=True)
-            arrays["cooling"] = tuple(joined_cooling(one, np.concatenate) for one in levels)
-        chains = [one.chain for one in several if one.chain is not None]
-        if len(chains) < len(several):
-            return cls(several[0].altitude_m, **arrays)
-        before = np.cumsum([0, *(one.count for one in chains)])
-        own = [one.design + n for one, n in zip(several, before, strict=False)]
-        arrays["design"] = np.concatenate(own)
-        return cls(several[0].altitude_m, **arrays, chain=ClimbChain.joined(chains))
+        return replace(self, **rows)
 
 
 def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
