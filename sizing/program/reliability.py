@@ -30,7 +30,7 @@ from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
-from sizing.program.whole_cell_designs import without_whole_cells
+from sizing.program.whole_cells import without_whole_cells
 from sizing.roots import bisected
 from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import (

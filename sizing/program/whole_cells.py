@@ -10,27 +10,90 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
+from typing import Any, NamedTuple
 
+from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables
-from sizing.design_space import DesignSpace
+from sizing.chosen_parts import put_parts_in
+from sizing.design_space import DesignSpace, Limit, Range
 from sizing.layout.cells import Wing
+from sizing.layout.strings import Strings
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
-from sizing.program.whole_cell_designs import ROW_ROOM, CellDesigns, Found, Neighbour, Numbers
+from sizing.program.size import size_aircraft
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
+from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.schema import MOST_CELLS
 
-# Rings around the rounded optimum that are tried before the search gives up.
-_RINGS = 4
+_RINGS = 4  # around the rounded optimum that are tried before the search gives up
 # Numbers of cells on half of the wing that are looked at, below and above the rounded optimum.
 _AROUND = 200
 # Of many cells the search begins with longer steps, this part of them, and halves the steps.
 _STRIDES = 20
+# Objectives that differ by less are equal: the lighter design is then the better one.
+_SAME = 1e-6
+_ROW_ROOM = 1e-6  # the solver meets its rows to about 1e-8
+_PER_M = 10_000  # lengths that are tried
+_LONGEST_M = 10_000
+
+
+class Numbers(NamedTuple):
+    """Cells on half of the wing, and battery cells in parallel."""
+
+    per_half: int
+    parallel: int
+
+
+@dataclass(frozen=True)
+class Neighbour:
+    """A design of whole cells, and what became of it.
+
+    ``cells``, ``strings``, ``mppts``: solar cells on wing and tail, strings of them and MPPTs; the
+    latter are None where the file has no strings. ``battery_cells``: in series times parallel.
+    ``value``: objective, None where there is no design; ``reason`` then says why.
+    """
+
+    cells: int
+    strings: int | None
+    mppts: int | None
+    cells_in_parallel: int
+    battery_cells: int
+    value: float | None
+    wingspan_m: float | None
+    total_mass_kg: float | None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A neighbour with its sizing."""
+
+    numbers: Numbers
+    neighbour: Neighbour
+    result: SizingResult | None
+    aircraft: Aircraft | None
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Objective and mass, the smaller the better."""
+        mass_kg = self.neighbour.total_mass_kg
+        if self.result is None or mass_kg is None:
+            return math.inf, math.inf
+        return -self.result.merit, mass_kg
+
+    def beats(self, other: Found | None) -> bool:
+        """Whether it is a design that is better, or as good and lighter."""
+        if self.result is None or other is None:
+            return self.result is not None
+        (own, own_kg), (its, its_kg) = self.rank, other.rank
+        if math.isclose(own, its, rel_tol=_SAME):
+            return own_kg < its_kg * (1.0 - _SAME)
+        return own < its
 
 
 @dataclass(frozen=True)
@@ -58,6 +121,20 @@ class WholeCells:
         return (-worse if self.relaxed.objective.maximised else worse) / abs(best)
 
 
+def without_whole_cells(aircraft: Aircraft) -> Aircraft:
+    """Aircraft with the technology that its whole cells give it, and none of them; unchecked."""
+    sections = {}
+    for section, whole, keys in (
+        ("modules", "layout", ("area_m2", "mppt_mass_kg_per_w")),
+        ("battery", "pack", ("mass_kg", "specific_energy_wh_per_kg", "charge_limit")),
+    ):
+        own = getattr(aircraft, section)
+        if getattr(own, whole) is not None:
+            given = {key: getattr(own, key) for key in keys}
+            sections[section] = own.model_copy(update={whole: None, **given})
+    return aircraft.model_copy(update=sections)
+
+
 def size_whole_cells(
     aircraft: Aircraft,
     mission: Mission,
@@ -72,38 +149,51 @@ def size_whole_cells(
     numbers of cells count that divide into strings within the window of their MPPT. Raises
     :class:`ValueError` without a layout or a pack, and for an objective that is a range.
     """
-    for key, given in (
-        ("modules.layout", aircraft.modules.layout),
-        ("battery.pack", aircraft.battery.pack),
-    ):
-        if given is None:
-            raise ValueError(f"whole cells need {key} of the aircraft")
     if objective.of_range:
         raise ValueError(f"{objective.value} is a range of days or latitudes: no whole cells")
-    designs = CellDesigns(aircraft, mission, objective, solar, required_excess_time_h)
-    relaxed = designs.relaxed()
-    if relaxed.design is None:
-        return relaxed, WholeCells(None, relaxed, None, ())
-    return _WholeCellSearch(designs, relaxed, relaxed.design.variables).run()
+    sizing = partial(size_aircraft, mission=mission, objective=objective, solar=solar)
+    return _Search(aircraft, partial(sizing, required_excess_time_h=required_excess_time_h)).run()
 
 
-class _WholeCellSearch:
-    """One search: what it starts from, and all that it has tried."""
+class _Search:
+    """One search around the relaxed optimum, and all that it has tried."""
 
-    def __init__(self, designs: CellDesigns, relaxed: SizingResult, start: DesignVariables) -> None:
-        self.designs, self.relaxed, self.start = designs, relaxed, start
+    def __init__(self, aircraft: Aircraft, sizing: Callable[..., SizingResult]) -> None:
+        layout, pack = aircraft.modules.layout, aircraft.battery.pack
+        for key, given in (("modules.layout", layout), ("battery.pack", pack)):
+            if given is None:
+                raise ValueError(f"whole cells need {key} of the aircraft")
+        assert layout is not None
+        assert pack is not None
+        self.aircraft, self.plain = aircraft, without_whole_cells(aircraft)
+        self.layout, self.pack, self.sizing = layout, pack, sizing
+        # Loss of voltage per kelvin where strings have none of their own, and the battery's ends.
+        self.electric = aircraft.modules.temperature_coefficient_per_k, aircraft.battery.ends_v
         self.known: dict[Numbers, Found] = {}
-        layout = designs.layout
-        half = (start.module_area_m2 / layout.area_of_a_cell_m2 - layout.tail_count) / 2.0
-        parallel = start.battery_mass_kg / designs.battery_kg(1)
-        self.wished = half, parallel
-        self.middle = Numbers(max(round(half), 1), max(round(parallel), 1))
-        self.halves = self._halves()
 
     def run(self) -> tuple[SizingResult, WholeCells]:
         """Best of the designs around the relaxed optimum."""
-        best = self._of_rounded()
-        stride = max(self.middle.per_half // _STRIDES, 1)
+        # With continuous area, battery and MPPTs, each of these with all the cells that it takes.
+        strings, plain = self.layout.strings, self.plain
+        if strings is not None:
+            most = max(strings.window(*self.electric).most, 1)
+            plain = self._with_mppts(1.0, strings.strings_per_mppt * most)
+        relaxed = self.sizing(plain)
+        if relaxed.design is None:
+            return relaxed, WholeCells(None, relaxed, None, ())
+        start = self.start = relaxed.design.variables
+        half = (start.module_area_m2 / self.layout.area_of_a_cell_m2 - self.layout.tail_count) / 2.0
+        parallel = start.battery_mass_kg / self._battery_kg(1)
+        middle = Numbers(max(round(half), 1), max(round(parallel), 1))
+        self.halves = self._halves(middle.per_half)
+        at = bisect_left(self.halves, half)
+        counts = [max(math.floor(parallel), 1), max(math.ceil(parallel), 1)]
+        around = product(self.halves[max(at - 1, 0) : at + 1], counts)
+        best = self._best_of(Numbers(*one) for one in around)
+        for radius in range(1, _RINGS + 1):
+            if best is None:
+                best = self._best_of(self._ring(middle, radius))
+        stride = max(middle.per_half // _STRIDES, 1)
         while best is not None and stride:
             better = self._best_of(self._ring(best.numbers, 1, stride))
             if better is not None and better.beats(best):
@@ -111,7 +201,7 @@ class _WholeCellSearch:
             else:
                 stride //= 2
         # Numbers between those that can be laid and strung have none but a reason.
-        middle = self.middle if best is None else best.numbers
+        middle = middle if best is None else best.numbers
         for more in (-1, 0, 1):
             self._best_of([Numbers(max(middle.per_half + more, 1), middle.parallel)])
         # The best first, then in the order in which they were tried.
@@ -124,25 +214,12 @@ class _WholeCellSearch:
                 f"{near.cells} solar cells and {near.battery_cells} battery cells: {near.reason}"
             )
             missed = Violation("whole_cells", 1.0, text)
-            nearest = self.relaxed.simulated
-            failed = self.relaxed.without_design(SizingStatus.infeasible, nearest, missed)
-            return failed, WholeCells(None, self.relaxed, None, tried)
-        limiting = _limiting(best.result, self.designs.aircraft.design_space)
+            nearest = relaxed.simulated
+            failed = relaxed.without_design(SizingStatus.infeasible, nearest, missed)
+            return failed, WholeCells(None, relaxed, None, tried)
+        limiting = _limiting(best.result, self.aircraft.design_space)
         result = replace(best.result, active_constraints=limiting)
-        return result, WholeCells(best.aircraft, self.relaxed, best.neighbour, tried)
-
-    def _of_rounded(self) -> Found | None:
-        """Best of the rounded optimum both ways, else of the rings around it."""
-        half, parallel = self.wished
-        counts = [max(math.floor(parallel), 1), max(math.ceil(parallel), 1)]
-        at = bisect_left(self.halves, half)
-        around = self.halves[max(at - 1, 0) : at + 1]
-        best = self._best_of(Numbers(*one) for one in product(around, counts))
-        for radius in range(1, _RINGS + 1):
-            if best is not None:
-                return best
-            best = self._best_of(self._ring(self.middle, radius))
-        return best
+        return result, WholeCells(best.aircraft, relaxed, best.neighbour, tried)
 
     def _ring(self, middle: Numbers, radius: int, stride: int = 1) -> Iterator[Numbers]:
         """Numbers at a distance of some steps; of the solar cells those that can be laid."""
@@ -158,22 +235,149 @@ class _WholeCellSearch:
         best: Found | None = None
         for one in dict.fromkeys(numbers):
             if one not in self.known:
-                self.known[one] = self.designs.sized(one, self.start)
-            found = self.known[one]
-            if found.result is not None and (best is None or found.beats(best)):
-                best = found
+                self.known[one] = self._sized(one)
+            if self.known[one].beats(best):
+                best = self.known[one]
         return best
 
-    def _halves(self) -> list[int]:
-        """Numbers of cells on half of the wing around the wish, that wing and strings allow."""
-        aircraft, layout = self.designs.aircraft, self.designs.layout
-        space, ratio = aircraft.design_space, aircraft.airframe.aspect_ratio
-        span_m = space.wingspan_m.maximum
+    def _halves(self, middle: int) -> list[int]:
+        """Numbers of cells on half of the wing around the middle, that wing and strings allow."""
+        space, ratio = self.aircraft.design_space, self.aircraft.airframe.aspect_ratio
+        span_m, tail = space.wingspan_m.maximum, self.layout.tail_count
         ratio = ratio if space.aspect_ratio is None else space.aspect_ratio.minimum
-        most = min(layout.capacity(Wing(span_m, span_m / ratio)), MOST_CELLS // 2)
-        middle, tail = min(self.middle.per_half, most), layout.tail_count
+        most = min(self.layout.capacity(Wing(span_m, span_m / ratio)), MOST_CELLS // 2)
+        middle = min(middle, most)
         around = range(max(middle - _AROUND, 1), min(middle + _AROUND, most) + 1)
-        return [half for half in around if not self.designs.strings(2 * half + tail)[1]]
+        return [half for half in around if not self._strings(2 * half + tail)[1]]
+
+    # ---- One design
+
+    def _sized(self, numbers: Numbers) -> Found:
+        """Design of some numbers of cells, with all else free, from the relaxed optimum on."""
+        cells = 2 * numbers.per_half + self.layout.tail_count
+        strings, reason = self._strings(cells)
+        mppts = None if strings is None else strings.mppts(cells)
+        best: SizingResult | None = None
+        for wing in () if reason else self._wings(numbers.per_half):
+            held = self._held(numbers, cells, mppts, wing)
+            if isinstance(held, str):
+                reason = held
+                continue
+            result = self.sizing(held, start=self.start)
+            if result.design is None:
+                reason = _why(result)
+            elif best is None or result.merit > best.merit:
+                best = result
+        design = None if best is None else best.design
+        neighbour = Neighbour(
+            cells=cells,
+            strings=None if strings is None else len(strings.lengths(cells)),
+            mppts=mppts,
+            cells_in_parallel=numbers.parallel,
+            battery_cells=numbers.parallel * self.pack.cells_in_series,
+            value=None if best is None else best.objective_value,
+            wingspan_m=None if design is None else float(design.variables.wingspan_m),
+            total_mass_kg=None if design is None else float(design.total_mass_kg),
+            reason="" if best is not None else reason,
+        )
+        aircraft = None if best is None else self._put_in(best, numbers, strings)
+        return Found(numbers, neighbour, best, aircraft)
+
+    def _strings(self, cells: int) -> tuple[Strings | None, str]:
+        """Strings of so many cells; why there are none."""
+        strings = self.layout.strings
+        if strings is None or (found := strings.for_cells(cells, *self.electric)) is not None:
+            return None if strings is None else found, ""
+        window = strings.window(*self.electric)
+        text = f"{cells} cells do not divide into strings of {window.least} to {window.most}"
+        return None, text
+
+    def _wings(self, per_half: int) -> Iterator[Wing]:
+        """Smallest wings that hold so many cells: one, or with a free aspect ratio one per row."""
+
+        def span_m(wing_of: Callable[[float], Wing]) -> float:
+            return _least_m(lambda b: self.layout.capacity(wing_of(b)) >= per_half)
+
+        if self.aircraft.design_space.aspect_ratio is None:
+            ratio = self.aircraft.airframe.aspect_ratio
+            least_m = span_m(lambda b: Wing(b, b / ratio))
+            yield Wing(least_m, least_m / ratio)
+            return
+        start, bay = self.start, self.layout.bays[0]
+        wing = Wing(float(start.wingspan_m), float(start.wingspan_m / start.aspect_ratio))
+
+        def chord_m(rows: int) -> float:
+            fits = self.layout.rows_that_fit
+            return _least_m(lambda deep_m: fits(bay, wing._replace(chord_m=deep_m)) >= rows)
+
+        rows = max(self.layout.rows_that_fit(bay, wing), 1)
+        for deep_m in (chord_m(rows), chord_m(rows + 1)):
+            if math.isfinite(deep_m):
+                yield Wing(span_m(partial(Wing, chord_m=deep_m)), deep_m * (1.0 + _ROW_ROOM))
+
+    def _held(self, numbers: Numbers, cells: int, mppts: int | None, wing: Wing) -> Aircraft | str:
+        """Aircraft whose design space holds these cells and no others; why there is none."""
+        space = self.aircraft.design_space
+        held: dict[str, Any] = {}
+        for name, value, text in (
+            ("module_area_m2", cells * self.layout.area_of_a_cell_m2, "module area {:.4g} m²"),
+            ("battery_mass_kg", self._battery_kg(numbers.parallel), "battery of {:.4g} kg"),
+        ):
+            ends = getattr(space, name)
+            if not ends.minimum <= value <= ends.maximum:
+                return f"{text.format(value)} is outside design_space.{name}"
+            held[name] = Range.model_construct(minimum=value, maximum=value)
+        span = space.wingspan_m
+        if wing.wingspan_m > span.maximum:
+            return (
+                f"the cells need a wingspan of {wing.wingspan_m:.4g} m, "
+                f"design_space.wingspan_m ends at {span.maximum:g} m"
+            )
+        least_m = max(span.minimum, wing.wingspan_m)
+        held["wingspan_m"] = Range.model_construct(minimum=least_m, maximum=span.maximum)
+        if space.aspect_ratio is not None:
+            known = space.limits.get("chord_m", Limit.model_construct(minimum=None, maximum=None))
+            chord = known.model_copy(update={"minimum": max(known.minimum or 0.0, wing.chord_m)})
+            held["limits"] = space.limits | {"chord_m": chord}
+        own = {"design_space": space.model_copy(update=held)}
+        return self._with_mppts(mppts or 0, cells).model_copy(update=own)
+
+    def _with_mppts(self, mppts: float, cells: float) -> Aircraft:
+        """Aircraft without cells whose MPPTs weigh what so many weigh, where the layout says it."""
+        strings, modules = self.layout.strings, self.plain.modules
+        if strings is None or strings.mppt.mass_kg is None:
+            return self.plain
+        rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * self.layout.area_of_a_cell_m2
+        per_w = mppts * strings.mppt.mass_kg / (cells * rated_w)
+        modules = modules.model_copy(update={"mppt_mass_kg_per_w": per_w})
+        return self.plain.model_copy(update={"modules": modules})
+
+    def _battery_kg(self, parallel: int) -> float:
+        """Mass of a battery with so many cells in parallel [kg]."""
+        pack = self.pack.model_copy(update={"cells_in_parallel": parallel})
+        return pack.mass_kg(self.aircraft.battery.cell_mass_fraction)
+
+    def _put_in(self, result: SizingResult, numbers: Numbers, strings: Strings | None) -> Aircraft:
+        """Aircraft of a design, its cells laid on its wing and checked as a file is."""
+        assert result.design is not None
+        variables = result.design.variables
+        wing = Wing(variables.wingspan_m, variables.wingspan_m / variables.aspect_ratio)
+        layout = self.layout.with_cells(numbers.per_half, wing, strings)
+        data = self.aircraft.model_dump(mode="json", exclude_unset=True)
+        data["airframe"] |= {
+            key: float(getattr(variables, key)) for key in ("wingspan_m", "aspect_ratio")
+        }
+        data["modules"] |= {
+            "layout": layout.model_dump(mode="json", exclude_unset=True),
+            "area_m2": layout.area_m2,
+        }
+        data["battery"]["pack"] |= {"cells_in_parallel": numbers.parallel}
+        data["battery"]["mass_kg"] = self._battery_kg(numbers.parallel)
+        put_parts_in(data, self.aircraft, result.design)
+        if variables.lift_coefficient is not None:
+            data["airframe"]["aerodynamics"]["lift_coefficient"] = float(variables.lift_coefficient)
+        with texts_as_read(self.aircraft.texts_read):
+            return Aircraft.model_validate(data)
 
 
 def _limiting(result: SizingResult, space: DesignSpace) -> tuple[str, ...]:
@@ -181,9 +385,31 @@ def _limiting(result: SizingResult, space: DesignSpace) -> tuple[str, ...]:
     assert result.design is not None
     held = ("module_area_m2 at its", "battery_mass_kg at its")
     by_cells = []
-    if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + ROW_ROOM):
+    if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + _ROW_ROOM):
         by_cells.append("wingspan_m at its minimum")
     if space.aspect_ratio is not None:
         by_cells.append("chord_m_minimum")
     names = (name for name in result.active_constraints if not name.startswith(held))
     return tuple(dict.fromkeys("whole_cells" if one in by_cells else one for one in names))
+
+
+def _why(result: SizingResult) -> str:
+    """Why a sizing has no design, in words."""
+    if result.violations:
+        return "; ".join(one.text for one in result.violations)
+    nearest = result.nearest
+    if nearest is None:
+        return "no design found"
+    least_h = float(nearest.cycle.excess_time_h.min())
+    return f"the required excess time is out of reach (nearest design {least_h:.2f} h)"
+
+
+def _least_m(holds: Callable[[float], bool]) -> float:
+    """Least length at which something holds, to a tenth of a millimetre; infinite if none [m]."""
+    most_m = 1
+    while not holds(most_m):
+        most_m *= 2
+        if most_m > _LONGEST_M:
+            return math.inf
+    tenths = range(most_m * _PER_M)
+    return bisect_left(tenths, True, lo=1, key=lambda number: holds(number / _PER_M)) / _PER_M

@@ -15,7 +15,7 @@ from sizing.design import DesignVariables
 from sizing.layout.cells import Wing
 from sizing.limits import meets_requirements
 from sizing.performance import performance_of_designs
-from sizing.program.whole_cell_designs import without_whole_cells
+from sizing.program.whole_cells import without_whole_cells
 from sizing.results.sizing_study import SizingStudy
 
 MISSION = load_mission("central-europe-summer")
