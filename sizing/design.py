@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import cache
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from missions.air import GAS_CONSTANT_AIR, GRAVITY_M_PER_S2, Air
 from missions.mission import Mission
@@ -148,6 +148,13 @@ class Design(NamedTuple):
     def load_in_turbulence_w(self, turbulence: Value) -> Value:
         """Load with that much more propulsion power, relative to level flight [W]."""
         return self.propulsion_power_w * (1.0 + turbulence) + self.constant_power_w
+
+
+def picked(value: Any, some: Any) -> Any:
+    """Some of a batch of designs: of every array in nested tuples; what is a number stays."""
+    if isinstance(value, tuple):  # design, variables, masses
+        return type(value)._make(picked(one, some) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
+    return value[some] if getattr(value, "ndim", 0) else value
 
 
 class FlightConditions(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
 
@@ -14,7 +14,7 @@ from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.altitude.climb_levels import FlightLevels, flight_levels
-from sizing.design import Design, DesignVariables
+from sizing.design import Design, DesignVariables, picked
 from sizing.energy.battery import Store
 from sizing.energy.cycle import Cycle, joined
 from sizing.energy.endurance import Course, Endurance, flight_time_h, longest_flight
@@ -74,6 +74,20 @@ class Performance:
     def maximum_altitude_m(self) -> FloatArray | None:
         """Highest altitude of every flight with climbs [m]; None of a mission without."""
         return None if self.altitude_m is None else np.asarray(self.altitude_m.max(axis=-1))
+
+    def of_designs(self, some: int | slice | BoolArray) -> Performance:
+        """Flights of some of a batch of designs; of one of them without an axis for it."""
+        energy_wh = np.broadcast_to(self.store.battery_energy_wh, self.cycle.status.shape)
+        return replace(
+            self,
+            design=picked(self.design, some),
+            solar_power_w=self.solar_power_w[some],
+            load_w=self.load_w[some],
+            nominal_load_w=self.nominal_load_w[some],
+            store=replace(self.store, battery_energy_wh=energy_wh[some]),
+            cycle=joined([self.cycle], lambda parts: parts[0][some]),
+            altitude_m=None if self.altitude_m is None else self.altitude_m[some],
+        )
 
     def endurances(self) -> list[Endurance | None]:
         """Longest flight in every scenario (of a single design); None where it is unlimited."""

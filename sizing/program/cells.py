@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -19,11 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import DesignVariables, variables_of
-from sizing.energy.cycle import joined
+from sizing.design import DesignVariables, picked, variables_of
 from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance_of_pairs
-from sizing.program.climbing import alone
 from sizing.program.corrections import neighbours
 from sizing.program.objectives import Objective
 from sizing.program.reasons import missed_by, violations
@@ -47,16 +45,6 @@ _STRIDE = 16  # cells between those that start from nothing
 _NEIGHBOURS = 24
 _SPREADS = (0.03, 0.004)
 _PAYLOADS = ("payload_mass_kg", "payload_power_w")
-_NAMES = (
-    "objective_value",
-    "total_mass_kg",
-    "excess_time_h",
-    "charge_margin_h",
-    "minimum_state_of_charge",
-    "airspeed_m_per_s",
-    "load_w",
-    "shortfall",
-)
 
 
 @dataclass(frozen=True)
@@ -223,120 +211,100 @@ class _Cells:
         mission = first.mission  # whose flights are no batch of pairs
         if mission.climb is not None or mission.holds_station or first.window_h is not None:
             return {cell: search.fly(values) for cell, (search, values) in asked.items()}
-        designs = {
-            cell: [search.task.design_variables(one) for one in neighbours(search.task, values)]
-            for cell, (search, values) in asked.items()
-        }
-        stacked = [one for some in designs.values() for one in some]
-        numbers = [cell for cell, some in designs.items() for _ in some]
-        perf = self.performance(stacked, numbers, keep=True)
-        ends = np.cumsum([len(some) for some in designs.values()]).tolist()
-        parts = {c: slice(b - len(designs[c]), b) for c, b in zip(designs, ends, strict=True)}
-        return {cell: (_part(perf, some, self.tasks[cell]), None) for cell, some in parts.items()}
+        near = {cell: neighbours(search.task, values) for cell, (search, values) in asked.items()}
+        cells = np.repeat(list(near), [len(some) for some in near.values()])
+        perf = self.performance([one for some in near.values() for one in some], cells, keep=True)
+        flights: dict[int, Flight] = {}
+        for cell in near:
+            task, own = self.tasks[cell], perf.of_designs(cells == cell)
+            flights[cell] = replace(own, mission=task.mission, day=task.day), None
+        return flights
 
     def performance(
-        self, designs: Sequence[DesignVariables], cells: Sequence[int], *, keep: bool = False
+        self, designs: Sequence[Values], cells: IntArray, *, keep: bool = False
     ) -> Performance:
         """Fly designs, each in the scenarios of its cell, which are the last axis of a batch."""
-        first, each = self.tasks[0], self.tasks[0].count
-        names = designs[0].chosen()
-        stacked = {n: np.array([one.chosen()[n] for one in designs]) for n in names}
-        for name in _PAYLOADS:
-            if name not in stacked:
-                stacked[name] = np.array([self.tasks[cell].held[name] for cell in cells])
-        variables = DesignVariables(**stacked).mapped(lambda v: np.repeat(v, each))
-        places = np.asarray(cells)[:, np.newaxis] * each + np.arange(each)
+        first, each, names = self.tasks[0], self.tasks[0].count, set(_PAYLOADS)
+        pairs = list(zip(cells.tolist(), designs, strict=True))
+        chosen = [self.tasks[c].held | self.tasks[c].design_variables(d).chosen() for c, d in pairs]
+        names |= first.design_variables(designs[0]).chosen().keys()
+        columns = {name: np.array([one[name] for one in chosen]) for name in names}
+        places = cells[:, np.newaxis] * each + np.arange(each)
         perf = performance_of_pairs(
             first.flown,
             first.mission,
-            variables,
+            DesignVariables(**columns).mapped(lambda v: np.repeat(v, each)),
             first.solar,
             day=self.day.at(places.ravel()),
             keep_trajectory=keep,
         )
         shape = len(cells), each
+        store = perf.store
         return replace(
             perf,
-            design=_picked(perf.design, slice(None, None, each)),
+            design=picked(perf.design, slice(None, None, each)),
             solar_power_w=perf.solar_power_w.reshape(*shape, -1),
             load_w=perf.load_w.reshape(*shape, -1),
             nominal_load_w=perf.nominal_load_w.reshape(shape),
+            store=replace(store, battery_energy_wh=store.battery_energy_wh.reshape(shape)),
             cycle=perf.cycle.reshaped(shape),
         )
 
-    def _checked(self, kept: Sequence[int], own: FloatArray, seed: int) -> NDArray[np.bool_]:
+    def _checked(self, kept: IntArray, own: FloatArray, seed: int) -> NDArray[np.bool_]:
         """Whether no random neighbour of a design is better by more than the tolerance."""
-        rng = np.random.default_rng(seed)
+        first, rng = self.tasks[0], np.random.default_rng(seed)
         spread = np.repeat(_SPREADS, _NEIGHBOURS // len(_SPREADS))
+        factors = {name: np.exp(spread * rng.standard_normal(len(spread))) for name in first.moved}
         designs = []
-        moved = self.tasks[kept[0]].moved
-        factors = {name: np.exp(spread * rng.standard_normal(len(spread))) for name in moved}
-        for cell in kept:
+        for cell in kept.tolist():
             best, task = self.found[cell].best, self.tasks[cell]
             assert best is not None
             for number in range(len(spread)):
-                near = {name: best.values[name] * factors[name][number] for name in moved}
-                values = task.within_bounds({**best.values, **near})
-                designs.append(task.design_variables(values))
+                near = {name: best.values[name] * by[number] for name, by in factors.items()}
+                designs.append(task.within_bounds(best.values | near))
         cells = np.repeat(kept, len(spread))
-        flight = self.performance(designs, cells.tolist())
+        flight = self.performance(designs, cells)
         excess_h = flight.cycle.excess_time_h.min(axis=-1)
-        required_h = np.array([self.tasks[cell].required_h for cell in cells])
-        good = (excess_h > 0.0) & (excess_h >= required_h) & self._meets(flight, cells)
-        objective = self.tasks[0].objective
-        merit = np.where(good, merit_of(objective, flight), -np.inf)
+        tasks = [self.tasks[cell] for cell in cells.tolist()]
+        required_h = np.array([task.required_h for task in tasks])
+        winds = np.array([task.held[WIND] for task in tasks])
+        good = (excess_h > 0.0) & (excess_h >= required_h)
+        good &= meets_requirements(first.flown, first.mission, flight.design, wind_m_per_s=winds)
+        merit = np.where(good, merit_of(first.objective, flight), -np.inf)
         best_of = merit.reshape(len(kept), -1).max(axis=1)
-        in_hours = ABSOLUTE_TOLERANCE_H if objective is Objective.max_excess_time else 0.0
+        in_hours = ABSOLUTE_TOLERANCE_H if first.objective is Objective.max_excess_time else 0.0
         # Sums rather than differences: the excess time may be infinite on both sides.
         return np.asarray(best_of <= own + np.maximum(RELATIVE_TOLERANCE * np.abs(own), in_hours))
 
-    def _meets(self, perf: Performance, cells: IntArray) -> NDArray[np.bool_]:
-        """Whether designs keep every requirement on themselves, each in its cell's wind."""
-        first = self.tasks[0]
-        winds = np.array([self.tasks[cell].held[WIND] for cell in cells])
-        return meets_requirements(first.flown, first.mission, perf.design, wind_m_per_s=winds)
-
     def _results(self, seed: int) -> CellSizings:
         count, first = len(self.tasks), self.tasks[0]
-        numbers = {name: np.full(count, np.nan) for name in _NAMES}
         status = np.array([self.found[cell].status for cell in range(count)], int)
-        requirement, message = np.full(count, "", "<U40"), np.full(count, "", object)
-        kept = [cell for cell in range(count) if self.found[cell].best is not None]
+        columns: dict[str, Any] = {f.name: np.full(count, np.nan) for f in fields(CellSizings)}
+        columns |= {"status": status, "message": np.full(count, "", object)}
+        columns["requirement"] = np.full(count, "", "<U40")
         for cell in np.flatnonzero(status == SizingStatus.infeasible).tolist():
             worst = _missed_most(self.found[cell])
-            requirement[cell], message[cell] = worst.requirement, worst.text
-            numbers["shortfall"][cell] = worst.shortfall
-        designs = {}
-        if kept:
-            best = [self.found[cell].best for cell in kept]
-            variables = [first.design_variables(one.values) for one in best if one is not None]
-            perf = self.performance(variables, kept)
+            columns["requirement"][cell], columns["message"][cell] = worst.requirement, worst.text
+            columns["shortfall"][cell] = worst.shortfall
+        best = {cell: one.values for cell in range(count) if (one := self.found[cell].best)}
+        names = {*variables_of(first.aircraft).chosen(), *_PAYLOADS}
+        variables = {name: np.full(count, np.nan) for name in names}
+        if best:
+            kept = np.array(list(best))
+            perf = self.performance(list(best.values()), kept)
             checked = self._checked(kept, merit_of(first.objective, perf), seed)
             status[kept] = np.where(checked, SizingStatus.cross_checked, SizingStatus.optimal)
+            columns["objective_value"][kept] = objective_value(first.objective, perf)
+            columns["total_mass_kg"][kept] = perf.design.total_mass_kg
+            columns["airspeed_m_per_s"][kept] = perf.design.airspeed_m_per_s
+            columns["load_w"][kept] = perf.nominal_load_w[:, 0]
             worst_of = (np.arange(len(kept)), perf.cycle.excess_time_h.argmin(axis=-1))
-            values = {
-                "objective_value": objective_value(first.objective, perf),
-                "total_mass_kg": perf.design.total_mass_kg,
-                "excess_time_h": perf.cycle.excess_time_h[worst_of],
-                "charge_margin_h": perf.cycle.charge_margin_h[worst_of],
-                "minimum_state_of_charge": perf.cycle.minimum_state_of_charge[worst_of],
-                "airspeed_m_per_s": perf.design.airspeed_m_per_s,
-                "load_w": perf.nominal_load_w[:, 0],
-            }
-            designs = perf.design.variables.chosen()
-            for name, column in values.items():
-                numbers[name][kept] = column
-        names = dict.fromkeys([*variables_of(first.aircraft).chosen(), *_PAYLOADS, *designs])
-        columns = {name: np.full(count, np.nan) for name in names}
-        for name, column in designs.items():
-            columns[name][kept] = column
-        return CellSizings(
-            status=status,
-            variables=DesignVariables(**columns),
-            requirement=requirement,
-            message=message,
-            **numbers,
-        )
+            for name in ("excess_time_h", "charge_margin_h", "minimum_state_of_charge"):
+                columns[name][kept] = getattr(perf.cycle, name)[worst_of]
+            for name, column in perf.design.variables.chosen().items():
+                variables.setdefault(name, np.full(count, np.nan))[kept] = column
+        columns["variables"] = DesignVariables(**variables)
+        return CellSizings(**columns)
 
 
 def _waves(count: int) -> Iterator[range]:
@@ -348,35 +316,11 @@ def _waves(count: int) -> Iterator[range]:
         yield range(stride, count, 2 * stride)
 
 
-def _picked(value: Any, some: slice) -> Any:
-    """Some of a batch of designs; of every array in nested tuples, whatever is a number stays."""
-    if isinstance(value, tuple):  # design, variables, masses
-        return type(value)._make(_picked(one, some) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
-    return value[some] if isinstance(value, np.ndarray) and value.ndim else value
-
-
-def _part(perf: Performance, some: slice, task: SizingTask) -> Performance:
-    """Performance of some designs in the scenarios of one cell."""
-    store, shape = perf.store, perf.cycle.status.shape
-    energy_wh = store.battery_energy_wh.reshape(shape)[some]
-    return replace(
-        perf,
-        design=_picked(perf.design, some),
-        mission=task.mission,
-        day=task.day,
-        solar_power_w=perf.solar_power_w[some],
-        load_w=perf.load_w[some],
-        nominal_load_w=perf.nominal_load_w[some],
-        store=replace(store, battery_energy_wh=energy_wh),
-        cycle=joined([perf.cycle], lambda parts: parts[0][some]),
-    )
-
-
 def _missed_most(search: Search) -> Violation:
     """Requirement that the design of a cell misses most that comes nearest."""
     nearest, task = search.nearest, search.task
     assert nearest is not None
-    perf = alone(_part(nearest.perf, slice(0, 1), task))
+    perf = replace(nearest.perf.of_designs(0), mission=task.mission, day=task.day)
     missed = missed_by(task, nearest.solution, perf)
     short_h = task.required_h - float(np.min(perf.cycle.excess_time_h))
     if task.required_h > short_h > 0.0:  # it flies perpetually

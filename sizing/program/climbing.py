@@ -7,8 +7,7 @@ of the moment, linear between levels at most 500 m apart, and ``m g dz/dt`` over
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -73,32 +72,6 @@ def climbing_performance(
         levels=levels,
     )
     return perf, levels
-
-
-def alone(perf: Performance) -> Performance:
-    """Performance of the one design of a batch."""
-
-    def first(value: Any) -> Any:
-        if isinstance(value, tuple):  # design, variables, masses, energy budget
-            return type(value)._make(first(one) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
-        if isinstance(value, np.ndarray) and value.ndim and value.shape[0] == 1:
-            return value[0]
-        return value
-
-    cycle = perf.cycle
-    names = [f.name for f in fields(cycle) if f.name != "time_h"]
-    return replace(
-        perf,
-        design=perf.design._replace(
-            **{k: first(v) for k, v in perf.design._asdict().items() if k != "chain"}
-        ),
-        solar_power_w=first(perf.solar_power_w),
-        load_w=first(perf.load_w),
-        nominal_load_w=first(perf.nominal_load_w),
-        store=replace(perf.store, battery_energy_wh=first(perf.store.battery_energy_wh)),
-        cycle=replace(cycle, **{name: first(getattr(cycle, name)) for name in names}),
-        altitude_m=first(perf.altitude_m),
-    )
 
 
 def light_at_heights(levels: FlightLevels, scenario: int) -> FloatArray:
