@@ -22,7 +22,7 @@ from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.mass_budget import closed_design, design_of
 from sizing.program.climbing_flights import ClimbFlights
-from sizing.program.schedule import best_climbs
+from sizing.program.schedule import Climbs, best_climbs
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.varying_load import DesignLoads, flown_cycle
 from solar.types import BoolArray, FloatArray
@@ -347,15 +347,27 @@ def _simulate(
         levels = flight_levels(aircraft, mission, design, day, paired=paired)
         batch = loads.solar_w.shape[:-1]
         climbs = best_climbs(day.time_h, levels, store.flat(batch))
-        arrays = (climbs.solar_w, climbs.load_w, levels.altitude_m[0] + climbs.height_m)
-        solar_w, load_w, altitude_m = (one.reshape(*batch, -1) for one in arrays)
-        return Performance(
-            *(design, mission, solar, day, solar_w, load_w),
-            *(levels.nominal_load_w.reshape(batch), store, climbs.cycle.reshaped(batch)),
-            *(altitude_m, levels),
-        )
+        return performance_along(design, mission, solar, day, store, levels, climbs, batch)
     cycle, load_w, nominal = flown_cycle(loads, store, keep_trajectory=keep_trajectory)
     return Performance(design, mission, solar, day, loads.solar_w, load_w, nominal, store, cycle)
+
+
+def performance_along(
+    design: Design,
+    mission: Mission,
+    solar: SolarModel,
+    day: SolarDay,
+    store: Store,
+    levels: FlightLevels,
+    climbs: Climbs,
+    batch: tuple[int, ...],
+) -> Performance:
+    """Performance of a batch whose elements fly along heights."""
+    arrays = (climbs.solar_w, climbs.load_w, levels.altitude_m[0] + climbs.height_m)
+    solar_w, load_w, altitude_m = (one.reshape(*batch, -1) for one in arrays)
+    nominal_w, cycle = levels.nominal_load_w.reshape(batch), climbs.cycle.reshaped(batch)
+    flown = (design, mission, solar, day, solar_w, load_w, nominal_w, store, cycle)
+    return Performance(*flown, altitude_m=altitude_m, levels=levels)
 
 
 def perpetual_days(

@@ -20,18 +20,19 @@ from sizing.design import Design
 from sizing.limits import design_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance
-from sizing.program.climbing import Profile, light_at_heights, power_beyond_floor
+from sizing.program.climbing import Profile, power_beyond_floor
 from sizing.program.days import (
     Day,
     day_means,
     equal_power_step,
-    lagrange,
+    light_at_heights,
     nodes_of,
     positive_part,
 )
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
     EFFICIENCY_FACTOR,
+    LEVELS,
     RESERVE_SCALE_H,
     BlockData,
     Form,
@@ -197,22 +198,6 @@ def _heights(form: Form, scenario: Scenario) -> FloatArray:
     return np.clip(scenario.share(), *_INSIDE)
 
 
-def _light_at_heights(
-    task: SizingTask, number: int, scenario: Scenario, light: FloatArray, levels: FlightLevels
-) -> FloatArray:
-    """Light of a scenario at all heights of the program, ``(height, interval)``.
-
-    ``light``: at the heights flown, which it agrees with.
-    """
-    assert scenario.nodes is not None
-    rows = light_at_heights(levels, number)
-    day = Day.of(task.day.time_h, rows, np.zeros_like(rows), scenario.first)
-    known = day_means(day, scenario.nodes, 1.0, 1.0).light_w
-    share = scenario.share()
-    own = np.sum(lagrange((share[1:] + share[:-1]) / 2.0, len(known)) * known, axis=0)
-    return np.asarray(known * np.where(own > 0.0, light / np.where(own > 0.0, own, 1.0), 1.0))
-
-
 def _speed(task: SizingTask, perf: Performance, number: int) -> float:
     """Logarithm of the airspeed that holds the place at the floor, over the design's."""
     own = float(np.ravel(perf.design.airspeed_m_per_s)[0])
@@ -317,7 +302,10 @@ def _block(
         load_w = load_w - power_beyond_floor(
             task, perf.design, number, scenario.share(), means.hours
         )
-        flown = _light_at_heights(task, number, scenario, flown, levels).ravel(order="F")
+        way_m = np.linspace(0.0, levels.altitude_m[-1] - levels.altitude_m[0], LEVELS)
+        rows, _ = levels.at_heights(number, way_m)  # of the first design
+        lit = Day.of(time_h, rows, np.zeros_like(rows), scenario.first)
+        flown = light_at_heights(lit, scenario.nodes, scenario.share(), flown).ravel(order="F")
     load = np.hstack([load_w, nominal_w[:, np.newaxis]]) / level_w[:, np.newaxis]
     if task.aircraft.propulsion_by_parts is not None:
         # Where a day does not close its voltages leap, and the load has no derivative.

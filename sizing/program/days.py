@@ -151,6 +151,17 @@ def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans
     return DayMeans(hours, sun / hours, (sun - equal) / hours)
 
 
+def light_at_heights(lit: Day, nodes: IntArray, share: FloatArray, light: FloatArray) -> FloatArray:
+    """Light at all heights of a program over the intervals, ``(height, interval)``.
+
+    ``lit``: at these heights. ``light``: at the heights flown, ``share`` of the way at the nodes,
+    with which it agrees.
+    """
+    known = day_means(lit, nodes, 1.0, 1.0).light_w
+    own = np.sum(lagrange((share[1:] + share[:-1]) / 2.0, len(known)) * known, axis=0)
+    return np.asarray(known * np.where(own > 0.0, light / np.where(own > 0.0, own, 1.0), 1.0))
+
+
 def lagrange(place: FloatArray, count: int) -> FloatArray:
     """Weights of evenly spaced nodes from 0 to 1 in the polynomial through them."""
     nodes = np.linspace(0.0, 1.0, count)

@@ -7,7 +7,7 @@ hours that lack power are as few as can be.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import lru_cache
 from threading import RLock
 from typing import Any, NamedTuple
@@ -18,8 +18,14 @@ import numpy as np
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.energy.battery import ChargeLimit, NoChargeLimit, Store
 from sizing.energy.cycle import Cycle, joined, simulate_cycle
-from sizing.energy.power_balance import blocks
-from sizing.program.days import Day, day_means, equal_power_step, lagrange, nodes_of
+from sizing.program.days import (
+    Day,
+    day_means,
+    equal_power_step,
+    lagrange,
+    light_at_heights,
+    nodes_of,
+)
 from sizing.program.transcription import (
     FULLER,
     LEVELS,
@@ -45,7 +51,6 @@ _ROUNDS = 6  # of program and simulator, at most
 _AGREED_H = 0.02  # excess time within which they agree
 # Of a night's charge, that a day must return beyond it, and the factor where that is too little.
 FIRST_MARGIN, _WIDER = 2e-4, 3.0
-_ELEMENTS_AT_ONCE = 512  # so that the arrays of a day stay near the processor
 # Cost of an hour without power in hours of excess time: far above what any schedule makes of it.
 _PRICE = 100.0
 _LONGEST_H = 1e4
@@ -90,31 +95,7 @@ class Window(NamedTuple):
 
 
 def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climbs:
-    """Fly every element along the heights with which its excess time is longest.
-
-    Parameters
-    ----------
-    time_h : ndarray, shape (time,)
-        Nodes of the day [h].
-    levels : FlightLevels
-        Aircraft between the lowest altitude and the ceiling, in a scenario each.
-    store : Store
-        Their batteries.
-
-    Returns
-    -------
-    Climbs
-        Heights above the lowest altitude [m].
-    """
-    parts = [
-        _best(time_h, levels.select(some), store.select(some))
-        for some in blocks(len(levels.scenario), _ELEMENTS_AT_ONCE)
-    ]
-    cycles, *arrays = zip(*parts, strict=True)
-    return Climbs(joined(cycles), *(np.concatenate(one) for one in arrays))
-
-
-def _best(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climbs:
+    """Fly every element along the heights with which its excess time is longest."""
     best = flown_along(time_h, levels, store, np.zeros((len(levels.scenario), len(time_h))))
     excess_h = best.cycle.excess_time_h
     climb_m = levels.reach_m
@@ -204,9 +185,6 @@ def best_heights(
     means = day_means(day, nodes, into, out_of)
     share = height_m[nodes] / climb_m
     middle = lagrange((share[1:] + share[:-1]) / 2.0, LEVELS)
-    known = day_means(lit, nodes, 1.0, 1.0).light_w
-    own = np.sum(middle * known, axis=0)
-    known = known * np.where(own > 0.0, means.light_w / np.where(own > 0.0, own, 1.0), 1.0)
     steady, table = float(levels.nominal_factor[i]), np.log(power_w)
     climb_w = levels.weight_n[i] / levels.efficiency[i] * np.diff(share) * climb_m
     climb_w = climb_w / (3600.0 * means.hours)
@@ -218,7 +196,7 @@ def best_heights(
         reserve = np.arange(len(nodes)) <= 1 + dawn
     block = BlockData(
         hours=means.hours,
-        light_w_per_m2=known.ravel(order="F"),
+        light_w_per_m2=light_at_heights(lit, nodes, share, means.light_w[0]).ravel(order="F"),
         load=(means.load_w - beyond_w) / level_w,
         nominal=nominal_w / level_w,
         light_slope=np.zeros(0),
@@ -232,7 +210,6 @@ def best_heights(
         repeated=1.0,
         wind_m_per_s=np.zeros(LEVELS),
     )
-    data = into, out_of, nominal_w, climb_m
     design = DesignSymbols(
         area_m2=1.0,
         full_wh=full_wh,
@@ -244,6 +221,7 @@ def best_heights(
         efficiency=levels.efficiency[i],
         weight_n=levels.weight_n[i],
     )
+    given = (into, out_of, nominal_w, climb_m, *design, *block)
     unit_wh = RESERVE_SCALE_H * nominal_w
     start = (
         [max(float(flown.cycle.excess_time_h[i]), 0.0)],
@@ -251,51 +229,28 @@ def best_heights(
         np.clip(path[nodes], *_INSIDE) * full_wh / unit_wh,
         np.clip(share, *_INSIDE) if share.any() else np.full(FORM.heights, _HEIGHT),
     )
+    x0, parameters = np.concatenate(start), np.concatenate([np.ravel(one) for one in given])
+    low, most = np.zeros(len(x0)), np.full(len(x0), np.inf)
+    most[0], most[_HEIGHTS] = _LONGEST_H, 1.0
+    if window is not None:  # which begins and ends without height
+        low[_FIRST_CHARGE] = most[_FIRST_CHARGE] = window.begin_wh / unit_wh
+        most[_HEIGHTS.start] = 0.0
     limit = NoChargeLimit() if store.clock is None else store.clock.limit
-    parameters = np.concatenate([np.ravel(value) for value in (*data, *design, *block)])
-    begin = None if window is None else window.begin_wh / unit_wh
-    program = _program(limit, window is None)
-    found, excess_h = program.heights(parameters, np.concatenate(start), begin)
-    at_h = day.time_h[nodes] % 24.0
-    return np.asarray(climb_m * np.interp(time_h, at_h, found, period=24.0)), excess_h
-
-
-@dataclass(frozen=True)
-class _Program:
-    """The program of batteries with one charge limit, for designs that are held."""
-
-    solver: ca.Function
-    upper: FloatArray
-    lock: RLock = field(default_factory=RLock)
-
-    def heights(
-        self, parameters: FloatArray, start: FloatArray, begin: float | None
-    ) -> tuple[FloatArray, float]:
-        """Heights at the nodes, over the way to the ceiling, and the excess time [h].
-
-        ``begin``: charge that a window begins with; it begins and ends without height.
-        """
-        low, most = np.zeros(len(start)), np.full(len(start), np.inf)
-        most[0], most[_HEIGHTS] = _LONGEST_H, 1.0
-        if begin is not None:
-            low[_FIRST_CHARGE] = most[_FIRST_CHARGE] = begin
-            most[_HEIGHTS.start] = 0.0
-        with self.lock:
-            answer = self.solver(
-                x0=np.clip(start, low, most),
-                lbx=low,
-                ubx=most,
-                lbg=0.0,
-                ubg=self.upper,
-                p=parameters,
-            )
-        x = np.asarray(answer["x"]).ravel()
-        return np.clip(x[_HEIGHTS], 0.0, 1.0), float(x[0])
+    solver, upper, lock = _program(limit, window is None)
+    bounds: dict[str, Any] = {"lbx": low, "ubx": most, "lbg": 0.0, "ubg": upper}
+    with lock:
+        answer = solver(x0=np.clip(x0, low, most), p=parameters, **bounds)
+    x = np.asarray(answer["x"]).ravel()
+    at_h, found = day.time_h[nodes] % 24.0, np.clip(x[_HEIGHTS], 0.0, 1.0)
+    return np.asarray(climb_m * np.interp(time_h, at_h, found, period=24.0)), float(x[0])
 
 
 @lru_cache(maxsize=8)
-def _program(limit: ChargeLimit, repeated: bool) -> _Program:
-    """Program of a charge limit, for a day that repeats itself or a window; built once."""
+def _program(limit: ChargeLimit, repeated: bool) -> tuple[ca.Function, FloatArray, RLock]:
+    """Solver of a charge limit for designs that are held, upper ends of its rows, and its lock.
+
+    For a day that repeats itself or a window; built once.
+    """
     data = {name: ca.SX.sym(name, size) for name, size in _DATA.items()}
     design = DesignSymbols(*(ca.SX.sym(name, size) for name, size in _DESIGN.items()))
     block, none = block_symbols(0, FORM), ca.SX(0, 1)
@@ -316,4 +271,4 @@ def _program(limit: ChargeLimit, repeated: bool) -> _Program:
     }
     equation = [c.equation for c, value in rows for _ in range(value.shape[0])]
     solver = ca.nlpsol("schedule", "ipopt", symbols, _OPTIONS)
-    return _Program(solver, np.where(equation, 0.0, np.inf))
+    return solver, np.where(equation, 0.0, np.inf), RLock()

@@ -21,7 +21,7 @@ from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import NO_FLIGHT_W, DesignVariables, variables_of
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
-from sizing.program.climbing import Profile, climbing_performance, flight
+from sizing.program.climbing import Profile, flight
 from sizing.program.corrections import (
     FIRST_MARGIN,
     Scenario,
@@ -445,7 +445,7 @@ def _result(search: Search) -> SizingResult:
 def _flown(task: SizingTask, judged: Judged) -> Performance:
     """Flight of a design without its neighbours."""
     if task.mission.climb is not None:
-        return climbing_performance(task, [judged.values], judged.profiles)[0].of_designs(0)
+        return flight(task, [judged.values], judged.profiles)[0].of_designs(0)
     design = task.design_variables(judged.values)
     return performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
 
