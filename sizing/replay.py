@@ -25,8 +25,6 @@ from solar.sun import declination, solar_time_h, sun_times
 from solar.types import FloatArray
 
 CALENDAR_STEP_H = 1.0 / 60.0
-# Energy at the nodes [Wh], instants of full and of empty [h], and the load [W].
-_Flown = tuple[FloatArray, tuple[float, ...], float | None, FloatArray]
 
 
 @dataclass(frozen=True)

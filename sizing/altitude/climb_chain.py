@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,36 +29,6 @@ _LEAST, _RATIO = 0.25, 4.0 ** (1.0 / 6.0)
 _LOADS = _LEAST * _RATIO ** np.arange(16)
 # How finely the limits are looked for, and levels of the exact propeller.
 _FINE, _LEVELS = 241, 6
-
-
-class _Table(NamedTuple):
-    """Logarithms over logarithms at even nodes, ``(row, node)``; proportional below."""
-
-    values: FloatArray
-    first: FloatArray
-    per_step: FloatArray
-
-    def at(self, row: IntArray, value: FloatArray) -> FloatArray:
-        """Values of rows; both broadcast."""
-        flat, given = self.values.ravel(), np.log(np.maximum(value, 1e-300))
-        nodes = self.values.shape[1]
-        place = row + np.zeros(given.shape, int)
-        beyond = given - self.first[place]
-        along = beyond * self.per_step[place]
-        node, weights = _cubic(along, nodes)
-        at = place * nodes
-        found = sum(one * flat[at + node + k] for k, one in enumerate(weights))
-        return np.asarray(np.exp(np.where(along < 0.0, flat[at] + beyond, found)))
-
-
-class _Tables(NamedTuple):
-    """Electric power [W] over load, and most electric power [W].
-
-    Rows are levels, one after the other, of all designs.
-    """
-
-    power: _Table
-    most_w: FloatArray
 
 
 @dataclass(frozen=True)
@@ -89,7 +58,7 @@ class ClimbChain:
             return None
         shape = np.shape(flown[0].propulsion_power_w)
         with np.errstate(invalid="ignore"):
-            thrust = [one.propulsion_power_w * _efficiency(one) for one in flown]
+            thrust = [one.thrust_power_w for one in flown]
 
         def rows(values: list[object]) -> FloatArray:
             each = [np.broadcast_to(np.asarray(one, float), shape).ravel() for one in values]
@@ -119,16 +88,26 @@ class ClimbChain:
         return int(self.thrust_w.shape[1])
 
     def power_w(self, row: IntArray, load: FloatArray) -> FloatArray:
-        """Electric power of thrust powers over that of level flight [W]."""
-        return self._tables.power.at(row, load)
+        """Electric power of thrust powers over that of level flight [W]; both broadcast."""
+        powers, nodes = self._tables[0].ravel(), len(_LOADS)
+        beyond = np.log(np.maximum(load, 1e-300) / _LEAST)
+        along = beyond / np.log(_RATIO)
+        node, weights = _cubic(along, nodes)
+        at = row * nodes
+        found = sum(one * powers[at + node + k] for k, one in enumerate(weights))
+        # Below the table it is proportional to the load.
+        return np.asarray(np.exp(np.where(along < 0.0, powers[at] + beyond, found)))
 
     def most_w(self, row: IntArray) -> FloatArray:
         """Electric power at the limits of the parts [W]."""
-        return np.asarray(self._tables.most_w[row])
+        return np.asarray(self._tables[1][row])
 
     @cached_property
-    def _tables(self) -> _Tables:
-        """Tables of all designs and levels."""
+    def _tables(self) -> tuple[FloatArray, FloatArray]:
+        """Logarithm of the power over loads, and most electric power [W].
+
+        Rows are levels, one after the other, of all designs.
+        """
         turns, shaft_w = self._propellers()
         parts, air = self._sized_parts(), Air(*(one[np.newaxis] for one in self.air))
         with np.errstate(invalid="ignore", over="ignore"):
@@ -141,19 +120,14 @@ class ClimbChain:
             known = np.isfinite(power) & (power > 0.0) & np.isfinite(used) & rises
         power, used = _continued(power, known), np.where(known, used, 2.0)
         log_power, used = np.log(_rows_first(power)), _rows_first(used)
-        rows = len(log_power)
         fine = np.linspace(0.0, len(_LOADS) - 1.0, _FINE)
         over = _between(fine, log_power)
         beyond = _between(fine, used) > 1.0
         within = np.where(beyond.any(axis=-1), np.argmax(beyond, axis=-1) - 1, _FINE - 1)
         most_w = np.exp(np.take_along_axis(over, np.maximum(within, 0)[..., np.newaxis], -1))
-        flies = np.tile(self.flies, rows // self.count)
+        flies = np.tile(self.flies, len(self.thrust_w))
         log_power = np.where(flies[:, np.newaxis], log_power, np.log(NO_FLIGHT_W))
-        same = np.ones(rows)
-        return _Tables(
-            _Table(log_power, np.log(_LEAST) * same, same / np.log(_RATIO)),
-            np.where(flies, most_w[..., 0], 0.0),
-        )
+        return log_power, np.where(flies, most_w[..., 0], 0.0)
 
     def _propellers(self) -> tuple[FloatArray, FloatArray]:
         """Speed of rotation [1/s] and power of one shaft [W], ``(load, level, design)``."""
@@ -186,11 +160,6 @@ class ClimbChain:
 def _rows_first(values: FloatArray) -> FloatArray:
     """Values of loads, levels and designs with rows of levels and designs first."""
     return np.moveaxis(values, 0, 2).reshape(-1, len(values))
-
-
-def _efficiency(design: Design) -> FloatArray:
-    assert design.chain is not None
-    return np.asarray(design.chain.efficiency)
 
 
 def _cubic(along: FloatArray, nodes: int) -> tuple[IntArray, tuple[FloatArray, ...]]:

@@ -97,10 +97,7 @@ class SizingResult:
     def without_design(
         self, status: SizingStatus, nearest: Performance | None, *violations: Violation
     ) -> SizingResult:
-        """The same without a design.
-
-        ``nearest``: design that comes closest, simulated; ``violations``: what that one misses.
-        """
+        """The same without a design: how it ends, and what the design misses that comes closest."""
         return replace(
             self,
             status=status,
