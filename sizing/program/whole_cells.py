@@ -26,6 +26,7 @@ from sizing.layout.strings import Strings
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
+from sizing.roots import bisected
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.schema import MOST_CELLS
@@ -38,8 +39,7 @@ _STRIDES = 20
 # Objectives that differ by less are equal: the lighter design is then the better one.
 _SAME = 1e-6
 _ROW_ROOM = 1e-6  # the solver meets its rows to about 1e-8
-_PER_M = 10_000  # lengths that are tried
-_LONGEST_M = 10_000
+_TENTH_OF_A_MM, _LONGEST_M = 1e-4, 1e4  # of lengths that are tried
 
 
 class Numbers(NamedTuple):
@@ -406,10 +406,4 @@ def _why(result: SizingResult) -> str:
 
 def _least_m(holds: Callable[[float], bool]) -> float:
     """Least length at which something holds, to a tenth of a millimetre; infinite if none [m]."""
-    most_m = 1
-    while not holds(most_m):
-        most_m *= 2
-        if most_m > _LONGEST_M:
-            return math.inf
-    tenths = range(most_m * _PER_M)
-    return bisect_left(tenths, True, lo=1, key=lambda number: holds(number / _PER_M)) / _PER_M
+    return bisected(0.0, math.inf, holds, lambda _: _TENTH_OF_A_MM, most=_LONGEST_M)
