@@ -1,4 +1,4 @@
-"""Parts of a propulsion that a sizing has chosen, as data of an aircraft's file."""
+"""What a sizing has chosen on request, as data of an aircraft's file."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from sizing.design import Design
 
 
 def put_parts_in(data: dict[str, Any], aircraft: Aircraft, design: Design) -> None:
-    """Put the chosen propeller and gear into an aircraft's file as data, in place."""
+    """Put the chosen lift, propeller and gear into an aircraft's file as data, in place."""
     variables = design.variables
+    if variables.lift_coefficient is not None:
+        data["airframe"]["aerodynamics"]["lift_coefficient"] = float(variables.lift_coefficient)
     if all(one is None for one in variables.of_propulsion):
         return
     propulsion = aircraft.propulsion_by_parts

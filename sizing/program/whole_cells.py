@@ -76,7 +76,6 @@ class Found:
     numbers: Numbers
     neighbour: Neighbour
     result: SizingResult | None
-    aircraft: Aircraft | None
 
     @property
     def rank(self) -> tuple[float, float]:
@@ -219,7 +218,8 @@ class _Search:
             return failed, WholeCells(None, relaxed, None, tried)
         limiting = _limiting(best.result, self.aircraft.design_space)
         result = replace(best.result, active_constraints=limiting)
-        return result, WholeCells(best.aircraft, relaxed, best.neighbour, tried)
+        laid = self._put_in(result, best.numbers)
+        return result, WholeCells(laid, relaxed, best.neighbour, tried)
 
     def _ring(self, middle: Numbers, radius: int, stride: int = 1) -> Iterator[Numbers]:
         """Numbers at a distance of some steps; of the solar cells those that can be laid."""
@@ -280,8 +280,7 @@ class _Search:
             total_mass_kg=None if design is None else float(design.total_mass_kg),
             reason="" if best is not None else reason,
         )
-        aircraft = None if best is None else self._put_in(best, numbers, strings)
-        return Found(numbers, neighbour, best, aircraft)
+        return Found(numbers, neighbour, best)
 
     def _strings(self, cells: int) -> tuple[Strings | None, str]:
         """Strings of so many cells; why there are none."""
@@ -357,10 +356,11 @@ class _Search:
         pack = self.pack.model_copy(update={"cells_in_parallel": parallel})
         return pack.mass_kg(self.aircraft.battery.cell_mass_fraction)
 
-    def _put_in(self, result: SizingResult, numbers: Numbers, strings: Strings | None) -> Aircraft:
+    def _put_in(self, result: SizingResult, numbers: Numbers) -> Aircraft:
         """Aircraft of a design, its cells laid on its wing and checked as a file is."""
         assert result.design is not None
         variables = result.design.variables
+        strings, _ = self._strings(2 * numbers.per_half + self.layout.tail_count)
         wing = Wing(variables.wingspan_m, variables.wingspan_m / variables.aspect_ratio)
         layout = self.layout.with_cells(numbers.per_half, wing, strings)
         data = self.aircraft.model_dump(mode="json", exclude_unset=True)
@@ -374,8 +374,6 @@ class _Search:
         data["battery"]["pack"] |= {"cells_in_parallel": numbers.parallel}
         data["battery"]["mass_kg"] = self._battery_kg(numbers.parallel)
         put_parts_in(data, self.aircraft, result.design)
-        if variables.lift_coefficient is not None:
-            data["airframe"]["aerodynamics"]["lift_coefficient"] = float(variables.lift_coefficient)
         with texts_as_read(self.aircraft.texts_read):
             return Aircraft.model_validate(data)
 

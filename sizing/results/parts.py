@@ -276,8 +276,6 @@ def sized_data(aircraft: Aircraft, design: Design, whole_cells: bool) -> dict[st
     for one in CHOSEN:
         section, key = parameter(one.name).key.split(".")
         data[section][key] = one.of(design)
-    if design.variables.lift_coefficient is not None:
-        data["airframe"]["aerodynamics"]["lift_coefficient"] = design.variables.lift_coefficient
     put_parts_in(data, aircraft, design)
     if whole_cells:
         return data
