@@ -17,7 +17,7 @@ import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.energy.battery import ChargeLimit, NoChargeLimit, Store
-from sizing.energy.cycle import Cycle, joined, simulate_cycle
+from sizing.energy.cycle import Cycle, simulate_cycle
 from sizing.program.days import (
     Day,
     day_means,
@@ -96,39 +96,29 @@ class Window(NamedTuple):
 
 def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climbs:
     """Fly every element along the heights with which its excess time is longest."""
-    best = flown_along(time_h, levels, store, np.zeros((len(levels.scenario), len(time_h))))
-    excess_h = best.cycle.excess_time_h
-    climb_m = levels.reach_m
-    able = levels.flies & (climb_m > LOWEST_M) & np.isfinite(excess_h)
-    able &= best.solar_w.max(axis=-1) > 0.0
-    flown, goal_h, margin = best, excess_h.copy(), np.full(len(excess_h), FIRST_MARGIN)
+    best_m = np.zeros((len(levels.scenario), len(time_h)))
+    level = flown = flown_along(time_h, levels, store, best_m)
+    best_h = level.cycle.excess_time_h
+    able = levels.flies & (levels.reach_m > LOWEST_M) & np.isfinite(best_h)
+    able &= level.solar_w.max(axis=-1) > 0.0
+    goal_h, margin = best_h.copy(), np.full(len(best_h), FIRST_MARGIN)
     for _ in range(_ROUNDS):
         if not able.any():
             break
-        height_m = best.height_m.copy()
+        height_m = best_m.copy()
         for i in np.flatnonzero(able).tolist():
             height_m[i], goal_h[i] = best_heights(
                 time_h, levels, store, flown, i, margin=float(margin[i])
             )
         flown = flown_along(time_h, levels, store, height_m)
-        best = _better(best, flown)
+        excess_h = flown.cycle.excess_time_h
+        best_m = np.where((excess_h > best_h)[:, np.newaxis], height_m, best_m)
+        best_h = np.maximum(excess_h, best_h)
         # A day that should close, and does not quite.
         margin = np.where(flown.cycle.missing_h > 0.0, _WIDER * margin, margin)
-        able &= np.abs(goal_h - flown.cycle.excess_time_h) > _AGREED_H
+        able &= np.abs(goal_h - excess_h) > _AGREED_H
         able &= goal_h > _AGREED_H
-    return best
-
-
-def _better(old: Climbs, new: Climbs) -> Climbs:
-    """Of two flights of every element the one with more excess time."""
-    better = new.cycle.excess_time_h > old.cycle.excess_time_h
-
-    def picked(pair: list[FloatArray]) -> FloatArray:
-        which = better.reshape((-1,) + (1,) * (pair[0].ndim - 1))
-        return np.where(which, pair[1], pair[0])
-
-    cycle = joined([old.cycle, new.cycle], picked)
-    return Climbs(cycle, *(picked(list(pair)) for pair in zip(old[1:], new[1:], strict=True)))
+    return flown_along(time_h, levels, store, best_m) if best_m.any() else level
 
 
 def flown_along(
