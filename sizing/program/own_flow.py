@@ -13,7 +13,6 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import DesignVariables
 from sizing.parameters import with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
@@ -40,7 +39,15 @@ def sized_in_own_flow(
     if flown is None or not flown.day.is_cooled or not np.isfinite(flown.design.total_mass_kg):
         return aircraft, result
     variables = flown.design.variables.mapped(float)
-    guessed = _first_guessed(aircraft, mission, variables)
+    # Its design point is that of the design, as far as its file has numbers for it.
+    span_m, aspect_ratio = variables.wingspan_m, variables.aspect_ratio
+    guessed = aircraft.with_airframe(wingspan_m=span_m, aspect_ratio=aspect_ratio)
+    if variables.lift_coefficient is not None:
+        guessed, _ = with_parameter(guessed, mission, _LIFT, variables.lift_coefficient)
+    if aircraft.battery.pack is None:
+        guessed, _ = with_parameter(guessed, mission, "battery.mass_kg", variables.battery_mass_kg)
+    if aircraft.modules.layout is None:
+        guessed, _ = with_parameter(guessed, mission, "modules.area_m2", variables.module_area_m2)
     if not result.feasible:
         return guessed, result
     own = performance_of_designs(guessed, mission, variables, solar)
@@ -50,18 +57,3 @@ def sized_in_own_flow(
         return guessed, result.with_design(own)
     again = size_aircraft(guessed, *given, **options | {"start": variables})
     return guessed, again if again.feasible or not enough else result
-
-
-def _first_guessed(aircraft: Aircraft, mission: Mission, found: DesignVariables) -> Aircraft:
-    """Aircraft whose design point is that of a design, as far as its file has numbers for it."""
-    guess = aircraft.with_airframe(wingspan_m=found.wingspan_m, aspect_ratio=found.aspect_ratio)
-    if found.lift_coefficient is not None:
-        guess, _ = with_parameter(guess, mission, _LIFT, found.lift_coefficient)
-    parts: dict[str, Any] = {}
-    if aircraft.battery.pack is None:
-        battery = {"mass_kg": found.battery_mass_kg}
-        parts["battery"] = aircraft.battery.model_copy(update=battery)
-    if aircraft.modules.layout is None:
-        area = {"area_m2": found.module_area_m2}
-        parts["modules"] = aircraft.modules.model_copy(update=area)
-    return guess.model_copy(update=parts)

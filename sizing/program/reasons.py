@@ -8,6 +8,7 @@ energy of its worst day lacks.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -29,7 +30,6 @@ from sizing.program.start import grid_of
 from sizing.program.task import SizingTask
 from sizing.program.transcription import RESERVE_SCALE_H
 from sizing.program.variables import Role
-from solar.types import FloatArray
 
 # A requirement limits if its multiplier is at least this fraction of the largest one: what the
 # barrier of interior points leaves on others is below 0.0007 of it.
@@ -55,14 +55,11 @@ class Limit(NamedTuple):
 def limits_of(solution: Solution) -> list[Limit]:
     """What holds a solution back; those come first whose easing gains most."""
     label, program = solution.task.day.scenarios.label, solution.program
-    strengths: dict[tuple[str, str], float] = {}
-
-    def add(name: str, strength: float, step: str) -> None:
-        strengths[name, step] = strengths.get((name, step), 0.0) + strength
+    strengths: defaultdict[tuple[str, str], float] = defaultdict(float)
 
     for name in program.requirements:
         if not solution.is_equation(name):
-            add(name, solution.multiplier(name, None), "1 % of the limit")
+            strengths[name, "1 % of the limit"] += solution.multiplier(name, None)
     by_hour = solution.by_hour()
     for block, scenario in enumerate(solution.scenarios):
         where = f" ({label(scenario)})"
@@ -72,16 +69,16 @@ def limits_of(solution: Solution) -> list[Limit]:
         # for.
         returned = solution.multiplier("energy_balance", block) - capacity
         of_battery = "1 % of the battery's capacity"
-        add("battery_capacity" + where, full * capacity, of_battery)
-        add("energy_balance" + where, full * max(returned, 0.0), of_battery)
-        add("excess_time" + where, by_hour[block] * RESERVE_SCALE_H, "1 h")
+        strengths["battery_capacity" + where, of_battery] += full * capacity
+        strengths["energy_balance" + where, of_battery] += full * max(returned, 0.0)
+        strengths["excess_time" + where, "1 h"] += by_hour[block] * RESERVE_SCALE_H
         for row, named in (("continuous", "always_lit"), (POWER_AGAINST_WIND,) * 2):
-            add(named + where, solution.multiplier(row, block), "1 % of the limit")
+            strengths[named + where, "1 % of the limit"] += solution.multiplier(row, block)
     for v, multiplier in zip(solution.task.variables, solution.design_bounds, strict=True):
         free = v.role is Role.design or v.name in solution.task.free_names
         if free and v.minimum < v.maximum:
             end = "maximum" if multiplier > 0.0 else "minimum"
-            add(f"{v.name} at its {end}", abs(float(multiplier)), "1 % of the bound")
+            strengths[f"{v.name} at its {end}", "1 % of the bound"] += abs(float(multiplier))
     least = LIMITING_FRACTION * max(strengths.values(), default=0.0)
     shares = {"1 h": 1.0 / RESERVE_SCALE_H}
     limits = [
@@ -111,38 +108,31 @@ def violations(
 
     ``missed``: shortfall by name of the requirement: relative, or in hours of excess time.
     """
-    worst = nearest.worst_scenario()
+    worst, required_h = nearest.worst_scenario(), task.required_h
     conditions = FlightConditions.of(nearest.mission, task.aircraft)
     with np.errstate(invalid="ignore"):  # the nearest design may be impossible
         rows = design_requirements(task.flown, nearest.design, conditions)
     where = nearest.day.scenarios.label(worst)
-    found = []
     left_h = float(nearest.cycle.excess_time_h[worst])
-    flown = (
-        f"an excess time of {task.required_h:g} h is out of reach at {where}: the nearest design"
-    )
+    flown = f"an excess time of {required_h:g} h is out of reach at {where}: the nearest design"
     flown = f"{flown} has {left_h:.2f} h"
     if task.window_h is not None:
-        flown = f"no design lands at {where} with {task.required_h:g} h left: the nearest one "
+        flown = f"no design lands at {where} with {required_h:g} h left: the nearest one "
         flown += f"has {left_h:.2f} h" if left_h > 0.0 else f"lacks power for {-left_h:.2f} h"
+    texts = {row.name: row.text for row in rows} | {
+        "battery_capacity": f"the battery cannot carry the night at {where}: short by {{missed}} "
+        "of its capacity",
+        "energy_balance": f"the day does not recharge the battery at {where}: short by {{missed}} "
+        "of its capacity",
+        POWER_AGAINST_WIND: f"flight as fast as the wind at {where} takes {{missed}} more than the "
+        "rated power",
+        "excess_time": flown,
+    }
+    found = []
     for name, shortfall in missed.items():
-        by = percent(shortfall)
-        texts = {one.name: one.text.format(missed=by) for one in rows} | {
-            "battery_capacity": f"the battery cannot carry the night at {where}: short by {by} of "
-            "its capacity",
-            "energy_balance": f"the day does not recharge the battery at {where}: short by {by} "
-            "of its capacity",
-            POWER_AGAINST_WIND: f"flight as fast as the wind at {where} takes {by} more than the "
-            "rated power",
-            "excess_time": flown,
-        }
-        found.append(Violation(name, shortfall, texts[name]))
+        percent = f"{100.0 * shortfall:.0f} %" if shortfall > 0.1 else f"{100.0 * shortfall:.2g} %"
+        found.append(Violation(name, shortfall, texts[name].format(missed=percent)))
     return tuple(found)
-
-
-def percent(value: float) -> str:
-    """Shortfall in words, with two digits where it is small."""
-    return f"{100.0 * value:.0f} %" if value > 0.1 else f"{100.0 * value:.2g} %"
 
 
 def missed_by(
@@ -151,7 +141,17 @@ def missed_by(
     """What the nearest design misses, relative; of energy, to the battery's capacity."""
     if not np.isfinite(float(np.ravel(nearest.design.total_mass_kg)[0])):
         least = 0.0 if solution is None else solution.missed.get(MASS_BUDGET, 0.0)
-        return {MASS_BUDGET: least or max(_unlifted(task), ROW_TOLERANCE)}
+        if least:
+            return {MASS_BUDGET: least}
+        # Part of its own mass that no design of the grid can lift, at whatever mass it has.
+        designs, conditions = grid_of(task.aircraft), task.conditions
+        designs = designs.mapped(lambda v: np.asarray(v)[:, np.newaxis])
+        least_kg = float(conditions.payload_mass_kg) + np.asarray(designs.battery_mass_kg)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            design = parametric_design(task.aircraft, conditions, designs, least_kg * _HEAVIER)
+            unlifted = np.asarray(design.masses.total_kg) / (least_kg * _HEAVIER) - 1.0
+        least = float(np.min(unlifted, initial=math.inf, where=np.isfinite(unlifted)))
+        return {MASS_BUDGET: max(least, ROW_TOLERANCE)}
     missed = {} if solution is None else dict(solution.missed)
     if solution is None or solution.lack.max() > LACKING or not missed:
         missed |= _energy_missed(task, solution, nearest)
@@ -183,16 +183,3 @@ def _energy_missed(
         lack = LACKING if solution is None else max(float(solution.lack.max()), LACKING)
         missed = {"energy_balance": lack * 24.0 * float(np.mean(day.load_w)) / full_wh}
     return missed
-
-
-def _unlifted(task: SizingTask) -> float:
-    """Part of its own mass that no design of the grid can lift, at whatever mass it has."""
-    designs = grid_of(task.aircraft).mapped(lambda v: np.asarray(v)[:, np.newaxis])
-    conditions = task.conditions
-    assumed_kg = (
-        float(conditions.payload_mass_kg) + np.asarray(designs.battery_mass_kg)
-    ) * _HEAVIER
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        design = parametric_design(task.aircraft, conditions, designs, assumed_kg)
-        unlifted: FloatArray = np.asarray(design.masses.total_kg) / assumed_kg - 1.0
-    return float(np.min(unlifted, initial=math.inf, where=np.isfinite(unlifted)))

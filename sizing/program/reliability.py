@@ -22,7 +22,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, DesignVariables, variable_keys
+from sizing.design import Design, variable_keys
 from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.limits import meets_requirements
 from sizing.parameters import MISSION_PREFIX, with_parameter
@@ -32,7 +32,7 @@ from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
 from sizing.program.whole_cells import without_whole_cells
 from sizing.roots import bisected
-from sizing.sunlight import SolarDay, SolarModel, solar_day
+from sizing.sunlight import SolarModel, solar_day
 from sizing.uncertainty.inputs import (
     SOLAR_MODEL,
     Proportion,
@@ -48,6 +48,7 @@ VERIFICATION_SAMPLES = 10_000
 _SEARCH_SEED, _VERIFICATION_SEED = 20_040, 1_999  # any two that differ
 _INDEX_TOLERANCE = 0.02  # moves the probability by at most 0.8 %, less than the draws leave open
 _LEAST_STEP, _LARGEST_INDEX = 0.5, 12.0  # of the index
+_CAPACITY = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
 _MOST_FAILING = 0.95  # of the draws that show the direction
 
 
@@ -62,26 +63,66 @@ class Trial(NamedTuple):
     enough: bool
 
 
+# Limits on the battery, by the power of the factor on its storage with which they grow.
+_SCALED_LIMITS: dict[LimitedQuantity, float] = {
+    "battery_energy_wh": 1.0,
+    "cruise_discharge_rate_per_h": -1.0,
+    "climb_discharge_rate_per_h": -1.0,
+}
+
+
 def least_margin(
-    trial: Callable[[float], Trial | None], ends: tuple[float, float], step: float, tolerance: float
+    case: tuple[Aircraft, Mission, Objective, SolarModel],
+    near: SizingResult,
+    factors: Callable[[float], tuple[float, float]],
+    judge: Callable[[SizingResult], Trial],
+    ends: tuple[float, float],
+    step: float,
+    tolerance: float,
 ) -> Trial | None:
     """Find the design of the least margin that its judge accepts; else the one of most reach.
 
-    ``trial``: design of a margin; None where the margin leaves none. ``ends``: a margin that is not
-    enough, and the largest that is tried. ``step``: from the first margin to the next.
+    ``near``: sizing without a margin. ``factors``: those of a margin on sun and storage; the
+    judge's flight and objective are without them. ``ends``: a margin that is not enough, and the
+    largest that is tried. ``step``: from the first margin to the next.
     """
-    tried: list[Trial] = []
+    aircraft, mission, objective, solar = case
+    day, limits = solar_day(aircraft, mission, solar), aircraft.design_space.all_limits()
+    start = None if near.design is None else near.design.variables
+    capacity, work, tried = mission.uncertainty_margins.battery_capacity, near.solver, []
 
     def suffices(margin: float) -> bool:
-        if (one := trial(margin)) is not None:
-            tried.append(one)
-        return one is None or one.enough
+        nonlocal work
+        income, storage = factors(margin)
+        # Limits know nothing of the factor, which is no margin of a file: it may exceed 1.
+        space = aircraft.design_space
+        for name in _SCALED_LIMITS.keys() & limits.keys():
+            for end in ("minimum", "maximum"):
+                if (value := getattr(limits[name], end)) is not None:
+                    space = space.with_limit(name, end, value * storage ** _SCALED_LIMITS[name])
+        limited = aircraft.model_copy(update={"design_space": space})
+        larger = with_parameter(limited, mission, _CAPACITY, storage * capacity)
+        sun = day.scaled(income)
+        result = size_aircraft(*larger, objective, solar, day=sun, start=start, explain=False)
+        work += result.solver
+        if result.design is None:
+            return True
+        variables = result.design.variables
+        flown = performance_of_designs(aircraft, mission, variables, solar, day=day)
+        tried.append(judge(result.with_design(flown)))
+        return tried[-1].enough
 
     bisected(ends[0], math.inf, suffices, lambda _: tolerance, step=step, most=ends[1])
     good = [one for one in tried if one.enough]
-    if good:
-        return max(good, key=lambda one: one.result.merit)
-    return max(tried, key=lambda one: one.reached, default=None)
+    best = max(good, key=lambda one: one.result.merit, default=None)
+    best = best or max(tried, key=lambda one: one.reached, default=None)
+    return best and best._replace(result=replace(best.result, solver=work))
+
+
+def out_of_reach(trial: Trial, requirement: str, missed: float, text: str) -> SizingResult:
+    """Outcome whose nearest design is that of a trial."""
+    violation = Violation(requirement, missed, text)
+    return trial.result.without_design(SizingStatus.infeasible, trial.result.simulated, violation)
 
 
 class Reliability(NamedTuple):
@@ -154,45 +195,6 @@ def with_design(aircraft: Aircraft, mission: Mission, design: Design) -> tuple[A
     return aircraft, mission
 
 
-# Limits on the battery, by the power of the factor on its storage with which they grow.
-_SCALED_LIMITS: dict[LimitedQuantity, float] = {
-    "battery_energy_wh": 1.0,
-    "cruise_discharge_rate_per_h": -1.0,
-    "climb_discharge_rate_per_h": -1.0,
-}
-
-
-def size_with_margins(
-    aircraft: Aircraft,
-    mission: Mission,
-    objective: Objective,
-    solar: SolarModel,
-    day: SolarDay,
-    start: DesignVariables | None,
-    income: float,
-    storage: float,
-) -> SizingResult:
-    """Size with factors on sun and storage; flight and objective are those without them.
-
-    Limits on the battery know nothing of its factor, which is no margin of a file: it may exceed 1.
-    """
-    space = aircraft.design_space
-    for name in _SCALED_LIMITS.keys() & space.all_limits().keys():
-        for end in ("minimum", "maximum"):
-            if (value := getattr(space.all_limits()[name], end)) is not None:
-                space = space.with_limit(name, end, value * storage ** _SCALED_LIMITS[name])
-    key = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
-    capacity = storage * mission.uncertainty_margins.battery_capacity
-    limited = aircraft.model_copy(update={"design_space": space})
-    larger = with_parameter(limited, mission, key, capacity)
-    sun = day.scaled(income)
-    result = size_aircraft(*larger, objective, solar, day=sun, start=start, explain=False)
-    if result.design is None:
-        return result
-    variables = result.design.variables
-    return result.with_design(performance_of_designs(aircraft, mission, variables, solar, day=day))
-
-
 def size_reliably(
     aircraft: Aircraft,
     mission: Mission,
@@ -211,14 +213,13 @@ def size_reliably(
     nominal = size_aircraft(aircraft, mission, objective, solar)
     if nominal.design is None or nominal.simulated is None or nominal.objective_value is None:
         return nominal, None
-    required_h, work = mission.required_excess_time_h, nominal.solver
-    day, start = solar_day(aircraft, mission, solar), nominal.design.variables
+    case, required_h = (aircraft, mission, objective, solar), mission.required_excess_time_h
 
     def study(result: SizingResult) -> tuple[Propagation, UncertainInputs]:
         """Flights of the draws of a design, and its uncertain inputs."""
         assert result.design is not None
-        case = *with_design(aircraft, mission, result.design), solar
-        return Propagation(*case), uncertain_inputs(*case)
+        given = *with_design(aircraft, mission, result.design), solar
+        return Propagation(*given), uncertain_inputs(*given)
 
     def excess_h(result: SizingResult, shares: FloatArray) -> FloatArray:
         flights, inputs = study(result)
@@ -249,16 +250,13 @@ def size_reliably(
         mean = drawn.mean(axis=1)
         towards = drawn[:, failing].mean(axis=1) - mean
 
-        def sized(index: float) -> Trial | None:
-            nonlocal work
-            factors = np.exp(mean - plain[:, 0] + index * towards).tolist()
-            case = aircraft, mission, objective, solar, day, start
-            result = size_with_margins(*case, *factors)
-            work += result.solver
-            return None if result.design is None else judged(result)
+        def factors(index: float) -> tuple[float, float]:
+            income, storage = np.exp(mean - plain[:, 0] + index * towards)
+            return float(income), float(storage)
 
         step = max(NormalDist().inv_cdf(reliability), _LEAST_STEP)
-        trial = least_margin(sized, (0.0, _LARGEST_INDEX), step, _INDEX_TOLERANCE) or trial
+        margins = (0.0, _LARGEST_INDEX), step, _INDEX_TOLERANCE
+        trial = least_margin(case, nominal, factors, judged, *margins) or trial
     # Draws that the search has not seen.
     fresh = np.random.default_rng(_VERIFICATION_SEED).random((len(inputs), VERIFICATION_SAMPLES))
     achieved, before = (
@@ -266,12 +264,10 @@ def size_reliably(
     )
     value = nominal.objective_value
     verified = Reliability(reliability, achieved, VERIFICATION_SAMPLES, before, value)
-    result = replace(trial.result, solver=work)
     if trial.enough:
-        return result, verified
+        return trial.result, verified
     text = (
         f"a reliability of {100 * reliability:g} % is out of reach: the most reliable design "
         f"that was found has {100 * trial.reached:.1f} %"
     )
-    missed = Violation("reliability", reliability - trial.reached, text)
-    return result.without_design(SizingStatus.infeasible, result.simulated, missed), verified
+    return out_of_reach(trial, "reliability", reliability - trial.reached, text), verified

@@ -12,6 +12,7 @@ Programming.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -22,12 +23,12 @@ from sizing.aircraft import Aircraft
 from sizing.design import variable_keys
 from sizing.parameters import catalogue, is_doubled, parameter_value, with_parameter
 from sizing.program.climbing import Profile, flight
-from sizing.program.corrections import Scenario, linearised, neighbours
+from sizing.program.corrections import Linearisation, Scenario, linearised, neighbours
 from sizing.program.objectives import Objective
 from sizing.program.reasons import limits_of
 from sizing.program.result import SizingResult
 from sizing.program.solve import Solution, parameters_of, solve
-from sizing.program.task import SizingTask
+from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import build_program
 from sizing.program.variables import TOTAL_MASS, WORST_EXCESS, Role, scales_of
 from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
@@ -119,13 +120,13 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
         return []
     to_units = abs(_objective_per_cost(optimum, objective_value))
     longest = result.objective is Objective.max_excess_time
-    gains: dict[tuple[str, str], float] = {}
+    gains: defaultdict[tuple[str, str], float] = defaultdict(float)
     for one in limits_of(optimum):
         if one.multiplier > LEAST_MULTIPLIER and not (longest and one.step == "1 h"):
             name = one.name
             if one.step == "1 % of the bound":
                 name = f"{name.partition(' ')[0]} at its bound"
-            gains[name, one.step] = gains.get((name, one.step), 0.0) + to_units * one.gain
+            gains[name, one.step] += to_units * one.gain
     multipliers = [ConstraintMultiplier(name, gain, step) for (name, step), gain in gains.items()]
     return sorted(multipliers, key=lambda one: -one.gain)
 
@@ -145,15 +146,18 @@ def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
         for block, one in enumerate(known.values()):
             assert one.clock_h is not None
             one.profile = Profile(one.clock_h, found.heights(block))
-    perf, levels = flight(task, neighbours(task, values), profiles_of(known))
-    point = linearised(task, values, perf, known, levels)
+    point = _linearised(task, neighbours(task, values), known)
     goal_h, blocks = found.excess_time_h, found.program.blocks
     return solve(task, point, blocks, excess_h=goal_h, elastic=False), result.objective_value
 
 
-def profiles_of(known: Mapping[int, Scenario]) -> dict[int, Profile]:
-    """Heights that are flown in the scenarios of a program."""
-    return {number: one.profile for number, one in known.items() if one.profile is not None}
+def _linearised(
+    task: SizingTask, designs: list[Values], known: Mapping[int, Scenario]
+) -> Linearisation:
+    """Light and load of a design and its neighbours, at heights that are known."""
+    profiles = {number: one.profile for number, one in known.items() if one.profile is not None}
+    perf, levels = flight(task, designs, profiles)
+    return linearised(task, dict(designs[0]), perf, known, levels)
 
 
 def _objective_per_cost(optimum: Solution, objective_value: float) -> float:
@@ -182,10 +186,8 @@ def _lagrangian(
         for v in task.variables
         if v.role is Role.payload and v.name not in task.free_names
     }
-    values = point.values | held
     known = {number: replace(one) for number, one in point.known.items()}
-    perf, levels = flight(task, [values], profiles_of(known))
-    flown = linearised(task, values, perf, known, levels)
+    flown = _linearised(task, [point.values | held], known)
     blocks = tuple(
         now._replace(light_slope=then.light_slope, load_slope=then.load_slope)
         for now, then in zip(flown.blocks, point.blocks, strict=True)

@@ -39,22 +39,15 @@ def most_promising(task: SizingTask) -> DesignVariables:
 
 def grid_of(aircraft: Aircraft) -> DesignVariables:
     """Designs on a grid, evenly spaced in their logarithm; a few values of what else is free."""
-    space, airframe = aircraft.design_space, aircraft.airframe
-    shape, lift = space.aspect_ratio, space.lift_coefficient
-    points = _GRID_POINTS[(shape is not None) + (lift is not None)]
-    axes = [
-        np.geomspace(r.minimum, r.maximum, points)
-        for r in (space.wingspan_m, space.battery_mass_kg, space.module_area_m2)
-    ]
-    axes.append(
-        np.array([airframe.aspect_ratio])
-        if shape is None
-        else np.geomspace(shape.minimum, shape.maximum, _FEW_POINTS)
-    )
-    if lift is not None:
-        axes.append(np.geomspace(lift.minimum, lift.maximum, _FEW_POINTS))
-    span, battery, area, aspect, *rest = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
-    return DesignVariables(span, aspect, battery, area, *rest)
+    space = aircraft.design_space
+    others = [n for n in ("aspect_ratio", "lift_coefficient") if getattr(space, n) is not None]
+    sizes = ("wingspan_m", "battery_mass_kg", "module_area_m2")
+    points = dict.fromkeys(sizes, _GRID_POINTS[len(others)]) | dict.fromkeys(others, _FEW_POINTS)
+    ends = {name: getattr(space, name) for name in points}
+    axes = [np.geomspace(ends[name].minimum, ends[name].maximum, points[name]) for name in points]
+    values = [axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")]
+    designs = {"aspect_ratio": np.full(len(values[0]), aircraft.airframe.aspect_ratio)}
+    return DesignVariables(**designs | dict(zip(points, values, strict=True)))
 
 
 def missed_by(task: SizingTask, design: Design) -> FloatArray:

@@ -21,11 +21,11 @@ from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
 from sizing.mass_budget import design_of
-from sizing.program.objectives import Objective, SizingStatus
-from sizing.program.reliability import Trial, least_margin, size_with_margins, with_design
-from sizing.program.result import SizingResult, Violation
+from sizing.program.objectives import Objective
+from sizing.program.reliability import Trial, least_margin, out_of_reach, with_design
+from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
-from sizing.sunlight import SolarModel, solar_day
+from sizing.sunlight import SolarModel
 from sizing.weather_days import LoadInAir
 from sizing.weather_run import WeatherDays
 from solar.types import BoolArray
@@ -82,31 +82,33 @@ class SurvivalSizing:
         """Outcome, sizing under a clear sky, and whose days are told: none without any design."""
         season = int(np.count_nonzero(self.season))
         needed = max(1, math.ceil(self.required * season - 1e-9))
-        day = solar_day(self.aircraft, self.mission, self.solar)
-        given = (self.aircraft, self.mission, self.objective, self.solar)
-        clear, done = size_aircraft(*given), 0
-        start = None if clear.design is None else clear.design.variables
+        case = (self.aircraft, self.mission, self.objective, self.solar)
+        clear, done = size_aircraft(*case), 0
 
         def tell(steps: int) -> None:
             if self.progress is not None:
                 self.progress(done, max(steps, _STEPS))
 
-        def trial(margin: float, of_storage: float) -> Trial | None:
-            nonlocal done
-            tell(done + 1)
-            done += 1
-            factors = math.exp(-margin), math.exp(-margin * of_storage)
-            result = size_with_margins(*given, day, start, *factors)
-            if result.design is None:
-                return None
+        def judged(result: SizingResult) -> Trial:
             active = (DAYS_THAT_CLOSE if " (" in n else n for n in result.active_constraints)
             told = replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
             days = int(np.count_nonzero(self.closes(result)[self.season]))
             return Trial(told, days, days >= needed)
 
-        found = least_margin(lambda m: trial(m, 0.0), _ENDS, _STEP, _TOLERANCE)
+        def searched(power: float) -> Trial | None:
+            """Best design, with some power of the sun's factor on the battery."""
+
+            def factors(margin: float) -> tuple[float, float]:
+                nonlocal done
+                tell(done + 1)
+                done += 1
+                return math.exp(-margin), math.exp(-margin * power)
+
+            return least_margin(case, clear, factors, judged, _ENDS, _STEP, _TOLERANCE)
+
+        found = searched(0.0)
         if found is None or not found.enough:  # dark days that only a larger battery outlasts
-            other = least_margin(lambda m: trial(m, 1.0), _ENDS, _STEP, _TOLERANCE)
+            other = searched(1.0)
             if found is None or (other is not None and other.reached > found.reached):
                 found = other
         done = max(done, _STEPS)
@@ -120,9 +122,8 @@ class SurvivalSizing:
             f"{needed} of the season's {season} days are out of reach: the best design that was "
             f"found closes {found.reached:.0f}, a share of {found.reached / season:.3g}"
         )
-        missed = Violation(DAYS_THAT_CLOSE, self.required - found.reached / season, text)
-        failed = result.without_design(SizingStatus.infeasible, result.simulated, missed)
-        return failed, clear, result
+        missed = self.required - found.reached / season
+        return out_of_reach(found, DAYS_THAT_CLOSE, missed, text), clear, result
 
     @cached_property
     def days(self) -> WeatherDays:
