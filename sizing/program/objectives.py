@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 from enum import IntEnum, StrEnum
-from typing import TYPE_CHECKING, Any
 
 from sizing import parameters
-
-if TYPE_CHECKING:
-    from sizing.design import Design
 
 
 class Objective(StrEnum):
@@ -87,14 +83,6 @@ class Objective(StrEnum):
     def of_design(self) -> bool:
         """Whether the design alone tells its value, without a flight."""
         return not (self.of_range or self is Objective.max_excess_time)
-
-    def value_of(self, design: Design) -> Any:
-        """Value of a design, where it tells it; None for a payload that is the mission's."""
-        if self is Objective.min_mass:
-            return design.total_mass_kg
-        if self is Objective.max_payload_mass:
-            return design.masses.payload
-        return getattr(design.variables, self.variable)
 
 
 OBJECTIVE_NAMES = tuple(one.value for one in Objective)

@@ -103,14 +103,12 @@ class _Term:
 class OwnObjective:
     """What the user makes as small as possible; it answers as an ``Objective`` does.
 
-    ``scale``: of the order of its values. ``first``: value of the design that the search starts
-    from. ``aircraft``: whose technology the designs have.
+    ``scale``: of the order of its values. ``aircraft``: whose technology the designs have.
     """
 
     value: str
     term: _Term
     scale: float
-    first: float
     aircraft: Aircraft
 
     variable: ClassVar[str] = OWN
@@ -198,7 +196,7 @@ def _objective(function: OwnFunction, start: DesignInFlight) -> OwnObjective:
     if not np.isfinite(first):
         raise ValueError(f"the objective is {first} for the design that the search starts from")
     name = _name(function, expression)
-    return OwnObjective(name, term, abs(first) or 1.0, first, start.aircraft)
+    return OwnObjective(name, term, abs(first) or 1.0, start.aircraft)
 
 
 def _constraint(function: OwnFunction, start: DesignInFlight) -> _OwnConstraint:

@@ -123,8 +123,12 @@ def objective_value(objective: Objective | OwnObjective, perf: Performance) -> F
     value: Any = worst
     if isinstance(objective, OwnObjective):
         value = objective.of_flight(perf)
+    elif objective is Objective.min_mass:
+        value = perf.design.total_mass_kg
+    elif objective is Objective.max_payload_mass:
+        value = perf.design.masses.payload
     elif objective.of_design:
-        value = objective.value_of(perf.design)
+        value = getattr(perf.design.variables, objective.variable)
     if value is None:  # the payload is not a variable: the mission's
         value = perf.mission.payload.power_w
     return np.array(np.broadcast_to(np.asarray(value, float), worst.shape))
