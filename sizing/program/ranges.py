@@ -100,7 +100,8 @@ def widest_range(
         """Worst excess time of the last design at every member, and beyond the ends of a band."""
         cycle = performance_of_designs(aircraft, mission, start, solar, day=day).cycle
         hours = cycle.excess_time_h.reshape(count, -1).min(axis=-1)
-        return hours if season else np.append(hours, -np.inf)
+        # Nothing is as hard as what lies beyond the ends.
+        return np.append(np.nan_to_num(hours, posinf=np.inf), [] if season else -np.inf)
 
     def grown(centre: int) -> Run:
         """Longest run around a member that has a design."""

@@ -58,17 +58,17 @@ def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() ->
 
 # In the tropics both ends of a season are about as hard, and which comes first is hardly told.
 @pytest.mark.parametrize(
-    ("name", "span_m", "latitude_deg", "altitude_m"),
-    [("atlantiksolar-design", 4.0, 20.5, 0.0), ("sky-sailor", 6.0, -8.5, 3000.0)],
+    ("name", "span_m", "latitude_deg", "altitude_m", "required_h"),
+    [("atlantiksolar-design", 4.0, 20.5, 0.0, 2.0), ("sky-sailor", 6.0, -8.5, 3000.0, 1.9)],
 )
 def test_no_run_one_day_longer_is_kept_up(
-    name: str, span_m: float, latitude_deg: float, altitude_m: float
+    name: str, span_m: float, latitude_deg: float, altitude_m: float, required_h: float
 ) -> None:
     small = "airframe.wingspan_m=3", "modules.area_m2=0.4"
     bound = f"design_space.wingspan_m.maximum={span_m}"
     plane = builders.aircraft(name, bound, *small)
     place = mission(latitude_deg=latitude_deg, altitude_m=altitude_m, air={})
-    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.0)
+    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=required_h)
     days = found.members.astype(int)
     every = solar_day(plane, place, scenarios=Scenarios(np.full(365, latitude_deg), DAYS))
     for shift in range(-3, 4):
@@ -77,17 +77,17 @@ def test_no_run_one_day_longer_is_kept_up(
         sized = size_aircraft(
             plane, place, Objective.max_excess_time, day=every.at(longer), explain=False
         )
-        assert sized.objective_value is None or sized.objective_value < 2.0
+        assert sized.objective_value is None or sized.objective_value < required_h
 
 
 def test_season_near_the_equator_spans_both_of_its_peaks() -> None:
-    # The sun stands in the zenith twice a year, in spring and in August. Days sized each on its
-    # own have 3.27 h, 3.22 h, and between them at least 3.07 h: a run of both is kept up together.
+    # The sun stands in the zenith twice a year, in April and in September: days sized each on its
+    # own have 3.17 h and 3.11 h then, and 2.99 h early in June. A run of both is kept up together.
     bound = "design_space.wingspan_m.maximum=5"
     plane = builders.aircraft("sky-sailor", bound, "airframe.wingspan_m=3", "modules.area_m2=0.4")
     place = mission(latitude_deg=6.0, air={})
-    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=3.0)
-    assert found.extent >= 139
+    found = widest_range(plane, place, Objective.longest_season, required_excess_time_h=2.5)
+    assert found.extent >= 270
 
 
 def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
