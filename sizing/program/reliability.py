@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -50,6 +51,8 @@ _INDEX_TOLERANCE = 0.02  # moves the probability by at most 0.8 %, less than the
 _LEAST_STEP, _LARGEST_INDEX = 0.5, 12.0  # of the index
 _CAPACITY = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
 _MOST_FAILING = 0.95  # of the draws that show the direction
+_MOST_TILT = 0.5  # of the margins: none is less than a third of the other
+_NO_LOSS = 1e-9  # of an objective by a margin that costs nothing
 
 
 class Trial(NamedTuple):
@@ -195,6 +198,26 @@ def with_design(aircraft: Aircraft, mission: Mission, design: Design) -> tuple[A
     return aircraft, mission
 
 
+def _along(direction: FloatArray, index: float) -> tuple[float, float]:
+    """Factors on sun and storage at an index along a direction of their logarithms."""
+    income, storage = np.exp(index * direction)
+    return float(income), float(storage)
+
+
+def _weights(losses: FloatArray, reliability: float) -> FloatArray:
+    """Weights of the margins on sun and storage, of which the dearer becomes the smaller.
+
+    ``losses``: of the objective by each alone. Along the mean failure both ways to fail have the
+    index ``b`` of half of the permitted failures, and the objective is best where more of either
+    costs as much for what it gains: ``loss_1 / phi(b (1 + t))`` is ``loss_2 / phi(b (1 - t))``, so
+    that ``ln(loss_2 / loss_1)`` is ``2 t b^2``.
+    """
+    each = NormalDist().inv_cdf((1.0 + reliability) / 2.0)
+    income, storage = np.clip(losses, _NO_LOSS, 1.0 / _NO_LOSS)
+    tilt = float(np.clip(np.log(storage / income) / (2.0 * each**2), -_MOST_TILT, _MOST_TILT))
+    return np.array([1.0 + tilt, 1.0 - tilt])
+
+
 def size_reliably(
     aircraft: Aircraft,
     mission: Mission,
@@ -250,11 +273,25 @@ def size_reliably(
         mean = drawn.mean(axis=1)
         towards = drawn[:, failing].mean(axis=1) - mean
 
+        step = max(NormalDist().inv_cdf(reliability), _LEAST_STEP)
+        merits = []
+        for alone in np.eye(2) * towards:
+            one = least_margin(
+                case,
+                nominal,
+                factors=partial(_along, alone),
+                judge=lambda result: Trial(result, 0.0, True),
+                ends=(0.0, step),
+                step=step,
+                tolerance=math.inf,
+            )
+            merits.append(-math.inf if one is None else one.result.merit)
+        towards = towards * _weights(nominal.merit - np.array(merits), reliability)
+
         def factors(index: float) -> tuple[float, float]:
             income, storage = np.exp(mean - plain[:, 0] + index * towards)
             return float(income), float(storage)
 
-        step = max(NormalDist().inv_cdf(reliability), _LEAST_STEP)
         margins = (0.0, _LARGEST_INDEX), step, _INDEX_TOLERANCE
         trial = least_margin(case, nominal, factors, judged, *margins) or trial
     # Draws that the search has not seen.
