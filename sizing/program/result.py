@@ -97,7 +97,21 @@ class SizingResult:
     def without_design(
         self, status: SizingStatus, nearest: Performance | None, *violations: Violation
     ) -> SizingResult:
-        """The same without a design: how it ends, and what the design misses that comes closest."""
+        """The same without a design.
+
+        Parameters
+        ----------
+        status : SizingStatus
+            How it ends.
+        nearest : Performance or None
+            Design that comes closest, simulated.
+        *violations : Violation
+            What that one misses.
+
+        Returns
+        -------
+        SizingResult
+        """
         return replace(
             self,
             status=status,
