@@ -126,21 +126,9 @@ def linearised(
 ) -> Linearisation:
     """Light and load of a design in some scenarios, from its flight and its neighbours'.
 
-    Parameters
-    ----------
-    task : SizingTask
-    values : mapping
-        Design.
-    perf : Performance
-        Of :func:`neighbours`, in all scenarios of the task.
-    known : mapping
-        What is known of the scenarios that make the blocks, in their order.
-    levels : FlightLevels, optional
-        Light and power of the design at all heights, on missions with climbs.
-
-    Returns
-    -------
-    Linearisation
+    ``perf``: of :func:`neighbours`, in all scenarios of the task. ``known``: what is known of the
+    scenarios that make the blocks, in their order. ``levels``: light and power of the design at all
+    heights, on missions with climbs.
     """
     task = task.eased(values)
     nominal_w = np.asarray(perf.nominal_load_w)

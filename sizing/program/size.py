@@ -356,28 +356,10 @@ def size_aircraft(
 ) -> SizingResult:
     """Find the best design of a parametric aircraft for a mission, or say why there is none.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        Technology and bounds of the design variables.
-    mission : Mission
-    objective : Objective
-        Of one design.
-    solar : SolarModel
-    required_excess_time_h : float, optional
-        Excess time of every scenario, instead of the mission's own [h].
-    day : SolarDay, optional
-        Light in the scenarios, where it is known already.
-    start : DesignVariables, optional
-        First guess, for instance the optimum of a similar mission.
-    explain : bool
-        Whether to find out why a search fails, and to make sure that it had to.
-    stop_at_merit : float
-        Objective, the larger the better, that will do: the first design that has it.
-
-    Returns
-    -------
-    SizingResult
+    ``required_excess_time_h``: of every scenario, instead of the mission's own. ``day``: light in
+    the scenarios, where it is known already. ``start``: first guess, for instance the optimum of a
+    similar mission. ``explain``: whether to find out why a search fails, and to make sure that it
+    had to. ``stop_at_merit``: objective, the larger the better, that will do.
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")

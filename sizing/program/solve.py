@@ -241,26 +241,11 @@ def solve(
 ) -> Solution:
     """Solve the program of a task around a simulated design.
 
-    Parameters
-    ----------
-    task : SizingTask
-    point : Linearisation
-        Light and load of the design, and where the search starts.
-    blocks : int
-        Number of scenarios in the program.
-    excess_h : float
-        Worst excess time to start from [h].
-    elastic : bool
-        Whether requirements may be missed at a price from the outset; else only where the program
-        finds no design that meets all of them.
-    before : Solution, optional
-        Solution of the last round, or of a similar task: the program starts from its multipliers.
-    row : ActiveSet, optional
-        Solver of many similar programs, that is tried first.
-
-    Returns
-    -------
-    Solution
+    ``point``: light and load of the design, and where the search starts. ``excess_h``: worst excess
+    time to start from [h]. ``elastic``: whether requirements may be missed at a price from the
+    outset, else only where no design meets all of them. ``before``: solution of the last round, or
+    of a similar task, whose multipliers the program starts from. ``row``: solver of many similar
+    programs, that is tried first.
     """
     program = build_program(task.aircraft, task.form(blocks))
     scales = scales_of(task.variables, point.values)

@@ -38,29 +38,13 @@ Eased = Callable[[float], tuple[Aircraft, Mission]]
 class SizingTask:
     """A sizing, before its program.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        A parametric one.
-    mission : Mission
-    objective : Objective
-        Or one of the user's own, which answers as an objective does.
-    solar : SolarModel
-    day : SolarDay
-        Light in the scenarios of the mission.
-    required_h : float
-        Excess time that every scenario must have [h].
-    continuous : bool
-        Whether the sun must carry the nominal load at all times, instead of the battery.
-    bounds : mapping
-        Bounds of variables, in their unit, that replace their own.
-    freed : mapping
-        Technology, limits, payload, a bound or the wind that is free besides the design: by its
-        name, aircraft and mission with a value of it.
-    beyond_limits : bool
-        Whether the propulsion's parts may do more than their limits.
-    cost : mapping, optional
-        Weights of variables in what is minimised, instead of the objective's.
+    ``objective``: or one of the user's own, which answers as an objective does. ``day``: light in
+    the scenarios of the mission. ``required_h``: excess time of every scenario. ``continuous``:
+    whether the sun must carry the nominal load at all times, instead of the battery. ``bounds``: of
+    variables, in their unit, that replace their own. ``freed``: technology, limits, payload, a
+    bound or the wind that is free besides the design: by its name, aircraft and mission with a
+    value of it. ``beyond_limits``: whether the propulsion's parts may do more than their limits.
+    ``own_cost``: weights of variables in what is minimised, instead of the objective's.
     """
 
     aircraft: Aircraft

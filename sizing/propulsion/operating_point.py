@@ -71,7 +71,19 @@ class Propulsor:
             )
 
     def at(self, shape: tuple[int, ...], some: slice) -> Propulsor:
-        """Propulsors of some of the points of a shape in a row."""
+        """Propulsors of some of the points of a shape in a row.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Of all points.
+        some : slice
+            Of the points in a row.
+
+        Returns
+        -------
+        Propulsor
+        """
 
         def of_some(record: Any, names: Iterable[str], replaced_in: Any = all_replaced) -> Any:
             sizes: dict[str, Any] = {name: getattr(record, name, None) for name in names}

@@ -38,6 +38,8 @@ _REQUIREMENTS = {
     "tip_mach": ("Mach number of the tips", "airframe.propulsion.maximum_tip_mach"),
     "motor_current": ("current of the motor", "airframe.propulsion.motor"),
     "motor_power": ("power of the motor", "airframe.propulsion.motor"),
+    "airspeed_against_wind": ("airspeed against the wind", "mission.wind"),
+    "charge_limit": ("power of the charger", "battery.charge_limit"),
     "battery_capacity": ("battery capacity for the night", ""),
     "energy_balance": ("solar energy of the day", ""),
     "excess_time": ("required excess time", "mission.required_excess_time_h"),
