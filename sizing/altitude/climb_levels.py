@@ -158,7 +158,7 @@ class FlightLevels:
         light = self.specific_power_w_per_m2
         time = np.arange(light.shape[-1])
         power = light[level, self.scenario[some, np.newaxis], time]
-        for number in np.unique(level).tolist():
+        for number in np.unique(level).tolist() if self.cooling else ():
             if (factor := self.cooling_factor(number, some)) is not None:
                 power = np.where(level == number, power * factor, power)
         return np.asarray(power)

@@ -41,7 +41,7 @@ from sizing.uncertainty.inputs import (
     sobol_points,
     uncertain_inputs,
 )
-from sizing.uncertainty.propagation import Propagation, check_inputs
+from sizing.uncertainty.propagation import Profiles, Propagation, check_inputs
 from solar.types import FloatArray
 
 SEARCH_SAMPLES = 4096
@@ -237,12 +237,13 @@ def size_reliably(
     if nominal.design is None or nominal.simulated is None or nominal.objective_value is None:
         return nominal, None
     case, required_h = (aircraft, mission, objective, solar), mission.required_excess_time_h
+    profiles = Profiles({}, {})
 
     def study(result: SizingResult) -> tuple[Propagation, UncertainInputs]:
-        """Flights of the draws of a design, and its uncertain inputs."""
+        """Flights of the draws of a design, along profiles of one alike, and its inputs."""
         assert result.design is not None
         given = *with_design(aircraft, mission, result.design), solar
-        return Propagation(*given), uncertain_inputs(*given)
+        return Propagation(*given, profiles=profiles), uncertain_inputs(*given)
 
     def excess_h(result: SizingResult, shares: FloatArray) -> FloatArray:
         flights, inputs = study(result)

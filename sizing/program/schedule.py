@@ -122,12 +122,38 @@ def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climb
 
 
 def flown_along(
-    time_h: FloatArray, levels: FlightLevels, store: Store, height_m: FloatArray
+    time_h: FloatArray,
+    levels: FlightLevels,
+    store: Store,
+    height_m: FloatArray,
+    *,
+    of_others: bool = False,
 ) -> Climbs:
-    """Fly elements along heights above the lowest altitude [m], ``(element, time)``."""
+    """Fly elements along heights above the lowest altitude [m], ``(element, time)``.
+
+    ``of_others``: heights that were chosen for other elements, of which each flies the share that
+    its reach and its largest power allow; without a trajectory.
+    """
+    if of_others:
+        height_m = np.minimum(height_m, levels.reach_m[:, np.newaxis])
     solar_w, load_w = levels.powers_along(time_h, height_m)
+    if of_others:
+        most_w = levels.most_power_w + levels.constant_power_w
+        short = np.flatnonzero((load_w > most_w[:, np.newaxis]).any(axis=-1) & levels.flies)
+        if len(short):
+            few, high = levels.select(short), height_m[short]
+            _, level_w = few.powers_along(time_h, np.zeros_like(high))
+            rise_w = load_w[short] - level_w
+            share = (most_w[short, np.newaxis] - level_w) / np.where(rise_w > 0.0, rise_w, 1.0)
+            share = np.clip(np.where(rise_w > 0.0, share, 1.0).min(axis=-1, keepdims=True), 0, 1)
+            height_m[short] = share * high
+            solar_w[short], load_w[short] = few.powers_along(time_h, height_m[short])
     nominal_w = levels.nominal_load_w
-    cycle = simulate_cycle(time_h, solar_w, load_w, store, nominal_load_w=nominal_w)
+    cycle = simulate_cycle(
+        *(time_h, solar_w, load_w, store),
+        nominal_load_w=nominal_w,
+        keep_trajectory=not of_others,
+    )
     # No battery that is empty lifts anything: what lacks counts in hours of the nominal load.
     missing_h = np.maximum(cycle.missing_h, cycle.energy_budget.unserved_wh / nominal_w)
     excess_h = np.where(cycle.missing_h > 0.0, -missing_h, cycle.excess_time_h)

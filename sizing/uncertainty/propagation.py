@@ -3,12 +3,19 @@
 The formulas of the sizing take arrays where they take numbers: a draw is an element of a batch, as
 a design is. Solar power of CDM, CAM and VM is linear in what scatters, so that the sky is computed
 once.
+
+With climbs draws are small changes of one aircraft: none has a program of its own. They fly the
+best height profiles of the files' aircraft, in as much light over load as the draw has, a step more
+and a step less; where neither closes the day, those in little more light than days begin to close
+in, and level flight. Of each draw the best of these flights counts: a lower bound of what its own
+best profile gives.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +31,7 @@ from sizing.mass_budget import design_of, lightest_mass_kg, measured_design
 from sizing.module_power import balances_heat
 from sizing.parameters import with_parameter
 from sizing.program.climbing_flights import ClimbFlights
-from sizing.program.schedule import best_climbs
+from sizing.program.schedule import best_climbs, flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.part_load import PartLoad
@@ -39,6 +46,9 @@ from solar.types import FloatArray, IntArray
 # Draws simulated at once: a day of each array stays small.
 _DRAWS_AT_ONCE = 2048
 _CLIMBING_AT_ONCE = 1024  # with the light at all levels
+# Finest step of the profiles' light over load, and steps between two that draws fly: between 5 %
+# the best profile changes little but where days begin to close.
+_LIGHT, _APART = 0.05 / 8, 8
 _TOLERANCE = 1e-10  # relative, of the total mass
 # Keys of the modules and the sky that the specific power is rescaled for.
 _SUN_KEYS = (
@@ -84,6 +94,17 @@ class Flights:
         return Flights(*(getattr(self, name)[:count] for name in Flights.__dataclass_fields__))
 
 
+class Profiles(NamedTuple):
+    """Best heights of an aircraft in more and in less light.
+
+    ``light``: mean light over load of its own, by scenario; ``known``: heights [m] and excess time
+    [h] by scenario and steps of light from there.
+    """
+
+    light: dict[int, float]
+    known: dict[tuple[int, int], tuple[FloatArray, float]]
+
+
 _PROPULSION, _FACTOR = "airframe.propulsion.", "efficiency_factor"
 # Of the propulsion's keys those that may differ between draws.
 _DRAWN = {_FACTOR, "motor_mass_factor", "propeller_mass_factor"}
@@ -126,7 +147,8 @@ def _with_nearby_parts(aircraft: Aircraft, mission: Mission) -> Aircraft:
 class Propagation:
     """Flights of an aircraft on a mission under draws of its inputs.
 
-    ``day``: sun of that aircraft on that mission, where it is known already.
+    ``day``: sun of that aircraft on that mission, where it is known already. ``profiles``: of
+    an aircraft much like it; those that are missing join them.
     """
 
     def __init__(
@@ -136,11 +158,13 @@ class Propagation:
         solar: SolarModel,
         *,
         day: SolarDay | None = None,
+        profiles: Profiles | None = None,
     ) -> None:
         self.aircraft = _with_nearby_parts(aircraft, mission)
         self.mission, self.solar = mission, solar
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: SolarDay | None = None
+        self._best = Profiles({}, {}) if profiles is None else profiles
         # Of a propeller by tables, whose efficiencies are constants here.
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
         self._parts = aircraft.propulsion_by_parts if by_table else None
@@ -232,15 +256,18 @@ class Propagation:
         case = self._case(values)
         excess, charge, peak_w = [], [], np.zeros(case.count)
         highest_m = np.full(case.count, np.nan)
+        flies = np.isfinite(case.mass_kg)
         for scenario in range(len(self.day.scenarios)):
-            cycle, solar_w, _ = self._cycle_of(case, scenario)
-            peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
-            if case.mission.climb is not None:
-                cycle, altitude_m = self._with_climbs(case, scenario)
+            if case.mission.climb is None:
+                cycle, solar_w, _ = self._cycle_of(case, scenario)
+                excess_h, least = cycle.excess_time_h, cycle.minimum_state_of_charge
+            else:
+                solar_w = self._solar_of_draws(case, scenario)
+                excess_h, least, altitude_m = self._with_climbs(case, scenario, solar_w)
                 highest_m = np.fmax(highest_m, altitude_m)
-            flies = np.isfinite(case.mass_kg)
-            excess.append(np.where(flies, cycle.excess_time_h, -24.0))
-            charge.append(np.where(flies, cycle.minimum_state_of_charge, 0.0))
+            peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
+            excess.append(np.where(flies, excess_h, -24.0))
+            charge.append(np.where(flies, least, 0.0))
         worst = np.argmin(excess, axis=0)
         rows = np.arange(case.count)
         return Flights(
@@ -253,11 +280,78 @@ class Propagation:
             maximum_altitude_m=highest_m,
         )
 
-    def _with_climbs(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray]:
-        """Cycles of every draw in a scenario, and their highest altitudes [m]."""
+    def _with_climbs(self, case: _Case, scenario: int, solar_w: FloatArray) -> FloatArray:
+        """Excess time [h], least state of charge and highest altitude [m] of every draw.
+
+        Of the best of level flight and of flights along the profiles of less and of more light.
+        """
         levels = self._levels(case, scenario)
-        found = best_climbs(self.day.time_h, levels, case.store)
-        return found.cycle, levels.altitude_m[0] + found.height_m.max(axis=-1)
+        lit = np.mean(solar_w, axis=-1) / levels.nominal_load_w
+        below = np.zeros(case.count, int)
+        known = (lit > 0.0) & levels.flies
+        own = self._own_light(scenario)
+        below[known] = _APART * np.floor(np.log(lit[known] / own) / (_APART * _LIGHT))
+        steps, places = np.unique([below, below + _APART], return_inverse=True)
+        heights_m = np.stack([one for one, _ in self._profiles(scenario, steps.tolist())])
+        found = np.full((3, case.count), -np.inf)
+
+        def fly(some: IntArray, height_m: FloatArray) -> None:
+            if not len(some):
+                return
+            given = self.day.time_h, levels.select(some), case.store.select(some)
+            flown = flown_along(*given, height_m, of_others=True)
+            highest_m = levels.altitude_m[0] + flown.height_m.max(axis=-1)
+            cycle = flown.cycle
+            new = np.stack([cycle.excess_time_h, cycle.minimum_state_of_charge, highest_m])
+            found[:, some] = np.where(new[0] > found[0, some], new, found[:, some])
+
+        for at in places.reshape(2, -1):
+            fly(np.arange(case.count), heights_m[at])
+        edge, closing_m = self._closing(scenario, steps)
+        for height_m in closing_m:
+            some = np.flatnonzero((found[0] <= 0.0) & (np.abs(below - edge) <= _APART))
+            fly(some, np.tile(height_m, (len(some), 1)))
+        some = np.flatnonzero(found[0] <= 0.0)
+        fly(some, np.zeros((len(some), len(self.day.time_h))))
+        return found
+
+    def _light(self, scenario: int) -> float:
+        """Mean light over load with the files' values; 1 where there is neither."""
+        case = self._case({})
+        levels, solar_w = self._levels(case, scenario), self._solar_of_draws(case, scenario)
+        light = float(np.mean(solar_w) / levels.nominal_load_w[0])
+        return light if levels.flies[0] and light > 0.0 else 1.0
+
+    def _own_light(self, scenario: int) -> float:
+        """That of the aircraft whose profiles the draws fly."""
+        light = self._best.light
+        if scenario not in light:
+            light[scenario] = self._light(scenario)
+        return light[scenario]
+
+    def _profiles(self, scenario: int, steps: list[int]) -> list[tuple[FloatArray, float]]:
+        """Best heights of the files' aircraft by light over load [m], and its excess time [h]."""
+        centre, known = self._own_light(scenario), self._best.known
+        if new := [step for step in steps if (scenario, step) not in known]:
+            factors = np.exp(_LIGHT * np.array(new)) * centre / self._light(scenario)
+            case = self._case({SOLAR_MODEL: factors})
+            found = best_climbs(self.day.time_h, self._levels(case, scenario), case.store)
+            flights = zip(found.height_m, found.cycle.excess_time_h.tolist(), strict=True)
+            known.update({(scenario, n): one for n, one in zip(new, flights, strict=True)})
+        return [known[scenario, step] for step in steps]
+
+    def _closing(self, scenario: int, steps: IntArray) -> tuple[int, list[FloatArray]]:
+        """From what step of light days begin to close, and best heights that do from there [m].
+
+        Over two steps of the draws: with another battery their days begin to close in other light.
+        """
+        closes = [excess_h > 0.0 for _, excess_h in self._profiles(scenario, steps.tolist())]
+        edges = np.flatnonzero(np.diff(closes) & (np.diff(steps) == _APART))
+        if not len(edges):
+            return 0, []
+        edge = int(steps[edges[0]])
+        between = self._profiles(scenario, list(range(edge + 1, edge + 2 * _APART)))
+        return edge, [height_m for height_m, excess_h in between if excess_h > 0.0]
 
     def _levels(self, case: _Case, scenario: int) -> FlightLevels:
         """Every draw in a scenario, each in its own light at all levels."""

@@ -167,9 +167,7 @@ def test_search_for_the_floor_ends_at_the_ceiling_and_says_so() -> None:
     assert floors_m == [536.0, 1000.0, 2000.0]
     record = result.to_dict()
     assert record["climb"] == {"ceiling_m": 2000.0}
-    # Heights come from interior points: a hair below the ceiling.
-    heights_m = [row["maximum_altitude_m"] for row in record["altitudes"]]
-    assert heights_m == pytest.approx([2000.0] * len(heights_m), abs=0.01)
+    assert {row["maximum_altitude_m"] for row in record["altitudes"]} == {2000.0}
     with pytest.raises(ValueError, match="must be above the mission's altitude"):
         perpetual_ceiling(AS2, mission(536.0))
 
@@ -200,9 +198,9 @@ def test_draw_is_what_it_is_alone(aircraft: Any, changes: dict[str, float]) -> N
     for key, value in changes.items():
         of[key.startswith("mission.")][key.removeprefix("mission.")] = value
     alone = performance(with_values(aircraft, of[False]), with_values(flown, of[True]))
-    # Both in the same steps; the modules of a draw are as much above its air as the file's.
-    assert found.excess_time_h[-1] == pytest.approx(alone.cycle.excess_time_h.min(), abs=0.01)
-    assert found.maximum_altitude_m[-1] == pytest.approx(alone.maximum_altitude_m.max(), abs=0.01)
+    # It flies a profile of the file's values in about such light, to which programs agree as well.
+    assert found.excess_time_h[-1] == pytest.approx(alone.cycle.excess_time_h.min(), abs=0.02)
+    assert found.maximum_altitude_m[-1] == pytest.approx(alone.maximum_altitude_m.max(), abs=0.1)
 
 
 def test_heights_of_climbs_do_not_scatter() -> None:
