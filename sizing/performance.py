@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,11 +22,13 @@ from sizing.energy.endurance import Course, Endurance, flight_time_h, longest_fl
 from sizing.energy.march import march
 from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.mass_budget import closed_design, design_of
-from sizing.program.climbing_flights import ClimbFlights
-from sizing.program.schedule import Climbs, best_climbs
 from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.varying_load import DesignLoads, flown_cycle
 from solar.types import BoolArray, FloatArray
+
+if TYPE_CHECKING:
+    from sizing.program.climbing_flights import ClimbFlights
+    from sizing.program.schedule import Climbs
 
 # Scenarios whose best launch is searched for together.
 _SCENARIOS_AT_ONCE = 2048
@@ -226,6 +229,8 @@ class Performance:
             return None
         levels, store = self.levels.select(np.asarray(some, int)), self.store
         own = store.flat(self.cycle.status.shape).select(np.asarray(some, int))
+        from sizing.program.climbing_flights import ClimbFlights
+
         return ClimbFlights(self.day.time_h, levels, own)
 
 
@@ -321,6 +326,8 @@ def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle
     if first.mission.climb is None:
         store = Store.of(battery, energy_wh)
         return flown_cycle([one for _, one in variants], store, keep_trajectory=False)[0]
+    from sizing.program.schedule import best_climbs  # CasADi, which level flight does without
+
     cycles = []
     for (aircraft, one), own_wh in zip(variants, energy_wh, strict=True):
         levels = flight_levels(aircraft, one.mission, one.design, one.day)
@@ -344,6 +351,8 @@ def _simulate(
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
     if mission.climb is not None:
+        from sizing.program.schedule import best_climbs  # likewise
+
         levels = flight_levels(aircraft, mission, design, day, paired=paired)
         batch = loads.solar_w.shape[:-1]
         climbs = best_climbs(day.time_h, levels, store.flat(batch))
