@@ -54,10 +54,10 @@ def neighbours_excess_h(
     ("objective", "required_h", "least"),
     [
         # Of the program with formulas that went before, to what it left of excess time.
-        pytest.param("min_mass", 0.5, -4.897, id="lightest", marks=pytest.mark.long),
+        pytest.param("min_mass", 0.5, -5.148, id="lightest", marks=pytest.mark.long),
         # With 3 kg of payload a sizing for the least mass finds a design.
         pytest.param("max_payload_mass", 1.0, 3.0, id="payload", marks=pytest.mark.long),
-        pytest.param("max_excess_time", 0.0, 11.0, id="longest", marks=pytest.mark.long),
+        pytest.param("max_excess_time", 0.0, 10.5, id="longest", marks=pytest.mark.long),
     ],
 )
 def test_parts_hold_a_sizing_back_or_not(objective: str, required_h: float, least: float) -> None:
