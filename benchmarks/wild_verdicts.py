@@ -60,7 +60,7 @@ def at_the_edge(problem: WildProblem) -> WildProblem:
     """Edge problems with the required excess time just below the largest one that there is."""
     if not problem.edge:
         return problem
-    mission = least_mission(problem.mission, problem.objective)
+    mission = least_mission(problem.aircraft, problem.mission, problem.objective)
     largest = size_aircraft(
         problem.aircraft,
         mission,
