@@ -160,7 +160,7 @@ def test_cells_of_designs_too_windy_for_the_path_say_so(run: Run, tmp_path: Path
         assert float(data["shortfall"][1, 0]) == pytest.approx(12.0 / 8.6 - 1.0)
         mass = float(data["total_mass"][1, 1])
     alone = run(*sized, "--days", "182:182:1", "--json").json()
-    assert alone["least_total_mass_kg"][1] == pytest.approx(mass, rel=1e-4)
+    assert alone["least_total_mass_kg"][1] == pytest.approx(mass, rel=1e-3)
     assert "too_windy_days" not in alone
     # Nothing but windy cells is a result as well.
     every = run(*sized[:-2], "--latitudes", "40:50:10", "--days", "152:153:1", "--json")
