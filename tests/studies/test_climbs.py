@@ -117,6 +117,7 @@ def test_aircraft_without_limits_is_a_reason_at_a_point() -> None:
 # ---- Solar power models
 
 
+@pytest.mark.slow
 def test_models_are_compared_on_flights_with_climbs() -> None:
     flown = mission()
     compared = compare(AS2, flown, corrections=["none", "report"], design=False)

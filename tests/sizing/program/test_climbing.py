@@ -76,6 +76,7 @@ def test_what_is_sized_flies_as_analysed() -> None:
     assert "climbs by day from 536 m" in str(study)
 
 
+@pytest.mark.long
 def test_what_is_asked_of_a_sizing_knows_climbs() -> None:
     study = sizing.size(DESIGN, climbing(2536.0), with_sensitivities=True, with_builds=True)
     assert study.sensitivities

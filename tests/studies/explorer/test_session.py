@@ -339,6 +339,7 @@ def test_floor_that_a_file_names_moves_with_its_slider() -> None:
     assert caught.value.refusals[0].field == "mission.altitude_m"
 
 
+@pytest.mark.slow
 def test_season_with_climbs_is_the_map_of_the_command_line() -> None:
     one = climbing()
     found = one.season(one.settings())

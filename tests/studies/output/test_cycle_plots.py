@@ -66,7 +66,7 @@ def test_a_flight_with_climbs_that_ends_is_drawn_with_its_altitude() -> None:
     # From the floor of 536 m up and down again, to where the battery is empty; the repeated day,
     # with an empty battery, has no surplus to climb with.
     assert altitude_m[0] == pytest.approx(536.0)
-    assert 536.0 - 1e-6 <= altitude_m[-1] < 0.5 * altitude_m.max()
+    assert 536.0 - 1e-3 <= altitude_m[-1] < altitude_m.max()
     assert altitude_m.max() > 2500.0
     assert analysis.climb.altitude_m[0].max() == pytest.approx(536.0)
     assert "highest altitude, repeated day" in str(analysis)
