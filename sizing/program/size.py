@@ -201,6 +201,11 @@ class Search:
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):
             values = {**values, TOTAL_MASS: mass_kg}
+        short = excess_h.min() < task.required_h and _flies(perf)
+        if task.mission.climb is not None and solution is not None and short:
+            # Heights of the program are no more than a proposal: the best for the design count.
+            own = _best_climbs(task, values)
+            excess_h = np.maximum(excess_h, own.cycle.excess_time_h)
         worst_h = float(excess_h.min())
         accepted = worst_h > 0.0 and worst_h >= task.required_h and task.meets(values, perf)
         judged = Judged(
@@ -427,9 +432,17 @@ def _result(search: Search) -> SizingResult:
 def _flown(task: SizingTask, judged: Judged) -> Performance:
     """Flight of a design without its neighbours."""
     if task.mission.climb is not None:
-        return flight(task, [judged.values], judged.profiles)[0].of_designs(0)
+        perf = flight(task, [judged.values], judged.profiles)[0].of_designs(0)
+        short = judged.accepted and perf.cycle.excess_time_h.min() < task.required_h
+        return _best_climbs(task, judged.values) if short else perf
     design = task.design_variables(judged.values)
     return performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
+
+
+def _best_climbs(task: SizingTask, values: Values) -> Performance:
+    """Flight of a design at the heights that are best for it."""
+    it, design = task.eased(values), task.design_variables(values)
+    return performance_of_designs(it.flown, it.mission, design, it.solar, day=it.day)
 
 
 def _explained(search: Search) -> SizingResult:

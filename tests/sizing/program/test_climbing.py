@@ -99,3 +99,16 @@ def test_cells_are_the_sizings_of_each() -> None:
         light = solar_day(DESIGN, there, scenarios=place_of)
         alone = size_aircraft(DESIGN, there, Objective.min_mass, day=light)
         assert cells.objective_value[place] == pytest.approx(alone.objective_value, rel=5e-3)
+
+
+@pytest.mark.long
+def test_climbs_of_a_large_aircraft_do_no_worse_than_level_flight() -> None:
+    plane = sizing.load_aircraft("stratosphere-design")
+    above = mission("stratosphere-mission", climb={"ceiling_m": 22000.0})
+    level, climbing = (
+        size_aircraft(plane, one, Objective.min_mass)
+        for one in (mission("stratosphere-mission"), above)
+    )
+    assert climbing.design is not None
+    assert climbing.design.total_mass_kg < level.design.total_mass_kg
+    assert climbing.simulated.cycle.excess_time_h.min() >= above.required_excess_time_h
