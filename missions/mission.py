@@ -251,7 +251,7 @@ class Flight(Record):
     then must last: the mission's required excess time by another name.
     """
 
-    launch: Text = "sunrise"
+    launch: str = "sunrise"
     land: Literal["sunset"] | None = None
     hours: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 30)] | None = None
     reserve_h: ExcessTime | None = None
