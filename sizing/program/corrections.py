@@ -17,6 +17,7 @@ import numpy as np
 
 from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import Design
+from sizing.energy.power_balance import positive_part_wh
 from sizing.limits import design_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance
@@ -27,7 +28,6 @@ from sizing.program.days import (
     equal_power_step,
     light_at_heights,
     nodes_of,
-    positive_part,
 )
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
@@ -172,7 +172,7 @@ def unserved(task: SizingTask, perf: Performance, number: int) -> float:
     """Energy that the load of a design lacks in a scenario, relative to what its night takes."""
     day = day_of(task, perf, number)
     net = day.solar_w[0] - day.load_w[0]
-    night_wh = float(positive_part(-net[:-1], -net[1:]) @ np.diff(day.time_h))
+    night_wh = float(positive_part_wh(-net[:-1], -net[1:], np.diff(day.time_h)).sum())
     lacking_wh = np.broadcast_to(perf.cycle.energy_budget.unserved_wh, perf.cycle.status.shape)
     return float(lacking_wh[0, number]) / max(night_wh, 1e-9)
 

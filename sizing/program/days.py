@@ -8,7 +8,7 @@ import numpy as np
 
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
-from sizing.energy.power_balance import PowerBalance
+from sizing.energy.power_balance import PowerBalance, positive_part_wh
 from sizing.program.transcription import Form
 from solar.types import BoolArray, FloatArray, IntArray
 
@@ -96,7 +96,7 @@ def nodes_of(
     light = (solar[:-1] > 0.0) | (solar[1:] > 0.0)
     turns = np.flatnonzero((net[:-1] > 0.0) != (net[1:] > 0.0))
     turns = turns + (np.abs(net[turns + 1]) < np.abs(net[turns]))
-    surplus = into * positive_part(net[:-1], net[1:]) * np.diff(day.time_h)
+    surplus = into * positive_part_wh(net[:-1], net[1:], np.diff(day.time_h))
     held = (surplus > 0.0) & (full_wh * np.diff(path) < 0.999 * surplus)
     throttled = np.flatnonzero(held[1:] != held[:-1]) + 1
     edges = np.flatnonzero(light[1:] != light[:-1]) + 1
@@ -118,13 +118,6 @@ def nodes_of(
     return np.asarray(ends)
 
 
-def positive_part(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Mean positive part of what is linear over a step."""
-    up = np.maximum(left, 0.0) + np.maximum(right, 0.0)
-    both = np.abs(left) + np.abs(right)
-    return np.asarray(up * up / np.where(both > 0.0, 2.0 * both, 1.0))
-
-
 class DayMeans(NamedTuple):
     """Light and load over the intervals; arrays with the intervals last.
 
@@ -141,9 +134,9 @@ def day_means(day: Day, nodes: IntArray, into: float, out_of: float) -> DayMeans
     """Means over the intervals of a day."""
     h = np.diff(day.time_h)
     net, solar = day.solar_w - day.load_w, day.solar_w
-    surplus = positive_part(net[:, :-1], net[:, 1:])
-    deficit = positive_part(-net[:, :-1], -net[:, 1:])
-    stored = (into * surplus - deficit / out_of) * h
+    surplus = positive_part_wh(net[:, :-1], net[:, 1:], h)
+    deficit = positive_part_wh(-net[:, :-1], -net[:, 1:], h)
+    stored = into * surplus - deficit / out_of
     light = (solar[:, :-1] + solar[:, 1:]) / 2.0 * h
     gain, sun = (np.add.reduceat(values, nodes[:-1], axis=-1) for values in (stored, light))
     hours = np.diff(day.time_h[nodes])

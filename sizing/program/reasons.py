@@ -17,12 +17,12 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import FlightConditions, parametric_design
+from sizing.energy.power_balance import positive_part_wh
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import MASS_BUDGET, ROW_TOLERANCE, design_requirements
 from sizing.parameters import with_parameter
 from sizing.performance import Performance
 from sizing.program.corrections import day_of
-from sizing.program.days import positive_part
 from sizing.program.objectives import Objective
 from sizing.program.result import Violation
 from sizing.program.solve import LACKING, Solution
@@ -168,7 +168,7 @@ def _energy_missed(
     day, out_of = day_of(task, nearest, worst), task.aircraft.battery.mean_discharge_efficiency
     full_wh = float(np.ravel(nearest.design.battery_energy_wh)[0])
     net_w = day.load_w - day.solar_w
-    night = positive_part(net_w[:, :-1], net_w[:, 1:]) * np.diff(day.time_h)
+    night = positive_part_wh(net_w[:, :-1], net_w[:, 1:], np.diff(day.time_h))
     night_soc = float(night.sum()) / out_of / full_wh
     store = nearest.store.flat((task.count,)).select(np.array([worst]))
     path = day.path(store, max(1.0 - night_soc, 0.0))
