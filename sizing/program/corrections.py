@@ -32,6 +32,9 @@ from sizing.program.days import (
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
     EFFICIENCY_FACTOR,
+    FIRST_HEIGHT,
+    FIRST_MARGIN,
+    INSIDE,
     LEVELS,
     RESERVE_SCALE_H,
     BlockData,
@@ -47,12 +50,7 @@ STEP = 1e-3  # of a neighbour, in the program's variable
 _NEVER = -10.0  # logarithm of what is far from its limit
 # For second derivatives: its square is far above what root finders leave.
 _WIDE_STEP = 0.02
-# By how much more charge a day must return than its night takes, relative, to begin with: a day
-# that returns any less lets the battery run empty over many days.
-FIRST_MARGIN = 2e-4
-_INSIDE = (0.01, 0.99)  # where the state of charge starts: interior points start inside bounds
 _STEEPEST = 3.0  # slope of a logarithm; more is one of a neighbour that hardly flies
-_FIRST_HEIGHT = 0.3  # of climbs: between floor and ceiling
 
 
 @dataclass(frozen=True)
@@ -139,7 +137,7 @@ def linearised(
     for number, scenario in known.items():
         block, path = _block(task, values, perf, number, scenario, nominal_w[:, number], levels)
         blocks.append(block)
-        charges.append(np.clip(path, *_INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
+        charges.append(np.clip(path, *INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
     mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
     form = task.form(len(known))
     return Linearisation(
@@ -182,8 +180,8 @@ def _heights(form: Form, scenario: Scenario) -> FloatArray:
     if not form.heights:
         return np.zeros(0)
     if scenario.profile is None:
-        return np.full(form.heights, _FIRST_HEIGHT)
-    return np.clip(scenario.share(), *_INSIDE)
+        return np.full(form.heights, FIRST_HEIGHT)
+    return np.clip(scenario.share(), *INSIDE)
 
 
 def _speed(task: SizingTask, perf: Performance, number: int) -> float:

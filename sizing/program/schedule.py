@@ -27,8 +27,13 @@ from sizing.program.days import (
     nodes_of,
 )
 from sizing.program.transcription import (
+    FIRST_HEIGHT,
+    FIRST_MARGIN,
     FULLER,
+    INSIDE,
+    IPOPT,
     LEVELS,
+    LONGEST_H,
     RESERVE_SCALE_H,
     BlockData,
     DesignSymbols,
@@ -49,24 +54,13 @@ _DESIGN = dict.fromkeys(DesignSymbols._fields, 1) | {
 }
 _ROUNDS = 6  # of program and simulator, at most
 _AGREED_H = 0.02  # excess time within which they agree
-# Of a night's charge, that a day must return beyond it, and the factor where that is too little.
-FIRST_MARGIN, _WIDER = 2e-4, 3.0
+_WIDER = 3.0  # factor on the margin of a day's return where that is too little
 # Cost of an hour without power in hours of excess time: far above what any schedule makes of it.
 _PRICE = 100.0
-_LONGEST_H = 1e4
-_INSIDE = (0.01, 0.99)  # where heights and charges start: interior points start inside bounds
-_HEIGHT = 0.3  # where heights start: between floor and ceiling
 LOWEST_M = 1.0  # way to climb that counts as one
-_OPTIONS: dict[str, Any] = {
-    "print_time": False,
-    "show_eval_warnings": False,
-    "error_on_fail": False,
-    "calc_lam_p": False,
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
+_OPTIONS = IPOPT | {
     "ipopt.tol": 1e-6,
     "ipopt.max_iter": 100,
-    "ipopt.mu_strategy": "adaptive",
     "ipopt.mu_max": 1e-2,  # the start is a flight: no barrier that sends it away and back
 }
 
@@ -241,13 +235,13 @@ def best_heights(
     unit_wh = RESERVE_SCALE_H * nominal_w
     start = (
         [max(float(flown.cycle.excess_time_h[i]), 0.0)],
-        np.full(FORM.intervals, _INSIDE[0]),
-        np.clip(path[nodes], *_INSIDE) * full_wh / unit_wh,
-        np.clip(share, *_INSIDE) if share.any() else np.full(FORM.heights, _HEIGHT),
+        np.full(FORM.intervals, INSIDE[0]),
+        np.clip(path[nodes], *INSIDE) * full_wh / unit_wh,
+        np.clip(share, *INSIDE) if share.any() else np.full(FORM.heights, FIRST_HEIGHT),
     )
     x0, parameters = np.concatenate(start), np.concatenate([np.ravel(one) for one in given])
     low, most = np.zeros(len(x0)), np.full(len(x0), np.inf)
-    most[0], most[_HEIGHTS] = _LONGEST_H, 1.0
+    most[0], most[_HEIGHTS] = LONGEST_H, 1.0
     if window is not None:  # which begins and ends without height
         low[_FIRST_CHARGE] = most[_FIRST_CHARGE] = window.begin_wh / unit_wh
         most[_HEIGHTS.start] = 0.0

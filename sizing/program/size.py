@@ -23,7 +23,6 @@ from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.climbing import Profile, flight
 from sizing.program.corrections import (
-    FIRST_MARGIN,
     Scenario,
     linearised,
     neighbours,
@@ -35,6 +34,7 @@ from sizing.program.result import SizingResult, SizingStatus, SolverReport
 from sizing.program.solve import LACKING, ActiveSet, Solution, solve
 from sizing.program.start import most_promising
 from sizing.program.task import SizingTask, Values
+from sizing.program.transcription import FIRST_MARGIN
 from sizing.program.variables import TOTAL_MASS
 from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray

@@ -16,7 +16,14 @@ import numpy as np
 from sizing.parameters import parameter_value
 from sizing.program.corrections import Linearisation
 from sizing.program.task import SizingTask
-from sizing.program.transcription import FASTEST, RESERVE_SCALE_H, Program, build_program
+from sizing.program.transcription import (
+    FASTEST,
+    IPOPT,
+    LONGEST_H,
+    RESERVE_SCALE_H,
+    Program,
+    build_program,
+)
 from sizing.program.variables import WORST_EXCESS, scales_of
 from solar.types import FloatArray
 
@@ -25,20 +32,9 @@ from solar.types import FloatArray
 PRICE = 100.0
 LACKING = 1e-4  # relative: less is what the solver leaves
 _PAYLOAD_SHARE = 0.1  # of mass or load: a smaller payload counts as this in the cost
-_LONGEST_H = 1e4  # of an excess time that is as long as possible
 _FIRST_SLACK = 0.01  # where missed requirements start: inside their bounds
 
-_COMMON: dict[str, Any] = {
-    "print_time": False,
-    "show_eval_warnings": False,
-    "error_on_fail": False,
-    "calc_lam_p": False,
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    "ipopt.tol": 1e-7,
-    "ipopt.acceptable_tol": 1e-5,
-    "ipopt.mu_strategy": "adaptive",
-}
+_COMMON = IPOPT | {"ipopt.tol": 1e-7, "ipopt.acceptable_tol": 1e-5}
 # Costs and rows are of order one, and the start is a simulated design: a barrier that begins high
 # sends it away and back.
 OPTIONS = {
@@ -371,5 +367,5 @@ def _bounds(
         ]
     high[parts["height"]], high[parts["speed"]] = 1.0, FASTEST
     low[parts["excess"]] = task.goal_h
-    high[parts["excess"]] = _LONGEST_H if task.maximises_excess else task.goal_h
+    high[parts["excess"]] = LONGEST_H if task.maximises_excess else task.goal_h
     return low, high

@@ -63,6 +63,12 @@ from solar.types import FloatArray
 
 INTERVALS = 22  # of a day at one height: the charge bends at few places, where nodes lie
 CLIMBING_INTERVALS = 40  # of heights, which change all day
+FIRST_HEIGHT = 0.3  # where heights start: between floor and ceiling
+INSIDE = (0.01, 0.99)  # where heights and charges start: interior points start inside bounds
+# By how much more charge a day must return than its night takes, relative, to begin with: a day
+# that returns any less lets the battery run empty over many days.
+FIRST_MARGIN = 2e-4
+LONGEST_H = 1e4  # of an excess time that is as long as possible
 RESERVE_SCALE_H = 10.0  # excess time that counts as one in a row
 CONTINUOUS_MARGIN = 1e-5  # of the load: at equality rounding decides whether the battery is needed
 _PROGRAMS_KEPT = 32
@@ -127,6 +133,16 @@ class PartsData(NamedTuple):
 
 Rows = list[tuple[Constraint, Any]]
 
+# Options of every program: IPOPT, without a word.
+IPOPT: dict[str, Any] = {
+    "print_time": False,
+    "show_eval_warnings": False,
+    "error_on_fail": False,
+    "calc_lam_p": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.mu_strategy": "adaptive",
+}
 # Options of IPOPT and its functions, which take most of the time of building a solver.
 _DERIVATIVES = {"grad_f": "nlp_grad_f", "jac_g": "nlp_jac_g", "hess_lag": "nlp_hess_l"}
 
@@ -186,10 +202,10 @@ class Program:
     def solver(self, name: str, options: dict[str, Any]) -> ca.Function:
         """Solver with some options, built at the first call; derivatives are the first one's."""
         if name not in self._solvers:
-            for first in list(self._solvers.values())[:1]:
+            shared = {}
+            if first := next(iter(self._solvers.values()), None):
                 shared = {key: first.get_function(of) for key, of in _DERIVATIVES.items()}
-                options = options | shared
-            self._solvers[name] = ca.nlpsol("sizing", "ipopt", self.symbols, options)
+            self._solvers[name] = ca.nlpsol("sizing", "ipopt", self.symbols, options | shared)
         return self._solvers[name]
 
     @cached_property
