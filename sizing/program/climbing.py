@@ -18,10 +18,9 @@ from sizing.energy.battery import Store
 from sizing.held_station import flown_faster
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance, performance_along
-from sizing.program.days import lagrange
 from sizing.program.schedule import flown_along
 from sizing.program.task import SizingTask, Values
-from sizing.program.transcription import LEVELS
+from sizing.program.transcription import LEVELS, lagrange
 from solar.types import FloatArray
 
 
@@ -67,7 +66,7 @@ def power_beyond_floor(
     ``design``: a batch. ``heights``: at the nodes, over the way to the ceiling. Returns of shape
     ``(design, interval)``.
     """
-    weights = lagrange((heights[1:] + heights[:-1]) / 2.0, LEVELS)[:, np.newaxis]
+    weights = np.stack(lagrange((heights[1:] + heights[:-1]) / 2.0, LEVELS))[:, np.newaxis]
     flown = [
         parametric_design(task.flown, air, design.variables, design.total_mass_kg)
         for air in task.airs

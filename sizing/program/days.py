@@ -9,7 +9,7 @@ import numpy as np
 from sizing.energy.battery import Store
 from sizing.energy.march import ChargingDay
 from sizing.energy.power_balance import PowerBalance, positive_part_wh
-from sizing.program.transcription import Form
+from sizing.program.transcription import Form, lagrange
 from solar.types import BoolArray, FloatArray, IntArray
 
 _NEAR = 13  # steps of an hour around those in which the charge limit holds back
@@ -151,15 +151,5 @@ def light_at_heights(lit: Day, nodes: IntArray, share: FloatArray, light: FloatA
     with which it agrees.
     """
     known = day_means(lit, nodes, 1.0, 1.0).light_w
-    own = np.sum(lagrange((share[1:] + share[:-1]) / 2.0, len(known)) * known, axis=0)
+    own = np.sum(np.stack(lagrange((share[1:] + share[:-1]) / 2.0, len(known))) * known, axis=0)
     return np.asarray(known * np.where(own > 0.0, light / np.where(own > 0.0, own, 1.0), 1.0))
-
-
-def lagrange(place: FloatArray, count: int) -> FloatArray:
-    """Weights of evenly spaced nodes from 0 to 1 in the polynomial through them."""
-    nodes = np.linspace(0.0, 1.0, count)
-    rows = []
-    for own in nodes:
-        others = nodes[nodes != own]
-        rows.append(np.prod([(place - other) / (own - other) for other in others], axis=0))
-    return np.stack(rows)

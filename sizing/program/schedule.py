@@ -22,7 +22,6 @@ from sizing.program.days import (
     Day,
     day_means,
     equal_power_step,
-    lagrange,
     light_at_heights,
     nodes_of,
 )
@@ -41,6 +40,7 @@ from sizing.program.transcription import (
     Unknowns,
     block_symbols,
     day_rows,
+    lagrange,
 )
 from solar.types import FloatArray
 
@@ -194,7 +194,7 @@ def best_heights(
     nodes = nodes_of(day, path, into, full_wh, nominal_w, FORM, close)
     means = day_means(day, nodes, into, out_of)
     share = height_m[nodes] / climb_m
-    middle = lagrange((share[1:] + share[:-1]) / 2.0, LEVELS)
+    middle = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, LEVELS))
     steady, table = float(levels.nominal_factor[i]), np.log(power_w)
     climb_w = levels.weight_n[i] / levels.efficiency[i] * np.diff(share) * climb_m
     climb_w = climb_w / (3600.0 * means.hours)

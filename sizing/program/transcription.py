@@ -546,9 +546,9 @@ def _motion(
     rows: Rows = []
     height, speed = unknown.height, unknown.speed
     middle = (height[1:] + height[:-1]) / 2.0 if form.climbs else ca.DM.zeros(1)
-    weights = ca.horzcat(*(_lagrange(z, form.levels) for z in ca.vertsplit(middle)))
+    weights = _weights(middle, form.levels)
     fast = speed if form.holds else ca.DM.zeros(middle.shape[0])
-    faster = ca.horzcat(*(_lagrange(u / FASTEST, form.ratios) for u in ca.vertsplit(fast)))
+    faster = _weights(fast / FASTEST, form.ratios)
     # At the floor the airspeed is that of the first interval, which begins there.
     floor = ca.exp((design.log_power_w[0, :] @ faster[:, 0])[0])
     power_w = ca.exp(ca.sum1(weights * (design.log_power_w @ faster)).T)
@@ -579,17 +579,21 @@ def _places(count: int) -> list[float]:
     return [i / (count - 1) for i in range(count)] if count > 1 else [0.0]
 
 
-def _lagrange(place: Any, count: int) -> Any:
-    """Weights of evenly spaced nodes from 0 to 1 in the polynomial through them."""
+def lagrange(place: Any, count: int) -> list[Any]:
+    """Weights of evenly spaced nodes from 0 to 1 in the polynomial through them.
+
+    ``place``: number, array or symbol.
+    """
     nodes = _places(count)
-    return ca.vertcat(
-        *(
-            math.prod(
-                ((place - other) / (own - other) for other in nodes if other != own), start=1.0
-            )
-            for own in nodes
-        )
-    )
+    return [
+        math.prod(((place - other) / (own - other) for other in nodes if other != own), start=1.0)
+        for own in nodes
+    ]
+
+
+def _weights(places: Any, count: int) -> Any:
+    """Such weights of a column of places, one column each."""
+    return ca.horzcat(*(ca.vertcat(*lagrange(z, count)) for z in ca.vertsplit(places)))
 
 
 def block_symbols(count: int, form: Form) -> BlockData:
