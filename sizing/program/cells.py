@@ -33,7 +33,7 @@ from sizing.program.result import (
     merit_of,
     objective_value,
 )
-from sizing.program.size import Flight, Search
+from sizing.program.size import Search
 from sizing.program.solve import ActiveSet
 from sizing.program.task import SizingTask, Values
 from sizing.program.variables import WIND
@@ -205,7 +205,7 @@ class _Cells:
             if known is None or one.merit > known.merit:
                 self.found[cell] = one
 
-    def _flown(self, asked: dict[int, tuple[Search, Values]]) -> dict[int, Flight]:
+    def _flown(self, asked: dict[int, tuple[Search, Values]]) -> dict[int, Performance]:
         """Flights of designs and their neighbours, in the scenarios of their cells."""
         first = next(iter(asked.values()))[0].task
         mission = first.mission  # whose flights are no batch of pairs
@@ -214,10 +214,10 @@ class _Cells:
         near = {cell: neighbours(search.task, values) for cell, (search, values) in asked.items()}
         cells = np.repeat(list(near), [len(some) for some in near.values()])
         perf = self.performance([one for some in near.values() for one in some], cells, keep=True)
-        flights: dict[int, Flight] = {}
+        flights: dict[int, Performance] = {}
         for cell in near:
             task, own = self.tasks[cell], perf.of_designs(cells == cell)
-            flights[cell] = replace(own, mission=task.mission, day=task.day), None
+            flights[cell] = replace(own, mission=task.mission, day=task.day)
         return flights
 
     def performance(

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.altitude.climb_levels import FlightLevels, flight_levels
+from sizing.altitude.climb_levels import flight_levels
 from sizing.design import Design, parametric_design
 from sizing.energy.battery import Store
 from sizing.held_station import flown_faster
@@ -35,15 +35,13 @@ class Profile(NamedTuple):
         return np.interp(time_h, self.clock_h % 24.0, self.share, period=24.0)
 
 
-def flight(
-    task: SizingTask, designs: list[Values], profiles: Mapping[int, Profile]
-) -> tuple[Performance, FlightLevels | None]:
+def flight(task: SizingTask, designs: list[Values], profiles: Mapping[int, Profile]) -> Performance:
     """Fly designs in all scenarios; with climbs along profiles, at the floor where there is none.
 
     What is freed has the value of the first design.
     """
     if task.mission.climb is None:
-        return task.simulate(designs), None
+        return task.simulate(designs)
     task = task.eased(designs[0])
     design = closed_design(task.flown, task.mission, task.stacked(designs))
     levels = flight_levels(task.flown, task.mission, design, task.day)
@@ -55,7 +53,7 @@ def flight(
     store = Store.of(task.aircraft.battery, energy_wh)
     climbs = flown_along(time_h, levels, store.flat(shape), np.tile(height_m, (len(designs), 1)))
     flown = (design, task.mission, task.solar, task.day, store, levels, climbs, shape)
-    return performance_along(*flown), levels
+    return performance_along(*flown)
 
 
 def power_beyond_floor(

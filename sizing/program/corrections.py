@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import Design
 from sizing.energy.power_balance import positive_part_wh
 from sizing.limits import design_requirements
@@ -120,13 +119,11 @@ def linearised(
     values: Values,
     perf: Performance,
     known: Mapping[int, Scenario],
-    levels: FlightLevels | None = None,
 ) -> Linearisation:
     """Light and load of a design in some scenarios, from its flight and its neighbours'.
 
     ``perf``: of :func:`neighbours`, in all scenarios of the task. ``known``: what is known of the
-    scenarios that make the blocks, in their order. ``levels``: light and power of the design at all
-    heights, on missions with climbs.
+    scenarios that make the blocks, in their order.
     """
     task = task.eased(values)
     nominal_w = np.asarray(perf.nominal_load_w)
@@ -135,7 +132,7 @@ def linearised(
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
     blocks, charges = [], []
     for number, scenario in known.items():
-        block, path = _block(task, values, perf, number, scenario, nominal_w[:, number], levels)
+        block, path = _block(task, values, perf, number, scenario, nominal_w[:, number])
         blocks.append(block)
         charges.append(np.clip(path, *INSIDE) * full_wh / (RESERVE_SCALE_H * load_w))
     mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
@@ -263,7 +260,6 @@ def _block(
     number: int,
     scenario: Scenario,
     nominal_w: FloatArray,
-    levels: FlightLevels | None,
 ) -> tuple[BlockData, FloatArray]:
     """Data of one scenario, and the state of charge at its nodes."""
     battery, time_h = task.aircraft.battery, task.day.time_h
@@ -284,7 +280,7 @@ def _block(
     lowest = day.solar_w.min(axis=-1, keepdims=True) / area
     light = np.hstack([means.light_w / area, lowest])
     load_w, flown = means.load_w, light[0, :-1]
-    if levels is not None:
+    if (levels := perf.levels) is not None:
         load_w = load_w - power_beyond_floor(
             task, perf.design, number, scenario.share(), means.hours
         )

@@ -156,8 +156,7 @@ def _linearised(
 ) -> Linearisation:
     """Light and load of a design and its neighbours, at heights that are known."""
     profiles = {number: one.profile for number, one in known.items() if one.profile is not None}
-    perf, levels = flight(task, designs, profiles)
-    return linearised(task, dict(designs[0]), perf, known, levels)
+    return linearised(task, dict(designs[0]), flight(task, designs, profiles), known)
 
 
 def _objective_per_cost(optimum: Solution, objective_value: float) -> float:

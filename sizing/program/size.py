@@ -17,7 +17,6 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.altitude.climb_levels import FlightLevels
 from sizing.design import NO_FLIGHT_W, DesignVariables, variables_of
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
@@ -49,8 +48,6 @@ _OTHER_H = 0.3  # excess time by which program and simulator differ where nodes 
 _HOPELESS, _HOPELESS_ROUNDS = 0.03, (2, 5)  # violation that no correction mends; rounds given
 _NIGHT_H = 8.0  # hours over which a lack of power lacks energy, about
 
-Flight = tuple[Performance, FlightLevels | None]
-
 
 @dataclass(frozen=True)
 class Judged:
@@ -65,7 +62,6 @@ class Judged:
     merit: float
     accepted: bool
     solution: Solution | None
-    levels: FlightLevels | None = None
     profiles: Mapping[int, Profile] = field(default_factory=dict)
 
     @property
@@ -108,21 +104,21 @@ class Search:
                 values = None
         return self
 
-    def fly(self, values: Values) -> Flight:
+    def fly(self, values: Values) -> Performance:
         """Simulate a design and its neighbours, with climbs at the heights of the program."""
         return flight(self.task, neighbours(self.task, values), self._profiles)
 
-    def rounds(self) -> Generator[Values, Flight, None]:
+    def rounds(self) -> Generator[Values, Performance, None]:
         """Search, asking for the flight of every design and its neighbours."""
         values, solution, judged = self._first(), self.warm, None
-        for number in range(_ROUNDS):
-            judged = yield from self._judged(values, solution if number else None, judged)
-            if self._ends(judged, number):
+        for done in range(_ROUNDS):
+            judged = yield from self._judged(values, solution if done else None, judged)
+            if self._ends(judged, done):
                 break
             self._take_in(judged)
-            point = linearised(self.task, judged.values, judged.perf, self._chosen, judged.levels)
+            point = linearised(self.task, judged.values, judged.perf, self._known)
             if point.parts is not None:
-                point = replace(point, reach=_REACH * 0.5 ** max(0, number - 2))
+                point = replace(point, reach=_REACH * 0.5 ** max(0, done - 2))
             missed = solution is None or solution.violation > LACKING
             elastic = not judged.accepted and missed
             worst_h = float(judged.excess_h.min())
@@ -132,7 +128,7 @@ class Search:
             solution = solve(
                 self.task,
                 point,
-                len(self._chosen),
+                len(self._known),
                 excess_h=excess_h,
                 elastic=elastic,
                 before=solution,
@@ -144,10 +140,10 @@ class Search:
                 solves=1,
                 message=solution.message,
             )
-            for block, scenario in enumerate(self._chosen.values()):
+            for block, (number, scenario) in enumerate(self._known.items()):
                 if self.task.mission.climb is not None and scenario.clock_h is not None:
                     scenario.profile = Profile(scenario.clock_h, solution.heights(block))
-                    self._profiles[list(self._chosen)[block]] = scenario.profile
+                    self._profiles[number] = scenario.profile
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
@@ -172,18 +168,18 @@ class Search:
 
     def _judged(
         self, values: dict[str, float], solution: Solution | None, last: Judged | None
-    ) -> Generator[Values, Flight, Judged]:
+    ) -> Generator[Values, Performance, Judged]:
         """Judge a design; where it cannot fly one nearer to the last, or first the file's own."""
-        judged = self._judge(values, solution, *(yield values))
+        judged = self._judge(values, solution, (yield values))
         if _flies(judged.perf):
             return judged
         if last is None:
             own = self.task.first_values(variables_of(self.task.aircraft))
             own |= {TOTAL_MASS: values[TOTAL_MASS]}
-            return self._judge(own, solution, *(yield own))
+            return self._judge(own, solution, (yield own))
         for part in _NEARER:
             between = {name: one + part * (values[name] - one) for name, one in last.values.items()}
-            judged = self._judge(between, solution, *(yield between))
+            judged = self._judge(between, solution, (yield between))
             if _flies(judged.perf):
                 break
         return judged
@@ -193,7 +189,6 @@ class Search:
         values: dict[str, float],
         solution: Solution | None,
         perf: Performance,
-        levels: FlightLevels | None,
     ) -> Judged:
         """Judge a design by its flight."""
         task = self.task
@@ -215,7 +210,6 @@ class Search:
             float(np.ravel(task.merit(values, perf))[0]),
             accepted,
             solution,
-            levels,
             dict(self._profiles),
         )
         if accepted and (self.best is None or judged.merit > self.best.merit):
@@ -262,11 +256,6 @@ class Search:
         """Solution of the best design, else of the nearest; of a start the first one from it."""
         best = None if self.best is None else self.best.solution
         return best or (None if self.nearest is None else self.nearest.solution)
-
-    @property
-    def _chosen(self) -> dict[int, Scenario]:
-        """Scenarios in the program."""
-        return self._known
 
     def _take_in(self, judged: Judged) -> None:
         """Correct what the program asks for, and exchange its scenarios."""
@@ -406,7 +395,7 @@ def searched(
     unlimited = searches and searches[0].best and np.isinf(searches[0].best.excess_h).all()
     if not (task.maximises_excess and unlimited):
         searches.append(Search(task, start, stop_at_merit).run())
-    best = max(searches, key=lambda one: -math.inf if one.best is None else one.best.merit)
+    best = max(searches, key=lambda one: one.merit)
     found = best if best.best is not None else searches[-1]
     found.report = sum((one.report for one in searches), SolverReport())
     return found
@@ -432,7 +421,7 @@ def _result(search: Search) -> SizingResult:
 def _flown(task: SizingTask, judged: Judged) -> Performance:
     """Flight of a design without its neighbours."""
     if task.mission.climb is not None:
-        perf = flight(task, [judged.values], judged.profiles)[0].of_designs(0)
+        perf = flight(task, [judged.values], judged.profiles).of_designs(0)
         short = judged.accepted and perf.cycle.excess_time_h.min() < task.required_h
         return _best_climbs(task, judged.values) if short else perf
     design = task.design_variables(judged.values)
