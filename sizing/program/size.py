@@ -53,7 +53,8 @@ _NIGHT_H = 8.0  # hours over which a lack of power lacks energy, about
 class Judged:
     """A design that the simulator has judged.
 
-    ``excess_h``: of every scenario. ``merit``: objective, the larger the better.
+    ``excess_h``: of every scenario. ``merit``: objective, the larger the better. ``climbs``: flight
+    at the heights that are best for the design, where those of the program fall short.
     """
 
     values: dict[str, float]
@@ -63,6 +64,7 @@ class Judged:
     accepted: bool
     solution: Solution | None
     profiles: Mapping[int, Profile] = field(default_factory=dict)
+    climbs: Performance | None = None
 
     @property
     def worst(self) -> int:
@@ -197,10 +199,12 @@ class Search:
         if math.isfinite(mass_kg):
             values = {**values, TOTAL_MASS: mass_kg}
         short = excess_h.min() < task.required_h and _flies(perf)
+        climbs = None
         if task.mission.climb is not None and solution is not None and short:
             # Heights of the program are no more than a proposal: the best for the design count.
-            own = _best_climbs(task, values)
-            excess_h = np.maximum(excess_h, own.cycle.excess_time_h)
+            it, design = task.eased(values), task.design_variables(values)
+            climbs = performance_of_designs(it.flown, it.mission, design, it.solar, day=it.day)
+            excess_h = np.maximum(excess_h, climbs.cycle.excess_time_h)
         worst_h = float(excess_h.min())
         accepted = worst_h > 0.0 and worst_h >= task.required_h and task.meets(values, perf)
         judged = Judged(
@@ -211,6 +215,7 @@ class Search:
             accepted,
             solution,
             dict(self._profiles),
+            climbs,
         )
         if accepted and (self.best is None or judged.merit > self.best.merit):
             before = -math.inf if self.best is None else self.best.merit
@@ -420,18 +425,12 @@ def _result(search: Search) -> SizingResult:
 
 def _flown(task: SizingTask, judged: Judged) -> Performance:
     """Flight of a design without its neighbours."""
+    if judged.accepted and judged.climbs is not None:
+        return judged.climbs
     if task.mission.climb is not None:
-        perf = flight(task, [judged.values], judged.profiles).of_designs(0)
-        short = judged.accepted and perf.cycle.excess_time_h.min() < task.required_h
-        return _best_climbs(task, judged.values) if short else perf
+        return flight(task, [judged.values], judged.profiles).of_designs(0)
     design = task.design_variables(judged.values)
     return performance_of_designs(task.aircraft, task.mission, design, task.solar, day=task.day)
-
-
-def _best_climbs(task: SizingTask, values: Values) -> Performance:
-    """Flight of a design at the heights that are best for it."""
-    it, design = task.eased(values), task.design_variables(values)
-    return performance_of_designs(it.flown, it.mission, design, it.solar, day=it.day)
 
 
 def _explained(search: Search) -> SizingResult:
