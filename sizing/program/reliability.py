@@ -253,13 +253,14 @@ def size_reliably(
     propagation, inputs = study(nominal)
     shares = sobol_points(len(inputs), SEARCH_SAMPLES, _SEARCH_SEED)
 
-    def judged(result: SizingResult) -> Trial:
+    def judged(result: SizingResult, hours: FloatArray) -> Trial:
         assert result.design is not None
-        reached = float(np.mean(excess_h(result, shares) >= required_h))
+        reached = float(np.mean(hours >= required_h))
         sound = meets_requirements(aircraft, mission, result.design)
         return Trial(result, reached, bool(sound) and reached >= reliability)
 
-    trial = judged(nominal)
+    hours = excess_h(nominal, shares)
+    trial, spent = judged(nominal, hours), nominal
     if not trial.enough:
         # Income and storage, as logarithms: their mean, and where the draws that fail lie from it.
         worst = int(np.argmin(nominal.simulated.cycle.excess_time_h))
@@ -268,7 +269,6 @@ def size_reliably(
             np.log(propagation.income_and_storage(values, worst))
             for values in (inputs.values(shares), files)
         )
-        hours = excess_h(nominal, shares)
         # Where all of them fail, their mean says nothing.
         failing = hours < min(required_h, float(np.quantile(hours, _MOST_FAILING)))
         mean = drawn.mean(axis=1)
@@ -279,7 +279,7 @@ def size_reliably(
         for alone in np.eye(2) * towards:
             one = least_margin(
                 case,
-                nominal,
+                spent,
                 factors=partial(_along, alone),
                 judge=lambda result: Trial(result, 0.0, True),
                 ends=(0.0, step),
@@ -287,14 +287,25 @@ def size_reliably(
                 tolerance=math.inf,
             )
             merits.append(-math.inf if one is None else one.result.merit)
+            spent = spent if one is None else replace(spent, solver=one.result.solver)
         towards = towards * _weights(nominal.merit - np.array(merits), reliability)
 
         def factors(index: float) -> tuple[float, float]:
             income, storage = np.exp(mean - plain[:, 0] + index * towards)
             return float(income), float(storage)
 
-        margins = (0.0, _LARGEST_INDEX), step, _INDEX_TOLERANCE
-        trial = least_margin(case, nominal, factors, judged, *margins) or trial
+        trial = (
+            least_margin(
+                case,
+                spent,
+                factors=factors,
+                judge=lambda result: judged(result, excess_h(result, shares)),
+                ends=(0.0, _LARGEST_INDEX),
+                step=step,
+                tolerance=_INDEX_TOLERANCE,
+            )
+            or trial
+        )
     # Draws that the search has not seen.
     fresh = np.random.default_rng(_VERIFICATION_SEED).random((len(inputs), VERIFICATION_SAMPLES))
     achieved, before = (
