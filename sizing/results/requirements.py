@@ -45,8 +45,6 @@ _REQUIREMENTS = {
     "excess_time": ("required excess time", "mission.required_excess_time_h"),
     "days_that_close": ("days of the record that close", ""),
     "whole_cells": ("wing that holds the cells", "modules.layout"),
-    "height": ("surplus that the climbs need", ""),
-    "climb_ceiling": ("ceiling of the climbs", "mission.climb.ceiling_m"),
     "always_lit": ("solar power above the load at all times", ""),
 }
 _ENDS = ("maximum", "minimum")

@@ -19,6 +19,12 @@ AS2 = aircraft("atlantiksolar-as2")
 UNLIMITED_AS2 = aircraft("atlantiksolar-as2", "battery.charge_limit={kind: none}")
 DESIGN = aircraft("atlantiksolar-design")
 SKY_SAILOR = aircraft("sky-sailor")
+# Overrides of `DESIGN`: wings of up to 4 m, from a small first guess.
+SMALL_WINGS = (
+    "design_space.wingspan_m.maximum=4.0",
+    "airframe.wingspan_m=3.5",
+    "modules.area_m2=0.5",
+)
 
 
 def mission(**changes: Any) -> Mission:

@@ -7,6 +7,7 @@ from functools import cache, partial
 import builders
 import numpy as np
 import pytest
+from builders import SMALL_WINGS
 
 from missions.mission import Scenarios
 from sizing.performance import performance_of_designs
@@ -18,23 +19,18 @@ from sizing.sunlight import solar_day
 
 pytestmark = pytest.mark.slow
 
-SMALL = (
-    "design_space.wingspan_m.maximum=4.0",
-    "airframe.wingspan_m=3.5",
-    "modules.area_m2=0.5",
-)
 aircraft = partial(builders.aircraft, "atlantiksolar-design")
 mission = builders.mission
 
 
 @cache
 def range_of_span(span_m: float, objective: Objective) -> WidestRange:
-    plane = aircraft(f"design_space.wingspan_m.maximum={span_m}", *SMALL[1:])
+    plane = aircraft(f"design_space.wingspan_m.maximum={span_m}", *SMALL_WINGS[1:])
     return widest_range(plane, mission(), objective, required_excess_time_h=2.0)
 
 
 def test_longest_season_is_kept_up_and_its_neighbours_are_not_by_any_design() -> None:
-    plane = aircraft(*SMALL)
+    plane = aircraft(*SMALL_WINGS)
     found = range_of_span(4.0, Objective.longest_season)
     assert found.first is not None
     assert found.sizing.design is not None
@@ -103,7 +99,7 @@ def test_band_is_found_where_the_solver_fails_at_its_easiest_latitude() -> None:
 
 
 def test_season_wraps_the_years_end_in_the_south() -> None:
-    plane = aircraft(*SMALL)
+    plane = aircraft(*SMALL_WINGS)
     found = widest_range(plane, mission(latitude_deg=-47.6), Objective.longest_season)
     assert found.first is not None
     assert found.last is not None
@@ -119,7 +115,7 @@ def test_wider_span_means_a_longer_season_and_a_wider_band() -> None:
 
 def test_range_that_is_empty_is_infeasible() -> None:
     found = widest_range(
-        aircraft(*SMALL), mission(), Objective.longest_season, required_excess_time_h=40.0
+        aircraft(*SMALL_WINGS), mission(), Objective.longest_season, required_excess_time_h=40.0
     )
     assert found.sizing.status is SizingStatus.infeasible
     assert found.extent == 0.0

@@ -10,7 +10,7 @@ from typing import get_args
 import builders
 import numpy as np
 import pytest
-from builders import AS2
+from builders import AS2, SMALL_WINGS
 from builders import shipped_mission as mission
 
 from missions.files.errors import InputError
@@ -38,13 +38,6 @@ from sizing.roots import bisected
 from sizing.sunlight import SolarModel, solar_day
 
 pytestmark = pytest.mark.slow
-
-SMALL = (
-    "design_space.wingspan_m.maximum=4.0",
-    "airframe.wingspan_m=3.5",
-    "modules.area_m2=0.5",
-)
-
 
 aircraft = partial(builders.aircraft, "atlantiksolar-design")
 
@@ -83,7 +76,7 @@ def test_payload_and_wingspan_are_two_sides_of_one_optimum() -> None:
     loaded = mission(payload={"mass_kg": 1.5})
     span = size_aircraft(plane, loaded, Objective.min_wingspan, required_excess_time_h=3.0)
     assert span.objective_value is not None
-    bounded = aircraft(f"design_space.wingspan_m.maximum={span.objective_value}", *SMALL[1:])
+    bounded = aircraft(f"design_space.wingspan_m.maximum={span.objective_value}", *SMALL_WINGS[1:])
     payload = size_aircraft(
         bounded, mission(), Objective.max_payload_mass, required_excess_time_h=3.0
     )
@@ -399,7 +392,7 @@ uncertainty_margins: {clearness_minimum: 0.9}
 
 @pytest.mark.xfail(reason="airframe.structure.build is told 0.3 % of an hour short", strict=False)
 def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not() -> None:
-    plane = aircraft("design_space.wingspan_m.maximum=5.0", *SMALL[1:])
+    plane = aircraft("design_space.wingspan_m.maximum=5.0", *SMALL_WINGS[1:])
     hard = mission("central-europe-summer", dates={"from": "05-01", "to": "10-05"})
     result = size_aircraft(plane, hard, Objective.min_mass, required_excess_time_h=1.0)
     assert result.status is SizingStatus.infeasible
@@ -422,13 +415,13 @@ def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not()
 
 
 def test_wider_bound_and_other_latitude_are_told_where_they_help() -> None:
-    plane = aircraft("design_space.wingspan_m.maximum=5.65", *SMALL[1:])
+    plane = aircraft("design_space.wingspan_m.maximum=5.65", *SMALL_WINGS[1:])
     hard = mission("central-europe-summer", dates={"from": "05-01", "to": "10-15"})
     result = size_aircraft(plane, hard, Objective.max_excess_time)
     assert result.status is SizingStatus.infeasible
     found = {relaxation.parameter: relaxation for relaxation in relaxations(plane, hard, result)}
     span = found["design_space.wingspan_m.maximum"]
-    wider = aircraft(f"design_space.wingspan_m.maximum={span.value}", *SMALL[1:])
+    wider = aircraft(f"design_space.wingspan_m.maximum={span.value}", *SMALL_WINGS[1:])
     assert size_aircraft(wider, hard, Objective.max_excess_time).feasible
     latitude = found["mission.latitude_deg.to_deg"]
     moved = hard.model_copy(
@@ -640,9 +633,9 @@ def test_the_nearest_latitude_that_helps_is_told() -> None:
         return mission(latitude_deg=place, dates={"on": "10-01"})
 
     def sized(place: float) -> SizingResult:
-        return size_aircraft(aircraft(*SMALL), at(place), Objective.max_excess_time)
+        return size_aircraft(aircraft(*SMALL_WINGS), at(place), Objective.max_excess_time)
 
-    found = relaxed(aircraft(*SMALL), at(64.0), "mission.latitude_deg")
+    found = relaxed(aircraft(*SMALL_WINGS), at(64.0), "mission.latitude_deg")
     assert (found.direction, found.present) == ("at most", 64.0)
     assert sized(found.value).feasible
     # One step back towards the mission's latitude there is no design.
@@ -656,9 +649,9 @@ def test_the_end_of_a_band_that_holds_back_is_moved() -> None:
         return mission(latitude_deg=band, dates={"on": "06-21"})
 
     def sized(from_deg: float) -> SizingResult:
-        return size_aircraft(aircraft(*SMALL), over(from_deg), Objective.max_excess_time)
+        return size_aircraft(aircraft(*SMALL_WINGS), over(from_deg), Objective.max_excess_time)
 
-    found = relaxed(aircraft(*SMALL), over(-20.0), "mission.latitude_deg.from_deg")
+    found = relaxed(aircraft(*SMALL_WINGS), over(-20.0), "mission.latitude_deg.from_deg")
     assert (found.direction, found.present) == ("at least", -20.0)
     assert sized(found.value).feasible
     assert not sized(found.value - 0.25).feasible
