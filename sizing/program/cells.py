@@ -9,7 +9,7 @@ sides, and from the multipliers of one of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
@@ -22,6 +22,7 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import DesignVariables, picked, variables_of
 from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance_of_pairs
+from sizing.program.climbing import Profile, flight
 from sizing.program.corrections import neighbours
 from sizing.program.objectives import Objective
 from sizing.program.reasons import missed_by, violations
@@ -195,27 +196,37 @@ class _Cells:
         rounds = {cell: one.rounds() for cell, one in searches.items()}
         asked = {cell: next(one) for cell, one in rounds.items()}
         while asked:
-            flights = self._flown({c: (searches[c], values) for c, values in asked.items()})
+            near = {cell: neighbours(searches[cell].task, values) for cell, values in asked.items()}
+            flights = self._flown(near, {c: searches[c].profiles for c in near}, keep=True)
             asked = {}
-            for cell, flight in flights.items():
+            for cell, perf in flights.items():
                 with suppress(StopIteration):
-                    asked[cell] = rounds[cell].send(flight)
+                    asked[cell] = rounds[cell].send(perf)
         for cell, one in searches.items():
             known = self.found.get(cell)
             if known is None or one.merit > known.merit:
                 self.found[cell] = one
 
-    def _flown(self, asked: dict[int, tuple[Search, Values]]) -> dict[int, Performance]:
-        """Flights of designs and their neighbours, in the scenarios of their cells."""
-        first = next(iter(asked.values()))[0].task
+    def _flown(
+        self,
+        designs: Mapping[int, list[Values]],
+        profiles: Mapping[int, Mapping[int, Profile]],
+        *,
+        keep: bool = False,
+    ) -> dict[int, Performance]:
+        """Flights of some designs for each cell, with climbs along the cell's profiles."""
+        first = self.tasks[0]
         mission = first.mission  # whose flights are no batch of pairs
         if mission.climb is not None or mission.holds_station or first.window_h is not None:
-            return {cell: search.fly(values) for cell, (search, values) in asked.items()}
-        near = {cell: neighbours(search.task, values) for cell, (search, values) in asked.items()}
-        cells = np.repeat(list(near), [len(some) for some in near.values()])
-        perf = self.performance([one for some in near.values() for one in some], cells, keep=True)
+            return {
+                cell: flight(self.tasks[cell], some, profiles[cell])
+                for cell, some in designs.items()
+            }
+        cells = np.repeat(list(designs), [len(some) for some in designs.values()])
+        every = [one for some in designs.values() for one in some]
+        perf = self.performance(every, cells, keep=keep)
         flights: dict[int, Performance] = {}
-        for cell in near:
+        for cell in designs:
             task, own = self.tasks[cell], perf.of_designs(cells == cell)
             flights[cell] = replace(own, mission=task.mission, day=task.day)
         return flights
@@ -255,23 +266,24 @@ class _Cells:
         first, rng = self.tasks[0], np.random.default_rng(seed)
         spread = np.repeat(_SPREADS, _NEIGHBOURS // len(_SPREADS))
         factors = {name: np.exp(spread * rng.standard_normal(len(spread))) for name in first.moved}
-        designs = []
+        designs, profiles = {}, {}
         for cell in kept.tolist():
             best, task = self.found[cell].best, self.tasks[cell]
             assert best is not None
-            for number in range(len(spread)):
-                near = {name: best.values[name] * by[number] for name, by in factors.items()}
-                designs.append(task.within_bounds(best.values | near))
-        cells = np.repeat(kept, len(spread))
-        flight = self.performance(designs, cells)
-        excess_h = flight.cycle.excess_time_h.min(axis=-1)
-        tasks = [self.tasks[cell] for cell in cells.tolist()]
-        required_h = np.array([task.required_h for task in tasks])
-        winds = np.array([task.held[WIND] for task in tasks])
-        good = (excess_h > 0.0) & (excess_h >= required_h)
-        good &= meets_requirements(first.flown, first.mission, flight.design, wind_m_per_s=winds)
-        merit = np.where(good, merit_of(first.objective, flight), -np.inf)
-        best_of = merit.reshape(len(kept), -1).max(axis=1)
+            profiles[cell] = best.profiles
+            near = [
+                {name: best.values[name] * by[number] for name, by in factors.items()}
+                for number in range(len(spread))
+            ]
+            designs[cell] = [task.within_bounds(best.values | values) for values in near]
+        best_of = np.full(len(kept), -np.inf)
+        for place, (cell, perf) in enumerate(self._flown(designs, profiles).items()):
+            task, excess_h = self.tasks[cell], perf.cycle.excess_time_h.min(axis=-1)
+            good = (excess_h > 0.0) & (excess_h >= task.required_h)
+            wind = task.held[WIND]
+            good &= meets_requirements(task.flown, task.mission, perf.design, wind_m_per_s=wind)
+            merit = np.where(good, merit_of(first.objective, perf), -np.inf)
+            best_of[place] = merit.max()
         in_hours = ABSOLUTE_TOLERANCE_H if first.objective is Objective.max_excess_time else 0.0
         # Sums rather than differences: the excess time may be infinite on both sides.
         return np.asarray(best_of <= own + np.maximum(RELATIVE_TOLERANCE * np.abs(own), in_hours))

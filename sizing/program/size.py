@@ -78,7 +78,7 @@ class Search:
 
     ``first``: values to start from, instead of a design whose mass is to be found. ``warm``:
     solution for a similar task, whose multipliers the first program starts from. ``row``: solver
-    that is tried first.
+    that is tried first. ``profiles``: heights that are flown, by scenario.
     """
 
     task: SizingTask
@@ -91,8 +91,8 @@ class Search:
     nearest: Judged | None = None
     status: SizingStatus = SizingStatus.not_converged
     report: SolverReport = field(default_factory=SolverReport)
+    profiles: dict[int, Profile] = field(default_factory=dict)
     _known: dict[int, Scenario] = field(default_factory=dict)
-    _profiles: dict[int, Profile] = field(default_factory=dict)
     _settled: int = 0
 
     def run(self) -> Search:
@@ -108,7 +108,7 @@ class Search:
 
     def fly(self, values: Values) -> Performance:
         """Simulate a design and its neighbours, with climbs at the heights of the program."""
-        return flight(self.task, neighbours(self.task, values), self._profiles)
+        return flight(self.task, neighbours(self.task, values), self.profiles)
 
     def rounds(self) -> Generator[Values, Performance, None]:
         """Search, asking for the flight of every design and its neighbours."""
@@ -145,7 +145,7 @@ class Search:
             for block, (number, scenario) in enumerate(self._known.items()):
                 if self.task.mission.climb is not None and scenario.clock_h is not None:
                     scenario.profile = Profile(scenario.clock_h, solution.heights(block))
-                    self._profiles[number] = scenario.profile
+                    self.profiles[number] = scenario.profile
             values = solution.values
         if self.best is not None:
             self.status = SizingStatus.optimal
@@ -198,7 +198,7 @@ class Search:
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):
             values = {**values, TOTAL_MASS: mass_kg}
-        short = excess_h.min() < task.required_h and _flies(perf)
+        short = 0.0 < task.required_h - excess_h.min() < _OTHER_H and _flies(perf)
         climbs = None
         if task.mission.climb is not None and solution is not None and short:
             # Heights of the program are no more than a proposal: the best for the design count.
@@ -214,7 +214,7 @@ class Search:
             float(np.ravel(task.merit(values, perf))[0]),
             accepted,
             solution,
-            dict(self._profiles),
+            dict(self.profiles),
             climbs,
         )
         if accepted and (self.best is None or judged.merit > self.best.merit):
@@ -278,7 +278,7 @@ class Search:
         elif judged.worst not in self._known:
             easiest = max(self._known, key=lambda number: float(judged.excess_h[number]))
             del self._known[easiest]
-            self._known[judged.worst] = Scenario(profile=self._profiles.get(judged.worst))
+            self._known[judged.worst] = Scenario(profile=self.profiles.get(judged.worst))
 
     def _correct(
         self, judged: Judged, solution: Solution, block: int, number: int, scenario: Scenario
