@@ -23,7 +23,7 @@ import studies
 # 3000 m of climb, in standard air; empty brackets take out what the file says of the air.
 LEVEL: dict[str, object] = {"air": {}}
 CLIMBS = LEVEL | {"climb": {"ceiling_m": 3536.0}}
-LATITUDES_DEG, DAYS = np.arange(0.0, 51.0, 2.5), np.arange(1, 366, 14)
+LATITUDES_DEG, DAYS = np.arange(0.0, 51.0, 5.0), np.arange(1, 366, 28)
 
 
 def main() -> None:
