@@ -22,10 +22,10 @@ from benchmarks.shared_sizing import (
 )
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarDay
 from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
 from sizing.program.transcription import _program
-from sizing.sunlight import SolarDay
 from solar.types import FloatArray
 
 _PEER = "AeroSandbox Opti"

@@ -23,8 +23,8 @@ import numpy as np
 
 from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
-from sizing.sunlight import SolarModel
 
 _EXAMPLES = Path(__file__).parents[1] / "examples"
 _AS2, _DESIGN, _MISSION = "atlantiksolar-as2", "atlantiksolar-design", "rafz-july"

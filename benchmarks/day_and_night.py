@@ -10,10 +10,12 @@ import numpy as np
 from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.energy.battery import Battery, NoChargeLimit, Store
-from sizing.energy.cycle import simulate_cycle
+from sizing.battery.battery import Battery
+from sizing.battery.charge_limit import NoChargeLimit
+from sizing.day.battery import Store
+from sizing.day.cycle import simulate_cycle
+from sizing.day.light import solar_day
 from sizing.library import load_aircraft
-from sizing.sunlight import solar_day
 from solar.types import FloatArray
 
 _COUNT = 500

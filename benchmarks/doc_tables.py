@@ -27,8 +27,8 @@ from benchmarks.validation.zephyr import zephyr_table
 from missions.files.writing import write_text_atomically
 from missions.library import load_mission
 from missions.weather.files import load_weather
+from sizing.battery.condition import Ageing, cycles_to_end_of_life
 from sizing.catalogues.choice import KINDS, Kind, entries
-from sizing.energy.battery_condition import Ageing, cycles_to_end_of_life
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.results.sizing import size

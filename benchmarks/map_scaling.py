@@ -14,8 +14,8 @@ import numpy as np
 
 from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
-from sizing.sunlight import SolarModel
 from studies.maps.feasibility import map_block
 
 _AIRCRAFT, _MISSION = "atlantiksolar-as2", "rafz-july"

@@ -18,6 +18,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.light import solar_day
 from sizing.design_space import Range
 from sizing.library import load_aircraft
 from sizing.limits import meets_requirements
@@ -27,7 +28,6 @@ from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.program.start import grid_of
-from sizing.sunlight import solar_day
 
 _OBJECTIVES = [o for o in Objective if not o.of_range]
 _GRID_STEP_H = 0.25

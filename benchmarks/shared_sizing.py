@@ -21,6 +21,7 @@ import numpy as np
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarDay, solar_day
 from sizing.design import (
     DesignVariables,
     FlightConditions,
@@ -33,7 +34,6 @@ from sizing.limits import design_requirements
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
-from sizing.sunlight import SolarDay, solar_day
 from solar.types import FloatArray
 
 POINTS_PER_DAY = 150

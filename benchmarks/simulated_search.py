@@ -15,13 +15,13 @@ import numpy as np
 
 from benchmarks.wild_problems import WildProblem
 from missions.mission import Scenarios
+from sizing.day.light import DEFAULT_STEP_H, SolarDay, solar_day
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import design_requirements, meets_requirements
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.ranges import DAYS, LATITUDES_DEG
 from sizing.program.result import objective_value
-from sizing.sunlight import DEFAULT_STEP_H, SolarDay, solar_day
 from solar.types import BoolArray, FloatArray
 
 # Next to where the battery runs empty the excess time jumps; steps of a minute do not always

@@ -14,9 +14,9 @@ import numpy as np
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
-from sizing.sunlight import SolarModel
 
 _SINGLE = [o for o in Objective if not o.of_range]
 _RANGES = [o for o in Objective if o.of_range]

@@ -13,6 +13,7 @@ from benchmarks.simulated_search import Effort, Found, Judge, judge_of, search
 from benchmarks.wild_problems import WildProblem
 from missions.files.overrides import with_values
 from sizing.aircraft import Aircraft
+from sizing.day.light import DEFAULT_STEP_H
 from sizing.design import DesignVariables
 from sizing.limits import ROW_TOLERANCE
 from sizing.performance import Performance
@@ -29,7 +30,6 @@ from sizing.program.result import (
 )
 from sizing.program.size import size_aircraft
 from sizing.relaxed_flight import Relaxation
-from sizing.sunlight import DEFAULT_STEP_H
 
 _EDGE = 0.999  # of the largest excess time
 _LESS = 0.01  # of a relaxation's value, without which it must not solve

@@ -5,8 +5,8 @@ Built on :mod:`missions` and :mod:`solar`.
 
 * ``load_aircraft`` reads an aircraft, ``analyse`` says how long it flies, ``size`` finds the best
 * ``performance_of_designs``, ``size_cells``: the same for many at once
-* ``structures``, ``aerodynamics``, ``propulsion``, ``energy``, ``altitude``, ``optimisation``: the
-  physics and the mathematics behind them, one sub-package each
+* ``structures``, ``aerodynamics``, ``propulsion``, ``battery``, ``day``, ``program``: the physics
+  and the mathematics behind them, one sub-package each
 """
 
 import lazy_loader

@@ -1,16 +1,21 @@
 from .aircraft import Aircraft as Aircraft
 from .aircraft import MeasuredAirframe as MeasuredAirframe
 from .aircraft import ParametricAirframe as ParametricAirframe
-from .altitude.ceiling import highest_perpetual_altitude as highest_perpetual_altitude
+from .battery.battery import Battery as Battery
+from .battery.voltage import BatteryVoltage as BatteryVoltage
+from .ceiling import highest_perpetual_altitude as highest_perpetual_altitude
 from .cruise_propulsion import with_operating_point as with_operating_point
+from .day.cycle import Cycle as Cycle
+from .day.cycle import simulate_cycle as simulate_cycle
+from .day.flight import longest_flight as longest_flight
+from .day.light import SolarDay as SolarDay
+from .day.light import SolarModel as SolarModel
+from .day.light import solar_day as solar_day
+from .day.replay import CalendarRun as CalendarRun
+from .day.replay import calendar_run as calendar_run
 from .design import Design as Design
 from .design import DesignVariables as DesignVariables
 from .design_space import DesignSpace as DesignSpace
-from .energy.battery import Battery as Battery
-from .energy.battery_voltage import BatteryVoltage as BatteryVoltage
-from .energy.cycle import Cycle as Cycle
-from .energy.cycle import simulate_cycle as simulate_cycle
-from .energy.endurance import longest_flight as longest_flight
 from .library import load_aircraft as load_aircraft
 from .mass_budget import ImpossibleDesignError as ImpossibleDesignError
 from .mass_budget import closed_design as closed_design
@@ -36,8 +41,6 @@ from .propulsion.operating_point import Propulsor as Propulsor
 from .propulsion.operating_point import operating_point as operating_point
 from .propulsion.propeller import PropellerTable as PropellerTable
 from .propulsion.propeller_files import read_propeller as read_propeller
-from .replay import CalendarRun as CalendarRun
-from .replay import calendar_run as calendar_run
 from .results.analysis import Analysis as Analysis
 from .results.analysis import analyse as analyse
 from .results.sizing import size as size
@@ -49,9 +52,6 @@ from .results.uncertainty import analyse_uncertainty as analyse_uncertainty
 from .results.weather import WeatherAnalysis as WeatherAnalysis
 from .results.weather import analyse_weather as analyse_weather
 from .results.weather_sizing import size_in_weather as size_in_weather
-from .sunlight import SolarDay as SolarDay
-from .sunlight import SolarModel as SolarModel
-from .sunlight import solar_day as solar_day
 from .validity.ranges import Extrapolation as Extrapolation
 
 __version__: str

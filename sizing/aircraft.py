@@ -22,10 +22,10 @@ from sizing.balance.checks import (
 from sizing.balance.drag import DragComponents
 from sizing.balance.masses import Balance
 from sizing.balance.surfaces import Planform, Tail
+from sizing.battery.battery import Battery
 from sizing.catalogues.choice import Kind, OfCatalogue, Taken, own_entries, taken
 from sizing.catalogues.entries import PARTS_OF_PROPELLER
 from sizing.design_space import PROPULSION_VARIABLES, DesignSpace
-from sizing.energy.battery import Battery
 from sizing.layout.cells import CellLayout, PlacedCell, Wing
 from sizing.layout.filling import check_layout, laid_out
 from sizing.propulsion.chain import AnyPropulsion, OperatingPointPropulsion, Propulsion

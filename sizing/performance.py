@@ -14,16 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb_levels import FlightLevels, flight_levels
+from sizing.day.balance import PowerBalance, blocks
+from sizing.day.battery import Store
+from sizing.day.cycle import Cycle, joined
+from sizing.day.flight import Course, Endurance, flight_time_h, longest_flight
+from sizing.day.heights import FlightLevels, flight_levels
+from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.day.load import DesignLoads, flown_cycle
+from sizing.day.march import march
 from sizing.design import Design, DesignVariables, picked
-from sizing.energy.battery import Store
-from sizing.energy.cycle import Cycle, joined
-from sizing.energy.endurance import Course, Endurance, flight_time_h, longest_flight
-from sizing.energy.march import march
-from sizing.energy.power_balance import PowerBalance, blocks
 from sizing.mass_budget import closed_design, design_of
-from sizing.sunlight import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from sizing.varying_load import DesignLoads, flown_cycle
 from solar.types import BoolArray, FloatArray
 
 if TYPE_CHECKING:

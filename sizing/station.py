@@ -15,11 +15,11 @@ from missions.dates import month_and_day
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import Design
 from sizing.held_station import power_against_wind_w, refuse_one_airspeed
 from sizing.mass_budget import design_of
 from sizing.performance import performance_in_pairs
-from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import BoolArray, FloatArray
 
 # Airspeed over that of the design: more takes over 20 times the power.

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.altitude.ceiling import (
+from sizing.ceiling import (
     DEFAULT_STEP_M,
     HOPELESS_H,
     AltitudeFlight,
     PerpetualCeiling,
     highest_perpetual_altitude,
 )
+from sizing.day.light import SolarModel
 from sizing.results.notes import extrapolation_blocks, extrapolation_caption, extrapolation_records
 from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME, MAXIMUM_ALTITUDE
 from sizing.results.records import finite, finite_values, hours
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
-from sizing.sunlight import SolarModel
 from sizing.validity.extrapolations import together
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName

@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from missions.dates import DAYS_PER_YEAR, days_of_year
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.program.objectives import Objective
-from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from solar.names import ATTITUDE_MODELS
 from solar.types import FloatArray, IntArray

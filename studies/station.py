@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike
 from missions.dates import MONTH_NAMES, day_of_year
 from missions.mission import Mission, Scenarios, latitude_label
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.mass_budget import design_of
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import finite
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
 from sizing.station import FASTEST, station_keeping
-from sizing.sunlight import SolarModel
 from sizing.validity.checks import design_checks
 from sizing.validity.extrapolations import together, told
 from sizing.validity.ranges import Extrapolation

@@ -8,15 +8,15 @@ from missions.dates import day_of_year
 from missions.files.overrides import with_values
 from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.altitude.ceiling import highest_perpetual_altitude
-from sizing.altitude.climb import climb_performance
+from sizing.ceiling import highest_perpetual_altitude
+from sizing.climb import climb_performance
+from sizing.day.light import SolarModel
+from sizing.day.module_power import convection_in_flight
 from sizing.library import load_aircraft
-from sizing.module_power import convection_in_flight
 from sizing.performance import performance
 from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
 from sizing.results.tables import Column, Table
-from sizing.sunlight import SolarModel
 from solar.modules import STC_TEMPERATURE_C
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")

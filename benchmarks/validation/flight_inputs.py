@@ -14,7 +14,7 @@ from typing import Any
 
 from benchmarks.validation.published_flights import FLIGHTS, Flight, Quantity, Trial, data
 from missions.mission import Turbulence
-from sizing.sunlight import SolarModel
+from sizing.day.light import SolarModel
 from solar.systematic_errors import REPORTED_ERRORS
 
 

@@ -16,9 +16,9 @@ import numpy as np
 from missions.dates import date_label
 from missions.mission import Mission, Scenarios, latitude_label
 from sizing.aircraft import Aircraft
-from sizing.module_power import modelled_power
+from sizing.day.light import day_axis_h
+from sizing.day.module_power import modelled_power
 from sizing.results.tables import Column, Table
-from sizing.sunlight import day_axis_h
 from solar.names import ModelName
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import FloatArray

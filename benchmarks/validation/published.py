@@ -11,10 +11,10 @@ import numpy as np
 from benchmarks.validation.built_aircraft import ATLANTIKSOLAR, SKY_SAILOR, calibrated_rib_wing
 from benchmarks.validation.published_flights import FLIGHTS, Flight
 from missions.library import load_mission
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.performance import performance, perpetual_days
 from sizing.results.tables import Column, Table
-from sizing.sunlight import SolarModel
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
 from solar.names import CORRECTION_NAMES, ModelName

@@ -19,12 +19,12 @@ import yaml
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.day.light import UNCORRECTED_CAM, SolarModel
+from sizing.day.replay import CalendarRun, calendar_run
 from sizing.library import load_aircraft
 from sizing.mass_budget import design_of
 from sizing.performance import performance, perpetual_days
-from sizing.replay import CalendarRun, calendar_run
 from sizing.results.tables import Column, Table
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from solar.names import ATTITUDE_MODELS
 
 _STEP_H = 1.0 / 30.0

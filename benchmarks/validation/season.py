@@ -11,10 +11,10 @@ from missions.dates import date_label
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.results.tables import Column, Table
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 AIRCRAFT, MISSION, LATITUDE_DEG = "atlantiksolar-as2", "rafz-july", 47.6
 DAYS_PER_MONTH = 365.0 / 12.0

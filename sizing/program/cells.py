@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import DesignVariables, picked, variables_of
 from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance_of_pairs
@@ -38,7 +39,6 @@ from sizing.program.size import Search
 from sizing.program.solve import ActiveSet
 from sizing.program.task import SizingTask, Values
 from sizing.program.variables import WIND
-from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray, IntArray
 
 _STRIDE = 16  # cells between those that start from nothing

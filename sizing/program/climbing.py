@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
-from sizing.altitude.climb_levels import flight_levels
+from sizing.day.battery import Store
+from sizing.day.heights import flight_levels
 from sizing.design import Design, parametric_design
-from sizing.energy.battery import Store
 from sizing.held_station import flown_faster
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance, performance_along

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sizing.altitude.climb_levels import FlightLevels
-from sizing.energy.battery import Store
-from sizing.energy.cycle import equal_power
-from sizing.energy.endurance import MAXIMUM_DAYS, Course, Endurance, longest_flight
-from sizing.energy.march import empty_after_h, march
-from sizing.energy.power_balance import PowerBalance
+from sizing.day.balance import PowerBalance
+from sizing.day.battery import Store
+from sizing.day.cycle import equal_power
+from sizing.day.flight import MAXIMUM_DAYS, Course, Endurance, longest_flight
+from sizing.day.heights import FlightLevels
+from sizing.day.march import empty_after_h, march
 from sizing.program.schedule import FORM, LOWEST_M, Climbs, Window, best_heights, flown_along
 from solar.types import FloatArray, IntArray
 

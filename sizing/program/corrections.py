@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sizing.day.balance import positive_part_wh
 from sizing.design import Design
-from sizing.energy.power_balance import positive_part_wh
 from sizing.limits import design_requirements
 from sizing.mass_budget import closed_design
 from sizing.performance import Performance

@@ -12,6 +12,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import DesignVariables
 from sizing.limits import ROW_TOLERANCE, meets_requirements
 from sizing.performance import performance_of_designs
@@ -19,7 +20,6 @@ from sizing.program.objectives import Objective
 from sizing.program.result import ABSOLUTE_TOLERANCE_H, RELATIVE_TOLERANCE, SizingResult, merit_of
 from sizing.program.start import grid_of
 from sizing.program.variables import chosen_variables
-from sizing.sunlight import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
 _SPREADS = np.repeat([0.03, 0.004], 200)  # of the neighbours, relative

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sizing.energy.battery import Store
-from sizing.energy.march import ChargingDay
-from sizing.energy.power_balance import PowerBalance, positive_part_wh
+from sizing.day.balance import PowerBalance, positive_part_wh
+from sizing.day.battery import Store
+from sizing.day.march import ChargingDay
 from sizing.program.transcription import Form, lagrange
 from solar.types import BoolArray, FloatArray, IntArray
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from missions.mission import Flight, Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import DesignVariables
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
@@ -19,7 +20,6 @@ from sizing.program.result import SizingResult, SizingStatus, SolverReport
 from sizing.program.size import Search
 from sizing.program.task import SizingTask
 from sizing.roots import bisected
-from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 
 LONGEST_H = 24.0 * 30  # what a flight may have
 _EXACT_H = 0.02  # the launch counts in minutes

@@ -1,7 +1,7 @@
 """A sizing in the flow of its own design, where that cools the modules.
 
 The program takes the sun from the flow of the aircraft's first guess; how the simulator knows it
-from that for other designs (:mod:`sizing.module_power`) is exact at three flows. The optimum is
+from that for other designs (:mod:`sizing.day.module_power`) is exact at three flows. The optimum is
 flown in its own.
 """
 
@@ -13,12 +13,12 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.parameters import with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
-from sizing.sunlight import SolarModel
 
 _LIFT = "airframe.aerodynamics.lift_coefficient"
 _SAME_H = 0.003  # of excess time: the simulator's own steps make half as much

@@ -16,12 +16,12 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.design import variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 from solar.types import FloatArray, IntArray
 
 DAYS = np.arange(1, 366)

@@ -16,8 +16,8 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.balance import positive_part_wh
 from sizing.design import FlightConditions, parametric_design
-from sizing.energy.power_balance import positive_part_wh
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import MASS_BUDGET, ROW_TOLERANCE, design_requirements
 from sizing.parameters import with_parameter

@@ -17,6 +17,7 @@ import numpy as np
 
 from missions.mission import LatitudeRange, Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.design import DesignVariables
 from sizing.design_space import LimitedQuantity, LimitEnd
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
@@ -29,7 +30,6 @@ from sizing.program.task import Eased, SizingTask
 from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables, limit_rows
 from sizing.relaxed_flight import Direction, Relaxation, rounded
 from sizing.roots import bisected
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 # A structure lighter than this fraction of today's is no relaxation; others may fall to the last.
 _LEAST_RELATIVE = {

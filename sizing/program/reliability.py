@@ -23,6 +23,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel, solar_day
 from sizing.design import Design, variable_keys
 from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
 from sizing.limits import meets_requirements
@@ -33,7 +34,6 @@ from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
 from sizing.program.whole_cells import without_whole_cells
 from sizing.roots import bisected
-from sizing.sunlight import SolarModel, solar_day
 from sizing.uncertainty.inputs import (
     SOLAR_MODEL,
     Proportion,

@@ -15,9 +15,10 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
-from sizing.altitude.climb_levels import FlightLevels
-from sizing.energy.battery import ChargeLimit, NoChargeLimit, Store
-from sizing.energy.cycle import Cycle, simulate_cycle
+from sizing.battery.charge_limit import ChargeLimit, NoChargeLimit
+from sizing.day.battery import Store
+from sizing.day.cycle import Cycle, simulate_cycle
+from sizing.day.heights import FlightLevels
 from sizing.program.days import (
     Day,
     day_means,

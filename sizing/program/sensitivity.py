@@ -20,6 +20,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.design import variable_keys
 from sizing.parameters import catalogue, is_doubled, parameter_value, with_parameter
 from sizing.program.climbing import Profile, flight
@@ -31,7 +32,6 @@ from sizing.program.solve import Solution, parameters_of, solve
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import build_program
 from sizing.program.variables import TOTAL_MASS, WORST_EXCESS, Role, scales_of
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel, solar_day
 
 # Of a parameter: in double precision differences are then good to about five digits.
 _RELATIVE_STEP = 1e-5

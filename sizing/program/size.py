@@ -17,6 +17,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import NO_FLIGHT_W, DesignVariables, variables_of
 from sizing.mass_budget import ImpossibleDesignError, operating_trouble
 from sizing.performance import Performance, performance_of_designs
@@ -35,7 +36,6 @@ from sizing.program.start import most_promising
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import FIRST_MARGIN
 from sizing.program.variables import TOTAL_MASS
-from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
 BLOCKS = 3  # scenarios in the program

@@ -20,14 +20,14 @@ from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
+from sizing.day.record import WeatherDays
+from sizing.day.record_days import LoadInAir
 from sizing.mass_budget import design_of
 from sizing.program.objectives import Objective
 from sizing.program.reliability import Trial, least_margin, out_of_reach, with_design
 from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft
-from sizing.sunlight import SolarModel
-from sizing.weather_days import LoadInAir
-from sizing.weather_run import WeatherDays
 from solar.types import BoolArray
 
 # What has a smallest or largest design on the edge of closing enough days.

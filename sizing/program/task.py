@@ -11,6 +11,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarDay, SolarModel
 from sizing.design import DesignVariables, FlightConditions
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.limits import meets_requirements
@@ -27,7 +28,6 @@ from sizing.program.variables import (
     chosen_variables,
 )
 from sizing.propulsion.chain import UnlimitedPropulsion
-from sizing.sunlight import SolarDay, SolarModel
 from solar.types import FloatArray
 
 Values = Mapping[str, float]

@@ -30,19 +30,19 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft
+from sizing.battery.charge_limit import (
+    ChargeLimit,
+    NoChargeLimit,
+    RuleChargeLimit,
+    TableChargeLimit,
+    charge_rate_per_h,
+)
 from sizing.design import (
     Design,
     DesignVariables,
     FlightConditions,
     level_flight,
     parametric_design,
-)
-from sizing.energy.battery import (
-    ChargeLimit,
-    NoChargeLimit,
-    RuleChargeLimit,
-    TableChargeLimit,
-    charge_rate_per_h,
 )
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import MASS_BUDGET, DesignInFlight, design_requirements

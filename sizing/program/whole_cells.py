@@ -20,6 +20,7 @@ from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.chosen_parts import put_parts_in
+from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.design_space import DesignSpace, Limit, Range
 from sizing.layout.cells import Wing
 from sizing.layout.strings import Strings
@@ -27,7 +28,6 @@ from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
 from sizing.roots import bisected
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.schema import MOST_CELLS
 

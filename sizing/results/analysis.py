@@ -11,15 +11,16 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.altitude.climb import ClimbPerformance, climb_performance
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
+from sizing.climb import ClimbPerformance, climb_performance
+from sizing.day.flight import Endurance, LimitedFlight
+from sizing.day.light import SolarModel, solar_day
+from sizing.day.replay import CalendarRun, calendar_run
 from sizing.design import Design
-from sizing.energy.endurance import Endurance, LimitedFlight
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.relaxed_flight import Relaxation, relaxed_flight
-from sizing.replay import CalendarRun, calendar_run
 from sizing.results import quantities as q
 from sizing.results.conditions import battery_record, wind_record
 from sizing.results.notes import extrapolation_records, relaxation_records, source_records
@@ -43,7 +44,6 @@ from sizing.results.records import (
 from sizing.results.tables import Result, data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
-from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.extrapolations import extrapolations, with_worth, worst_of
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName

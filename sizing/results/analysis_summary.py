@@ -11,8 +11,8 @@ import numpy as np
 from missions.dates import date_label, day_of_year
 from missions.mission import latitude_label
 from sizing.aircraft import MeasuredAirframe
+from sizing.day.replay import CalendarRun
 from sizing.limits import ROW_TOLERANCE
-from sizing.replay import CalendarRun
 from sizing.results import quantities as q
 from sizing.results.analysis import Analysis
 from sizing.results.conditions import battery_line, battery_record, wind_rows

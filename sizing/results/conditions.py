@@ -15,7 +15,7 @@ from sizing.results.tables import Line
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
-    from sizing.altitude.climb import ClimbPerformance
+    from sizing.climb import ClimbPerformance
     from sizing.program.result import SizingResult
 
 

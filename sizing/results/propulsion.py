@@ -12,14 +12,14 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.cycle import simulate_cycle
+from sizing.day.load import flight_of, interpolation_error, load_profile, load_shape
 from sizing.design import Design
-from sizing.energy.cycle import simulate_cycle
 from sizing.mass_budget import level_point
 from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 from sizing.results.records import finite
-from sizing.varying_load import flight_of, interpolation_error, load_profile, load_shape
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint

@@ -8,6 +8,7 @@ from typing import Any
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.design import Design
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import all_replaced
@@ -19,7 +20,6 @@ from sizing.results.records import finite, with_unit
 from sizing.results.tables import Column, Table
 from sizing.structures.build import build_qualities
 from sizing.structures.models import OwnStructure
-from sizing.sunlight import SolarModel
 
 _SHOWN = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
 

@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from sizing.day.cycle import Status
 from sizing.design import Design
 from sizing.design_space import LimitedQuantity
-from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, unit_text
 from sizing.performance import Performance

@@ -19,10 +19,10 @@ from solar.schema import Record
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
-    from sizing.altitude.climb import ClimbPerformance
+    from sizing.climb import ClimbPerformance
+    from sizing.day.replay import CalendarRun
     from sizing.performance import Performance
     from sizing.program.objectives import Objective
-    from sizing.replay import CalendarRun
 
 # What is smaller, in its unit, is nothing: a solver leaves such payloads, and no change is relative
 # to it.

@@ -10,8 +10,8 @@ import numpy as np
 from missions.dates import date_code
 from missions.mission import Mission
 from missions.weather.record import Weather, run_lengths
+from sizing.day.record_days import DayAxis
 from sizing.program.result import SizingStatus
-from sizing.weather_days import DayAxis
 from solar.types import BoolArray, IntArray
 
 

@@ -14,8 +14,9 @@ from missions.dates import date_code
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.altitude.climb import ClimbPerformance, beside_constant
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
+from sizing.climb import ClimbPerformance, beside_constant
+from sizing.day.light import SolarModel
 from sizing.design import Design, DesignVariables, FlightConditions, Masses, parametric_design
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.performance import Performance
@@ -39,7 +40,6 @@ from sizing.results.season import Survival
 from sizing.results.tables import Result, data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
-from sizing.sunlight import SolarModel
 from sizing.validity.checks import record_check, stall_margin_within_polar
 from sizing.validity.extrapolations import extrapolations, told, with_worth
 from sizing.validity.ranges import Extrapolation

@@ -10,6 +10,7 @@ import numpy as np
 
 from missions.dates import date_label
 from missions.mission import latitude_label
+from sizing.day.light import SolarModel
 from sizing.parameters import unit_text
 from sizing.performance import Performance
 from sizing.program.cross_check import CrossCheck
@@ -50,7 +51,6 @@ from sizing.results.requirements import constraint_words, parameter_words, requi
 from sizing.results.season import Survival
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Column, Line, Summary, Table, facts
-from sizing.sunlight import SolarModel
 from sizing.validity.ranges import where_error_is_known
 
 _SENSITIVITIES = 15  # rows that are shown; JSON and CSV have them all

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import DRAWN, ENDURANCE, EXCESS_TIME, MINIMUM_CHARGE, Quantity
 from sizing.results.records import check_subjects, finite, finite_values, hours, percentiles
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
-from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import Proportion, UncertainInputs, sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
 from sizing.validity.ranges import Extrapolation

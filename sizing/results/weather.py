@@ -13,7 +13,9 @@ from missions.mission import Mission, Scenarios
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft
-from sizing.energy.battery_condition import BatteryTemperature
+from sizing.battery.condition import BatteryTemperature
+from sizing.day.light import SolarModel
+from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
 from sizing.results.conditions import battery_line, battery_record_of_days, wind_rows
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import (
@@ -32,7 +34,6 @@ from sizing.results.weather_years import (
     year_to_year,
     years_of,
 )
-from sizing.sunlight import SolarModel
 from sizing.validity.checks import (
     battery_checks,
     charge_rate_check,
@@ -42,7 +43,6 @@ from sizing.validity.checks import (
 )
 from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.weather_run import WeatherPerformance, WeatherRun, weather_performance
 from solar.names import CorrectionName, ModelName
 from solar.sun import declination, sun_times
 from solar.types import BoolArray, FloatArray

@@ -8,6 +8,7 @@ from missions.mission import Mission
 from missions.weather.record import Weather
 from missions.weather.site import mission_at_site
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.day.light import SolarModel
 from sizing.program.objectives import Objective
 from sizing.program.relaxations import relaxations
 from sizing.program.result import SizingStatus
@@ -16,7 +17,6 @@ from sizing.results.records import check_subjects
 from sizing.results.season import SeasonDays, Survival
 from sizing.results.sizing import checked_objective, study_of
 from sizing.results.sizing_study import SizingStudy
-from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from missions.weather.record import run_lengths
+from sizing.day.record import WeatherRun
 from sizing.results.records import PERCENTILES, hours, percentiles
 from sizing.results.tables import Column, Table
-from sizing.weather_run import WeatherRun
 
 # A year that lacks more days than these is told, and not counted among the whole ones.
 _MISSING_DAYS = 7

@@ -18,6 +18,7 @@ from missions.files.overrides import with_values
 from missions.mission import Mission
 from missions.uncertainty import Distribution, LogNormal, Normal
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.parameters import (
     BUILD_KEY,
     FITTED_KEYS,
@@ -27,7 +28,6 @@ from sizing.parameters import (
     value_at,
 )
 from sizing.structures.build import build_qualities
-from sizing.sunlight import SolarModel
 from solar.types import BoolArray, FloatArray
 
 _CONFIDENCE_Z = 1.959964  # of 95 %

@@ -21,26 +21,26 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.altitude.climb_levels import FlightLevels, flight_levels
+from sizing.day.balance import blocks
+from sizing.day.battery import Store
+from sizing.day.cycle import Cycle
+from sizing.day.flight import longest_flight
+from sizing.day.heights import FlightLevels, flight_levels
+from sizing.day.light import SolarDay, SolarModel, solar_day
+from sizing.day.load import DesignLoads, flown_cycle, part_load_of
+from sizing.day.module_power import balances_heat
 from sizing.design import Design, FlightConditions, parametric_design, variables_of
-from sizing.energy.battery import Store
-from sizing.energy.cycle import Cycle
-from sizing.energy.endurance import longest_flight
-from sizing.energy.power_balance import blocks
 from sizing.mass_budget import design_of, lightest_mass_kg, measured_design
-from sizing.module_power import balances_heat
 from sizing.parameters import with_parameter
 from sizing.program.climbing_flights import ClimbFlights
 from sizing.program.schedule import best_climbs, flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.part_load import PartLoad
-from sizing.sunlight import SolarDay, SolarModel, solar_day
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import told, worst_of
 from sizing.validity.ranges import Extrapolation
-from sizing.varying_load import DesignLoads, flown_cycle, part_load_of
 from solar.types import FloatArray, IntArray
 
 # Draws simulated at once: a day of each array stays small.

@@ -12,14 +12,15 @@ from missions.air import standard_air, thin_air_share
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.battery.battery import Battery
+from sizing.battery.charge_limit import RuleChargeLimit, TableChargeLimit
+from sizing.day.light import SolarModel
 from sizing.design import Design, FlightConditions
-from sizing.energy.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, value_at
 from sizing.performance import Performance
 from sizing.sized_structure import structure_by_both, structure_parts
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Check, experience, ranges
 from solar.clearsky import THIN_AIR_FROM_M
 from solar.sun import declination

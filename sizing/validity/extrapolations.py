@@ -14,11 +14,11 @@ import numpy as np
 
 from missions.mission import Scenarios
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.energy.battery_condition import BatteryTemperature
+from sizing.battery.condition import BatteryTemperature
+from sizing.day.light import solar_day
 from sizing.mass_budget import ImpossibleDesignError, closed_design, design_of
 from sizing.parameters import parameter
 from sizing.performance import Performance, performance
-from sizing.sunlight import solar_day
 from sizing.validity.checks import flight_checks
 from sizing.validity.ranges import (
     EXPERIENCE,

@@ -34,12 +34,12 @@ from missions.library import MISSION_PREFIX
 from missions.mission import Mission
 from missions.weather.files import weather_file
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.altitude.climb_levels import ClimbLimitError, checked_climb_limits
+from sizing.day.heights import ClimbLimitError, checked_climb_limits
+from sizing.day.light import SolarModel
+from sizing.day.module_power import path_troubles
 from sizing.library import checked_aircraft
 from sizing.mass_budget import ImpossibleDesignError, design_of, with_total_mass
-from sizing.module_power import path_troubles
 from sizing.parameters import design_keys
-from sizing.sunlight import SolarModel
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from studies.cli.options import CaseOptions, PlaceOptions
 from studies.cli.telling import tell_error

@@ -9,11 +9,11 @@ from typing import Any, Literal
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.day.light import SolarModel
 from sizing.design import variable_keys
 from sizing.design_space import Range
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import parameter, parameter_value, unit_text
-from sizing.sunlight import SolarModel
 from solar.names import CORRECTION_NAMES, MODELS
 
 LATITUDE, DAY = "mission.latitude_deg", "mission.day_of_year"

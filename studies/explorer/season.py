@@ -18,10 +18,10 @@ import numpy as np
 
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from sizing.design import Design
 from sizing.performance import performance
 from sizing.results.quantities import EXCESS_TIME
-from sizing.sunlight import DEFAULT_STEP_H, SolarDay, SolarModel, solar_day
 from solar.types import FloatArray
 
 # Excess times are then within 0.05 h in 99 of 100 cells: see docs/explorer.md.

@@ -23,13 +23,13 @@ from missions.files.writing import file_text, names_a_device
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.day.light import SolarModel
 from sizing.design import Design
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.records import finite
-from sizing.sunlight import SolarModel
 from solar._version import __version__
 from studies.explorer.fields import ALTITUDE, DAY, LATITUDE, Choice, Field, fields_of
 from studies.explorer.season import SeasonMaps

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from sizing.sunlight import SolarModel
+from sizing.day.light import SolarModel
 from studies.explorer.fields import DAY, LATITUDE, Choice, Field
 
 _MAXIMUM_SHOWN = 60

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from missions.files.errors import InputError
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.design import variable_keys
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.parameters import MISSION_PREFIX, label, with_parameter
 from sizing.performance import performance
 from sizing.program.objectives import Objective
 from sizing.results.requirements import constraint_words
-from sizing.sunlight import SolarModel
 from studies.output.figures.options import ignore_settings_of_folder
 from studies.output.run_folder import RunInputs
 

@@ -14,12 +14,12 @@ from missions.dates import month_and_day
 from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.energy.cycle import CYCLE_ENDS, ENDS, FLOWN, Status
+from sizing.day.cycle import CYCLE_ENDS, ENDS, FLOWN, Status
+from sizing.day.light import SolarModel, solar_day
+from sizing.day.module_power import path_troubles
 from sizing.mass_budget import check_own_models, design_of
-from sizing.module_power import path_troubles
 from sizing.performance import Performance, performance
 from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
-from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
     at_highest,
     charge_rate_check,
@@ -104,7 +104,7 @@ def feasibility_map(
     -------
     xarray.Dataset
         On the dimensions ``latitude`` and ``day``, with CF attributes. Undefined values are NaN,
-        and ``status`` (:class:`~sizing.energy.cycle.Status`) tells why. Cells that could not be
+        and ``status`` (:class:`~sizing.day.cycle.Status`) tells why. Cells that could not be
         computed have the status ``failed``; the attribute ``failed_cells`` lists them, and a
         warning counts them.
 

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import SOLSTICES, Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.module_power import path_troubles
+from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight
+from sizing.day.module_power import path_troubles
 from sizing.performance import performance
-from sizing.sunlight import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight
 from solar.names import MODELS, ModelName
 from solar.types import FloatArray
 

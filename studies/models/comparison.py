@@ -16,6 +16,7 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.light import SolarModel, Sunlight
 from sizing.mass_budget import design_of
 from sizing.performance import performance, performance_of_designs
 from sizing.program.objectives import RESIZE_NAMES, Objective
@@ -24,7 +25,6 @@ from sizing.program.size import size_aircraft
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
 from sizing.results.tables import Column, Line, Result, Summary, Table
-from sizing.sunlight import SolarModel, Sunlight
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import extrapolations, together, told, worst_of
 from sizing.validity.ranges import Extrapolation

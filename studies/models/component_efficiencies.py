@@ -10,8 +10,8 @@ import numpy as np
 from missions.loiter_power import Daylight, FlownModules, module_power_on_path
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.module_power import on_path, own_surroundings
-from sizing.sunlight import day_axis_h
+from sizing.day.light import day_axis_h
+from sizing.day.module_power import on_path, own_surroundings
 from solar.attitude_models import ModulePower
 from solar.types import FloatArray
 from solar.versions import software_record

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 
 from missions.dates import date_code
+from sizing.day.cycle import FLOWN, Cycle, Status
+from sizing.day.flight import Endurance
+from sizing.day.light import SolarDay, SolarModel
 from sizing.design import DesignVariables
-from sizing.energy.cycle import FLOWN, Cycle, Status
-from sizing.energy.endurance import Endurance
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
 from sizing.results.quantities import TOTAL_MASS
 from sizing.results.records import finite, finite_values
-from sizing.sunlight import SolarDay, SolarModel
 from studies.maps.season import Season
 
 # Excess time that is missing by less than is printed is not missing [h].

@@ -18,8 +18,8 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.module_power import modelled_power
 from sizing.library import load_aircraft
-from sizing.module_power import modelled_power
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.names import MODEL_NAMES, ModelName
 from solar.types import FloatArray

@@ -8,8 +8,8 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarDay, SolarModel, Sunlight
 from sizing.performance import performance
-from sizing.sunlight import SolarDay, SolarModel, Sunlight
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 
 # The best knowledge of the solar power there is: the Full Model on the flight path without the

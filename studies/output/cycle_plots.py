@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from sizing.altitude.climb import ClimbPerformance
-    from sizing.energy.endurance import Endurance
+    from sizing.climb import ClimbPerformance
+    from sizing.day.flight import Endurance
+    from sizing.day.replay import CalendarRun
     from sizing.performance import Performance
-    from sizing.replay import CalendarRun
     from sizing.results.analysis import Analysis
     from solar.types import FloatArray
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.parameters import label, unit_text
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
 from sizing.results.notes import extrapolation_caption
 from sizing.results.parts import cells_lines, cells_record
-from sizing.sunlight import SolarModel
 from sizing.validity.ranges import Extrapolation
 from studies.output.figures.drawing import (
     CHARGE,

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.parameters import label
 from sizing.program.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
 from sizing.results.tables import data_frame
-from sizing.sunlight import SolarModel
 from sizing.validity.extrapolations import from_text, together
 from sizing.validity.ranges import Extrapolation
 from solar._version import __version__

@@ -33,7 +33,7 @@ from missions.files.texts import read_folder, read_plain_file
 from missions.files.writing import file_text, to_json, write_folder
 from missions.files.yaml import PATH_SUFFIXES
 from sizing.aerodynamics.polar_table import POLAR_SUFFIXES
-from sizing.sunlight import SolarModel
+from sizing.day.light import SolarModel
 from solar._version import __version__
 from solar.names import CORRECTION_NAMES, MODEL_NAMES
 from solar.versions import FORMAT_KEY, format_trouble, software_record

@@ -13,15 +13,15 @@ import numpy as np
 from missions.flight_path import largest_wind_m_per_s
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel, solar_day
+from sizing.day.module_power import on_path, path_troubles
 from sizing.design import DesignVariables, parametric_design
-from sizing.module_power import on_path, path_troubles
 from sizing.performance import Performance, performance_of_designs
 from sizing.program import cells as cell_sizing
 from sizing.program.cells import CellSizings
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.program.size import size_aircraft
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, PAYLOAD_MASS, REACHED
-from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import (
     charge_rate_check,
     charge_rate_is_open,

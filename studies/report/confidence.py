@@ -16,7 +16,9 @@ import numpy as np
 from missions.files.writing import to_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.energy.cycle import Cycle
+from sizing.day.cycle import Cycle
+from sizing.day.light import SolarDay
+from sizing.day.load import DesignLoads
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import cycle_of_variants
@@ -24,8 +26,6 @@ from sizing.results.conditions import battery_line, battery_record
 from sizing.results.notes import uncertainty_line
 from sizing.results.records import relative_change
 from sizing.results.tables import Column, Table, facts
-from sizing.sunlight import SolarDay
-from sizing.varying_load import DesignLoads
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import BoolArray
 from studies.report.blocks import Block, Items, Listing, Section, Tables, Text, sentence

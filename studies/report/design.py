@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.light import SolarModel
 from sizing.design import Design, FlightConditions
 from sizing.limits import DesignInFlight
 from sizing.program.cross_check import CrossCheck
@@ -31,7 +32,6 @@ from sizing.results.sizing_summary import (
     sensitivity_table,
 )
 from sizing.results.tables import Table, facts
-from sizing.sunlight import SolarModel
 from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text, sentence
 from studies.report.geometry import aircraft_drawing
 from studies.report.subject import Subject

@@ -15,9 +15,9 @@ from markupsafe import Markup
 from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.results.records import check_subjects
 from sizing.results.sizing_study import SizingStudy
-from sizing.sunlight import SolarModel
 from solar.names import CorrectionName, ModelName
 from studies.output.run_folder import InputFile, RunInputs, run_record
 from studies.report.blocks import Bars, Block, Figure, Section, Tables

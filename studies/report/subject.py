@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.module_power import path_troubles
+from sizing.day.light import SolarModel
+from sizing.day.module_power import path_troubles
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.uncertainty import analyse_uncertainty
 from sizing.results.weather import analyse_weather
-from sizing.sunlight import SolarModel
 from studies.models.comparison import compare
 from studies.models.solar_models import attitude_is_known
 from studies.output.run_folder import RunInputs

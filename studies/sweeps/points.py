@@ -16,10 +16,12 @@ from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.altitude.climb_levels import ClimbLimitError, climb_limits
+from sizing.day.cycle import Status
+from sizing.day.heights import ClimbLimitError, climb_limits
+from sizing.day.light import SolarModel, solar_day
+from sizing.day.module_power import path_troubles
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.design_space import DesignSpace, Range
-from sizing.energy.cycle import Status
 from sizing.limits import MASS_BUDGET, design_requirements
 from sizing.mass_budget import (
     ImpossibleDesignError,
@@ -29,7 +31,6 @@ from sizing.mass_budget import (
     operating_trouble,
     with_total_mass,
 )
-from sizing.module_power import path_troubles
 from sizing.parameters import MISSION_PREFIX, all_replaced
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective, SizingStatus
@@ -43,7 +44,6 @@ from sizing.results.quantities import (
     TOTAL_MASS,
 )
 from sizing.smooth import Value
-from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks
 from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from solar.schema import Record

@@ -17,10 +17,10 @@ from missions.files.validation import validate
 from missions.files.yaml import read_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.relaxed_flight import Relaxation
-from sizing.sunlight import UNCORRECTED_CAM
 
 pytestmark = pytest.mark.slow
 

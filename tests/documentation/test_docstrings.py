@@ -16,7 +16,12 @@ FORMULAS = (
     "missions/flight_path.py",
     "missions/loiter_power.py",
     "sizing/aerodynamics",
-    "sizing/energy",
+    "sizing/battery",
+    "sizing/day/balance.py",
+    "sizing/day/battery.py",
+    "sizing/day/cycle.py",
+    "sizing/day/flight.py",
+    "sizing/day/march.py",
     "sizing/propulsion",
     "sizing/structures",
 )

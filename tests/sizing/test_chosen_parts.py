@@ -14,10 +14,10 @@ import sizing
 import studies
 from missions.files.errors import InputError
 from missions.library import load_mission
-from sizing.altitude.ceiling import flight_at_altitude
+from sizing.ceiling import flight_at_altitude
+from sizing.day.light import SolarModel
 from sizing.mass_budget import level_point
 from sizing.propulsion.chain import OperatingPointPropulsion
-from sizing.sunlight import SolarModel
 
 MISSION = load_mission("rafz-july")
 FACTOR = "airframe.propulsion.efficiency_factor"

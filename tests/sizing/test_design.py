@@ -10,8 +10,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.cycle import Status
+from sizing.day.load import load_profile, thermal_shape
 from sizing.design import DesignVariables, constant_power_w, parametric_design, variables_of
-from sizing.energy.cycle import Status
 from sizing.mass_budget import (
     ImpossibleDesignError,
     closed_design,
@@ -21,7 +22,6 @@ from sizing.mass_budget import (
     with_total_mass,
 )
 from sizing.performance import performance_of_designs
-from sizing.varying_load import load_profile, thermal_shape
 from solar.types import FloatArray, IntArray
 
 

@@ -9,9 +9,9 @@ import pytest
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.performance import performance
-from sizing.sunlight import SolarModel
 
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 

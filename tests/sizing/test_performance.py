@@ -11,10 +11,10 @@ from builders import AS2, DESIGN, aircraft, mission
 from missions.dates import date_code
 from missions.files.overrides import with_values
 from missions.library import load_mission
+from sizing.day.cycle import Status
+from sizing.day.light import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
 from sizing.design import DesignVariables, variables_of
-from sizing.energy.cycle import Status
 from sizing.performance import performance, performance_of_designs, perpetual_days
-from sizing.sunlight import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
 from solar.clearsky import Irradiance, clear_sky
 from solar.horizontal_models import horizontal_specific_power
 from solar.names import ModelName

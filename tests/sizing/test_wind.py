@@ -12,10 +12,10 @@ from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from missions.winds.table import COLUMNS
 from sizing import analyse, size
+from sizing.day.light import day_axis_h
+from sizing.day.module_power import modelled_power
 from sizing.library import load_aircraft
-from sizing.module_power import modelled_power
 from sizing.program.cells import size_cells
-from sizing.sunlight import day_axis_h
 from studies.maps.feasibility import feasibility_map
 
 # Wind [m/s] by latitude and month at 60 % of the time: an own table near the ground.

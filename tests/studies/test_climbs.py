@@ -10,11 +10,11 @@ from missions.files.overrides import with_values
 from missions.library import load_mission
 from missions.mission import Mission
 from missions.uncertainty import Normal
-from sizing.altitude.ceiling import flight_at_altitude, highest_perpetual_altitude
+from sizing.ceiling import flight_at_altitude, highest_perpetual_altitude
+from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from sizing.results.analysis import Analysis, analyse
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
 from sizing.uncertainty.propagation import Propagation, check_inputs
 from sizing.validity.extrapolations import extrapolations

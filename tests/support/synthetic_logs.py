@@ -19,7 +19,7 @@ from missions.flight_path import Circle, orbit
 from missions.logs.table import EulerAngles, FlightLog, log_from_table
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.module_power import on_path
+from sizing.day.module_power import on_path
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.forward import Forward
 

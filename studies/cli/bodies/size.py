@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from missions.weather.files import load_weather
-from sizing.module_power import path_troubles
+from sizing.day.module_power import path_troubles
 from sizing.program.reliability import check_reliability
 from sizing.program.survival import check_survival
 from sizing.results import sizing

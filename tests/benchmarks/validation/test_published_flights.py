@@ -9,9 +9,9 @@ from builders import AS2, shipped_mission
 from benchmarks.validation import flight_inputs as inputs
 from benchmarks.validation import published_flights as study
 from missions.dates import day_of_year
+from sizing.day.light import SolarModel
+from sizing.day.replay import calendar_run
 from sizing.performance import performance, perpetual_days
-from sizing.replay import calendar_run
-from sizing.sunlight import SolarModel
 
 
 def test_perpetual_season_is_the_published_half_year() -> None:

@@ -11,13 +11,13 @@ from builders import shipped_mission as mission
 
 import sizing
 from missions.mission import Mission, Scenarios
+from sizing.day.light import solar_day
 from sizing.limits import meets_requirements
 from sizing.performance import performance_of_designs
 from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, merit_of
 from sizing.program.size import size_aircraft
-from sizing.sunlight import solar_day
 
 
 def climbing(ceiling_m: float, **changes: object) -> Mission:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from missions.mission import Scenarios
+from sizing.day.light import SolarModel, solar_day
 from sizing.performance import performance
 from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
-from sizing.sunlight import SolarModel, solar_day
 
 pytestmark = pytest.mark.slow
 

@@ -12,15 +12,15 @@ from pydantic import ValidationError
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.day.cycle import Status
+from sizing.day.light import FINE_STEP_H, SolarDay, solar_day
 from sizing.design import DesignVariables
-from sizing.energy.cycle import Status
 from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.program.endurance import longest_flight_of_all
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
-from sizing.sunlight import FINE_STEP_H, SolarDay, solar_day
 from solar.types import FloatArray
 
 # The loop over minutes knows no charge limit.

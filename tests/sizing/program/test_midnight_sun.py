@@ -12,15 +12,15 @@ from builders import mission as july_day
 from missions.air import standard_air
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.cycle import Status
+from sizing.day.light import SolarModel
 from sizing.design import DesignVariables, variables_of
-from sizing.energy.cycle import Status
 from sizing.performance import performance_of_designs
 from sizing.program.cells import size_cells
 from sizing.program.cross_check import cross_check
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
 from sizing.program.size import size_aircraft
-from sizing.sunlight import SolarModel
 
 # A structure as heavy as AtlantikSolar's at its size, by a formula that known designs can rely on.
 STRUCTURE = "airframe.structure={model: power_law, coefficient_kg: 0.0131, span_exponent: 3.1, "

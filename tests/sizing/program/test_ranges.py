@@ -10,12 +10,12 @@ import pytest
 from builders import SMALL_WINGS
 
 from missions.mission import Scenarios
+from sizing.day.light import solar_day
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.ranges import DAYS, WidestRange, widest_range
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
-from sizing.sunlight import solar_day
 
 pytestmark = pytest.mark.slow
 

@@ -6,8 +6,8 @@ import pytest
 
 import sizing
 from missions.library import load_mission
+from sizing.day.light import UNCORRECTED_CAM
 from sizing.library import load_aircraft
-from sizing.sunlight import UNCORRECTED_CAM
 from sizing.uncertainty.inputs import uncertain_inputs
 from sizing.uncertainty.propagation import Propagation
 

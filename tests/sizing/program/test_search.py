@@ -11,12 +11,12 @@ from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.light import SolarModel, solar_day
 from sizing.design import DesignVariables, variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.size import size_aircraft
-from sizing.sunlight import SolarModel, solar_day
 from solar.types import FloatArray
 
 pytestmark = pytest.mark.slow

@@ -8,6 +8,7 @@ import pytest
 from missions.files.overrides import with_values
 from missions.library import load_mission
 from sizing.aircraft import Aircraft
+from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.library import load_aircraft
 from sizing.parameters import catalogue, with_parameter
 from sizing.performance import performance_of_designs
@@ -22,7 +23,6 @@ from sizing.program.sensitivity import (
 )
 from sizing.program.size import size_aircraft
 from sizing.results.sizing_summary import cross_check_line
-from sizing.sunlight import UNCORRECTED_CAM, SolarModel
 from studies.output.design_plots import plot_sensitivities
 
 pytestmark = pytest.mark.slow

@@ -20,9 +20,10 @@ from missions.files.yaml import parse_yaml
 from missions.mission import Mission
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.day.cycle import Status
+from sizing.day.light import SolarModel, solar_day
 from sizing.design import FlightConditions, variables_of
 from sizing.design_space import LimitedQuantity
-from sizing.energy.cycle import Status
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import with_parameter
 from sizing.performance import performance, performance_of_designs
@@ -35,7 +36,6 @@ from sizing.program.sensitivity import sensitivities
 from sizing.program.size import size_aircraft
 from sizing.relaxed_flight import Relaxation, rounded
 from sizing.roots import bisected
-from sizing.sunlight import SolarModel, solar_day
 
 pytestmark = pytest.mark.slow
 

@@ -9,11 +9,11 @@ import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
 from missions.winds.table import COLUMNS
+from sizing.day.record import weather_performance
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.survival import SurvivalSizing
 from sizing.results.season import SeasonDays
-from sizing.weather_run import weather_performance
 
 pytestmark = pytest.mark.slow
 
@@ -77,7 +77,7 @@ def test_an_analysis_of_the_sized_aircraft_confirms_the_days(most, monkeypatch):
     assert len(found.days) == 30
     assert found.days.that_close == 27
     assert found.achieved == 0.9
-    step = functools.partial(sizing.weather_run.weather_performance, step_s=STEP_S)
+    step = functools.partial(sizing.day.record.weather_performance, step_s=STEP_S)
     monkeypatch.setattr("sizing.results.weather.weather_performance", step)
     frame = sizing.analyse_weather(most.sized_aircraft(), most.mission, RECORD).to_frame()
     season = frame[frame["day_of_year"].between(161, 190)]

@@ -13,9 +13,9 @@ from propulsors import VOLTAGE
 import sizing
 from missions.library import load_mission
 from sizing.catalogues.choice import entries
+from sizing.day.light import UNCORRECTED_CAM
 from sizing.mass_budget import design_of
 from sizing.propulsion.part_masses import gear_mass_kg, motor_mass_fit, propeller_mass_fit
-from sizing.sunlight import UNCORRECTED_CAM
 from sizing.uncertainty.inputs import uncertain_inputs
 from sizing.uncertainty.propagation import Propagation, check_inputs
 

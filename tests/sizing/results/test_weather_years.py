@@ -5,9 +5,9 @@ from weather_files import clear_record
 from missions.library import load_mission
 from missions.weather.record import Site
 from missions.weather.site import mission_at_site
+from sizing.day.record import weather_performance
 from sizing.library import load_aircraft
 from sizing.results.weather import WeatherAnalysis
-from sizing.weather_run import weather_performance
 
 AS2 = load_aircraft("atlantiksolar-as2")
 STEP_S = 10800.0

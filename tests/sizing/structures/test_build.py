@@ -14,13 +14,13 @@ from missions.files.errors import InputError
 from missions.files.shipped import shipped_names
 from missions.library import load_mission
 from missions.uncertainty import LogNormal
+from sizing.day.light import UNCORRECTED_CAM
 from sizing.library import load_aircraft
 from sizing.own_models import register_structure
 from sizing.results.sizing import size
 from sizing.structures.build import build_qualities
 from sizing.structures.loads import StructureInputs
 from sizing.structures.models import Structure
-from sizing.sunlight import UNCORRECTED_CAM
 from sizing.uncertainty.inputs import uncertain_inputs
 
 INPUTS = StructureInputs(5.65, 18.5, 6.92, 3.7, 8.5, 1.1)

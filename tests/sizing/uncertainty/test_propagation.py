@@ -5,9 +5,9 @@ import sizing
 from missions.files.overrides import with_values
 from missions.library import load_mission
 from missions.uncertainty import Normal
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.parameters import MISSION_PREFIX, parameter_value
-from sizing.sunlight import SolarModel
 from sizing.uncertainty.inputs import (
     SOLAR_MODEL,
     UncertainInput,

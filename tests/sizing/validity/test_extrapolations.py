@@ -15,13 +15,13 @@ from scipy.optimize import brentq
 from missions.files.shipped import shipped_names
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel, solar_day
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.limits import DesignInFlight
 from sizing.mass_budget import closed_design
 from sizing.performance import performance, performance_of_designs
 from sizing.results.sizing import size
 from sizing.sized_structure import structure_by_both, structure_parts
-from sizing.sunlight import SolarModel, solar_day
 from sizing.validity.checks import flight_checks, stall_margin_within_polar
 from sizing.validity.extrapolations import (
     as_text,

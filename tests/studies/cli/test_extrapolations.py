@@ -8,10 +8,10 @@ from command_line import Run
 from figure_checks import heading
 
 import studies
-from sizing.altitude.ceiling import highest_perpetual_altitude
-from sizing.replay import calendar_run
+from sizing.ceiling import highest_perpetual_altitude
+from sizing.day.light import SolarModel
+from sizing.day.replay import calendar_run
 from sizing.results.analysis import analyse
-from sizing.sunlight import SolarModel
 from studies.ceiling import perpetual_ceiling, plot_ceiling
 from studies.maps.plots import plot_map
 from studies.output.cycle_plots import plot_cycle

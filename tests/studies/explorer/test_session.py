@@ -12,10 +12,10 @@ from missions.files.overrides import with_overrides
 from missions.files.shipped import find_document, shipped_text
 from missions.library import load_mission
 from missions.mission import Scenarios
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.parameters import catalogue
 from sizing.results.analysis import analyse
-from sizing.sunlight import SolarModel
 from studies.explorer.fields import DAY, LATITUDE, Field
 from studies.explorer.season import COARSE_STEP_H, DAYS, LATITUDES_DEG
 from studies.explorer.session import Session
@@ -214,8 +214,8 @@ def test_slow_model_fills_its_map_turn_by_turn() -> None:
     row = int(np.flatnonzero(np.array(found["latitudes_deg"]) == 45.0)[0])
     days = np.array(found["days"])
     made = one.inputs(settings)
+    from sizing.day.light import solar_day
     from sizing.performance import performance
-    from sizing.sunlight import solar_day
 
     lit = solar_day(
         *(made.aircraft, made.mission, SolarModel("VM")),

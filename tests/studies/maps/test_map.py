@@ -15,10 +15,10 @@ from matplotlib.contour import ContourSet
 from missions.files.overrides import with_values
 from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.energy.cycle import Status
+from sizing.day.cycle import Status
+from sizing.day.light import SolarModel, solar_day
 from sizing.library import load_aircraft
 from sizing.performance import performance
-from sizing.sunlight import SolarModel, solar_day
 from studies.maps import feasibility as study
 from studies.maps.plots import plot_map
 from studies.output.gridded import to_netcdf_bytes
@@ -57,8 +57,8 @@ def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.Monke
     latitudes, days = np.linspace(-66.0, 66.0, 9), np.arange(1, 366, 30)
     whole = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     monkeypatch.setattr(study, "_CELLS_AT_ONCE", 50)
-    monkeypatch.setattr("sizing.energy.cycle.CELLS_AT_ONCE", 7)
-    monkeypatch.setattr("sizing.energy.endurance.Flights.at_once", 100)
+    monkeypatch.setattr("sizing.day.cycle.CELLS_AT_ONCE", 7)
+    monkeypatch.setattr("sizing.day.flight.Flights.at_once", 100)
     monkeypatch.setattr("solar.horizontal_models._POINTS_AT_ONCE", 333)
     again = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     for name, values in whole.items():

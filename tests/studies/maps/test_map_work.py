@@ -19,11 +19,11 @@ from figure_checks import heading
 
 from missions.library import load_mission
 from missions.mission import Dates
-from sizing.energy.cycle import Status
+from sizing.day.cycle import Status
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
-from sizing.sunlight import SolarModel
 from studies.engine.run import ComputationError, compute
 from studies.grid import Grid, MapConfiguration, chunks_of
 from studies.maps import feasibility

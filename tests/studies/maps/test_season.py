@@ -11,10 +11,10 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios, UncertaintyMargins
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel, solar_day
+from sizing.day.module_power import path_troubles, power_in_surroundings
 from sizing.library import load_aircraft
-from sizing.module_power import path_troubles, power_in_surroundings
 from sizing.performance import perpetual_days
-from sizing.sunlight import SolarModel, solar_day
 from solar.names import ModelName
 from solar.types import BoolArray
 from studies.maps.results import season_text
@@ -85,7 +85,7 @@ def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyP
         asked.extend((model, int(day)) for day in of.day_of_year)
         return power_in_surroundings(craft, there, model, of, at, around)
 
-    monkeypatch.setattr("sizing.sunlight.power_in_surroundings", counted)
+    monkeypatch.setattr("sizing.day.light.power_in_surroundings", counted)
     perpetual_flags(AS2, LOITER, 47.6, combinations())
     assert len(asked) == len(set(asked))
     # Every 32nd day and the solstices; both sides of each of two edges, three days between them,

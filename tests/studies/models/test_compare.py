@@ -12,12 +12,12 @@ import pytest
 from command_line import Run
 
 from missions.library import load_mission
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.performance import performance, performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.results.analysis import analyse
-from sizing.sunlight import SolarModel
 from studies.maps.season import Season
 from studies.models import comparison as study
 from studies.models import solar_models

@@ -7,8 +7,8 @@ import pytest
 
 from missions.files.overrides import with_values
 from missions.library import load_mission
+from sizing.day.light import SolarModel, solar_day
 from sizing.library import load_aircraft
-from sizing.sunlight import SolarModel, solar_day
 from studies.models.component_efficiencies import component_efficiencies
 
 AS2 = load_aircraft("atlantiksolar-as2")

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from sizing.energy.cycle import Status
+from sizing.day.cycle import Status
 from studies.models.prediction import Prediction, duration, nights_survived
 
 

@@ -5,7 +5,7 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from sizing.sunlight import SolarModel, solar_day
+from sizing.day.light import SolarModel, solar_day
 from solar.names import ModelName
 from solar.systematic_errors import REPORTED_ERRORS
 from studies.cli.__main__ import cli

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from builders import AS2, DESIGN, mission
 
-from sizing.energy.cycle import ENDS, Status
-from sizing.sunlight import SolarModel
+from sizing.day.cycle import ENDS, Status
+from sizing.day.light import SolarModel
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.workers import Job, LocalPool

@@ -25,9 +25,9 @@ from synthetic_logs import Settings, synthetic_log
 from missions.mission import Mission
 from missions.weather.files import load_weather
 from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel
 from sizing.results.analysis import analyse
 from sizing.results.sizing import size
-from sizing.sunlight import SolarModel
 from studies import make_report
 from studies.output.run_folder import RunInputs
 from studies.report.blocks import Bars, Tables

@@ -20,14 +20,14 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.energy.cycle import Status
+from sizing.day.cycle import Status
+from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.mass_budget import design_of
 from sizing.performance import performance
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.results.tables import Table
-from sizing.sunlight import SolarModel
 from studies.engine.run import compute
 from studies.maps import feasibility
 from studies.output.gridded import SizingStatus, to_table

@@ -1,0 +1,370 @@
+"""Net power over the time axis and its exact integrals over every interval.
+
+Solar power and load are piecewise linear between the nodes of the time axis; surplus and deficit
+of every interval are integrated exactly, a change of sign inside an interval included. A batch of
+designs and scenarios is laid out for the march: time first, then one axis of elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from sizing.day.battery import Store
+from solar.types import BoolArray, FloatArray, IntArray
+
+_POINTS_AT_ONCE = 16384
+_LEAST = 1e-300  # keeps zero over zero at zero
+
+
+def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) -> FloatArray:
+    """Integral of the positive part of a power that is linear over an interval [Wh].
+
+    One expression for all four combinations of signs: with ``a, b`` the positive parts at the
+    ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour.
+
+    Parameters
+    ----------
+    left_w, right_w : ndarray
+        Power at the ends of the interval [W].
+    hours : array_like
+        Length of the interval [h].
+
+    Returns
+    -------
+    ndarray
+        Of the arguments' broadcast shape, not negative [Wh].
+    """
+    positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
+    total = np.abs(left_w) + np.abs(right_w)
+    mean_w = positive * positive / np.maximum(2.0 * total, _LEAST)
+    return np.asarray(mean_w * np.asarray(hours, float))
+
+
+def _means_w(net_w: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean surplus and mean deficit between neighbouring rows, as :func:`positive_part_wh` [W]."""
+    above = np.maximum(net_w, 0.0)
+    below = above - net_w
+    above, below = above[:-1] + above[1:], below[:-1] + below[1:]
+    twice = above + below
+    twice *= 2.0
+    np.maximum(twice, _LEAST, out=twice)
+    for part in (above, below):
+        part *= part
+        part /= twice
+    return above, below
+
+
+def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Where a linear function is zero, as a fraction of the interval [-].
+
+    Parameters
+    ----------
+    left, right : ndarray
+        Values at the ends; of equal signs, the nearer end is returned.
+
+    Returns
+    -------
+    ndarray
+        ``left / (left - right)``, clipped to 0 to 1 [-].
+    """
+    drop = left - right
+    safe = np.where(drop == 0.0, 1.0, drop)
+    return np.clip(left / safe, 0.0, 1.0)
+
+
+def ramp_fraction(left: FloatArray, right: FloatArray, share: FloatArray) -> FloatArray:
+    """Where the integral of a linear, non-negative power reaches a share of the whole.
+
+    Parameters
+    ----------
+    left, right : ndarray
+        Power at the ends of the interval, not negative [W].
+    share : ndarray
+        Share of the integral over the interval, clipped to 0 to 1 [-].
+
+    Returns
+    -------
+    ndarray
+        Fraction of the interval [-].
+    """
+    total = left + right
+    goal = np.clip(share, 0.0, 1.0) * total / 2.0
+    # left s + (right - left) s^2 / 2 = goal, solved without cancellation.
+    root = np.sqrt(np.maximum(left * left + 2.0 * (right - left) * goal, 0.0))
+    return np.clip(2.0 * goal / np.maximum(left + root, 1e-300), 0.0, 1.0)
+
+
+class Interval(NamedTuple):
+    """Flows of one interval of the time axis, per element of the batch.
+
+    An interval has up to three phases: an early deficit, a surplus, a late deficit; at most one
+    deficit is not zero.
+    """
+
+    number: int | IntArray
+    start_h: float | FloatArray
+    hours: float | FloatArray
+    left_w: FloatArray
+    right_w: FloatArray
+    surplus_wh: FloatArray
+    early_deficit_wh: FloatArray
+    late_deficit_wh: FloatArray
+
+
+def surplus_phase_h(interval: Interval) -> tuple[FloatArray, FloatArray]:
+    """Begin and end of the surplus within an interval, in hours after its start."""
+    crossing = interval.hours * crossing_fraction(interval.left_w, interval.right_w)
+    begin = np.where(interval.left_w < 0.0, crossing, 0.0)
+    end = np.where(interval.right_w < 0.0, crossing, interval.hours)
+    return begin, end
+
+
+def deficit_phase_h(interval: Interval) -> tuple[FloatArray, FloatArray]:
+    """Begin and length of the deficit within an interval [h]."""
+    surplus_begin, surplus_end = surplus_phase_h(interval)
+    early = interval.left_w < 0.0
+    whole = early & (interval.right_w < 0.0)
+    begin = np.where(early, 0.0, surplus_end)
+    length = np.where(early, surplus_begin, interval.hours - surplus_end)
+    return begin, np.where(whole, interval.hours, length)
+
+
+@dataclass(frozen=True)
+class PowerBalance:
+    """Net power on a time axis and its exact integrals per interval; time is the first axis."""
+
+    time_h: FloatArray
+    net_w: FloatArray
+    surplus_wh: FloatArray
+    deficit_wh: FloatArray
+
+    @classmethod
+    def of(cls, time_h: FloatArray, solar_power_w: FloatArray, load_w: FloatArray) -> PowerBalance:
+        """Balance of solar power and load at the nodes of time, their last axis.
+
+        The balance has the time as its first axis; the other axes are the batch.
+        """
+        time = np.asarray(time_h, float)
+        hours = np.diff(time)
+        if np.any(hours <= 0.0):
+            raise ValueError("time_h must increase strictly")
+        net = np.asarray(solar_power_w, float) - np.asarray(load_w, float)
+        if net.shape[-1] != len(time):
+            raise ValueError(f"the last axis has length {net.shape[-1]}, time has {len(time)}")
+        net = np.ascontiguousarray(np.moveaxis(net, -1, 0))
+        surplus, deficit = np.empty((2, len(hours), *net.shape[1:]))
+        column = hours.reshape((-1,) + (1,) * (net.ndim - 1))
+        rows = max(1, _POINTS_AT_ONCE * len(net) // max(net.size, 1))
+        half, last = (len(hours) + 1) // 2, len(hours)
+        for part in blocks(half, rows):
+            begin, end = part.start, min(part.stop, half)
+            morning, afternoon = slice(begin, end), slice(last - end, last - begin)
+            some, mirrored = net[begin : end + 1], net[last - end : last - begin + 1]
+            means = _means_w(some)
+            for mean, side in zip(means, (surplus, deficit), strict=True):
+                np.multiply(mean, column[morning], out=side[morning])
+            # The same work need not be done for an afternoon that mirrors the morning.
+            alike = np.array_equal(some, mirrored[::-1])
+            means = (means[0][::-1], means[1][::-1]) if alike else _means_w(mirrored)
+            for mean, side in zip(means, (surplus, deficit), strict=True):
+                np.multiply(mean, column[afternoon], out=side[afternoon])
+        return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """Shape of the batch."""
+        return self.net_w.shape[1:]
+
+    def flat(self) -> PowerBalance:
+        """Balance with a batch of one dimension."""
+        return PowerBalance(
+            self.time_h,
+            self.net_w.reshape(len(self.time_h), -1),
+            self.surplus_wh.reshape(len(self.time_h) - 1, -1),
+            self.deficit_wh.reshape(len(self.time_h) - 1, -1),
+        )
+
+    def interval_of(self, number: IntArray, cells: IntArray) -> Interval:
+        """Intervals, by number, each of one element (``cells``) of a one-dimensional batch."""
+        left, right = self.net_w[number, cells], self.net_w[number + 1, cells]
+        deficit = self.deficit_wh[number, cells]
+        early = np.where(left < 0.0, deficit, 0.0)
+        return Interval(
+            number=number,
+            start_h=self.time_h[number],
+            hours=self.time_h[number + 1] - self.time_h[number],
+            left_w=left,
+            right_w=right,
+            surplus_wh=self.surplus_wh[number, cells],
+            early_deficit_wh=early,
+            late_deficit_wh=deficit - early,
+        )
+
+    def cumulative_deficit_h(self) -> FloatArray:
+        """Length of all deficits from the first to every node [h]; time first, then elements."""
+        lacks = self.deficit_wh > 0.0
+        row, cell = np.divmod(np.flatnonzero(lacks & (self.surplus_wh > 0.0)), lacks.shape[1])
+        of_mixed = deficit_phase_h(self.interval_of(row, cell))[1]
+        ends = np.searchsorted(row, np.arange(len(lacks) + 1))
+        sums = np.zeros((len(lacks) + 1, lacks.shape[1]))
+        for k, hours in enumerate(np.diff(self.time_h)):
+            lengths = np.multiply(lacks[k], hours, out=sums[k + 1])
+            mixed = slice(ends[k], ends[k + 1])
+            lengths[cell[mixed]] = of_mixed[mixed]
+            lengths += sums[k]
+        return sums
+
+    def intervals(self) -> Iterator[Interval]:
+        """Walk the time axis interval by interval."""
+        hours = np.diff(self.time_h)
+        falls_first = self.net_w[:-1] < 0.0
+        early = np.where(falls_first, self.deficit_wh, 0.0)
+        late = np.where(falls_first, 0.0, self.deficit_wh)
+        for k in range(len(hours)):
+            yield Interval(
+                number=k,
+                start_h=float(self.time_h[k]),
+                hours=float(hours[k]),
+                left_w=self.net_w[k],
+                right_w=self.net_w[k + 1],
+                surplus_wh=self.surplus_wh[k],
+                early_deficit_wh=early[k],
+                late_deficit_wh=late[k],
+            )
+
+
+def blocks(count: int, size: int) -> Iterator[slice]:
+    """Slices that cut a batch into blocks, so that intermediate results stay near the processor.
+
+    The last may reach beyond the batch; an empty batch is one empty block.
+    """
+    for start in range(0, max(count, 1), size):
+        yield slice(start, start + size)
+
+
+def sum_over_time(values: FloatArray) -> FloatArray:
+    """Sum over the first axis of a two-dimensional array, in the order of time.
+
+    NumPy adds up many contiguous columns row by row but a lone column pairwise; a running sum
+    makes the last digit of an element independent of how many others are computed with it.
+    """
+    values = np.ascontiguousarray(values)
+    if values.shape[1] == 1 and len(values):
+        return np.asarray(np.cumsum(values, axis=0)[-1])
+    return np.asarray(np.add.reduce(values, axis=0))
+
+
+def running_sum(values: FloatArray) -> FloatArray:
+    """Sums over the first axis from the start to every node, one row more than ``values``."""
+    sums = np.zeros((len(values) + 1, *values.shape[1:]))
+    for k in range(len(values)):
+        np.add(sums[k], values[k], out=sums[k + 1])
+    return sums
+
+
+def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> IntArray:
+    """Intervals in which running sums reach some levels, each in its column, by bisection.
+
+    ``sums``: shape ``(node, column)``; they do not fall from node to node. ``cells``: the column of
+    each level. An interval has the number of the last node, the final one excepted, whose sum is at
+    most the level; 0 if there is none.
+    """
+    low = np.zeros(level.shape, np.intp)
+    high = np.full(level.shape, len(sums) - 1)
+    for _ in range(len(sums).bit_length()):
+        middle = (low + high) // 2
+        reached = sums[middle, cells] <= level
+        low, high = np.where(reached, middle, low), np.where(reached, high, middle)
+    return low
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Powers [W] and batteries of a one-dimensional batch; time is the first axis.
+
+    ``flown``: which intervals are flown; None for all of them.
+    """
+
+    time_h: FloatArray
+    solar_w: FloatArray
+    load_w: FloatArray
+    nominal_w: FloatArray
+    store: Store
+    flown: BoolArray | None = None
+
+    @classmethod
+    def of(
+        cls,
+        time_h: ArrayLike,
+        solar_power_w: ArrayLike,
+        load_w: ArrayLike,
+        store: Store,
+        nominal_load_w: ArrayLike | None,
+    ) -> tuple[Cells, tuple[int, ...]]:
+        """Batch laid out flat, time first and then one axis of elements, and its shape.
+
+        ``time_h``, ``solar_power_w``, ``load_w``, ``store``, ``nominal_load_w``: as for
+        :func:`sizing.day.cycle.simulate_cycle`. Returns shape of the batch.
+        """
+        time = np.asarray(time_h, float)
+        solar, load = np.broadcast_arrays(
+            np.asarray(solar_power_w, float), np.asarray(load_w, float)
+        )
+        nominal = (
+            np.min(load, axis=-1) if nominal_load_w is None else np.asarray(nominal_load_w, float)
+        )
+        batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, store.battery_energy_wh.shape)
+        solar, load = (_time_first(np.broadcast_to(v, (*batch, len(time)))) for v in (solar, load))
+        flat_nominal = np.broadcast_to(nominal, batch).reshape(-1)
+        return cls(time, solar, load, flat_nominal, store.flat(batch)), batch
+
+    def select(self, some: IntArray | slice) -> Cells:
+        """Part of the batch."""
+        return Cells(
+            self.time_h,
+            self.solar_w[:, some],
+            self.load_w[:, some],
+            self.nominal_w[some],
+            self.store.select(some),
+        )
+
+    @cached_property
+    def balance(self) -> PowerBalance:
+        """Surplus and deficit of every interval."""
+        balance = PowerBalance.of(self.time_h, self.solar_w.T, self.load_w.T)
+        if self.flown is None:
+            return balance
+        surplus, deficit = (
+            np.where(self.flown, v, 0.0) for v in (balance.surplus_wh, balance.deficit_wh)
+        )
+        return replace(balance, surplus_wh=surplus, deficit_wh=deficit)
+
+    def flown_between(self, launch_h: FloatArray, land_h: FloatArray) -> Cells:
+        """Same batch, each in flight from its launch to its landing, which become nodes."""
+        time = np.unique(np.concatenate([self.time_h, launch_h, land_h]))
+        before = np.clip(np.searchsorted(self.time_h, time, "right") - 1, 0, len(self.time_h) - 2)
+        share = (time - self.time_h[before]) / np.diff(self.time_h)[before]
+        solar, load = (
+            power[before] + share[:, np.newaxis] * (power[before + 1] - power[before])
+            for power in (self.solar_w, self.load_w)
+        )
+        flown = (time[:-1, np.newaxis] >= launch_h) & (time[1:, np.newaxis] <= land_h)
+        return Cells(time, solar, load, self.nominal_w, self.store, flown)
+
+    def above_nominal_w(self) -> FloatArray:
+        """Solar power less the nominal load."""
+        steady = self.load_w[:1] if self.load_w.strides[0] == 0 else self.load_w
+        if np.array_equal(steady, np.broadcast_to(self.nominal_w, steady.shape)):
+            return self.balance.net_w
+        return self.solar_w - self.nominal_w
+
+
+def _time_first(values: FloatArray) -> FloatArray:
+    """Time on the first axis, the whole batch on a second."""
+    return np.moveaxis(values, -1, 0).reshape(values.shape[-1], -1)

@@ -1,0 +1,162 @@
+"""Batteries of a batch as a march needs them, and how fast they may be charged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from sizing.battery.battery import Battery
+from sizing.battery.charge_limit import (
+    ChargeLimit,
+    NoChargeLimit,
+    TableChargeLimit,
+    charge_rate_per_h,
+    constant_up_to,
+)
+from solar.types import BoolArray, FloatArray, IntArray
+
+# Fine enough that integrating 1/rate over it by the trapezoidal rule errs by less than 1e-6 h.
+_TABLE_POINTS = 4001
+
+
+@dataclass(frozen=True)
+class ChargeClock:
+    """How the charge limit alone would charge the battery over time.
+
+    ``hours[i]`` is the time the limit needs from empty to ``state_of_charge[i]``. Because the
+    limit depends on nothing but the state of charge, following it for a while is a shift along
+    this clock: exact for any step length. Up to ``constant_up_to`` the rate is constant and no
+    table is needed.
+    """
+
+    state_of_charge: FloatArray
+    hours: FloatArray
+    constant_up_to: float
+    constant_rate_per_h: float
+    limit: ChargeLimit
+
+    @classmethod
+    def of(cls, limit: ChargeLimit) -> ChargeClock | None:
+        """Clock of a limit; none where charging is not limited."""
+        if isinstance(limit, NoChargeLimit):
+            return None
+        soc = np.linspace(0.0, 1.0, _TABLE_POINTS)
+        if isinstance(limit, TableChargeLimit):
+            soc = np.union1d(soc, limit.state_of_charge)
+        slowness = 1.0 / charge_rate_per_h(limit, soc)
+        hours = np.concatenate(
+            ([0.0], np.cumsum(np.diff(soc) * (slowness[1:] + slowness[:-1]) / 2.0))
+        )
+        rate = float(charge_rate_per_h(limit, 0.0))
+        return cls(soc, hours, constant_up_to(limit), rate, limit)
+
+    def after(self, state_of_charge: FloatArray, duration_h: ArrayLike) -> FloatArray:
+        """State of charge after following the limit for some hours, at most 1 [-]."""
+        start_h = np.interp(state_of_charge, self.state_of_charge, self.hours)
+        end_h = np.asarray(start_h + np.asarray(duration_h, float))
+        return np.asarray(np.interp(end_h, self.hours, self.state_of_charge))
+
+    def hours_to_full(self, state_of_charge: FloatArray) -> FloatArray:
+        """Hours that the limit alone needs to full charge."""
+        return np.asarray(
+            self.hours[-1] - np.interp(state_of_charge, self.state_of_charge, self.hours)
+        )
+
+
+@dataclass(frozen=True)
+class Store:
+    """What the time marching needs of the batteries of a batch, which differ in size alone.
+
+    ``charge_efficiency``, ``discharge_efficiency``: stored over surplus, and delivered over drawn
+    energy [-]. ``clock``: the charge limit; none where charging is not limited.
+    """
+
+    battery_energy_wh: FloatArray
+    charge_efficiency: float | FloatArray
+    discharge_efficiency: float | FloatArray
+    clock: ChargeClock | None
+
+    @classmethod
+    def of(cls, battery: Battery, battery_energy_wh: ArrayLike | None = None) -> Store:
+        """Store of a battery, or of a batch that differs from it in size alone.
+
+        ``battery_energy_wh``: at full charge, of every element; that of the battery by default.
+        """
+        energy = battery.battery_energy_wh if battery_energy_wh is None else battery_energy_wh
+        return cls(
+            battery_energy_wh=np.asarray(energy, float),
+            charge_efficiency=battery.mean_charge_efficiency,
+            discharge_efficiency=battery.mean_discharge_efficiency,
+            clock=ChargeClock.of(battery.charge_limit),
+        )
+
+    def flat(self, shape: tuple[int, ...]) -> Store:
+        """Store of every element of a batch of some shape, as a batch of one dimension."""
+        return self._with(lambda values: np.broadcast_to(values, shape).reshape(-1))
+
+    def select(self, cells: IntArray | BoolArray | slice) -> Store:
+        """Store of a part of a one-dimensional batch."""
+        return self._with(lambda values: values[cells])
+
+    def _with(self, pick: Callable[[FloatArray], FloatArray]) -> Store:
+        """Store of picked elements; an efficiency that all share stays a number."""
+        energy = pick(self.battery_energy_wh)
+        if np.ndim(self.charge_efficiency) == np.ndim(self.discharge_efficiency) == 0:
+            return replace(self, battery_energy_wh=energy)
+        charge, discharge = (
+            pick(np.broadcast_to(efficiency, self.battery_energy_wh.shape))
+            for efficiency in (self.charge_efficiency, self.discharge_efficiency)
+        )
+        return replace(
+            self, battery_energy_wh=energy, charge_efficiency=charge, discharge_efficiency=discharge
+        )
+
+    def charged(
+        self, energy_wh: FloatArray, surplus_wh: FloatArray, hours: ArrayLike
+    ) -> FloatArray:
+        """Stored energy after charging from a surplus for some hours, at most that of full charge.
+
+        ``energy_wh``: stored at the start. ``surplus_wh``: over all these hours.
+        """
+        target = np.minimum(energy_wh + self.charge_efficiency * surplus_wh, self.battery_energy_wh)
+        if self.clock is None or not np.count_nonzero(target > energy_wh):
+            return np.asarray(target)
+        # While the limit is constant it adds a constant power; beyond, the clock gives the time.
+        allowed = energy_wh + self._constant_limit_w * np.asarray(hours, float)
+        charged = np.asarray(np.minimum(target, allowed))
+        tapered = charged > np.maximum(energy_wh, self._constant_up_to_wh)
+        at = tapered.reshape(-1).nonzero()[0]
+        if len(at):
+            full, start, goal, duration = (
+                _pick(v, tapered, at) for v in (self.battery_energy_wh, energy_wh, target, hours)
+            )
+            limited = self.clock.after(start / full, duration) * full
+            # A round trip through the clock's table must not lose the last digits of a full one.
+            charged.reshape(-1)[at] = np.maximum(np.minimum(goal, limited), start)
+        return charged
+
+    @cached_property
+    def _constant_limit_w(self) -> FloatArray:
+        """Charge limit of an empty battery [W], counted in stored power."""
+        return self.battery_energy_wh * (
+            np.inf if self.clock is None else self.clock.constant_rate_per_h
+        )
+
+    @cached_property
+    def _constant_up_to_wh(self) -> FloatArray:
+        """Energy up to which the charge limit is constant [Wh]."""
+        return self.battery_energy_wh * (1.0 if self.clock is None else self.clock.constant_up_to)
+
+
+def _pick(values: ArrayLike, like: BoolArray, at: IntArray) -> FloatArray:
+    """Values of an array, seen in the shape of another, at some of its places."""
+    array = np.asarray(values, float)
+    if array.ndim == like.ndim == 1 and len(array) == len(like):
+        return array.take(at)
+    if array.ndim and array.shape != like.shape:
+        array = np.broadcast_to(array, like.shape)
+    return array.reshape(-1).take(at) if array.ndim else array

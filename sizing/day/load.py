@@ -1,0 +1,320 @@
+"""Load of an aircraft whose propulsion has the efficiency of the moment.
+
+With parts at their operating point the electric power follows the thrust power of turbulence and
+thermals. The bus has the voltage of a half charged battery.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from missions.air import Air
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.day.battery import Store
+from sizing.day.cycle import Cycle, simulate_cycle, simulate_flight
+from sizing.day.light import SolarDay
+from sizing.design import NO_FLIGHT_W, Design, FlightConditions
+from sizing.held_station import flight_against_wind
+from sizing.mass_budget import ImpossibleDesignError
+from sizing.propulsion.chain import OperatingPointPropulsion
+from sizing.propulsion.part_load import PartLoad, load_range
+from sizing.smooth import Value
+from solar.sun import HOURS_PER_DAY
+from solar.types import BoolArray, FloatArray
+
+
+def part_load_of(
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+) -> PartLoad | None:
+    """Power of the propulsion over load; None where its efficiencies are constants.
+
+    The load is that of the mission's turbulence and thermals. Raises
+    :class:`ImpossibleDesignError` for a single design whose propeller's data end before.
+    """
+    if aircraft.propulsion_by_parts is None:
+        return None
+    turbulence = mission.turbulence
+    ends = load_range(turbulence.all_day, turbulence.thermal)
+    level_w = np.asarray(design.propulsion_power_w, float)
+    own, flight = flight_of(aircraft, mission, design)
+    bus_v, flies = aircraft.battery.nominal_voltage_v, np.isfinite(level_w)
+    if not (own.is_exact and level_w.ndim == 0 and flies):
+        return part_load_over(own, flight, np.where(flies, level_w, np.inf), ends, bus_v)
+    numbers = Flight(
+        float(flight.thrust_w),
+        float(flight.airspeed_m_per_s),
+        Air(*(float(one) for one in flight.air)),  # type: ignore[arg-type]  # as a cache's key
+    )
+    load = float(ends[0]), float(ends[1])
+    found = _part_load_of_one(own, numbers, float(level_w), load, bus_v)
+    if found.beyond:
+        reason = own.point(flight.thrust_w * load[1], *flight[1:], (bus_v, bus_v)).reason
+        raise ImpossibleDesignError(
+            f"the propulsion of {aircraft.name} cannot do {load[1]:.3g} times the power of level "
+            f"flight, in turbulence and thermals of {mission.name}: {reason}"
+        )
+    return found
+
+
+def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
+    """Largest relative error of a single design's table, half-way between its nodes."""
+    part = part_load_of(aircraft, mission, design)
+    assert part is not None
+    own, flight = flight_of(aircraft, mission, design)
+    load, bus_v = part.between(), aircraft.battery.nominal_voltage_v
+    exact_w = own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
+    return float(np.max(np.abs(part.at(load) * design.propulsion_power_w / exact_w - 1.0)))
+
+
+class Flight(NamedTuple):
+    """Thrust power of level flight [W], airspeed [m/s] and air."""
+
+    thrust_w: Any
+    airspeed_m_per_s: Any
+    air: Air
+
+    @classmethod
+    def where(cls, flies: BoolArray, thrust_w: Any, airspeed_m_per_s: Any, air: Air) -> Flight:
+        """Flight of designs, of which those that cannot fly have 1 W and 1 m/s."""
+        return cls(np.where(flies, thrust_w, 1.0), np.where(flies, airspeed_m_per_s, 1.0), air)
+
+
+def flight_of(
+    aircraft: Aircraft, mission: Mission, design: Design
+) -> tuple[OperatingPointPropulsion, Flight]:
+    """Propulsion of a design's size, and its level flight."""
+    propulsion = aircraft.propulsion_by_parts
+    assert propulsion is not None
+    with np.errstate(invalid="ignore"):
+        thrust_w = np.asarray(design.thrust_power_w)
+    air = FlightConditions.of(mission, aircraft).air
+    variables = design.variables.mapped(lambda one: float(one) if np.ndim(one) == 0 else one)
+    flight = Flight.where(np.isfinite(thrust_w), thrust_w, design.airspeed_m_per_s, air)
+    return propulsion.sized(*variables.of_propulsion), flight
+
+
+def part_load_over(
+    own: OperatingPointPropulsion,
+    flight: Flight,
+    level_w: FloatArray,
+    loads: tuple[FloatArray, FloatArray],
+    bus_v: float,
+) -> PartLoad:
+    """Power of a propulsion over loads at a voltage, relative to that of a level flight.
+
+    ``level_w``: electric power of that flight [W], of the shape of what ``flight`` has.
+    """
+
+    def power_w(load: FloatArray) -> Any:
+        return own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
+
+    return PartLoad.of(power_w, level_w, loads)
+
+
+def _part_load_against_wind(
+    aircraft: Aircraft,
+    mission: Mission,
+    design: Design,
+    power_w: FloatArray,
+    thrust_w: FloatArray,
+    airspeed_m_per_s: FloatArray,
+) -> PartLoad | None:
+    """Power over load of flight at airspeeds of its own; None by constants.
+
+    ``power_w``: of level flight at them; of scenarios, ``design`` with an axis for them.
+    """
+    if (propulsion := aircraft.propulsion_by_parts) is None:
+        return None
+    own = propulsion.sized(*design.variables.of_propulsion)
+    air = FlightConditions.of(mission, aircraft).air
+    flight = Flight.where(np.isfinite(power_w), thrust_w, airspeed_m_per_s, air)
+    loads = load_range(mission.turbulence.all_day, mission.turbulence.thermal)
+    return part_load_over(own, flight, power_w, loads, aircraft.battery.nominal_voltage_v)
+
+
+@lru_cache(maxsize=16)
+def _part_load_of_one(
+    own: OperatingPointPropulsion,
+    flight: Flight,
+    level_w: float,
+    loads: tuple[float, float],
+    bus_v: float,
+) -> PartLoad:
+    """Table of one design, which several flights share: its rotations are searched for once."""
+    ends = np.asarray(loads[0]), np.asarray(loads[1])
+    return part_load_over(own, flight, np.asarray(level_w), ends, bus_v)
+
+
+@dataclass(frozen=True)
+class DesignLoads:
+    """Solar power and load of every design in every scenario of a day.
+
+    ``part_load``: None for an efficiency that is constant. ``paired``: each design flies in its own
+    scenario. ``own_solar_w``: power of the modules, where it is not that of the day.
+    ``own_propulsion_w``: of level flight in every scenario, where it is not that of the design.
+    """
+
+    design: Design
+    mission: Mission
+    day: SolarDay
+    part_load: PartLoad | None = None
+    paired: bool = False
+    own_solar_w: FloatArray | None = None
+    own_propulsion_w: FloatArray | None = None
+
+    @classmethod
+    def of(
+        cls,
+        aircraft: Aircraft,
+        mission: Mission,
+        design: Design,
+        day: SolarDay,
+        *,
+        paired: bool = False,
+    ) -> DesignLoads:
+        """Loads with the efficiency of the moment where the aircraft's parts say what it is.
+
+        Flight as fast as the wind of a scenario has the efficiency of that airspeed.
+        """
+        if mission.holds_station:
+            return cls(design, mission, day, paired=paired).against_wind(aircraft)
+        return cls(design, mission, day, part_load_of(aircraft, mission, design), paired)
+
+    def against_wind(self, aircraft: Aircraft) -> DesignLoads:
+        """Same flight, as fast as the wind of each scenario."""
+        winds = self.mission.scenario_winds_m_per_s(self.day.scenarios)
+        spread = self.design.mapped(self._over_scenarios)
+        flown = flight_against_wind(aircraft, self.mission, spread, winds)
+        power_w, part = flown[0], _part_load_against_wind(aircraft, self.mission, spread, *flown)
+        return replace(self, own_propulsion_w=power_w, part_load=part)
+
+    @cached_property
+    def solar_w(self) -> FloatArray:
+        """Power of the modules [W], ``(..., scenario, time)``."""
+        if self.own_solar_w is not None:
+            return self.own_solar_w
+        area = self._over_scenarios(self.design.variables.module_area_m2)[..., np.newaxis]
+        power = self.day.power_of(self.design, self.mission, paired=self.paired)
+        return np.asarray(area * power)
+
+    def load_w(self) -> FloatArray:
+        """Load at the nodes [W]."""
+        day, part = self.day, self._part
+        load: FloatArray = load_profile(
+            day.time_h, self._in_scenarios, self.mission, day.sunrise_h, day.sunset_h, part
+        )
+        return np.broadcast_to(load, np.broadcast_shapes(load.shape, self.solar_w.shape))
+
+    def nominal_w(self) -> FloatArray:
+        """Nominal load [W], ``(..., scenario)``."""
+        flown, part = self._in_scenarios, self._part
+        if part is None:
+            return np.asarray(flown.nominal_load_w(self.mission))
+        load, _ = load_range(self.mission.turbulence.all_day, 0.0)
+        ratio = part.at(load[..., np.newaxis])
+        level_w, constant_w = (
+            np.asarray(one)[..., np.newaxis]
+            for one in (flown.propulsion_power_w, flown.constant_power_w)
+        )
+        return np.asarray((level_w * ratio + constant_w)[..., 0])
+
+    @cached_property
+    def _in_scenarios(self) -> Design:
+        """Design with an axis for the scenarios."""
+        # An impossible design draws infinite power; a huge finite one keeps NaN out of the rest.
+        power_w = self.own_propulsion_w
+        if power_w is None:
+            power_w = self._over_scenarios(self.design.propulsion_power_w)
+        return self.design._replace(
+            propulsion_power_w=np.where(np.isfinite(power_w), power_w, NO_FLIGHT_W),
+            constant_power_w=self._over_scenarios(self.design.constant_power_w),
+        )
+
+    @cached_property
+    def _part(self) -> PartLoad | None:
+        """Part load with axes for scenarios and time."""
+        if self.part_load is None:
+            return None
+        # As fast as the wind every scenario has its own already.
+        return self.part_load.spread(1 if self.own_propulsion_w is not None else 2 - self.paired)
+
+    def _over_scenarios(self, value: ArrayLike) -> FloatArray:
+        return np.asarray(value) if self.paired else np.asarray(value)[..., np.newaxis]
+
+
+def flown_cycle(
+    loads: DesignLoads | Sequence[DesignLoads], store: Store, *, keep_trajectory: bool = True
+) -> tuple[Cycle, FloatArray, FloatArray]:
+    """Cycle, load and nominal load [W]; of a sequence stacked on a first axis.
+
+    Of a mission with a flight from launch to landing the cycle is that flight's.
+    """
+    every = [loads] if isinstance(loads, DesignLoads) else list(loads)
+    each = zip(*((one.solar_w, one.load_w(), one.nominal_w()) for one in every), strict=True)
+    solar_w, load_w, nominal_w = (
+        parts[0] if isinstance(loads, DesignLoads) else np.stack(parts) for parts in each
+    )
+    day = every[0].day
+    window_h = every[0].mission.flight_window_h(day.scenarios)
+    powers = day.time_h, solar_w, load_w, store
+    options: dict[str, Any] = {"nominal_load_w": nominal_w, "keep_trajectory": keep_trajectory}
+    if window_h is None:
+        return simulate_cycle(*powers, **options), load_w, nominal_w
+    return simulate_flight(*powers, window_h, **options), load_w, nominal_w
+
+
+def load_profile(
+    time_h: ArrayLike,
+    design: Design,
+    mission: Mission,
+    sunrise_h: ArrayLike,
+    sunset_h: ArrayLike,
+    part_load: PartLoad | None = None,
+) -> Value:
+    """Load over the day: level flight, turbulence and thermals.
+
+    ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: power of a
+    propulsion whose efficiency is that of the moment, with axes for scenarios and time. Returns
+    power that the aircraft draws [W].
+    """
+    propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
+    constant = np.asarray(design.constant_power_w)[..., np.newaxis]
+    if part_load is None and not np.any(mission.turbulence.thermal):
+        load = propulsion * (1.0 + np.asarray(mission.turbulence.all_day, float)[..., np.newaxis])
+        load = load + constant
+        shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))
+        return np.broadcast_to(load, shape)
+    thrust = load_shape(mission, time_h, sunrise_h, sunset_h)
+    return propulsion * (thrust if part_load is None else part_load.at(thrust)) + constant
+
+
+def load_shape(
+    mission: Mission, time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike
+) -> FloatArray:
+    """Thrust power over that of level flight at the nodes [-], with the time as last axis."""
+    all_day, most = (
+        np.asarray(value, float)[..., np.newaxis]
+        for value in (mission.turbulence.all_day, mission.turbulence.thermal)
+    )
+    return np.asarray(1.0 + all_day + most * thermal_shape(time_h, sunrise_h, sunset_h))
+
+
+def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) -> Value:
+    """Triangle over the lit day: 0 at sunrise and sunset, 1 half-way between.
+
+    Returns share of the thermals' extra power [-].
+    """
+    rise = np.asarray(sunrise_h, float)[..., np.newaxis]
+    half = (np.asarray(sunset_h, float)[..., np.newaxis] - rise) / 2.0
+    distance = np.abs(np.asarray(time_h, float) % HOURS_PER_DAY - (rise + half))
+    sunlit = half > 0.0
+    return np.where(sunlit, np.maximum(1.0 - distance / np.where(sunlit, half, 1.0), 0.0), 0.0)

@@ -1,0 +1,172 @@
+"""A flight on the calendar: launched at a date and clock time with a given state of charge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from missions import dates
+from missions.mission import Launch, Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.day.balance import PowerBalance
+from sizing.day.battery import Store
+from sizing.day.cycle import FULL
+from sizing.day.light import UNCORRECTED_CAM, SolarModel
+from sizing.day.light_at_instants import power_on_calendar
+from sizing.day.load import load_profile, part_load_of
+from sizing.day.march import empty_after_h, full_after_h, march
+from sizing.design import Design
+from sizing.mass_budget import design_of
+from sizing.validity.checks import charge_rate_check, correction_check, design_checks
+from sizing.validity.extrapolations import told
+from sizing.validity.ranges import Extrapolation
+from solar.sun import declination, solar_time_h, sun_times
+from solar.types import FloatArray
+
+CALENDAR_STEP_H = 1.0 / 60.0
+
+
+@dataclass(frozen=True)
+class CalendarRun:
+    """Trajectory of one flight on the calendar.
+
+    Attributes
+    ----------
+    clock_h : ndarray
+        Local clock time [h], counted on from 00:00 of the launch date without wrapping.
+    time_solar_h, day_of_year : ndarray
+        Local solar time [h] and fractional day of year (UTC) at each node.
+    solar_power_w, load_w, energy_wh, state_of_charge : ndarray
+        Power [W], stored energy [Wh] and state of charge [-] at each node.
+    full_charge_clock_h : tuple of float
+        First instant of full charge on each local day that has one (clock as above).
+    empty_clock_h : float or None
+        When the battery ran empty; the run ends there.
+    extrapolations : tuple of Extrapolation
+        What lies outside the range of a model.
+    """
+
+    launch: Launch
+    design: Design
+    clock_h: FloatArray
+    time_solar_h: FloatArray
+    day_of_year: FloatArray
+    solar_power_w: FloatArray
+    load_w: FloatArray
+    energy_wh: FloatArray
+    state_of_charge: FloatArray
+    full_charge_clock_h: tuple[float, ...]
+    empty_clock_h: float | None
+    extrapolations: tuple[Extrapolation, ...] = ()
+
+    @property
+    def minimum_state_of_charge(self) -> float:
+        """Least state of charge after the first full charge (of the whole run if there is none)."""
+        begin = self.full_charge_clock_h[0] if self.full_charge_clock_h else self.clock_h[0]
+        return float(self.state_of_charge[self.clock_h >= begin].min())
+
+
+def calendar_run(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel = UNCORRECTED_CAM,
+    *,
+    step_h: float = CALENDAR_STEP_H,
+) -> CalendarRun:
+    """Fly a mission that has a launch; the date advances and the sun with it.
+
+    Parameters
+    ----------
+    aircraft, mission
+        What flies, and where; the mission has ``launch`` and a longitude.
+    solar : SolarModel
+        Solar power model and its correction.
+    step_h : float
+        Largest time step [h].
+
+    Returns
+    -------
+    CalendarRun
+        Ends early where the battery runs empty.
+
+    Raises
+    ------
+    ValueError
+        If the mission has no launch.
+    """
+    launch = mission.launch
+    if launch is None or mission.longitude_deg is None:
+        raise ValueError(f"mission {mission.name} has no launch date and time to fly from")
+    latitude = mission.latitudes()[0]
+    count = int(np.ceil(launch.duration_h / step_h - 1e-9)) + 1
+    clock = launch.clock_h + np.linspace(0.0, launch.duration_h, count)
+    utc = clock - launch.utc_offset_h
+    day = dates.day_of_year(launch.date) + utc / 24.0
+    solar_clock = solar_time_h(utc, day, mission.longitude_deg)
+    power = aircraft.modules.area_m2 * power_on_calendar(
+        aircraft, mission, solar, day, solar_clock % 24.0
+    )
+    design = design_of(aircraft, mission)
+    times = sun_times(latitude, declination(day))
+    store = Store.of(aircraft.battery, design.battery_energy_wh)
+    parts = part_load_of(aircraft, mission, design)
+    hour_h, around = (solar_clock % 24.0)[:, np.newaxis], (times.sunrise_h, times.sunset_h)
+
+    load = np.asarray(load_profile(hour_h, design, mission, *around, parts)[:, 0])
+    balance = PowerBalance.of(clock, power, load)
+    stored, full, empty = _charge_until_empty(balance, store, launch)
+    flown = slice(len(stored))
+    return CalendarRun(
+        launch=launch,
+        design=design,
+        clock_h=clock[flown],
+        time_solar_h=solar_clock[flown] % 24.0,
+        day_of_year=day[flown],
+        solar_power_w=power[flown],
+        load_w=load[flown],
+        energy_wh=stored,
+        state_of_charge=stored / float(store.battery_energy_wh),
+        full_charge_clock_h=full,
+        empty_clock_h=empty,
+        extrapolations=_outside_ranges(aircraft, mission, solar, design, day, power),
+    )
+
+
+def _outside_ranges(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    design: Design,
+    day_of_year: FloatArray,
+    solar_power_w: FloatArray,
+) -> tuple[Extrapolation, ...]:
+    """What the flight takes from outside the range of a model."""
+    days = (np.unique(np.floor(day_of_year).astype(int)) - 1) % dates.DAYS_PER_YEAR + 1
+    scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), days)
+    checks = [
+        *design_checks(aircraft, mission, design, solar),
+        *correction_check(scenarios, solar, mission),
+        *charge_rate_check(aircraft, mission, design, np.max(solar_power_w)),
+    ]
+    return told(checks, scenarios)
+
+
+def _charge_until_empty(
+    balance: PowerBalance, store: Store, launch: Launch
+) -> tuple[FloatArray, tuple[float, ...], float | None]:
+    """Energy at the nodes until the battery is empty [Wh], instants of full and of empty [h]."""
+    energy_wh = launch.state_of_charge * store.battery_energy_wh
+    stored = [float(energy_wh)]
+    full: dict[int, float] = {}  # the first instant of each local day
+    for step in march(balance, store, np.asarray(energy_wh)):
+        start_h = step.interval.start_h
+        stored.append(float(step.end_wh))
+        reached = step.after_charge_wh >= store.battery_energy_wh * FULL
+        if reached and step.after_charge_wh > step.before_charge_wh:
+            instant_h = float(start_h + full_after_h(step.interval, store, step.before_charge_wh))
+            full.setdefault(int(instant_h // 24.0), instant_h)
+        if step.unserved_wh > 1e-9 * store.battery_energy_wh:
+            empty_h = float(start_h + empty_after_h(step.interval, step.unserved_wh))
+            return np.asarray(stored), tuple(full.values()), empty_h
+    return np.asarray(stored), tuple(full.values()), None

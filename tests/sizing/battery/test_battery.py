@@ -1,0 +1,264 @@
+"""Charge limits and the clock that follows them, against numerical integration of the rate."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import exp, log
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from scipy.integrate import solve_ivp
+
+from missions.library import load_mission
+from sizing.battery.battery import Battery
+from sizing.battery.charge_limit import (
+    ChargeLimit,
+    NoChargeLimit,
+    RuleChargeLimit,
+    TableChargeLimit,
+    charge_rate_per_h,
+)
+from sizing.day.battery import ChargeClock, Store
+from sizing.library import load_aircraft
+from sizing.mass_budget import design_of
+
+# The pack of AtlantikSolar AS-2, measured at 25 V: 732 Wh.
+MEASURED_SOC = (0.78, 0.82, 0.86, 0.89, 0.90, 0.92, 0.93, 0.94, 0.95, 0.96, 0.97, 0.98, 0.99)
+MEASURED_A = (10.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.5, 3.0, 2.0, 1.5, 1.0, 0.8, 0.6)
+MEASURED = TableChargeLimit(
+    state_of_charge=MEASURED_SOC, current_a=MEASURED_A, voltage_v=25.0, pack_energy_wh=732.0
+)
+RULE = RuleChargeLimit()
+LIMITS = pytest.mark.parametrize("limit", [RULE, MEASURED], ids=["rule", "table"])
+
+socs = st.floats(0.0, 1.0)
+rules = st.builds(
+    RuleChargeLimit,
+    c_rate_per_h=st.floats(0.05, 5.0),
+    taper_start=st.floats(0.0, 0.95),
+    relative_rate_at_full=st.floats(0.01, 1.0),
+)
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> TableChargeLimit:
+    """Tables whose current falls with the state of charge, as chargers do."""
+    count = draw(st.integers(2, 8))
+    gaps = draw(st.lists(st.floats(0.01, 1.0), min_size=count, max_size=count))
+    knots = np.cumsum(gaps) / sum(gaps) * draw(st.floats(0.3, 1.0))
+    steps = draw(st.lists(st.floats(0.1, 5.0), min_size=count, max_size=count))
+    return TableChargeLimit(
+        state_of_charge=tuple(knots.tolist()),
+        current_a=tuple(np.cumsum(steps)[::-1].tolist()),
+        voltage_v=25.0,
+        pack_energy_wh=700.0,
+    )
+
+
+limits = st.one_of(rules, tables())
+
+
+def scalar_rate(limit: ChargeLimit, soc: float) -> float:
+    """Rate [1/h] written out for one number, independently of the module."""
+    if isinstance(limit, RuleChargeLimit):
+        if soc <= limit.taper_start:
+            return limit.c_rate_per_h
+        way = (soc - limit.taper_start) / (1.0 - limit.taper_start)
+        return limit.c_rate_per_h * exp(way * log(limit.relative_rate_at_full))
+    per_ampere = limit.voltage_v / limit.pack_energy_wh
+    points = list(zip(limit.state_of_charge, limit.current_a, strict=True))
+    if soc <= points[0][0]:
+        return points[0][1] * per_ampere
+    for (x0, y0), (x1, y1) in pairwise(points):
+        if soc <= x1:
+            return (y0 + (y1 - y0) * (soc - x0) / (x1 - x0)) * per_ampere
+    return points[-1][1] * per_ampere
+
+
+def integrated(limit: ChargeLimit, start: float, hours: float) -> float:
+    """State of charge after following the limit, by an adaptive integrator that stops at full."""
+
+    def full(_: float, soc: np.ndarray) -> float:
+        return float(soc[0]) - 1.0
+
+    full.terminal = True  # type: ignore[attr-defined]
+    solution = solve_ivp(
+        lambda _, soc: [scalar_rate(limit, float(soc[0]))],
+        (0.0, hours),
+        [start],
+        events=full,
+        rtol=1e-9,
+        atol=1e-11,
+        max_step=0.02,
+    )
+    return min(float(solution.y[0, -1]), 1.0)
+
+
+# ---- the limits
+
+
+def test_rule_is_half_a_capacity_per_hour_up_to_ninety_percent() -> None:
+    # The published rule: 0.5 C up to 90 %, then exponentially to 4.6 % of that at full charge.
+    # Exact but for the rounding of exp and log.
+    assert charge_rate_per_h(RULE, [0.0, 0.5, 0.9]) == pytest.approx([0.5, 0.5, 0.5], rel=1e-12)
+    assert charge_rate_per_h(RULE, 1.0) == pytest.approx(0.5 * 0.046, rel=1e-12)
+    # Exponential: half-way the rate is the geometric mean of its ends.
+    assert charge_rate_per_h(RULE, 0.95) == pytest.approx(0.5 * 0.046**0.5, rel=1e-12)
+
+
+def test_measured_limit_is_its_table_and_constant_outside() -> None:
+    watts = charge_rate_per_h(MEASURED, MEASURED_SOC) * 732.0
+    # Only rounding separates the two.
+    assert watts == pytest.approx(25.0 * np.asarray(MEASURED_A), rel=1e-12)
+    assert charge_rate_per_h(MEASURED, [0.0, 0.5]) * 732.0 == pytest.approx([250.0, 250.0])
+    assert charge_rate_per_h(MEASURED, 1.0) * 732.0 == pytest.approx(15.0)
+    # Half-way between 0.82 (8 A) and 0.86 (7 A).
+    assert charge_rate_per_h(MEASURED, 0.84) * 732.0 == pytest.approx(25.0 * 7.5, rel=1e-12)
+
+
+@given(limit=limits, soc=socs)
+def test_rate_equals_the_scalar_formula(limit: ChargeLimit, soc: float) -> None:
+    # Same arithmetic in another order: rounding alone.
+    assert float(charge_rate_per_h(limit, soc)) == pytest.approx(scalar_rate(limit, soc), rel=1e-9)
+
+
+def test_no_limit_has_no_rate_and_no_clock() -> None:
+    assert ChargeClock.of(NoChargeLimit()) is None
+    with pytest.raises(ValueError, match="no finite charge rate"):
+        charge_rate_per_h(NoChargeLimit(), 0.5)
+
+
+@pytest.mark.parametrize(
+    ("soc", "current", "message"),
+    [
+        ((0.5, 0.9, 1.0), (5.0, 1.0), "same length"),
+        ((0.9, 0.5), (5.0, 1.0), "increase strictly"),
+        ((0.5, 0.5), (5.0, 1.0), "increase strictly"),
+        ((0.5, 1.1), (5.0, 1.0), "less than or equal to 1"),
+        ((0.5, 1.0), (5.0, 0.0), "greater than 0"),
+        # Started empty, a charger that begins slowly is another one than started full.
+        ((0.5, 1.0), (1.0, 5.0), "must not rise with the state of charge"),
+    ],
+)
+def test_bad_tables_are_refused(
+    soc: tuple[float, ...], current: tuple[float, ...], message: str
+) -> None:
+    with pytest.raises(ValidationError, match=message):
+        TableChargeLimit(
+            state_of_charge=soc, current_a=current, voltage_v=25.0, pack_energy_wh=700.0
+        )
+
+
+# ---- the clock
+
+
+@LIMITS
+@pytest.mark.parametrize("start", [0.0, 0.3, 0.77, 0.85, 0.93, 0.99])
+@pytest.mark.parametrize("hours", [0.01, 0.3, 1.5, 4.0])
+def test_clock_follows_the_limit(limit: ChargeLimit, start: float, hours: float) -> None:
+    clock = ChargeClock.of(limit)
+    found = float(clock.after(np.asarray(start), hours))
+    # The clock's table has 4001 points: 1e-6 h of trapezoidal error at rates below 0.5/h, and the
+    # inverse interpolation of a curved clock errs by as little; 2e-6 leaves room for both.
+    assert found == pytest.approx(integrated(limit, start, hours), abs=2e-6)
+
+
+@settings(max_examples=25, deadline=None)
+@given(limit=limits, start=st.floats(0.0, 0.999), hours=st.floats(0.001, 3.0))
+def test_any_clock_follows_its_limit(limit: ChargeLimit, start: float, hours: float) -> None:
+    clock = ChargeClock.of(limit)
+    found = float(clock.after(np.asarray(start), hours))
+    # The spacing of the table, 2.5e-4, squared times the steepest relative fall of the rate that
+    # is drawn (ln 100 within 5 % of charge, so 92 per unit): (2.5e-4)^2 * 92 = 6e-6.
+    assert found == pytest.approx(integrated(limit, start, hours), abs=1e-5)
+
+
+def test_clock_of_the_rule_in_closed_form() -> None:
+    clock = ChargeClock.of(RULE)
+    # At 0.5 C one hour charges half the battery: no approximation below the taper, only rounding.
+    assert float(clock.after(np.asarray(0.1), 1.0)) == pytest.approx(0.6, abs=1e-12)
+    # 0.9/0.5 h at constant current; the taper takes (1/r - 1) / (k 0.5 C), k = -ln r / 0.1.
+    decay = -log(0.046) / 0.1
+    expected = 1.8 + (1.0 / 0.046 - 1.0) / (decay * 0.5)
+    # The trapezoidal rule's error, promised below 1e-6 h over the whole table.
+    assert float(clock.hours_to_full(np.asarray(0.0))) == pytest.approx(expected, abs=1e-5)
+
+
+@given(
+    limit=limits,
+    start=socs,
+    first=st.floats(0.0, 5.0),
+    second=st.floats(0.0, 5.0),
+)
+def test_two_steps_are_one_step(
+    limit: ChargeLimit, start: float, first: float, second: float
+) -> None:
+    clock = ChargeClock.of(limit)
+    soc = np.asarray(start)
+    at_once = clock.after(soc, first + second)
+    in_turn = clock.after(clock.after(soc, first), second)
+    # A shift along one table: the interpolations cancel exactly, rounding stays.
+    assert float(in_turn) == pytest.approx(float(at_once), abs=1e-10)
+
+
+@given(limit=limits, start=socs, hours=st.floats(0.0, 10.0), longer=st.floats(0.0, 5.0))
+def test_clock_is_monotonic_and_stays_within_the_battery(
+    limit: ChargeLimit, start: float, hours: float, longer: float
+) -> None:
+    clock = ChargeClock.of(limit)
+    soc = np.asarray(start)
+    after, later = clock.after(soc, hours), clock.after(soc, hours + longer)
+    # A round trip through the table may lose the last digits.
+    assert start - 1e-12 <= after <= later + 1e-12
+    assert later <= 1.0
+    fuller = clock.after(np.asarray(min(start + 0.1, 1.0)), hours)
+    assert fuller >= after - 1e-12
+
+
+@given(limit=limits, start=st.floats(0.0, 0.99))
+def test_hours_to_full_is_when_the_clock_arrives(limit: ChargeLimit, start: float) -> None:
+    clock = ChargeClock.of(limit)
+    hours = float(clock.hours_to_full(np.asarray(start)))
+    assume(hours > 1e-3)
+    # Rounding of the table's sums.
+    assert float(clock.after(np.asarray(start), hours)) == pytest.approx(1.0, abs=1e-9)
+    assert float(clock.after(np.asarray(start), 0.9 * hours)) < 1.0
+
+
+def test_charging_adds_the_constant_power_of_the_limit() -> None:
+    # 0.2 of 800 Wh an hour is 160 W, whatever the sun leaves over; an hour and a half of it 240 Wh.
+    limit = RuleChargeLimit(c_rate_per_h=0.2, taper_start=0.9, relative_rate_at_full=0.05)
+    battery = Battery(
+        mass_kg=4.0, specific_energy_wh_per_kg=200.0, charge_efficiency=0.9, charge_limit=limit
+    )
+    store = Store.of(battery)
+    found = store.charged(np.array([0.0, 100.0]), np.array([600.0, 500.0]), 1.5)
+    assert found == pytest.approx([240.0, 340.0], rel=1e-12)
+    # Less than that is stored as it comes, at the charge efficiency.
+    assert store.charged(np.array([100.0]), np.array([50.0]), 1.5) == pytest.approx([145.0])
+
+
+def test_below_the_floor_nothing_is_drawn() -> None:
+    keys = {"mass_kg": 2.0, "specific_energy_wh_per_kg": 250.0}
+    volts = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0, 4.0]}
+    floor = Battery.model_validate({**keys, "minimum_state_of_charge": 0.2, "voltage": volts})
+    assert floor.capacity_fraction(20.0) == pytest.approx(0.8)
+    assert floor.ends_v == pytest.approx((6 * 3.2, 6 * 4.0))
+    pack = {"cell": "samsung-50e", "minimum_state_of_charge": 0.2}
+    window = {"cells_in_series": 6, "cells_in_parallel": 4, "minimum_state_of_charge": 0.1}
+    with pytest.raises(ValidationError, match="give one floor"):
+        Battery.model_validate({**pack, "pack": window})
+    whole = {"cell": "amprius-sa03-pack", "mass_kg": 2.556, "minimum_state_of_charge": 0.2}
+    assert Battery.model_validate(whole).capacity_fraction(20.0) == pytest.approx(0.8)
+
+
+def test_a_flight_has_the_energy_above_the_floor() -> None:
+    mission = load_mission("rafz-july")
+    whole, kept = (
+        design_of(load_aircraft("atlantiksolar-as2", changes), mission).battery_energy_wh
+        for changes in ({}, {"battery.minimum_state_of_charge": 0.15})
+    )
+    assert kept == pytest.approx(0.85 * whole)

@@ -1,0 +1,231 @@
+"""Temperature, internal resistance and age of the battery, against hand values and invariants."""
+
+from __future__ import annotations
+
+from math import exp
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import aircraft, mission
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from sizing.aircraft import Aircraft
+from sizing.battery.battery import Battery
+from sizing.battery.condition import (
+    Ageing,
+    BatteryTemperature,
+    InternalResistance,
+    cycles_to_end_of_life,
+)
+from sizing.day.battery import Store
+from sizing.day.replay import calendar_run
+from sizing.parameters import with_parameter
+from sizing.program.objectives import Objective
+from sizing.program.size import size_aircraft
+from sizing.results.analysis import analyse
+from sizing.results.conditions import battery_line, battery_record
+
+PLAIN = Battery(mass_kg=3.0, specific_energy_wh_per_kg=250.0)
+temperatures = st.floats(-60.0, 60.0)
+
+
+def heated(**changes: float) -> BatteryTemperature:
+    return BatteryTemperature(**({"held_c": 10.0, "heat_loss_w_per_k": 0.4} | changes))
+
+
+@given(temperatures)
+def test_a_battery_without_them_is_the_same_in_any_air(air_c: float) -> None:
+    assert PLAIN.capacity_fraction(air_c) == 1.0
+    assert PLAIN.heater_w(air_c) == 0.0
+    assert PLAIN.mean_charge_efficiency == PLAIN.charge_efficiency
+    assert PLAIN.mean_discharge_efficiency == PLAIN.discharge_efficiency
+
+
+@given(temperatures, temperatures)
+def test_capacity_falls_with_cold(first_c: float, second_c: float) -> None:
+    table = BatteryTemperature(ambient_offset_k=5.0)
+    cold, warm = sorted((first_c, second_c))
+    assert table.capacity_fraction(cold) <= table.capacity_fraction(warm) <= 1.0
+
+
+def test_capacity_is_that_of_the_specification() -> None:
+    # Samsung INR18650-15L, section 7.5; linear between, constant beyond.
+    points = np.array([-40.0, -20.0, -10.0, 0.0, 12.5, 25.0, 60.0, 90.0])
+    expected = [0.6, 0.6, 0.75, 0.8, 0.9, 1.0, 1.0, 1.0]
+    assert BatteryTemperature().capacity_fraction(points) == pytest.approx(expected)
+
+
+@given(temperatures, st.floats(-5.0, 10.0), st.floats(0.1, 30.0))
+def test_the_heater_gives_what_the_pack_loses(air_c: float, offset_k: float, most_w: float) -> None:
+    pack = heated(ambient_offset_k=offset_k, heater_power_w=most_w)
+    lost_w = 0.4 * (pack.pack_c(air_c) - air_c - offset_k)
+    assert pack.heater_w(air_c) == pytest.approx(lost_w, abs=1e-9)
+    assert 0.0 <= pack.heater_w(air_c) <= most_w
+    assert pack.pack_c(air_c) <= max(10.0, air_c + offset_k) + 1e-9
+
+
+def test_an_unlimited_heater_holds_the_temperature() -> None:
+    air_c = np.array([-30.0, 0.0, 10.0, 20.0])
+    assert heated().pack_c(air_c) == pytest.approx([10.0, 10.0, 10.0, 20.0])
+    assert heated().heater_w(air_c) == pytest.approx([16.0, 4.0, 0.0, 0.0])
+
+
+def test_fade_is_the_published_law() -> None:
+    aged = Ageing(cycles=100.0, months=12.0, depth_of_discharge=0.8, mean_voltage_v=3.7)
+    calendar = (7.543 * 3.7 - 23.75) * 1e6 * exp(-6976.0 / 298.15) * 365.0**0.75
+    cycle = (7.348e-3 * 0.033**2 + 7.6e-4 + 4.081e-3 * 0.8) * (100 * 2 * 0.8 * 2.05) ** 0.5
+    assert aged.calendar_fade() == pytest.approx(calendar, rel=1e-12)
+    assert aged.cycle_fade() == pytest.approx(cycle, rel=1e-12)
+    assert aged.capacity_fraction() == pytest.approx(1.0 - calendar - cycle, rel=1e-12)
+    assert calendar == pytest.approx(0.0239, abs=1e-3)
+    assert cycle == pytest.approx(0.073, abs=1e-3)
+
+
+@given(st.floats(0.0, 500.0), st.floats(0.0, 36.0), st.floats(1.0, 300.0), st.floats(0.05, 1.0))
+def test_capacity_falls_and_resistance_rises_with_age(
+    cycles: float, months: float, more: float, depth: float
+) -> None:
+    young = Ageing(cycles=cycles, months=months, depth_of_discharge=depth)
+    for older in (
+        young.model_copy(update={"cycles": cycles + more}),
+        young.model_copy(update={"months": months + more / 30.0}),
+    ):
+        assert older.capacity_fraction() < young.capacity_fraction()
+        assert older.resistance_factor() > young.resistance_factor()
+
+
+def test_a_season_is_its_cycles_and_a_year() -> None:
+    season = Ageing(seasons_flown=2.0, cycles_per_season=150.0)
+    assert season.capacity_fraction() == Ageing(cycles=300.0, months=24.0).capacity_fraction()
+    assert Ageing().capacity_fraction() == Ageing().resistance_factor() == 1.0
+
+
+def test_life_ends_where_the_law_says_and_sooner_deep_or_warm() -> None:
+    ageing = Ageing(depth_of_discharge=0.6)
+    life = cycles_to_end_of_life(ageing)
+    flown = ageing.model_copy(update={"cycles": life, "months": life * 12.0 / 365.0})
+    assert flown.capacity_fraction() == pytest.approx(0.8, abs=1e-3)
+    assert cycles_to_end_of_life(Ageing(depth_of_discharge=1.0)) < life
+    assert cycles_to_end_of_life(Ageing(temperature_c=35.0)) < life
+
+
+def test_efficiencies_are_the_voltage_that_is_left() -> None:
+    law = InternalResistance(loss_at_1c=0.05, discharge_rate_per_h=0.1, charge_rate_per_h=0.3)
+    assert law.discharge_efficiency(1.0) == pytest.approx(1.0 - 0.005)
+    assert law.charge_efficiency(1.0) == pytest.approx(1.0 / 1.015)
+    cold = law.model_copy(update={"temperature_c": 0.0})
+    assert cold.discharge_efficiency(1.0) < law.discharge_efficiency(1.0)
+    faster = law.model_copy(update={"discharge_rate_per_h": 0.2, "charge_rate_per_h": 0.5})
+    assert faster.discharge_efficiency(1.0) < law.discharge_efficiency(1.0)
+    assert faster.charge_efficiency(1.0) < law.charge_efficiency(1.0)
+
+
+def test_the_march_takes_the_efficiencies_of_the_aged_resistance() -> None:
+    law = InternalResistance(loss_at_1c=0.05, discharge_rate_per_h=0.1, charge_rate_per_h=0.3)
+    new = PLAIN.model_copy(update={"resistance": law})
+    old = new.model_copy(update={"ageing": Ageing(cycles=300.0, months=24.0)})
+    assert Store.of(new).discharge_efficiency == law.discharge_efficiency(1.0)
+    assert Store.of(old).discharge_efficiency < Store.of(new).discharge_efficiency
+    assert Store.of(old).charge_efficiency < Store.of(new).charge_efficiency
+
+
+@pytest.mark.parametrize(
+    ("record", "values", "message"),
+    [
+        (BatteryTemperature, {"held_c": 5.0}, "needs held_c and either"),
+        (BatteryTemperature, {"heater_power_w": 5.0}, "needs held_c"),
+        (BatteryTemperature, {"table_c": (0.0, 10.0)}, "same length"),
+        (
+            BatteryTemperature,
+            {"table_c": (10.0, 0.0), "table_capacity_fraction": (0.9, 1.0)},
+            "increase",
+        ),
+        (Ageing, {"cycles": 1e6}, "nothing is left"),
+        (
+            InternalResistance,
+            {"loss_at_1c": 1.0, "discharge_rate_per_h": 1.0, "charge_rate_per_h": 0.1},
+            "of the voltage",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(record: type, values: dict[str, float], message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        record(**values)
+
+
+IN_FLIGHT = (
+    "battery.temperature={held_c: 10, heat_loss_w_per_k: 0.2}",
+    "battery.resistance={loss_at_1c: 0.05, discharge_rate_per_h: 0.06, charge_rate_per_h: 0.2}",
+    "battery.ageing={seasons_flown: 1}",
+)
+COLD = mission(air={"ambient_temperature_c": -5.0})
+
+
+def spelled_out(name: str) -> Aircraft:
+    """Aircraft whose plain keys say what IN_FLIGHT makes of it in the cold."""
+    flown = aircraft(name, *IN_FLIGHT).battery
+    plain = aircraft(name)
+    for key, value in {
+        "battery.specific_energy_wh_per_kg": plain.battery.specific_energy_wh_per_kg
+        * flown.capacity_fraction(-5.0),
+        "battery.charge_efficiency": flown.mean_charge_efficiency,
+        "battery.discharge_efficiency": flown.mean_discharge_efficiency,
+        "power.avionics_w": plain.power.avionics_w + 0.2 * 15.0 * plain.power.supply_efficiency,
+    }.items():
+        plain, _ = with_parameter(plain, COLD, key, float(value))
+    return plain
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "flight", [{}, {"climb": {"ceiling_m": 1500.0}}], ids=["constant altitude", "climb"]
+)
+def test_an_analysis_is_that_of_the_plain_keys_that_say_the_same(flight: dict[str, Any]) -> None:
+    where = mission(air={"ambient_temperature_c": -5.0}, **flight)
+    found = analyse(aircraft("atlantiksolar-as2", *IN_FLIGHT), where)
+    plain = analyse(spelled_out("atlantiksolar-as2"), where)
+    assert found.excess_time_h == pytest.approx(plain.excess_time_h, abs=1e-9)
+    assert found.excess_time_h < analyse(aircraft("atlantiksolar-as2"), where).excess_time_h
+
+
+def test_a_replay_is_that_of_the_plain_keys_that_say_the_same() -> None:
+    launch = {"date": "07-14", "time_local": "10:00", "duration_h": 30.0}
+    where = mission(air={"ambient_temperature_c": -5.0}, launch=launch, longitude_deg=8.5)
+    charge = [
+        calendar_run(craft, where, step_h=0.25).state_of_charge
+        for craft in (aircraft("atlantiksolar-as2", *IN_FLIGHT), spelled_out("atlantiksolar-as2"))
+    ]
+    assert charge[0] == pytest.approx(charge[1], abs=1e-12)
+
+
+def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same() -> None:
+    sized = [
+        size_aircraft(craft, COLD, Objective.min_mass)
+        for craft in (
+            aircraft("atlantiksolar-design", *IN_FLIGHT),
+            spelled_out("atlantiksolar-design"),
+            aircraft("atlantiksolar-design"),
+        )
+    ]
+    masses = [one.objective_value for one in sized]
+    assert masses[0] == pytest.approx(masses[1], rel=1e-6)
+    assert masses[0] > 1.02 * masses[2]
+    assert float(np.min(sized[0].simulated.cycle.excess_time_h)) >= 0.0
+
+
+def test_the_line_says_temperature_age_and_what_is_left() -> None:
+    craft = aircraft("atlantiksolar-as2", *IN_FLIGHT)
+    line = battery_line(craft, battery_record(craft, COLD))
+    assert line.startswith(
+        "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
+    )
+    text = analyse(craft, COLD).summary().to_text()
+    assert "after 180 cycles" in text
+    record = battery_record(craft, COLD)
+    assert record["capacity_fraction"] == craft.battery.capacity_fraction(-5.0)
+    plain = aircraft("atlantiksolar-as2")
+    assert battery_line(plain, battery_record(plain, COLD)) is None
+    assert "battery_condition" not in analyse(aircraft("atlantiksolar-as2"), COLD).to_dict()

@@ -1,0 +1,154 @@
+"""Batteries of whole cells: mass, energy, voltage and charge current, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from builders import DESIGN
+
+import sizing
+from missions.files.errors import InputError
+from sizing.aircraft import Aircraft
+from sizing.battery.battery import Battery
+
+# A cell of 3.2 Ah, 3.7 V and 44.5 g that is charged with 3.1 A.
+ENTRY = """\
+label: a cell
+source: numbers of this test
+nominal_voltage_v: 3.7
+capacity_ah: 3.2
+mass_kg: 0.0445
+maximum_charge_current_a: 3.1
+"""
+VOLTAGE = {
+    "cells_in_series": 6,
+    "state_of_charge": [0.0, 0.2, 1.0],
+    "cell_voltage_v": [3.0, 3.4, 4.2],
+}
+
+
+@pytest.fixture
+def cell(tmp_path: Path) -> str:
+    file = tmp_path / "cell.yaml"
+    file.write_text(ENTRY, encoding="utf-8")
+    return str(file)
+
+
+def battery(**data: Any) -> Battery:
+    return Battery.model_validate(data)
+
+
+def test_mass_energy_voltage_and_current_are_those_of_the_cells(cell: str) -> None:
+    one = battery(cell=cell, pack={"cells_in_parallel": 9}, voltage=VOLTAGE)
+    assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
+    # The catalogue keeps six digits of the energy over mass.
+    assert one.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
+    assert one.ends_v == pytest.approx((18.0, 25.2))
+    assert one.pack.charge_current_a == pytest.approx(9 * 3.1)
+    limit = one.charge_limit
+    assert limit.c_rate_per_h == pytest.approx(3.1 / 3.2, rel=1e-5)
+
+
+def test_wiring_and_housing_add_to_the_mass_and_not_to_the_energy(cell: str) -> None:
+    one = battery(
+        cell=cell, cell_mass_fraction=0.9, pack={"cells_in_series": 6, "cells_in_parallel": 9}
+    )
+    assert one.mass_kg == pytest.approx(54 * 0.0445 / 0.9, rel=1e-12)
+    assert one.battery_energy_wh == pytest.approx(54 * 3.2 * 3.7, rel=1e-5)
+
+
+def test_window_leaves_a_part_of_the_energy_at_the_current_of_the_cells(cell: str) -> None:
+    window = {"minimum_state_of_charge": 0.1, "maximum_state_of_charge": 0.9}
+    one = battery(cell=cell, pack={"cells_in_parallel": 9} | window, voltage=VOLTAGE)
+    assert one.mass_kg == pytest.approx(54 * 0.0445, rel=1e-12)
+    assert one.battery_energy_wh == pytest.approx(0.8 * 54 * 3.2 * 3.7, rel=1e-5)
+    assert one.ends_v == pytest.approx((6 * 3.2, 6 * 4.1))
+    # Stored power at the largest current is the same: 9 times 3.1 A at the nominal voltage.
+    limit = one.charge_limit
+    power_w = limit.c_rate_per_h * one.battery_energy_wh
+    assert power_w == pytest.approx(9 * 3.1 * 6 * 3.7, rel=1e-4)
+
+
+def test_cells_in_parallel_follow_from_a_mass_of_whole_cells(cell: str) -> None:
+    one = battery(cell=cell, mass_kg=2.403, pack={"cells_in_series": 6})
+    assert one.pack.cells_in_parallel == 9
+    assert one.mass_kg == pytest.approx(2.403, rel=1e-12)
+
+
+def test_what_follows_is_not_written_and_follows_again(cell: str) -> None:
+    data = DESIGN.model_dump(mode="json", exclude_unset=True)
+    data["battery"] = {"cell": cell, "voltage": VOLTAGE, "pack": {"cells_in_parallel": 9}}
+    plane = Aircraft.model_validate(data)
+    written = plane.model_dump(mode="json", exclude_unset=True)
+    assert "mass_kg" not in written["battery"]
+    assert Aircraft.model_validate(written) == plane
+
+
+def test_a_cell_without_a_mass_has_that_of_its_specific_energy(tmp_path: Path) -> None:
+    file = tmp_path / "cell.yaml"
+    known = ENTRY.replace("mass_kg: 0.0445", "specific_energy_wh_per_kg: 250")
+    file.write_text(known, encoding="utf-8")
+    one = battery(cell=str(file), pack={"cells_in_series": 6, "cells_in_parallel": 9})
+    assert one.mass_kg == pytest.approx(54 * 3.2 * 3.7 / 250.0, rel=1e-12)
+
+
+SIX = {"cells_in_series": 6, "cell_mass_kg": 0.0486}
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (
+            {"pack": SIX | {"cells_in_series": 7}},
+            "mass_kg: must be that of whole cells, 2.722 kg (7 × 8) or 3.062 kg (7 × 9) "
+            "(got 2.918)",
+        ),
+        (
+            {"pack": SIX | {"cells_in_parallel": 11}},
+            "mass_kg: must be that of whole cells, 3.208 kg (6 × 11) (got 2.918)",
+        ),
+        (
+            {"pack": {"cells_in_parallel": 10, "cell_mass_kg": 0.0486}},
+            "pack.cells_in_series: required key is missing",
+        ),
+        (
+            {"pack": SIX | {"cells_in_series": 5}, "voltage": VOLTAGE},
+            "pack.cells_in_series: must be that of battery.voltage, 6 (got 5)",
+        ),
+        (
+            {"pack": SIX | {"minimum_state_of_charge": 0.1}},
+            "pack.minimum_state_of_charge: goes with battery.cell",
+        ),
+        (
+            {"pack": SIX | {"minimum_state_of_charge": 0.9, "maximum_state_of_charge": 0.2}},
+            "pack.maximum_state_of_charge: must be above minimum_state_of_charge 0.9 (got 0.2)",
+        ),
+        (
+            {"cell": "atlantiksolar-as2-pack", "pack": {"cells_in_series": 6}},
+            "pack: is of no use here: AtlantikSolar AS-2, pack of 2015 is a whole pack",
+        ),
+        ({"cell": "no-such", "pack": SIX}, "cell: the catalogue of batteries has no 'no-such'"),
+        ({"pack": 3}, "pack: "),
+        (
+            {"pack": {"cells_in_parallel": 16667, "cell_mass_kg": 0.0486}, "voltage": VOLTAGE},
+            "pack.cells_in_parallel: must be at most 16666: 100000 cells in all, 6 in "
+            "series (got 16667)",
+        ),
+    ],
+)
+def test_wrong_packs_are_refused(data: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError) as error:
+        sizing.load_aircraft(
+            "atlantiksolar-design", {f"battery.{key}": value for key, value in data.items()}
+        )
+    assert f"battery.{words}" in str(error.value)
+
+
+@pytest.mark.parametrize("value", [10**400, float("inf"), -1, 0, "6", None, True, [1]])
+@pytest.mark.parametrize("key", ["cells_in_series", "cells_in_parallel", "cell_mass_kg"])
+def test_no_value_is_a_traceback(key: str, value: Any) -> None:
+    pack = {"cells_in_series": 6, "cells_in_parallel": 10, "cell_mass_kg": 0.0486} | {key: value}
+    with pytest.raises(InputError):
+        sizing.load_aircraft("atlantiksolar-design", {"battery.pack": pack})

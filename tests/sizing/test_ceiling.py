@@ -1,0 +1,312 @@
+"""Highest altitude of perpetual flight: limits, invariants and independent arithmetic."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import ambiance
+import builders
+import numpy as np
+import pytest
+from builders import AS2, DESIGN, SKY_SAILOR
+
+from missions.mission import Mission
+from sizing import ceiling as module
+from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.ceiling import (
+    AltitudeFlight,
+    flight_at_altitude,
+    highest_perpetual_altitude,
+    scanned_altitudes_m,
+)
+from sizing.day.light import UNCORRECTED_CAM, SolarModel
+from sizing.mass_budget import ImpossibleDesignError
+from sizing.performance import performance
+
+mission = partial(builders.mission, dates={"on": "06-21"})
+
+
+def aerodynamics(aircraft: Aircraft) -> Any:
+    assert isinstance(aircraft.airframe, ParametricAirframe)
+    return aircraft.airframe.aerodynamics
+
+
+def with_polar(design_aspect_ratio: float = 18.5) -> Aircraft:
+    polar = {
+        "model": "wing_polar",
+        "airfoil": "mh114",
+        "design_aspect_ratio": design_aspect_ratio,
+        "design_reynolds": 158000.0,
+    }
+    data = DESIGN.model_dump(by_alias=True)
+    data["airframe"]["aerodynamics"] = polar
+    return Aircraft.model_validate(data)
+
+
+# ---- Altitude in air, Reynolds number and power
+
+
+@pytest.mark.parametrize("altitude_m", [0.0, 3000.0, 11000.0, 15000.0, 20000.0])
+def test_power_and_reynolds_number_follow_from_an_independent_atmosphere(altitude_m: float) -> None:
+    there = mission(altitude_m=altitude_m)
+    air = ambiance.Atmosphere(altitude_m)
+    density = float(air.density[0])
+    polar = aerodynamics(DESIGN)
+    found = flight_at_altitude(DESIGN, there, UNCORRECTED_CAM, altitude_m)
+    mass = performance(DESIGN, there).design.total_mass_kg
+    span, aspect = 5.65, 18.5
+    area = span**2 / aspect
+    speed = np.sqrt(2.0 * mass * 9.80665 / (density * area * 1.0))
+    # The reference gives the kinematic viscosity directly: Re = V c / nu.
+    reynolds = speed * (span / aspect) / float(air.kinematic_viscosity[0])
+    drag = 0.5 * density * speed**2 * area * polar.drag_coefficient(aspect, reynolds)
+    electric = drag * speed / (0.97 * 0.82 * 0.96 * 0.82)
+    # The two atmospheres agree to 1e-5, and the drag varies more slowly than either.
+    assert found.airspeed_m_per_s == pytest.approx(speed, rel=1e-5)
+    assert found.propulsion_power_w == pytest.approx(electric, rel=3e-5)
+
+
+def test_reynolds_number_falls_with_altitude_as_density_and_viscosity_say() -> None:
+    # Re = rho V c / mu with V ~ rho^-1/2: at 15 km 0.1948 of 1.225 kg/m3 and 14.22 of 17.89 uPa s
+    # (US Standard Atmosphere 1976) leave half of the Reynolds number at sea level.
+    expected = np.sqrt(0.19476 / 1.2250) * 17.894 / 14.216
+    low, high = (mission(altitude_m=h).air_state() for h in (0.0, 15000.0))
+
+    def reynolds_over_speed(air: Any) -> float:
+        return float(air.density_kg_per_m3 / air.dynamic_viscosity_pa_s)
+
+    ratio = reynolds_over_speed(high) / reynolds_over_speed(low)
+    speed_ratio = np.sqrt(float(low.density_kg_per_m3 / high.density_kg_per_m3))
+    assert ratio * speed_ratio == pytest.approx(expected, rel=1e-3)  # four printed digits
+
+
+def test_measured_power_grows_with_thinner_air_alone() -> None:
+    low = flight_at_altitude(AS2, mission(), UNCORRECTED_CAM, 536.0)
+    high = flight_at_altitude(AS2, mission(), UNCORRECTED_CAM, 12000.0)
+    ratio = float(ambiance.Atmosphere(536.0).density[0] / ambiance.Atmosphere(12000.0).density[0])
+    # The gas constants of the two implementations agree to five digits.
+    assert high.propulsion_power_w / low.propulsion_power_w == pytest.approx(ratio**0.5, rel=1e-5)
+    assert high.airspeed_m_per_s / low.airspeed_m_per_s == pytest.approx(ratio**0.5, rel=1e-5)
+
+
+def test_parametric_aircraft_needs_more_than_the_density_says() -> None:
+    # Drag rises as the Reynolds number falls; the measured power curve cannot know.
+    low = flight_at_altitude(DESIGN, mission(), UNCORRECTED_CAM, 536.0)
+    high = flight_at_altitude(DESIGN, mission(), UNCORRECTED_CAM, 12000.0)
+    by_density = (low.density_kg_per_m3 / high.density_kg_per_m3) ** 0.5
+    assert high.propulsion_power_w > 1.05 * by_density * low.propulsion_power_w
+
+
+@pytest.mark.parametrize("aircraft", [DESIGN, with_polar(), SKY_SAILOR])
+def test_power_grows_steadily_into_thin_air(aircraft: Aircraft) -> None:
+    power = [
+        flight_at_altitude(aircraft, mission(), UNCORRECTED_CAM, h).propulsion_power_w
+        for h in np.arange(0.0, 24001.0, 2000.0)
+    ]
+    assert np.all(np.isfinite(power))
+    assert np.all(np.diff(power) > 0.0)
+
+
+@pytest.mark.parametrize("aircraft", [DESIGN, with_polar()])
+def test_drag_rises_where_reynolds_numbers_fall_out_of_the_tables(aircraft: Aircraft) -> None:
+    # The polar tables start at 60 000; 1000 is beyond all that flies here.
+    reynolds = np.geomspace(1e3, 60e3, 200)
+    polar = aerodynamics(aircraft)
+    drag = np.asarray(polar.drag_coefficient(18.5, reynolds))
+    assert np.all(np.isfinite(drag))
+    assert np.all(np.diff(drag) < 0.0)
+
+
+# ---- The same weather at every altitude
+
+
+def test_mission_at_its_own_altitude_is_the_same_flight() -> None:
+    warm = mission(air={"ambient_temperature_c": 31.3, "module_temperature_c": 40.0})
+    same = warm.at_altitude(536.0)
+    # Temperature offset and back: rounding.
+    assert np.array(same.air_state()) == pytest.approx(np.array(warm.air_state()), rel=1e-12)
+    assert same.module_temperature_c() == pytest.approx(40.0, abs=1e-9)
+    there = performance(AS2, same).cycle.excess_time_h[0]
+    assert there == pytest.approx(performance(AS2, warm).cycle.excess_time_h[0], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "air", [{"ambient_temperature_c": 31.3}, {"temperature_offset_k": 19.784}, {}]
+)
+def test_warm_air_stays_as_much_warmer_aloft(air: dict[str, float]) -> None:
+    warm = mission(air=air)
+    standard = ambiance.Atmosphere(536.0).temperature[0]
+    offset = float(warm.air_state().temperature_k - standard)
+    there = warm.at_altitude(15000.0)
+    expected = ambiance.Atmosphere(15000.0).temperature[0] + offset
+    # The same gradients of the standard: rounding.
+    assert float(there.air_state().temperature_k) == pytest.approx(expected, abs=1e-9)
+    assert there.module_temperature_c() == pytest.approx(expected - 273.15, abs=1e-9)
+    assert float(there.air_state().pressure_pa) == pytest.approx(
+        float(mission(altitude_m=15000.0).air_state().pressure_pa)
+    )
+
+
+def test_modules_stay_as_much_warmer_than_the_air_aloft() -> None:
+    warm = mission(air={"ambient_temperature_c": 20.0, "module_temperature_c": 32.0})
+    there = warm.at_altitude(9000.0)
+    assert there.module_temperature_c() - float(there.air_state().temperature_c) == pytest.approx(
+        12.0
+    )
+
+
+# ---- The ceiling
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("aircraft", [AS2, DESIGN])
+@pytest.mark.parametrize("required_h", [0.0, 3.0])
+def test_ceiling_lies_where_analyse_finds_the_required_excess_time(
+    aircraft: Aircraft, required_h: float
+) -> None:
+    where = mission(required_excess_time_h=required_h)
+    found = highest_perpetual_altitude(aircraft, where, step_m=1000.0)
+    assert found.highest is not None
+    height = found.highest.altitude_m
+
+    def excess(altitude_m: float) -> float:
+        cycle = performance(aircraft, mission(altitude_m=altitude_m)).cycle
+        return float(cycle.excess_time_h[0])
+
+    # The ceiling is found to 0.1 m; 1 m above it the aircraft must fail.
+    assert excess(height) > required_h > excess(height + 1.0)
+    assert not found.at_search_limit
+
+
+def test_ceiling_does_not_depend_on_the_scan() -> None:
+    heights = []
+    for step in (250.0, 1000.0, 3000.0):
+        found = highest_perpetual_altitude(AS2, mission(), step_m=step)
+        assert found.highest is not None
+        heights.append(found.highest.altitude_m)
+    # Each is found to 0.1 m, on the feasible side.
+    assert max(heights) - min(heights) < 0.3
+
+
+def test_better_aircraft_fly_higher_and_stronger_sun_helps() -> None:
+    def height(aircraft: Aircraft, solar: SolarModel = UNCORRECTED_CAM) -> float:
+        found = highest_perpetual_altitude(aircraft, mission(), solar, step_m=1000.0)
+        return -1.0 if found.highest is None else found.highest.altitude_m
+
+    base = height(AS2)
+    hungry = builders.aircraft("atlantiksolar-as2", "power.avionics_w=12")
+    more_battery = builders.aircraft("atlantiksolar-as2", "battery.specific_energy_wh_per_kg=300")
+    assert height(hungry) < base < height(more_battery)
+    # CDM is more optimistic than CAM (17.8 against 5.3 % too high in flight).
+    assert height(AS2, SolarModel("CDM")) > base
+
+
+def test_worst_scenario_sets_the_ceiling() -> None:
+    both = highest_perpetual_altitude(
+        AS2, mission(dates={"from": "05-01", "to": "06-21", "count": 2}), step_m=1000.0
+    )
+    alone = highest_perpetual_altitude(AS2, mission(dates={"on": "05-01"}), step_m=1000.0)
+    assert both.highest is not None
+    assert alone.highest is not None
+    # Each search ends within a decimetre.
+    assert both.highest.altitude_m == pytest.approx(alone.highest.altitude_m, abs=0.2)
+    assert both.highest.worst_scenario == 0
+
+
+def test_search_that_ends_too_low_says_so() -> None:
+    found = highest_perpetual_altitude(AS2, mission(), highest_m=3000.0)
+    assert found.at_search_limit
+    assert found.highest is found.flights[-1]
+    assert found.highest.altitude_m == 3000.0
+
+
+def test_search_from_high_up_goes_on_to_the_end_of_the_air() -> None:
+    low = highest_perpetual_altitude(AS2, mission(), step_m=8000.0)
+    high = highest_perpetual_altitude(AS2, mission(altitude_m=20000.0), step_m=8000.0)
+    assert low.flights[-1].altitude_m == 20000.0
+    assert high.flights[-1].altitude_m == 32000.0
+
+
+def test_no_ceiling_where_no_altitude_is_feasible() -> None:
+    found = highest_perpetual_altitude(AS2, mission(dates={"on": "12-21"}), step_m=2000.0)
+    assert found.highest is None
+    assert found.best.excess_time_h < 0.0
+
+
+def synthetic(excess: dict[float, float]) -> Any:
+    """Stands for the simulator: excess time interpolated over altitude."""
+    heights, values = list(excess), list(excess.values())
+
+    def flown(_: Aircraft, __: Mission, ___: SolarModel, altitude_m: float) -> AltitudeFlight:
+        value = float(np.interp(altitude_m, heights, values))
+        return AltitudeFlight(altitude_m, value, 0.5, 40.0, 1.0, 1.0, 8.0, 1.0, 0.0, 0)
+
+    return flown
+
+
+def test_feasible_band_aloft_counts_though_lower_flight_fails(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # Two feasible bands: 4 to 12 km with the peak at 7.3 km, and a weaker one from 14 to 16 km.
+    excess = {0.0: -2.0, 4000.0: 0.0, 7300.0: 3.0, 12000.0: 0.0, 13000.0: -1.0, 14000.0: 0.0}
+    excess |= {15000.0: 1.0, 16000.0: 0.0, 20000.0: -5.0}
+    monkeypatch.setattr(module, "flight_at_altitude", synthetic(excess))
+    found = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
+    assert found.highest is not None
+    assert found.highest.altitude_m == pytest.approx(16000.0, abs=0.2)
+    assert found.highest.excess_time_h > 0.0
+    # The search for the peak ends within 1 m, where the excess time is 1 mm per hour short.
+    assert found.best.altitude_m == pytest.approx(7300.0, abs=2.0)
+
+
+def test_jump_of_the_excess_time_is_found_on_its_feasible_side(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # Where a day's gain turns into a loss, excess time falls from hours to minus hours at once.
+    def flown(_: Aircraft, __: Mission, ___: SolarModel, altitude_m: float) -> AltitudeFlight:
+        value = 5.0 if altitude_m <= 8123.4 else -3.0
+        return AltitudeFlight(altitude_m, value, 0.5, 40.0, 1.0, 1.0, 8.0, 1.0, 0.0, 0)
+
+    monkeypatch.setattr(module, "flight_at_altitude", flown)
+    found = highest_perpetual_altitude(AS2, mission(altitude_m=0.0))
+    assert found.highest is not None
+    assert found.highest.altitude_m <= 8123.4
+    # The search ends within a decimetre and steps back by another.
+    assert found.highest.altitude_m == pytest.approx(8123.4, abs=0.5)
+
+
+def test_endless_sunlight_has_a_ceiling_too() -> None:
+    # Polar summer: the modules carry the aircraft round the clock, so that excess time is infinite.
+    where = mission(latitude_deg=85.0, dates={"on": "06-21"}, altitude_m=0.0)
+    found = highest_perpetual_altitude(AS2, where, step_m=1000.0, highest_m=32000.0)
+    assert np.isinf(found.best.excess_time_h)
+    assert found.highest is not None
+
+
+def test_scan_has_both_ends_and_round_altitudes() -> None:
+    assert scanned_altitudes_m(536.0, 2000.0, 500.0) == [536.0, 1000.0, 1500.0, 2000.0]
+    assert scanned_altitudes_m(500.0, 1100.0, 500.0) == [500.0, 1000.0, 1100.0]
+    assert scanned_altitudes_m(-100.0, 50.0, 500.0) == [-100.0, 0.0, 50.0]
+    assert scanned_altitudes_m(0.0, 10.0, 500.0) == [0.0, 10.0]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"highest_m": 536.0}, "highest_m must be above"),
+        ({"highest_m": float("nan")}, "highest_m must be above"),
+        ({"step_m": 0.0}, "step_m must be above 0"),
+    ],
+)
+def test_searches_without_extent_are_refused(options: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        highest_perpetual_altitude(AS2, mission(), **options)
+
+
+def test_aircraft_too_heavy_to_fly_at_any_altitude_is_said_to_be() -> None:
+    whale = builders.aircraft(
+        "atlantiksolar-design", "airframe.structure.calibration=60", "airframe.wingspan_m=12"
+    )
+    with pytest.raises(ImpossibleDesignError, match="at any altitude"):
+        highest_perpetual_altitude(whale, mission(), step_m=5000.0)

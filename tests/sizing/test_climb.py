@@ -1,0 +1,267 @@
+"""Climbs of given aircraft: against the rule marched plainly, arithmetic by hand, invariants."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import ambiance
+import builders
+import numpy as np
+import pytest
+from builders import AS2, DESIGN, SKY_SAILOR, UNLIMITED_AS2
+from plain_climb import ETA, FLOOR_M, PlainClimb
+
+from missions.air import standard_air
+from missions.dates import date_code, day_of_year
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.battery.charge_limit import RuleChargeLimit
+from sizing.climb import ClimbPerformance, climb_performance
+from sizing.day.cycle import Status
+from sizing.day.heights import ClimbLimitError, checked_climb_limits
+from sizing.day.light import SolarModel
+from sizing.mass_budget import design_of
+from sizing.performance import performance
+from sizing.results.analysis import analyse
+
+SOLSTICES = "06-21", "12-21"  # five days between them, 21 September and 5 November included
+# What intervals of 40 a day leave of the best schedule, and corners that 5 min round off.
+STEPS_H = 0.03
+
+
+def mission(ceiling_m: float, **changes: Any) -> Mission:
+    return builders.mission(
+        **{"dates": {"on": "06-21"}, "climb": {"ceiling_m": ceiling_m}} | changes
+    )
+
+
+@cache
+def flown(
+    aircraft: Aircraft, ceiling_m: float, dates: str | tuple[str, str] = "06-21"
+) -> ClimbPerformance:
+    first, last = (dates, None) if isinstance(dates, str) else dates
+    days = {"from": first, "to": last, "count": 5} if last else {"on": first}
+    return climb_performance(aircraft, mission(ceiling_m, dates=days))
+
+
+# ---- Without height it is the simulator of constant altitude
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "dates"), [(AS2, SOLSTICES), (UNLIMITED_AS2, SOLSTICES), (DESIGN, SOLSTICES)]
+)
+def test_ceiling_at_the_floor_is_the_constant_altitude_simulator(
+    aircraft: Aircraft, dates: tuple[str, str]
+) -> None:
+    result = flown(aircraft, FLOOR_M, dates)
+    ours, theirs = result.performance.cycle, result.constant.cycle
+    np.testing.assert_array_equal(ours.status, theirs.status)
+    assert ours.excess_time_h == pytest.approx(theirs.excess_time_h, abs=1e-9)
+    assert ours.energy_wh == pytest.approx(theirs.energy_wh, abs=1e-6)
+    assert np.all(result.altitude_m == FLOOR_M)
+    assert np.all(result.gliding_h == 0.0)
+
+
+def test_thermals_and_payload_reduce_to_the_constant_altitude_simulator() -> None:
+    turbulence = {"all_day": 0.1, "thermal": 0.4}
+    where = mission(FLOOR_M, turbulence=turbulence, payload={"mass_kg": 0.2, "power_w": 3.0})
+    result = climb_performance(DESIGN, where)
+    assert np.ptp(result.constant.load_w) > 0.2 * result.constant.load_w.min()
+    assert result.performance.load_w == pytest.approx(result.constant.load_w, rel=1e-12)
+
+
+# ---- Against rules, marched second by second
+
+
+def by_rule_h(aircraft: Aircraft, ceiling_m: float, day: int, *, surplus: bool) -> float:
+    """Excess time with climbs by a rule: once the battery is full, or on any surplus."""
+    limit = aircraft.battery.charge_limit
+    limited = limit if isinstance(limit, RuleChargeLimit) else None
+    plain = PlainClimb(day, ceiling_m, surplus=surplus, limit=limited, step_s=20.0)
+    energy, height, dawn = np.array([732.0]), np.array([FLOOR_M]), -1.0
+    for k in range(round(48.0 / plain.step_h)):  # it is full by the first evening
+        hour = k * plain.step_h
+        before = float(energy[0])
+        energy, height, net = plain.step(np.array([hour % 24.0]), energy, height)
+        if dawn < 0.0 and hour > 26.0 and net[0] >= 0.0:
+            dawn = before
+    return dawn * 0.97 / (35.8 + 6.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("aircraft", [AS2, UNLIMITED_AS2])
+@pytest.mark.parametrize("ceiling_m", [1536.0, 3536.0, 9000.0])
+@pytest.mark.parametrize("date", ["06-21", "09-10"])
+def test_no_rule_has_more_excess_time(aircraft: Aircraft, ceiling_m: float, date: str) -> None:
+    as_cold = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}
+    where = mission(ceiling_m, air=as_cold, dates={"on": date})
+    ours_h = float(climb_performance(aircraft, where).performance.cycle.excess_time_h[0])
+    rules = [
+        by_rule_h(aircraft, ceiling_m, day_of_year(date), surplus=one) for one in (False, True)
+    ]
+    assert ours_h >= max(rules) - STEPS_H
+    # By constant efficiencies and with a slow charger little is left to win.
+    assert ours_h <= max(rules) + 0.5
+
+
+# ---- By hand
+
+
+def test_load_is_that_of_level_flight_and_of_what_is_lifted() -> None:
+    result = flown(AS2, 6536.0)
+    perf, height_m = result.performance, result.altitude_m[0]
+    seconds = 3600.0 * np.diff(perf.day.time_h)
+    rate = np.diff(height_m) / seconds
+    middle = (height_m[1:] + height_m[:-1]) / 2.0
+    density = ambiance.Atmosphere(middle).density
+    by_hand = 35.8 * (density / 1.10) ** -0.5 + 6.92 * 9.80665 * rate / ETA + 6.0
+    ours = (perf.load_w[0, 1:] + perf.load_w[0, :-1]) / 2.0
+    steady = np.abs(np.diff(rate, prepend=rate[-1], append=rate[0])).reshape(-1)
+    inside = np.maximum(steady[1:], steady[:-1]) < 1e-6  # corners are rounded
+    assert inside.sum() > 150
+    # Levels 500 m apart, and the air of the file at 1.10 kg/m3.
+    assert ours[inside] == pytest.approx(by_hand[inside], rel=3e-3)
+
+
+def test_what_goes_in_comes_out() -> None:
+    result = flown(AS2, 3536.0)
+    budget = result.performance.cycle.energy_budget
+    uses = budget.load_wh + budget.stored_wh + budget.charge_loss_wh
+    uses = uses + budget.discharge_loss_wh + budget.curtailed_wh
+    assert budget.solar_wh + budget.unserved_wh == pytest.approx(uses, rel=1e-9)
+    assert result.altitude_m[0, 0] == pytest.approx(result.altitude_m[0, -1])
+
+
+def test_potential_energy_of_a_kilometre_is_m_g_h() -> None:
+    # 6.92 kg x 9.81 m/s2 x 1000 m = 68 kJ = 18.9 Wh.
+    stored = flown(AS2, FLOOR_M + 1000.0).stored_height_wh[0]
+    assert stored == pytest.approx(6.92 * 9.80665 * 1000.0 / 3600.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("rise_m", [1000.0, 3000.0])
+def test_gain_is_what_the_height_saves_the_battery(rise_m: float) -> None:
+    result = flown(AS2, FLOOR_M + rise_m)
+    height_wh = float(result.stored_height_wh[0])
+    nominal_w = float(result.constant.nominal_load_w[0])
+    # Height replaces motor power, W / eta of the electric kind, but sinks faster where it is high:
+    # between the power at the ceiling and that at the floor. The light aloft, which the evening
+    # and the morning have more of, adds some per cent.
+    density = ambiance.Atmosphere(np.array([FLOOR_M, FLOOR_M + rise_m])).density
+    at_best = height_wh / ETA / nominal_w
+    at_worst = at_best * (density[1] / density[0]) ** 0.5
+    assert at_worst - STEPS_H <= result.gain_h[0] <= 1.1 * at_best
+
+
+# ---- Invariants
+
+
+@pytest.mark.parametrize(("aircraft", "dates"), [(AS2, SOLSTICES), (DESIGN, SOLSTICES)])
+def test_a_higher_ceiling_never_harms(aircraft: Aircraft, dates: tuple[str, str]) -> None:
+    gains = [flown(aircraft, h, dates).gain_h for h in (FLOOR_M, 1536.0, 4000.0)]
+    assert gains[0] == pytest.approx(0.0, abs=1e-9)
+    assert np.all(gains[1] >= 0.0)
+    assert np.all(gains[2] >= gains[1] - STEPS_H)
+
+
+def test_climbing_carries_a_small_battery_through_the_night() -> None:
+    small = builders.aircraft("atlantiksolar-as2", "battery.specific_energy_wh_per_kg=130")
+    result = flown(small, 5000.0)
+    ours, theirs = result.performance.cycle, result.constant.cycle
+    assert theirs.status[0] == Status.limited
+    assert ours.status[0] == Status.perpetual
+    assert theirs.excess_time_h[0] < 0.0 < ours.excess_time_h[0]
+    assert ours.minimum_state_of_charge[0] > 0.0
+
+
+def test_what_lacks_is_not_climbed_with() -> None:
+    # A battery that is empty lifts nothing: hours without power are no fewer for a steep climb.
+    cycle = flown(AS2, 4000.0, "12-21").performance.cycle
+    assert cycle.status[0] == Status.limited
+    nominal_w = flown(AS2, 4000.0, "12-21").constant.nominal_load_w[0]
+    assert -cycle.excess_time_h[0] >= cycle.energy_budget.unserved_wh[0] / nominal_w - 1e-9
+
+
+def test_climb_keeps_to_the_rated_power() -> None:
+    result = flown(AS2, 6536.0)
+    # The mean of an interval does; thin air at its end takes a little more than at its begin.
+    assert result.performance.load_w.max() <= 1.03 * (180.0 + 6.0)
+    assert result.altitude_m.max() == pytest.approx(6536.0, abs=1.0)
+
+
+def test_model_error_moves_the_result_the_right_way() -> None:
+    low, high = (
+        climb_performance(AS2, mission(3000.0), solar_factor=factor) for factor in (0.9, 1.1)
+    )
+    assert low.performance.cycle.excess_time_h[0] < high.performance.cycle.excess_time_h[0]
+
+
+def test_scenarios_do_not_disturb_each_other() -> None:
+    days = {"from": "05-01", "to": "09-01", "count": 3}
+    together = climb_performance(AS2, mission(3536.0, dates=days)).performance
+    for place, day in enumerate(together.day.scenarios.day_of_year):
+        alone = flown(AS2, 3536.0, date_code(int(day))).performance
+        assert together.cycle.excess_time_h[place] == alone.cycle.excess_time_h[0]
+
+
+def test_polar_day_has_no_end() -> None:
+    where = mission(2000.0, latitude_deg=85.0, dates={"on": "06-21"})
+    result = climb_performance(AS2, where)
+    assert result.performance.cycle.status[0] == Status.always_lit
+    assert np.isinf(result.performance.cycle.excess_time_h[0])
+    assert result.gain_h[0] == 0.0
+
+
+@pytest.mark.parametrize("model", ["CDM", "VM", "FM"])
+def test_every_solar_model_can_be_climbed_with(model: Any) -> None:
+    path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 8.6}
+    result = climb_performance(AS2, mission(2000.0, flight_path=path), SolarModel(model))
+    assert result.gain_h[0] > 0.5
+
+
+def test_a_strategy_is_read_and_ignored() -> None:
+    given = mission(1536.0, climb={"ceiling_m": 1536.0, "strategy": "surplus"})
+    ours = analyse(AS2, given)
+    assert "climb.strategy is ignored" in str(ours)
+    assert any("climb.strategy" in note for note in ours.to_dict()["reading_notes"])
+    assert ours.excess_time_h == flown(AS2, 1536.0).performance.cycle.excess_time_h[0]
+
+
+# ---- Refusals
+
+
+def test_mission_without_climb_is_refused() -> None:
+    plain = mission(1536.0).at_altitude(FLOOR_M)
+    with pytest.raises(ValueError, match="has no climb"):
+        climb_performance(AS2, plain)
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "key"),
+    [
+        *(
+            (builders.aircraft("atlantiksolar-as2", f"{key}=null"), key)
+            for key in (
+                "airframe.level_flight.maximum_electric_power_w",
+                "airframe.level_flight.propulsion_efficiency",
+            )
+        ),
+        (SKY_SAILOR, "airframe.propulsion.climb_power_ratio"),
+    ],
+)
+def test_aircraft_that_cannot_climb_is_refused(aircraft: Aircraft, key: str) -> None:
+    with pytest.raises(ClimbLimitError, match=key):
+        climb_performance(aircraft, mission(2000.0))
+
+
+def test_rated_power_of_a_parametric_aircraft_is_its_ratio_to_level_flight() -> None:
+    design = design_of(DESIGN, mission(2000.0))
+    limits = checked_climb_limits(DESIGN, design)
+    assert limits.maximum_power_w == pytest.approx(5.03 * float(design.propulsion_power_w))
+    assert limits.efficiency == pytest.approx(0.97 * 0.82 * 0.96 * 0.82)
+
+
+def test_performance_of_a_constant_altitude_ignores_nothing() -> None:
+    # The constant flight beside the climbing one is what analyse says without climb.
+    alone = performance(AS2, mission(1536.0).at_altitude(FLOOR_M)).cycle.excess_time_h
+    assert flown(AS2, 1536.0).constant.cycle.excess_time_h == pytest.approx(alone)

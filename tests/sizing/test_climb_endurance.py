@@ -1,0 +1,151 @@
+"""The longest flight with climbs: against plain marching, level flight, and bounds by hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import builders
+import numpy as np
+import pytest
+from builders import AS2, DESIGN, UNLIMITED_AS2
+from plain_climb import DISCHARGE, FLOOR_M, FULL_WH, PlainClimb
+
+from missions.air import standard_air
+from missions.dates import day_of_year
+from missions.mission import Mission
+from sizing.aircraft import Aircraft
+from sizing.battery.charge_limit import RuleChargeLimit
+from sizing.climb import climb_performance
+from sizing.day.flight import Endurance
+from sizing.day.light import UNCORRECTED_CAM
+from sizing.performance import Performance, performance
+from sizing.results.analysis import analyse
+from sizing.uncertainty.propagation import Propagation
+from studies.maps.feasibility import feasibility_map
+
+
+def mission(ceiling_m: float, **changes: Any) -> Mission:
+    climb = {"ceiling_m": ceiling_m}
+    return builders.mission(**{"dates": {"on": "12-21"}, "climb": climb} | changes)
+
+
+def longest(flown: Performance) -> Endurance:
+    (flight,) = flown.endurances()
+    assert flight is not None
+    return flight
+
+
+# ---- Against plain marching
+
+AS_COLD = {"module_temperature_c": float(standard_air(FLOOR_M).temperature_c)}  # as the air
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("aircraft", "date", "ceiling_m"),
+    [
+        (UNLIMITED_AS2, "12-21", 3536.0),  # a day, then its night
+        (AS2, "11-06", 3536.0),  # two nights; climbs as the charger is slow
+        (AS2, "10-31", 1536.0),
+    ],
+)
+def test_no_launch_by_a_rule_flies_longer(aircraft: Aircraft, date: str, ceiling_m: float) -> None:
+    found = longest(performance(aircraft, mission(ceiling_m, dates={"on": date}, air=AS_COLD)))
+    limit = aircraft.battery.charge_limit
+    limited = limit if isinstance(limit, RuleChargeLimit) else None
+    best = 0.0
+    for surplus in (False, True):
+        options: dict[str, Any] = {"surplus": surplus, "limit": limited, "step_s": 20.0}
+        plain = PlainClimb(day_of_year(date), ceiling_m, **options)
+        flown = plain.flight_h(np.arange(0.0, 24.0, 1.0 / 6.0))
+        assert not np.isnan(flown).any()
+        best = max(best, float(flown.max()))
+    # Launches 10 min apart, and intervals of half an hour: 0.2 h a day.
+    assert found.endurance_h > best - 0.2 * found.endurance_h / 24.0
+    # It is the climb that gives it: level flight is far off.
+    level = longest(performance(aircraft, builders.mission(dates={"on": date})))
+    assert found.endurance_h > level.endurance_h + 0.1
+
+
+# ---- Limits
+
+
+@pytest.mark.parametrize("aircraft", [AS2, UNLIMITED_AS2, DESIGN])
+def test_ceiling_at_the_floor_is_level_flight(aircraft: Aircraft) -> None:
+    dates = {"from": "10-15", "to": "12-21", "count": 3}
+    flown = climb_performance(aircraft, mission(FLOOR_M, dates=dates))
+    ours, theirs = flown.performance, flown.constant
+    assert np.isfinite(ours.endurance_h).all()
+    assert ours.endurance_h == pytest.approx(np.asarray(theirs.endurance_h), abs=1e-9)
+    launches = np.array([2.0, 7.5, 17.3])
+    # Days whose losses are alike to 1e-4 of the battery are skipped.
+    assert ours.flight_time_h(1, launches) == pytest.approx(
+        theirs.flight_time_h(1, launches), abs=0.01
+    )
+
+
+def test_propulsion_that_cannot_climb_gives_level_flight() -> None:
+    data = AS2.model_dump(by_alias=True)
+    data["airframe"]["level_flight"] |= {"maximum_electric_power_w": 35.8}
+    weak = Aircraft.model_validate(data)
+    # At 1500 m level flight takes 36.5 W already.
+    high: dict[str, Any] = {"altitude_m": 1500.0, "air": {}, "dates": {"on": "12-21"}}
+    ours = longest(performance(weak, mission(3536.0, **high)))
+    theirs = longest(performance(weak, builders.mission(**high)))
+    # It has no power to go down and up again with either, but for a minute.
+    assert ours.endurance_h == pytest.approx(theirs.endurance_h, abs=0.05)
+
+
+def test_without_any_sun_it_is_the_battery_over_the_load() -> None:
+    night = {"latitude_deg": 80.0, "dates": {"on": "12-21"}}
+    flown = performance(AS2, mission(3536.0, **night))
+    by_hand = FULL_WH * DISCHARGE / float(flown.nominal_load_w[0])
+    assert longest(flown).endurance_h == pytest.approx(by_hand, rel=1e-3)
+
+
+# ---- Wherever it is given
+
+
+def test_flight_that_is_drawn_ends_with_the_endurance() -> None:
+    flown = performance(AS2, mission(3536.0))
+    flight = longest(flown)
+    course = flown.course(0, flight.launch_h, flight.endurance_h)
+    clock_h, solar_w, load_w, charge, altitude_m = course
+    assert clock_h[[0, -1]] == pytest.approx(
+        [flight.launch_h, flight.launch_h + flight.endurance_h]
+    )
+    assert charge[0] == 1.0
+    # The endurance is known to some seconds, of which each takes 3e-5 of the charge.
+    assert charge[-1] == pytest.approx(0.0, abs=2e-3)
+    assert np.all(charge[:-2] > 0.0)
+    # It climbs, and glides: the load is above that of level flight, and far below it.
+    assert load_w.max() > 1.3 * float(flown.nominal_load_w[0])
+    assert load_w.min() < 0.5 * float(flown.nominal_load_w[0])
+    assert solar_w.min() == 0.0
+    assert altitude_m[[0, -1]] == pytest.approx(FLOOR_M)
+    assert FLOOR_M + 500.0 < altitude_m.max() <= 3536.0 + 1e-6
+
+
+def test_analysis_gives_the_flight_with_climbs() -> None:
+    where = mission(3536.0)
+    analysis = analyse(AS2, where)
+    expected = longest(performance(AS2, where))
+    assert analysis.endurance_h == pytest.approx(expected.endurance_h, rel=1e-12)
+    assert analysis.to_dict()["endurance_h"] == pytest.approx(expected.endurance_h, rel=1e-12)
+    limited = analysis.limited_flight
+    assert limited is not None
+    assert limited.endurance_h == pytest.approx(expected.endurance_h)
+    assert limited.from_noon_h < limited.endurance_h
+    assert f"{expected.endurance_h:.2f} h" in str(analysis)
+
+
+def test_map_and_draws_give_the_flight_with_climbs_too() -> None:
+    where = mission(3536.0)
+    expected = float(longest(performance(DESIGN, where)).endurance_h)
+    data = feasibility_map(DESIGN, where, latitudes=[47.6], days=[355], endurance=True)
+    assert float(data["endurance"].to_numpy()[0, 0]) == pytest.approx(expected, rel=1e-9)
+    draws = Propagation(DESIGN, where, UNCORRECTED_CAM)
+    mass = np.array([float(DESIGN.battery.mass_kg)])
+    found = draws.endurance_h({"battery.mass_kg": mass})
+    # Of the same design in light by another sum: its last digits differ.
+    assert found == pytest.approx([expected], rel=1e-5)
