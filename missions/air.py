@@ -9,7 +9,7 @@ Source: ISO 2533:1975 / U.S. Standard Atmosphere 1976, layers 0 to 2; viscosity 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,8 +33,17 @@ _SUTHERLAND_BETA = 1.458e-6  # [kg/(s m K^0.5)]
 _SUTHERLAND_K = 110.4
 
 
+def plain_number(value: Any) -> Any:
+    """Number without an axis as a float; arrays and symbols as they are."""
+    single = isinstance(value, np.generic | np.ndarray) and value.ndim == 0
+    return float(value) if single else value
+
+
 class Air(NamedTuple):
-    """State of the air: temperature [K], pressure [Pa], density [kg/m3], viscosity [Pa s]."""
+    """State of the air: temperature [K], pressure [Pa], density [kg/m3], viscosity [Pa s].
+
+    Floats of a single altitude, else arrays.
+    """
 
     temperature_k: FloatArray
     pressure_pa: FloatArray
@@ -44,7 +53,7 @@ class Air(NamedTuple):
     @property
     def temperature_c(self) -> FloatArray:
         """Temperature [C]."""
-        return np.asarray(self.temperature_k - ZERO_CELSIUS_K)
+        return self.temperature_k - ZERO_CELSIUS_K
 
     @property
     def sound_m_per_s(self) -> FloatArray:
@@ -126,12 +135,8 @@ def air_at(temperature_k: ArrayLike, pressure_pa: ArrayLike) -> Air:
     """
     t = np.asarray(temperature_k, float)
     p = np.asarray(pressure_pa, float)
-    return Air(
-        temperature_k=t,
-        pressure_pa=p,
-        density_kg_per_m3=np.asarray(p / (GAS_CONSTANT_AIR * t)),
-        dynamic_viscosity_pa_s=np.asarray(_SUTHERLAND_BETA * t**1.5 / (t + _SUTHERLAND_K)),
-    )
+    viscosity = _SUTHERLAND_BETA * t**1.5 / (t + _SUTHERLAND_K)
+    return Air(*map(plain_number, (t, p, p / (GAS_CONSTANT_AIR * t), viscosity)))
 
 
 # Batteries of published flights had no heater below the lower altitude; from the upper one on it is

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from missions.files.errors import file_error
-from missions.mission import Mission, latitude_label
+from missions.mission import Mission
+from missions.mission.place import latitude_label
 from missions.weather.record import Weather
 from solar.clearsky import THIN_AIR_FROM_M
 

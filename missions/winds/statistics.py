@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, SerializationInfo, Strict, field_serializer
 
+from missions.air import plain_number
 from missions.dates import month_and_day
 from missions.files.errors import printable
 from missions.files.texts import read_text
@@ -53,6 +54,23 @@ class WindStatistics(Record):
         table = self.table(longitude_deg)
         latitude = latitude_deg.reshape(shape)
         return table.at(latitude, altitude_m, np.reshape(months, shape), self.percentile)
+
+    def strongest_m_per_s(
+        self,
+        latitude_deg: FloatArray,
+        day_of_year: IntArray,
+        altitude_m: float,
+        longitude_deg: float | None,
+    ) -> float:
+        """Strongest wind of scenarios [m/s]."""
+        winds = self.speeds(latitude_deg, day_of_year, altitude_m, longitude_deg)
+        strongest: float = plain_number(winds.max(axis=0))
+        return strongest
+
+    def known_between_deg(self, longitude_deg: float | None) -> tuple[float, float]:
+        """Latitudes between which the wind is known [deg]."""
+        known = self.table(longitude_deg).latitude_deg
+        return float(np.min(known)), float(np.max(known))
 
     @property
     def _is_netcdf(self) -> bool:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from missions import dates
-from missions.mission import Launch, Mission, Scenarios
+from missions.mission import Mission, Scenarios
+from missions.mission.flight import Launch
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store

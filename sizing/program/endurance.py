@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from missions.mission import Flight, Mission
+from missions.mission import Mission
+from missions.mission.flight import Flight
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import DesignVariables

@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from missions.mission import LatitudeRange, Mission, Scenarios
+from missions.mission import Mission, Scenarios
+from missions.mission.place import LatitudeRange
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.design import DesignVariables

@@ -9,7 +9,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 from missions.dates import date_code
-from missions.mission import MAXIMUM_SCENARIOS
+from missions.mission.mission import MAXIMUM_SCENARIOS
 from sizing.program.objectives import Objective
 from sizing.program.ranges import WidestRange
 from sizing.results.analysis import Analysis, analyse

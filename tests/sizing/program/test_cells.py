@@ -7,7 +7,8 @@ import pytest
 
 from missions.dates import date_code
 from missions.library import load_mission
-from missions.mission import Dates, Mission, Scenarios
+from missions.mission import Mission, Scenarios
+from missions.mission.dates import Dates
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.performance import performance_of_designs

@@ -18,7 +18,7 @@ from command_line import Run
 from figure_checks import heading
 
 from missions.library import load_mission
-from missions.mission import Dates
+from missions.mission.dates import Dates
 from sizing.day.cycle import Status
 from sizing.day.light import SolarModel
 from sizing.library import load_aircraft

@@ -9,7 +9,8 @@ import pytest
 from missions.dates import day_of_year
 from missions.flight_path import Circle
 from missions.library import load_mission
-from missions.mission import Mission, Scenarios, UncertaintyMargins
+from missions.mission import Mission, Scenarios
+from missions.mission.load import UncertaintyMargins
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.module_power import path_troubles, power_in_surroundings

@@ -1,0 +1,137 @@
+"""Flights that begin at a launch: one to replay by the clock, and one that lands."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, Strict, field_validator, model_validator
+
+from missions.mission.dates import date_as_code
+from missions.mission.place import Scenarios
+from solar.schema import Record, UnitInterval, wrong_value
+from solar.sun import HOURS_PER_DAY, NOON_H, declination, solar_time_h, sun_times
+from solar.types import FloatArray
+
+UtcOffset = Annotated[float, Strict(), Field(ge=-12.0, le=14.0, allow_inf_nan=False)]
+ExcessTime = Annotated[float, Strict(), Field(ge=0.0, le=1000.0, allow_inf_nan=False)]
+
+
+class Launch(Record):
+    """Start of a flight to replay: local date and clock time, state of charge, duration."""
+
+    date: str
+    time_local: str
+    utc_offset_h: UtcOffset = 0.0
+    state_of_charge: UnitInterval = 1.0
+    duration_h: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 366)]
+
+    @field_validator("date", mode="before")
+    @classmethod
+    def _check_date(cls, value: Any) -> str:
+        return date_as_code(value)
+
+    @field_validator("time_local")
+    @classmethod
+    def _check_time(cls, value: str) -> str:
+        return _clock_time(value)
+
+    def check(self, longitude_deg: float | None, latitudes: int) -> None:
+        """Refuse a place that no clock belongs to."""
+        if longitude_deg is None:
+            raise wrong_value("launch", "a launch by clock time needs longitude_deg on the mission")
+        if latitudes > 1:
+            raise wrong_value("latitude_deg", "a launch needs a single latitude")
+
+    @property
+    def clock_h(self) -> float:
+        """Local clock time of the launch [h]."""
+        return _clock_h(self.time_local)
+
+
+def _clock_time(value: str, others: str = "") -> str:
+    if re.fullmatch(r"([01]?\d|2[0-3]):[0-5]\d", value) is None:
+        raise ValueError(f"must be {others}a time HH:MM, for instance 11:14 (got {value!r})")
+    return value
+
+
+def _clock_h(value: str) -> float:
+    hours, minutes = value.split(":")
+    return int(hours) + int(minutes) / 60.0
+
+
+class Flight(Record):
+    """Flight from a launch with a full battery to a landing, which need not survive a night.
+
+    ``launch``: ``sunrise`` or HH:MM, of solar time, or with ``utc_offset_h`` of the local clock.
+    It ends at ``land: sunset`` or after ``hours``, and ``reserve_h`` is for how long what is left
+    then must last: the mission's required excess time by another name.
+    """
+
+    launch: str = "sunrise"
+    land: Literal["sunset"] | None = None
+    hours: Annotated[float, Strict(), Field(gt=0.0, le=24.0 * 30)] | None = None
+    reserve_h: ExcessTime | None = None
+    utc_offset_h: UtcOffset | None = None
+
+    @field_validator("launch")
+    @classmethod
+    def _check_launch(cls, value: str) -> str:
+        return value if value == "sunrise" else _clock_time(value, "sunrise or ")
+
+    @model_validator(mode="after")
+    def _check_end(self) -> Flight:
+        if (self.land is None) == (self.hours is None):
+            given = "neither" if self.land is None else "both"
+            raise ValueError(f"give either 'land: sunset' or 'hours: 14' (got {given})")
+        if self.launch == "sunrise" and self.utc_offset_h is not None:
+            raise wrong_value("utc_offset_h", "is that of a launch HH:MM by the local clock")
+        return self
+
+    def check(self, longitude_deg: float | None, required_excess_time_h: float) -> None:
+        """Refuse a clock without a place, and a reserve beside another excess time."""
+        if self.utc_offset_h is not None and longitude_deg is None:
+            raise wrong_value("flight.utc_offset_h", "needs longitude_deg on the mission")
+        if self.reserve_h is not None and required_excess_time_h not in (0.0, self.reserve_h):
+            raise wrong_value(
+                "flight.reserve_h",
+                f"is required_excess_time_h by another name: leave one of them out (got "
+                f"{self.reserve_h:g}, required_excess_time_h is {required_excess_time_h:g})",
+            )
+
+    @property
+    def text(self) -> str:
+        """The flight in words."""
+        launch = self.launch if self.launch == "sunrise" else f"launch at {self.launch}"
+        return f"{launch} to sunset" if self.hours is None else f"{self.hours:g} h from {launch}"
+
+    @property
+    def days(self) -> int:
+        """Days whose light it may see, from the midnight before its launch."""
+        latest_h = NOON_H if self.launch == "sunrise" else HOURS_PER_DAY
+        end_h = latest_h + (NOON_H if self.hours is None else self.hours)
+        return max(int(np.ceil(end_h / HOURS_PER_DAY)), 1)
+
+    def window_h(
+        self, scenarios: Scenarios, longitude_deg: float | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Solar time of launch and landing in every scenario [h].
+
+        Counted from the midnight before the launch. A flight to a sunset that has passed lands at
+        the next one.
+        """
+        times = sun_times(scenarios.latitude_deg, declination(scenarios.noon_day))
+        if self.launch == "sunrise":
+            launch_h = np.asarray(times.sunrise_h)
+        else:
+            launch_h = np.full(len(scenarios), _clock_h(self.launch))
+            if self.utc_offset_h is not None:
+                assert longitude_deg is not None
+                utc_h = launch_h - self.utc_offset_h
+                launch_h = solar_time_h(utc_h, scenarios.noon_day, longitude_deg)
+            launch_h = launch_h % HOURS_PER_DAY
+        if self.hours is not None:
+            return launch_h, launch_h + self.hours
+        sunset_h = np.asarray(times.sunset_h)
+        return launch_h, np.where(sunset_h < launch_h, sunset_h + HOURS_PER_DAY, sunset_h)

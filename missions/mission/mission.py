@@ -1,0 +1,303 @@
+"""The mission as a whole: what its file says, and what follows from it for a study."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from missions import dates as calendar
+from missions.air import Air, plain_number
+from missions.files.errors import InputError
+from missions.flight_path import FlightPath, Heading, Wind
+from missions.mission.air import AirConditions, SteadyWind
+from missions.mission.climb import Climb, altitude_of_floor
+from missions.mission.dates import Dates
+from missions.mission.flight import ExcessTime, Flight, Launch
+from missions.mission.load import Payload, Turbulence, UncertaintyMargins
+from missions.mission.place import (
+    Altitude,
+    Latitude,
+    LatitudeRange,
+    Longitude,
+    Scenarios,
+    latitude_label,
+)
+from missions.uncertainty import Uncertainty
+from missions.winds.statistics import WindStatistics
+from solar.clearsky import ClearSky, named_clear_sky
+from solar.names import CorrectionName, ModelName
+from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, Text, wrong_value
+from solar.systematic_errors import correction
+from solar.types import FloatArray
+
+MAXIMUM_SCENARIOS = 5000
+
+
+class Mission(FileRecord):
+    """Where, when and how an aircraft flies."""
+
+    name: Name
+    description: str = ""
+    latitude_deg: Latitude | LatitudeRange
+    longitude_deg: Longitude | None = None
+    dates: Dates
+    altitude_m: Altitude = 0.0
+    air: AirConditions = AirConditions()
+    clear_sky: Text = "ashrae"
+    clearness: Fraction = 1.0
+    uncertainty_margins: UncertaintyMargins = UncertaintyMargins()
+    turbulence: Turbulence = Turbulence()
+    payload: Payload = Payload()
+    wind_m_per_s: NonNegativeReal = 0.0
+    # The key of the file is that of the property `wind`, which is older.
+    wind_statistics: WindStatistics | None = Field(default=None, alias="wind")
+    wind_from_deg: Heading = 90.0
+    flight_path: FlightPath | None = None
+    required_excess_time_h: ExcessTime = 0.0
+    launch: Launch | None = None
+    flight: Flight | None = None
+    climb: Climb | None = None
+    uncertainty: Uncertainty | None = None
+
+    def facts(self) -> dict[str, Any]:
+        """Name, place and time."""
+        places, every = self.latitudes(), self.dates.range()
+        return {
+            "name": self.name,
+            "latitude": " to ".join(map(latitude_label, places[:: len(places) - 1 or 1])),
+            "dates": " to ".join(map(calendar.date_label, every[:: len(every) - 1 or 1])),
+            "altitude [m]": self.altitude_m,
+        }
+
+    # ---- Records that contradict each other
+
+    @field_validator("clear_sky")
+    @classmethod
+    def _check_sky(cls, value: str) -> str:
+        named_clear_sky(value)
+        return value
+
+    @model_validator(mode="before")
+    @classmethod
+    def _altitude_of_floor(cls, data: Any) -> Any:
+        return altitude_of_floor(data)
+
+    @model_validator(mode="after")
+    def _check_together(self) -> Mission:
+        """Refuse what contradicts itself, the wind last: each scenario has its own.
+
+        Of a value with two names that of the other record is none of its own, or a study that
+        varies the one would contradict the other.
+        """
+        if self.climb:
+            self.climb.check(self.altitude_m)
+            if self.climb.minimum_altitude_m is not None:
+                self.model_fields_set.discard("altitude_m")
+            if self.launch:
+                raise wrong_value(
+                    "climb", "a replayed flight keeps its altitude: give launch or climb, not both"
+                )
+        if self.launch:
+            self.launch.check(self.longitude_deg, len(self.latitudes()))
+        if self.flight:
+            for name, other in (("launch", self.launch), ("climb", self.climb)):
+                if other is not None:
+                    raise wrong_value("flight", f"give flight or {name}, not both")
+            self.flight.check(self.longitude_deg, self.required_excess_time_h)
+            if self.flight.reserve_h is not None:
+                object.__setattr__(self, "required_excess_time_h", self.flight.reserve_h)
+                self.model_fields_set.discard("required_excess_time_h")
+        count = len(self.latitudes()) * len(self.dates.days())
+        if count > MAXIMUM_SCENARIOS:
+            raise wrong_value(
+                "latitude_deg",
+                f"latitudes times days must be at most {MAXIMUM_SCENARIOS} scenarios (got {count})",
+            )
+        self.uncertainty_margins.check(self.clearness)
+        if self.wind_statistics:
+            self._check_wind(self.wind_statistics)
+        return self
+
+    def _check_wind(self, given: WindStatistics) -> None:
+        """Refuse statistics that do not tell the wind of every flight of the mission."""
+        try:
+            if self.wind_m_per_s:
+                raise ValueError(
+                    f"give wind or wind_m_per_s (got {self.wind_m_per_s:g} m/s), not both: "
+                    "wind_m_per_s: 0 leaves it to wind, wind: null to the constant one"
+                )
+            # Above the floor the wind plays a part where the place is held, and on a flight path.
+            aloft = given.hold_station or self.flight_path is not None
+            for altitude_m in {self.altitude_m, self.ceiling_m if aloft else self.altitude_m}:
+                self.model_copy(update={"altitude_m": altitude_m}).scenario_winds_m_per_s()
+            if given.hold_station and self.launch is not None:
+                raise ValueError(
+                    "hold_station holds a place in the wind of a month: give it without launch"
+                )
+        except InputError as error:
+            first = error.problems[0]
+            if first.line is None:
+                raise wrong_value("wind", f"{first.source} {first.message}") from error
+            why = "the table has a mistake"
+            raise wrong_value("wind", why, problems=error.problems) from error
+        except OSError as error:
+            why = f"cannot read {given.file!r}: {error.strerror or error}"
+            raise wrong_value("wind", why) from error
+        except ValueError as error:
+            raise wrong_value("wind", str(error)) from error
+
+    def reading_notes(self) -> list[str]:
+        """What its file says that plays no part, in words."""
+        if not (self.climb and self.climb.strategy):
+            return []
+        return ["climb.strategy is ignored: the height profile is the best there is"]
+
+    # ---- Scenarios
+
+    def latitudes(self) -> list[float]:
+        """Latitudes of the mission [deg]."""
+        if isinstance(self.latitude_deg, LatitudeRange):
+            return self.latitude_deg.values()
+        return [self.latitude_deg]
+
+    def scenarios(self) -> Scenarios:
+        """Every latitude on every day that stands for the dates, latitude by latitude."""
+        return Scenarios.of(self.latitudes(), self.dates.days())
+
+    @property
+    def days_of_light(self) -> int:
+        """Days of the time axis: one that repeats itself, or all that a flight may see."""
+        return 1 if self.flight is None else self.flight.days
+
+    def flight_window_h(self, scenarios: Scenarios) -> tuple[FloatArray, FloatArray] | None:
+        """Solar time of launch and landing in every scenario [h]; None where a day is repeated."""
+        flight = self.flight
+        return None if flight is None else flight.window_h(scenarios, self.longitude_deg)
+
+    # ---- Light
+
+    @property
+    def sky(self) -> ClearSky:
+        """Clear-sky model."""
+        return named_clear_sky(self.clear_sky)
+
+    @property
+    def pessimistic_clearness(self) -> float:
+        """Clearness of all light, at the worst of its uncertainty margin [-]."""
+        return self.uncertainty_margins.worst_clearness(self.clearness)
+
+    def pessimistic_power_factor(self, model: ModelName, correct: CorrectionName = "none") -> float:
+        """Factor on the power of a solar model in this mission's light [-].
+
+        With :attr:`pessimistic_clearness` this is all that corrections and uncertainty margins do
+        to modelled power, in every study.
+
+        Parameters
+        ----------
+        model : {"CDM", "CAM", "VM", "FM"}
+            Solar power model.
+        correct : {"none", "report", "loiter"}
+            Correction of its systematic error; of ``loiter`` the part that is the same everywhere.
+
+        Returns
+        -------
+        float
+            Factor of the correction, less the margin of the model's RMS error.
+        """
+        known = correction(model, correct)
+        return known.factor * self.uncertainty_margins.solar_factor(known.rms_relative)
+
+    def without_margins(self) -> Mission:
+        """Same mission with everything as assumed."""
+        return self.model_copy(update={"uncertainty_margins": UncertaintyMargins()})
+
+    # ---- Heights and their air
+
+    @property
+    def ceiling_m(self) -> float:
+        """Highest altitude of flight [m]."""
+        return self.climb.ceiling_m if self.climb else self.altitude_m
+
+    @property
+    def climb_levels_m(self) -> list[float]:
+        """Altitudes between which a flight with climbs is linear; a single one without climbs."""
+        return self.climb.levels_m(self.altitude_m) if self.climb else [self.altitude_m]
+
+    @property
+    def climb_label(self) -> str:
+        """Climbs in words, for captions; empty without any."""
+        return f"climbs from {self.altitude_m:g} to {self.ceiling_m:g} m" if self.climb else ""
+
+    def air_state(self) -> Air:
+        """Air at the flight altitude."""
+        return self.air.state(self.altitude_m)
+
+    def module_temperature_c(self) -> float:
+        """Constant module temperature of CDM and CAM [C]: as given, else that of the air."""
+        return self.air.modules_c(self.altitude_m)
+
+    def at_altitude(self, altitude_m: float) -> Mission:
+        """Same mission at one constant other altitude, through the same weather."""
+        air = self.air.moved(self.altitude_m, altitude_m)
+        return self.model_copy(update={"altitude_m": float(altitude_m), "air": air, "climb": None})
+
+    def climbing_from(self, floor_m: float) -> Mission:
+        """Same mission with another night's floor, through the same weather; its ceiling stays."""
+        level = self.at_altitude(floor_m)
+        climb = self.climb and self.climb.model_copy(
+            update={"minimum_altitude_m": level.altitude_m}
+        )
+        return level.model_copy(update={"climb": climb})
+
+    # ---- Wind
+
+    @property
+    def winds(self) -> WindStatistics | SteadyWind:
+        """Winds of the scenarios: by place and month, or the same everywhere."""
+        return self.wind_statistics or SteadyWind(self.wind_m_per_s)
+
+    @property
+    def holds_station(self) -> bool:
+        """Whether the aircraft flies faster where the wind is faster than its own airspeed."""
+        return self.winds.hold_station
+
+    def scenario_winds_m_per_s(self, scenarios: Scenarios | None = None) -> FloatArray:
+        """Wind of each scenario, by default of the mission's own [m/s]."""
+        some = self.scenarios() if scenarios is None else scenarios
+        place = (some.latitude_deg, some.day_of_year, self.altitude_m, self.longitude_deg)
+        return self.winds.speeds(*place)
+
+    @property
+    def strongest_wind_m_per_s(self) -> float:
+        """Wind that an aircraft must be faster than in all scenarios [m/s]."""
+        some = self.scenarios()
+        place = (some.latitude_deg, some.day_of_year, self.altitude_m, self.longitude_deg)
+        return self.winds.strongest_m_per_s(*place)
+
+    def winds_on_path_m_per_s(self, scenarios: Scenarios) -> FloatArray:
+        """Strongest wind of each scenario at the heights of flight [m/s]."""
+        higher = [self.at_altitude(level_m) for level_m in self.climb_levels_m[1:]]
+        winds = [one.scenario_winds_m_per_s(scenarios) for one in (self, *higher)]
+        return np.asarray(np.max(winds, axis=0))
+
+    @property
+    def wind(self) -> Wind:
+        """Steady wind that the flight path is flown in: the strongest of scenarios and heights."""
+        speed = plain_number(self.winds_on_path_m_per_s(self.scenarios()).max(axis=0))
+        return Wind(speed_m_per_s=speed, from_deg=self.wind_from_deg)
+
+    @property
+    def wind_latitudes_deg(self) -> tuple[float, float]:
+        """Latitudes between which the wind is known [deg]."""
+        return self.winds.known_between_deg(self.longitude_deg)
+
+    def wind_to_beat_m_per_s(self, wind_m_per_s: FloatArray | float) -> FloatArray | float:
+        """Part of a wind that the design's own airspeed must exceed: none where a place is held."""
+        return (not self.holds_station) * wind_m_per_s
+
+    def in_wind(self, wind_m_per_s: float) -> Mission:
+        """Same mission in a wind that is the same everywhere and all year."""
+        update = {"wind_m_per_s": wind_m_per_s, "wind_statistics": None}
+        return self.model_copy(update=update)
