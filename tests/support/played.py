@@ -56,7 +56,7 @@ def make_wrong_aircraft(folder: Path) -> None:
     path = folder / "bad.yaml"
     text = path.read_text(encoding="utf-8")
     for old, new in (
-        ("wingspan_m: 4.0 ", "wingspann_m: 4.0 "),
+        ("wingspan_m: 7.6 ", "wingspann_m: 7.6 "),
         ("discharge_efficiency: 0.97", "discharge_efficiency: 1.2"),
     ):
         assert text.count(old) == 1, old
