@@ -211,18 +211,6 @@ def test_numbers_of_the_readme_are_those_of_the_validation() -> None:
 @pytest.mark.parametrize(
     ("claimed", "actual"),
     [
-        ("├───┤ mass │ 4.14 kg", "├──────┤ mass │ 4.15 kg"),
-        ("...\nb 2\n...", "a 1\nb 2\nc 3"),
-        ("a\n...\nc", "a b b c"),
-    ],
-)
-def test_claims_that_agree(claimed: str, actual: str) -> None:
-    assert disagreement(claimed, actual) is None
-
-
-@pytest.mark.parametrize(
-    ("claimed", "actual"),
-    [
         ("mass 4.14 kg", "mass 4.16 kg"),
         ("mass 4.14 kg", "mass 4.140 kg"),
         ("mass 4.14 kg", "mass │ 4.14 kg"),

@@ -150,30 +150,3 @@ def test_table_of_the_documentation_is_up_to_date(name: str) -> None:
     assert doc_tables.with_table(page, name, make()) == page, (
         f"docs/{page_name} is stale: run `python -m benchmarks.doc_tables`"
     )
-
-
-def test_page_without_its_markers_is_refused() -> None:
-    with pytest.raises(ValueError, match="one pair of markers"):
-        doc_tables.with_table("no markers here", "published", "table")
-
-
-def test_the_folder_of_the_pages_must_be_there(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert doc_tables.main([str(tmp_path)]) == 1
-    assert capsys.readouterr().err == (
-        f"{tmp_path} has no validation.md: start this in a clone of the project, or name the "
-        "folder of the pages\n"
-    )
-
-
-def test_a_missing_package_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def needs_pvlib() -> str:
-        raise ImportError("No module named 'pvlib'")
-
-    (tmp_path / "a.md").write_text("<!-- clear -->\n<!-- /clear -->\n")
-    monkeypatch.setattr(doc_tables, "TABLES", {"clear": ("a.md", needs_pvlib)})
-    assert doc_tables.main([str(tmp_path)]) == 1
-    assert "No module named 'pvlib': install the extra 'test'" in capsys.readouterr().err

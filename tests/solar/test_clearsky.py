@@ -305,36 +305,6 @@ def test_light_high_up_is_near_that_of_a_spectral_model(
     assert global_horizontal(ours, cosine) == pytest.approx(dni * cosine + dhi, rel=0.045)
 
 
-@pytest.mark.parametrize(
-    ("altitude_m", "tolerances"),
-    [
-        # The ratio C of the ground leaves too much diffuse light at low sun up to 9 km.
-        (9000.0, (0.26, 0.10, 0.03)),
-        (12000.0, (0.02, 0.03, 0.032)),
-        (15000.0, (0.05, 0.02, 0.03)),
-        # Here Solis gives what arrives outside the atmosphere, at 10 degrees.
-        (20000.0, (0.12, 0.03, 0.02)),
-    ],
-)
-def test_light_high_up_is_near_simplified_solis(
-    altitude_m: float, tolerances: tuple[float, ...]
-) -> None:
-    # Water and dust fall off by e every 2 km, an independent model's inputs. Its own range ends at
-    # 7 km; above that it is Rayleigh scattering alone, which is nearly all there is.
-    fade = np.exp(-altitude_m / 2000.0)
-    for elevation_deg, tolerance in zip((10.0, 30.0, 60.0), tolerances, strict=True):
-        cosine = np.sin(np.radians(elevation_deg))
-        solis = pvlib.clearsky.simplified_solis(
-            elevation_deg,
-            aod700=0.1 * fade,
-            precipitable_water=max(1.5 * fade, 0.2),
-            pressure=ambiance.Atmosphere(altitude_m).pressure[0],
-            dni_extra=float(extraterrestrial_irradiance(172.5)),
-        )
-        light = global_horizontal(clear_sky(172.5, 47.6, cosine, altitude_m), cosine)
-        assert light == pytest.approx(float(solis["ghi"]), rel=tolerance)
-
-
 @given(days, latitudes, st.floats(0.001, 1.0))
 def test_direct_light_grows_with_altitude(day: float, latitude: float, cosine: float) -> None:
     dni, _ = clear_sky(day, latitude, cosine, np.linspace(-500.0, 44000.0, 60))

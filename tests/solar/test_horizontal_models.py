@@ -95,16 +95,6 @@ def test_analysis_model_by_hand() -> None:
     )
 
 
-@MODELS
-def test_perfect_modules_under_perpendicular_light_give_the_rated_power(model: str) -> None:
-    perfect = SolarCell(
-        efficiency_stc=0.2, camber_efficiency=1.0, mppt_efficiency=1.0, diffuse_efficiency=1.0
-    )
-    models_by_name = {"CDM": conceptual_design_model, "CAM": conceptual_analysis_model}
-    rated = models_by_name[model](light(900.0, 100.0), 1.0, perfect, 25.0)
-    assert rated == pytest.approx(200.0)
-
-
 # ---- Limits
 
 
@@ -195,40 +185,9 @@ def test_power_is_proportional_to_clearness(
 
 
 @MODELS
-@pytest.mark.parametrize(
-    ("latitude", "day"),
-    [
-        *((latitude, day) for latitude in (0.0, 30.0, 47.6) for day in (15, 80, 172, 355)),
-        (65.0, 355),
-    ],
-)
-def test_energy_of_a_day_grows_with_altitude(model: str, latitude: float, day: int) -> None:
-    time = np.linspace(0.0, 24.0, 289)
-    low, high = np.linspace(-500.0, 9000.0, 20), np.linspace(12000.0, 32000.0, 20)
-    altitude = np.concatenate((low, high))[:, np.newaxis]
-    power = power_at(latitude, day + 0.5, time, altitude_m=altitude, model=model)
-    energy = np.trapezoid(power, time, axis=-1)
-    assert np.all(np.diff(energy[:20]) > 0.0)
-    assert np.all(np.diff(energy[20:]) > 0.0)
-    # In between, the light that the coefficients of the ground have too much of at low sun goes.
-    if latitude < 40.0 or day in (80, 172):
-        assert energy[20] > energy[19]
-
-
-@MODELS
 def test_power_falls_with_module_temperature(model: str) -> None:
     cold, hot = power_at(47.6, 172.5, 12.0, model=model, module_temperature_c=[25.0, 45.0])
     assert hot / cold == pytest.approx(1.0 - 20.0 * 0.003)
-
-
-@MODELS
-def test_power_is_periodic_over_the_year_without_a_jump_at_its_end(model: str) -> None:
-    time = np.linspace(0.0, 24.0, 49)
-    this_year, next_year = (power_at(47.6, day, time, model=model) for day in (1.25, 366.25))
-    assert this_year == pytest.approx(next_year)
-    last, first = power_at(47.6, np.array([365.999, 1.0]), 12.0, model=model)
-    # A thousandth of a day changes the winter sun by less than 0.001 %.
-    assert last == pytest.approx(float(first), rel=1e-5)
 
 
 @MODELS
@@ -254,21 +213,6 @@ def test_user_table_of_incidence_reaches_the_analysis_model() -> None:
 
 
 # ---- Shapes and errors
-
-
-@MODELS
-@pytest.mark.parametrize("correct", ["none", "report"])
-def test_a_whole_map_equals_scalar_calls(model: str, correct: str) -> None:
-    lat = np.array([-47.6, 0.0, 47.6, 90.0])
-    day = np.array([1.5, 172.5, 300.5])
-    time = np.array([0.0, 6.5, 9.0, 12.0, 17.0])
-    options = {"model": model, "correct": correct, "altitude_m": 536.0, "clearness": 0.8}
-    whole = power_at(lat[:, np.newaxis, np.newaxis], day[:, np.newaxis], time, **options)
-    assert whole.shape == (4, 3, 5)
-    for i, j, k in np.ndindex(4, 3, 5):
-        # Vectorised and scalar functions may differ in the last bits.
-        one = float(power_at(lat[i], day[j], time[k], **options))
-        assert whole[i, j, k] == pytest.approx(one, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import pytest
 
 from benchmarks.validation import published_flights
 from benchmarks.validation.flight_inputs import INPUTS, MISSES, Miss, Spread
-from benchmarks.validation.single_inputs import Explanation, Needed, explain, nearest_root
+from benchmarks.validation.single_inputs import Explanation, Needed, explain
 
 # The season takes a year of days for each value; it is computed for the documentation's table.
 QUICK = MISSES[:2]
@@ -17,29 +17,6 @@ def found() -> tuple[Explanation, ...]:
 
 def needed(found: tuple[Explanation, ...], miss: int, name: str) -> Needed:
     return next(n for n in found[miss].needed if n.spread.input.name == name)
-
-
-@pytest.mark.parametrize(
-    ("start", "ends", "root"),
-    [(0.0, (-1.0, 3.0), 2.0), (2.5, (-1.0, 3.0), 2.0), (0.0, (-1.0, 1.9), None)],
-)
-def test_root_of_a_line(start: float, ends: tuple[float, float], root: float | None) -> None:
-    place = nearest_root(lambda x: x - 2.0, start, ends)
-    assert place == (None if root is None else pytest.approx(root, abs=1e-12))
-
-
-def test_root_of_a_curve_and_of_a_jump() -> None:
-    # The bracket is a step of the scan halved seven times; a line within it is nearer still.
-    assert nearest_root(lambda x: x**3 - 2.0, 0.5, (0.5, 3.0)) == pytest.approx(
-        2 ** (1 / 3), abs=1e-5
-    )
-    assert nearest_root(lambda x: -1.0 if x < 0.7 else 1.0, 0.0, (0.0, 1.0)) == pytest.approx(
-        0.7, abs=1.0 / 6.0 / 128.0
-    )
-
-
-def test_of_two_roots_the_nearer_is_found() -> None:
-    assert nearest_root(lambda x: x * x - 1.0, 0.4, (-3.0, 3.0)) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_uncertainty_of_a_range_is_that_of_an_even_distribution() -> None:

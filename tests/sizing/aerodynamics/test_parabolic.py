@@ -25,7 +25,6 @@ AIR: dict[str, float] = {"density_kg_per_m3": 1.1, "dynamic_viscosity": 1.8e-5}
 spans = st.floats(1.0, 30.0)
 aspects = st.floats(6.0, 35.0)
 masses = st.floats(0.5, 300.0)
-growths = st.floats(1.01, 2.0)
 
 
 @given(span=spans, aspect=aspects, mass=masses, density=st.floats(0.05, 1.4))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-import sys
 from pathlib import Path
 
 import casadi as ca
@@ -23,12 +22,9 @@ from benchmarks.validation.power_curve import (
     AS2_POWER_W,
     check_curve,
     check_level_flight,
-    power_curve_figure,
-    power_curve_image,
     power_tables,
     wing_polar,
 )
-from benchmarks.validation.power_curve import main as draw_power_curve
 from missions.files.errors import InputError
 from missions.files.texts import texts_as_read
 from sizing.aerodynamics.airfoil_polar import AirfoilPolar
@@ -348,16 +344,6 @@ def test_a_record_keeps_its_table_when_the_file_goes(tmp_path: Path) -> None:
 # ---- The writer
 
 
-def test_writer_without_neuralfoil_says_what_to_install(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    monkeypatch.setitem(sys.modules, "aerosandbox", None)
-    file = tmp_path / "out.csv"
-    assert main(["--airfoil", "mh114", "--out", str(file)]) == 1
-    assert "pip install neuralfoil" in capsys.readouterr().err
-    assert not file.exists()
-
-
 def test_writer_repeats_a_shipped_table(tmp_path: Path) -> None:
     pytest.importorskip("neuralfoil")
     file = tmp_path / "out.csv"
@@ -428,14 +414,6 @@ def test_build_up_adds_up_and_calibration_multiplies_it() -> None:
     assert 0.010 < parts.tail / _wing().tail_area_ratio < 0.012
 
 
-def test_wing_polar_takes_symbols() -> None:
-    polar = _wing()
-    aspect_ratio, reynolds = ca.MX.sym("aspect_ratio"), ca.MX.sym("reynolds")
-    drag = polar.drag_coefficient(aspect_ratio, reynolds)
-    value = ca.Function("drag", [aspect_ratio, reynolds], [drag])(18.5, 2e5)
-    assert float(value) == pytest.approx(float(polar.drag_coefficient(18.5, 2e5)), rel=1e-10)
-
-
 # ---- Against flights
 
 
@@ -471,24 +449,3 @@ def test_documentation_holds_the_tables_as_computed() -> None:
     ]
     assert len(rows) == 3 * len(SHIPPED)
     assert [row for row in rows if row not in documented] == []
-
-
-def test_figure_draws_the_flight_and_every_model() -> None:
-    figure = power_curve_figure([wing_polar(name, AS1) for name in ("e214", "mh115")])
-    axes, residual_axes = figure.axes
-    assert len(axes.lines) == 3
-    assert axes.lines[-1].get_xydata() == pytest.approx(np.asarray(AS1_FLIGHT))
-    assert [line.get_ydata().shape for line in residual_axes.lines[:2]] == [(11,), (11,)]
-    assert "m/s" in residual_axes.get_xlabel()
-    assert "W" in axes.get_ylabel()
-    assert power_curve_image().startswith(b"\x89PNG")
-
-
-def test_figure_is_drawn_by_a_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    target = tmp_path / "curve.svg"
-    assert draw_power_curve(["--out", str(target)]) == 0
-    assert b"<svg" in target.read_bytes()[:1000]
-    with pytest.raises(SystemExit) as stopped:
-        draw_power_curve(["--out", str(tmp_path / "curve.doc")])
-    assert stopped.value.code == 2
-    assert ".png, .svg, .pdf" in capsys.readouterr().err

@@ -25,7 +25,6 @@ from sizing.structures.loads import StructureInputs, stations
 from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import Bracing, WebCore
 
-G = 9.80665
 WIRE = {"attachment_span_fraction": 0.4, "angle_deg": 15.0}
 # Zephyr's size, in level flight at 18 km.
 INPUTS = StructureInputs(25.0, 22.0, 75.0, 30.0, 21.0, 0.12)

@@ -15,7 +15,6 @@ G = 9.80665
 
 spans = st.floats(1.0, 30.0)
 masses = st.floats(0.5, 300.0)
-growths = st.floats(1.01, 2.0)
 
 
 @pytest.mark.parametrize(

@@ -31,8 +31,6 @@ ERROR = ("altitude_m", "model_error")
 CORRECTION = ("altitude_m", "correction")
 RECORD = ("height_above_record_m", "weather_record")
 HIGH_UP = {MODULES, BATTERY, COLD_BATTERY, ERROR, CORRECTION, RECORD}
-# Standard air at 10,000 m of geometric altitude, U.S. Standard Atmosphere 1976, table I.
-AIR_C = 223.252 - 273.15
 
 
 def notes(result: object) -> dict[tuple[str, str], Extrapolation]:
@@ -113,12 +111,6 @@ def test_the_full_model_balances_heat_as_well() -> None:
     assert MODULES in notes(analyse(DESIGN, high, correction="loiter"))
 
 
-def test_a_correction_high_up_is_told_besides_the_error() -> None:
-    assert CORRECTION not in notes(analyse(DESIGN, HIGH))
-    found = notes(analyse(DESIGN, HIGH, correction="report"))
-    assert {ERROR, CORRECTION} <= set(found)
-
-
 @pytest.mark.parametrize(
     ("altitude_m", "offset_k", "expected"),
     [
@@ -150,18 +142,6 @@ def test_a_sizing_tells_the_worth_of_its_own_design() -> None:
     assert found[BATTERY].excess_time_h == pytest.approx(cold, abs=1e-3)
     warm = analyse(study.sized_aircraft(), mission(**HIGH_WITH_COLD_MODULES))
     assert found[MODULES].excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-5)
-
-
-def test_a_sizing_with_climbs_tells_the_worth_at_the_height_it_names() -> None:
-    """The note is that of the analysis of the sized aircraft."""
-    where = mission(climb={"ceiling_m": 4536.0}, clearness=0.9)
-    study = size(DESIGN, where, "min_wingspan")
-    told = notes(study)[BATTERY]
-    assert "in level flight at" in told.text
-    again = notes(analyse(study.sized_aircraft(), study.sized_mission()))[BATTERY]
-    assert told.excess_time_h == pytest.approx(again.excess_time_h, abs=0.02)
-    # Marched in steps of five minutes and of one.
-    assert told.value == pytest.approx(again.value, abs=20.0)
 
 
 def test_an_infeasible_sizing_tells_the_worth_of_its_nearest_design() -> None:

@@ -43,18 +43,6 @@ def test_ceiling_writes_table_and_figure(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_ceiling_of_a_summer_names_the_worst_scenario(run: Run) -> None:
-    outcome = run("ceiling", AS2, "-m", "central-europe-summer", "--step", "5000")
-    assert outcome.code == 0
-    assert "45° N, 15 Aug" in outcome.out
-
-
-def test_search_that_ends_too_low_says_so(run: Run) -> None:
-    outcome = run("ceiling", AS2, "--highest", "2000")
-    assert outcome.code == 0
-    assert "up to 2000 m and beyond the search" in " ".join(outcome.out.split())
-
-
 def test_no_ceiling_is_exit_code_one(run: Run, tmp_path: Path) -> None:
     arguments = ["--set", "power.avionics_w=60", "--step", "5000", "--plot", "none.svg"]
     outcome = run("ceiling", "sky-sailor", *arguments)

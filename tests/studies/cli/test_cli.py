@@ -325,17 +325,6 @@ def test_a_known_total_mass_holds_in_every_study(run: Run, aircraft: str) -> Non
     assert "total mass of 7 kg" in points[1]["message"]
 
 
-def test_a_known_total_mass_is_that_of_the_design_in_the_file(run: Run) -> None:
-    given = (DESIGN, "-m", "rafz-july", "--json")
-    other = run("analyse", *given, "--mass", "8").json()["masses_kg"]["other"]
-    for command in ("size", "map"):
-        grid = ("--latitudes", "40:50:10", "--days", "180:190:10") if command == "map" else ()
-        known = run(command, *given, *grid, "--mass", "8").json()
-        same = run(command, *given, *grid, "--set", f"airframe.other_mass_kg={other}").json()
-        for key in ("designs", "solver", "seasons"):
-            assert known.get(key) == same.get(key) or key == "solver"
-
-
 @pytest.mark.parametrize("chordwise", ["aspect_ratio=12.5", "chord_m=0.4", "wing_area_m2=2.0"])
 def test_chord_or_area_stand_for_the_aspect_ratio(run: Run, chordwise: str) -> None:
     wing = ("--set", "airframe.wingspan_m=5", "--set", f"airframe.{chordwise}")

@@ -46,27 +46,6 @@ def test_the_least_mass_with_the_required_excess_time_is_what_is_sized_for(run: 
     assert by_option["total_mass_kg"] == record["total_mass_kg"]
 
 
-@pytest.mark.parametrize(
-    ("objective", "key"), [("min_wingspan", "wingspan_m"), ("min_mass", "total_mass_kg")]
-)
-def test_objectives(run: Run, objective: str, key: str) -> None:
-    options = ("--required-excess-time", "3", "--objective", objective, "--json")
-    record = run("size", DESIGN, "-m", "rafz-july", *options).json()
-    assert record["objective"]["value"] == pytest.approx(record[key])
-    # Active: the program aims a small cushion above it.
-    assert record["simulated"]["excess_time_h"] == pytest.approx(3.0, abs=0.1)
-
-
-def test_overrides_change_the_sizing(run: Run) -> None:
-    common = ("size", DESIGN, "-m", "rafz-july", *LONGEST, "--json")
-    before = run(*common).json()
-    denser = run(*common, "--set", "battery.specific_energy_wh_per_kg=400").json()
-    loaded = run(*common, "--set", "mission.payload.mass_kg=1").json()
-    assert denser["objective"]["value"] > before["objective"]["value"]
-    assert loaded["objective"]["value"] < before["objective"]["value"]
-    assert loaded["masses_kg"]["payload"] == 1.0
-
-
 def test_files_of_a_sizing(run: Run, tmp_path: Path) -> None:
     folder = tmp_path / "new" / "design"
     outcome = run("size", DESIGN, "-m", "rafz-july", "--json", "--out", str(folder))
@@ -143,56 +122,6 @@ def test_infeasible_sizing_says_why_and_writes_nothing(
     assert requirement in [v["requirement"] for v in record["violated_requirements"]]
 
 
-@pytest.mark.parametrize(
-    ("override", "reason"),
-    [
-        ("mission.payload.mass_kg=1e6", "no design carries its own mass"),
-        ("mission.required_excess_time_h=500", "an excess time of 500 h is out of reach"),
-    ],
-)
-def test_infeasible_sizing_as_text(run: Run, override: str, reason: str) -> None:
-    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", override)
-    assert (outcome.code, outcome.err) == (1, "")
-    for words in ("infeasible", reason, override.partition("=")[0]):
-        assert words in outcome.out
-    assert "mass_budget" not in outcome.out
-
-
-def test_constant_charge_rate_can_be_sized(run: Run) -> None:
-    constant = "battery.charge_limit={kind: rule, taper_start: 0, relative_rate_at_full: 1}"
-    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", constant, "--json")
-    assert (outcome.code, outcome.err) == (0, "")
-
-
-@pytest.mark.parametrize(
-    "override",
-    [
-        "mission.required_excess_time_h=1e5",
-        "design_space.maximum_total_mass_kg=1e-3",
-        "battery.discharge_efficiency=1e-300",
-    ],
-)
-def test_hopeless_sizing_ends_quietly(run: Run, override: str) -> None:
-    outcome = run("size", DESIGN, "-m", "rafz-july", "--set", override, "--json")
-    assert outcome.code in (1, 2)
-    assert "WARNING" not in outcome.err
-    assert "RuntimeWarning" not in outcome.err
-
-
-def test_folder_of_results_is_written_whole_or_not_at_all(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "design" / "masses.csv").mkdir(parents=True)
-    assert run("size", DESIGN, "-m", "rafz-july", "--out", "design").code == 1
-    assert files(tmp_path / "design") == {"masses.csv"}
-
-
-@pytest.mark.parametrize("objective", ["max_payload_mass", "max_payload_power"])
-def test_sensitivities_of_a_payload_are_drawn(run: Run, tmp_path: Path, objective: str) -> None:
-    options = ("--objective", objective, "--required-excess-time", "1", "--sensitivities")
-    outcome = run("size", DESIGN, "-m", "rafz-july", *options, "--out", "design")
-    assert (outcome.code, outcome.err) == (0, "")
-    assert files(tmp_path / "design") == SIZED_FILES | {"sensitivities.csv", "sensitivities.png"}
-
-
 def test_wing_covered_whole_is_written_and_read_again(run: Run) -> None:
     whole = ("--set", "airframe.maximum_module_coverage=1")
     asked = ("size", DESIGN, "-m", "rafz-july", "--objective", "min_wingspan", *whole)
@@ -200,24 +129,6 @@ def test_wing_covered_whole_is_written_and_read_again(run: Run) -> None:
     assert (outcome.code, outcome.err) == (0, "")
     again = run("analyse", "whole/aircraft.yaml", "-m", "rafz-july")
     assert (again.code, again.err) == (0, "")
-
-
-def test_quantities_of_a_design_are_told(run: Run) -> None:
-    record = run("size", DESIGN, "-m", "rafz-july", "--json").json()
-    told = record["quantities"]
-    assert told["wing_loading_kg_per_m2"] == pytest.approx(
-        record["total_mass_kg"] / record["wing_area_m2"]
-    )
-    assert told["stall_margin"] == pytest.approx(
-        record["airspeed_m_per_s"] / told["stall_speed_m_per_s"]
-    )
-    assert told["cruise_discharge_rate_per_h"] == pytest.approx(
-        record["power_out_w"] / told["battery_energy_wh"]
-    )
-    text = run("size", DESIGN, "-m", "rafz-july").out
-    assert f"{told['stall_speed_m_per_s']:.2f} m/s" in text
-    heavy = run("size", DESIGN, "-m", "rafz-july", "--set", "mission.payload.mass_kg=1e6", "--json")
-    assert heavy.json()["quantities"] is None
 
 
 def test_reliability_is_kept_in_the_folder(

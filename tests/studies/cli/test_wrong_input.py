@@ -18,39 +18,20 @@ AS2, DESIGN = "atlantiksolar-as2", "atlantiksolar-design"
     [
         # unknown, missing and duplicate keys
         ("  mass_kg: 2.918", "  mass_kgs: 2.918", ":15:3: battery.mass_kgs: unknown key; did you mean 'mass_kg'?"),  # noqa: E501
-        ("  mass_kg: 2.918", "  mas_kg: 2.918", ":14:1: battery.mass_kg: required key is missing"),
         ("power:\n", "colour: red\npower:\n", ":23:1: colour: unknown key; allowed keys: format_version, name, description, airframe, modules, battery, power, design_space"),  # noqa: E501
-        ("  mass_kg: 2.918", "  mass_kg: 2.918\n  mass_kg: 3", ":16:3: battery.mass_kg: duplicate key (first at line 15)"),  # noqa: E501
         ("kind: measured", "kind: masured", ":3:9: airframe.kind: must be one of 'measured', 'parametric' (got 'masured')"),  # noqa: E501
-        ("  kind: measured\n", "", ":2:1: airframe.kind: required key is missing; it must be one of 'measured', 'parametric'"),  # noqa: E501
         # wrong types
         ("avionics_w: 6.0", "avionics_w: six", ":24:15: power.avionics_w: must be a number (got 'six')"),  # noqa: E501
-        ("avionics_w: 6.0", "avionics_w: 6 W", "(got '6 W'); write the plain number; the unit is in the key"),  # noqa: E501
-        ("avionics_w: 6.0", "avionics_w: true", ":24:15: power.avionics_w: must be a number (got true)"),  # noqa: E501
-        ("avionics_w: 6.0", "avionics_w:", "power.avionics_w: must be a number (got null)"),
-        ("avionics_w: 6.0", "avionics_w: [6]", "power.avionics_w: must be a number (got a list of 1)"),  # noqa: E501
         ("name: bird", "name: 12", ":1:7: name: must be text (got 12); put it in quotes"),
-        ("name: bird", 'name: ""', ":1:7: name: must not be empty"),
         # wrong numbers
         ("avionics_w: 6.0", "avionics_w: -6", ":24:15: power.avionics_w: must be at least 0 (got -6)"),  # noqa: E501
-        ("avionics_w: 6.0", "avionics_w: .nan", ":24:15: power.avionics_w: must be a finite number (got .nan)"),  # noqa: E501
-        ("avionics_w: 6.0", "avionics_w: .inf", ":24:15: power.avionics_w: must be a finite number (got .inf)"),  # noqa: E501
-        ("avionics_w: 6.0", "avionics_w: 1e999", "power.avionics_w: must be a finite number"),
-        ("avionics_w: 6.0", "avionics_w: " + 5000 * "9", "power.avionics_w: must be a finite number"),  # noqa: E501
-        ("  mass_kg: 2.918", "  mass_kg: 0", ":15:12: battery.mass_kg: must be greater than 0 (got 0)"),  # noqa: E501
         ("efficiency_stc: 0.237", "efficiency_stc: 23.7", ":13:19: modules.efficiency_stc: must be at most 1 (got 23.7)"),  # noqa: E501
         ("area_m2: 1.35", "area_m2: 13.5", ":12:12: modules.area_m2: must not exceed the wing area of 1.73 m², wingspan squared over aspect_ratio or wingspan times chord_m (got 13.5)"),  # noqa: E501
         ("[10, 5, 1]", "[10, 5]", "battery.charge_limit: state_of_charge and current_a must have the same length"),  # noqa: E501
         ("[0.8, 0.9, 1.0]", "[0.9, 0.8, 1.0]", "battery.charge_limit: state_of_charge must increase strictly"),  # noqa: E501
         # what YAML allows and a description must not hold
         ("name: bird", "name: !!python/object/apply:os.getcwd []", ":1:7: explicit tags (!!python/object/apply:os.getcwd) are not allowed"),  # noqa: E501
-        ("power:\n", "<<: {a: 1}\npower:\n", ":23:1: merge keys (<<) are not allowed"),
-        ("name: bird", "? [a]\n: b", "a key must be text (got a list)"),
-        ("name: bird", "--- {}\n---\nname: bird", "only one document (---) is allowed per file"),
-        ("name: bird", "name: " + 60 * "[" + 60 * "]", "nested too deeply (at most 40 levels)"),
-        ("name: bird", "name: [", "is not valid YAML"),
         ("  avionics_w", "\tavionics_w", ":24:1: is not valid YAML"),
-        ("name: bird", "name: bi\0rd", ":1:9: character U+0000 is not allowed"),
     ],
 )  # fmt: skip
 def test_wrong_aircraft(run: Run, tmp_path: Path, old: str, new: str, said: str) -> None:
@@ -74,13 +55,11 @@ def test_wrong_aircraft(run: Run, tmp_path: Path, old: str, new: str, said: str)
         ("on: 07-15", "from: 07-15\n  to: 08-01\n  count: 0", ":7:10: dates.count: must be at least 1 (got 0)"),  # noqa: E501
         ("on: 07-15", "from: 07-15\n  to: 08-01\n  count: 366", ":7:10: dates.count: must be at most 365 (got 366)"),  # noqa: E501
         ("latitude_deg: 47.6", "latitude_deg: 95", ":2:15: latitude_deg: must be at most 90"),
-        ("latitude_deg: 47.6", "latitude_deg: .nan", "latitude_deg: must be a finite number"),
         ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 95}", ":2:38: latitude_deg.to_deg: must be at most 90 (got 95)"),  # noqa: E501
         ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 45}", "latitude_deg: from_deg and to_deg must differ"),  # noqa: E501
         ("latitude_deg: 47.6", "latitude_deg: {from_deg: 45, to_deg: 50}", "latitude_deg: a launch needs a single latitude"),  # noqa: E501
         ("latitude_deg: 47.6", "latitude_deg: -80", ":2:15: latitude_deg: polar night: the sun never rises at 80° S, 15 Jul"),  # noqa: E501
         ("longitude_deg: 8.5\n", "", "launch: a launch by clock time needs longitude_deg"),
-        ("clearness", "cleerness", ":9:1: cleerness: unknown key; did you mean 'clearness'?"),
         ("clearness: 1.0", "clearness: 0", ":9:12: clearness: must be greater than 0 (got 0)"),
         ("thermal: 0.0", "thermal: 6", ":11:12: turbulence.thermal: must be at most 5 (got 6)"),
         ("altitude_m: 500", "altitude_m: 1e6", ":6:13: altitude_m: must be at most 32000"),
@@ -97,25 +76,12 @@ def test_wrong_mission(run: Run, tmp_path: Path, old: str, new: str, said: str) 
     assert any(line.startswith("field.yaml:") and said in line for line in outcome.err.split("\n"))
 
 
-def test_alias_bomb_is_refused(run: Run, tmp_path: Path) -> None:
-    lines = ["a0: &a0 [x, x, x, x, x, x, x, x]"]
-    lines += [f"a{i}: &a{i} [{', '.join(8 * [f'*a{i - 1}'])}]" for i in range(1, 7)]
-    (tmp_path / "bomb.yaml").write_text("\n".join(lines))
-    outcome = run("analyse", "bomb.yaml")
-    assert outcome.code == 2
-    assert re.fullmatch(r"bomb\.yaml:\d+:\d+: .*too many \S*.*\n", outcome.err)
-
-
 @pytest.mark.parametrize(
     ("content", "said"),
     [
         (b"", "the file is empty; it must hold a mapping (key: value)"),
-        (b"# only a comment\n", "the file is empty"),
-        (b"hello\n", ":1:1: the top level must be a mapping"),
         (b"- a\n", ":1:1: the top level must be a mapping (key: value), not a list"),
-        (bytes(range(128, 256)), ":1:1: is not UTF-8 text (byte 0x80)"),
         (b"name: caf\xe9\n", ":1:10: is not UTF-8 text (byte 0xe9)"),
-        (b"name: x #" + 1_000_001 * b"x", "is too large (at most 1 MB)"),
     ],
 )
 def test_what_is_no_description(run: Run, tmp_path: Path, content: bytes, said: str) -> None:
@@ -146,16 +112,6 @@ def test_what_cannot_be_found_or_used(run: Run, arguments: tuple[str, ...], said
     assert (outcome.code, outcome.out) == (2, "")
     assert said in outcome.err
     assert outcome.err.count("\n") == 1
-
-
-@pytest.mark.skipif(
-    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may read every file"
-)
-def test_unreadable_file(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "bird.yaml").write_text(BIRD)
-    (tmp_path / "bird.yaml").chmod(0)
-    outcome = run("analyse", "bird.yaml")
-    assert outcome == (2, "", "bird.yaml: cannot be read: permission denied\n")
 
 
 @pytest.mark.parametrize(
@@ -211,19 +167,9 @@ def test_all_problems_of_both_files_are_reported_together(run: Run, tmp_path: Pa
     ("override", "said"),
     [
         ("nonsense", "--set nonsense: write an override as KEY=VALUE, for example a.b=2.5"),
-        ("", "write an override as KEY=VALUE"),
-        ("=1", "write an override as KEY=VALUE"),
-        ("battery..mass_kg=1", "write an override as KEY=VALUE"),
         ("colour=red", "--set colour: unknown key; allowed keys: format_version, name"),
-        ("battery.mas_kg=1", "--set battery.mas_kg: unknown key; did you mean 'mass_kg'?"),
         ("battery.mass_kg=abc", "--set battery.mass_kg: must be a number (got 'abc')"),
-        ("battery.mass_kg='3'", "--set battery.mass_kg: must be a number (got '3')"),
-        ("battery.mass_kg=", "--set battery.mass_kg: no value after the = sign"),
-        ("battery.mass_kg=.nan", "--set battery.mass_kg: must be a finite number"),
-        ("battery.mass_kg=0", "--set battery.mass_kg: must be greater than 0 (got 0)"),
         ("battery.mass_kg.x=1", "battery.mass_kg is the single value 2.918 and has no keys"),
-        ("battery=1", "--set battery: must be a mapping of keys and values (got 1)"),
-        ("battery.mass_kg=[1", "--set battery.mass_kg: "),
         ("battery.charge_limit.current_a.99=1", "takes an index from 0 to 12 (got '99')"),
         ("wingspan=3", "--set wingspan: unknown key; did you mean 'wingspan_m'?"),
         ("airframe.wingspan_m=1e300", "--set airframe.wingspan_m: must be at most"),

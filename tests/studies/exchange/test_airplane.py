@@ -13,7 +13,7 @@ from studies.exchange.airplane import airplane_text, to_aerosandbox
 from studies.exchange.geometry import lifting_surfaces
 
 pytestmark = pytest.mark.extra
-asb: Any = pytest.importorskip("aerosandbox")
+pytest.importorskip("aerosandbox")
 optvl: Any = pytest.importorskip("optvl")
 
 AIRFOIL = aircraft(

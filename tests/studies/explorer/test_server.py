@@ -403,17 +403,6 @@ def test_view_is_the_session_s(server: Server) -> None:
     assert "season" not in server.post("/api/view", {}).json()
 
 
-def test_page_is_described(server: Server) -> None:
-    told = server.get("/api/session").json()
-    assert told == json.loads(json.dumps(server.explorer.session.describe()))
-    assert told["aircraft"]["name"] == "atlantiksolar-design"
-
-
-def test_saved_files_are_told(server: Server) -> None:
-    saved = server.post("/api/files", {"settings": {"battery.mass_kg": 3.2}}).json()
-    assert "mass_kg: 3.2\n" in saved["files"][0]["text"]
-
-
 @pytest.mark.slow
 def test_report_is_one_on_the_settings(server: Server) -> None:
     made = server.post("/api/report", {"settings": {"battery.mass_kg": 3.2}}).json()

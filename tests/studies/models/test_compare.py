@@ -1,13 +1,11 @@
 """Comparison of models: numbers of single analyses, files, messages and exit codes."""
 
-import io
 import json
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 from command_line import Run
 
@@ -91,19 +89,6 @@ def test_optimism_builds_too_small_and_the_reference_keeps_its_promise(
     assert full.judged.excess_time_h >= 3.0
 
 
-def test_headline_of_the_designs_has_their_numbers(designs: study.Comparison) -> None:
-    cdm, full = designs.cases[0].built, designs.cases[2].built
-    told = designs.headline()
-    assert told.startswith(
-        f"Sized with uncorrected CDM, {DESIGN} has a span of "
-        f"{cdm.sizing.design.variables.wingspan_m:.2f} m; evaluated by corrected FM it flies "
-    )
-    assert f"at {cdm.judged.scenario}: its battery lasts" in told
-    assert told.endswith(
-        f"(sized with corrected FM: a span of {full.sizing.design.variables.wingspan_m:.2f} m)."
-    )
-
-
 def test_headline_where_the_reference_is_the_only_case() -> None:
     only = [SolarModel("FM", "report")]
     built = study.compare(AIRCRAFT, MISSION, models=only, required_excess_time_h=3.0)
@@ -144,12 +129,6 @@ def test_figure_names_its_axes_and_marks_who_comes_down(designs: study.Compariso
 def test_season_over_the_years_end_is_drawn_in_two_parts() -> None:
     assert spans(Season(126, 126, 300, 60)) == [(1, 60), (300, 365)]
     assert spans(Season(3, 0, None, None)) == []
-
-
-def test_each_table_has_a_row_for_each_case(designs: study.Comparison) -> None:
-    for text in (table.to_markdown() for table in designs.tables()):
-        assert text.count("\n| C") == 2
-        assert text.count("\n| FM |") == 1
 
 
 def test_rows_of_a_report_belong_to_the_scenario_they_name(designs: study.Comparison) -> None:
@@ -258,16 +237,6 @@ def test_midnight_sun_has_no_end(run: Run, tmp_path: Path) -> None:
     drawn = run("compare", AS2, "--models", "CDM", *place, "--plot", "sun.png")
     assert drawn.code == 0
     assert (tmp_path / "sun.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_single_files_are_written_together_or_not_at_all(run: Run, tmp_path: Path) -> None:
-    options = (AS2, "--models", "CDM", "--corrections", "none", "--csv", "c.csv")
-    assert run("compare", *options, "--plot", "p.svg").code == 0
-    assert {p.name for p in tmp_path.iterdir()} == {"c.csv", "p.svg"}
-    assert len(pd.read_csv(io.BytesIO((tmp_path / "c.csv").read_bytes()))) == 1
-    (tmp_path / "c.csv").unlink()
-    assert run("compare", *options, "--plot", "missing/p.svg").code != 0
-    assert {p.name for p in tmp_path.iterdir()} == {"p.svg"}
 
 
 def test_no_design_at_all_ends_with_1(run: Run) -> None:
