@@ -16,12 +16,22 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, blocks
 from sizing.day.battery import Store
-from sizing.day.cycle import Cycle, joined
-from sizing.day.flight import Course, Endurance, flight_time_h, longest_flight
+from sizing.day.flight import (
+    Course,
+    Flights,
+)
 from sizing.day.heights import FlightLevels, flight_levels
+from sizing.day.launch import (
+    Endurance,
+    longest_flight,
+)
 from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.day.load import DesignLoads, flown_cycle
-from sizing.day.march import march
+from sizing.day.march import ChargingDay
+from sizing.day.metrics import (
+    Cycle,
+    joined,
+)
 from sizing.design import Design, DesignVariables, picked
 from sizing.mass_budget import closed_design, design_of
 from solar.types import BoolArray, FloatArray
@@ -141,9 +151,10 @@ class Performance:
         if climbing is not None:
             return climbing.hours(np.zeros(len(launches), int), launches)
         one = slice(scenario, scenario + 1)
-        balance = PowerBalance.of(*self._one_day(self.solar_power_w[one], self.load_w[one]))
+        day_h, solar_w, load_w = self._one_day(self.solar_power_w[one], self.load_w[one])
         store = self.store.flat(self.cycle.status.shape).select(one)
-        return flight_time_h(balance, store, launches[:, np.newaxis])[:, 0]
+        flights = Flights.of(day_h, solar_w, load_w, store)
+        return flights.hours(np.zeros(len(launches), int), launches)
 
     def flight(
         self, scenario: int, launch_h: float, hours: float
@@ -190,10 +201,9 @@ class Performance:
         clock_h = clock_h[(clock_h >= launch_h) & (clock_h <= end_h)]
         solar, load = (np.interp(clock_h % 24.0, day_h, power[scenario]) for power in powers)
         store = self.store.flat(self.cycle.status.shape).select(slice(scenario, scenario + 1))
-        full_wh = np.broadcast_to(np.asarray(store.battery_energy_wh, float), (1,))
-        balance = PowerBalance.of(clock_h, solar[np.newaxis], load[np.newaxis])
-        energy_wh = [full_wh, *(step.end_wh for step in march(balance, store, full_wh))]
-        charge = np.concatenate(energy_wh) / full_wh
+        full_wh = np.asarray(store.battery_energy_wh, float)
+        day = ChargingDay.of(PowerBalance.of(clock_h, (solar - load)[:, np.newaxis]))
+        charge = day.run(store, full_wh).energy_at_nodes_wh()[:, 0] / full_wh
         charge[np.logical_or.accumulate(charge <= 0.0)] = 0.0  # it has come down
         altitude_m = np.full_like(clock_h, self.mission.altitude_m)
         return Course(clock_h, solar, load, charge, altitude_m)

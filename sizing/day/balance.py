@@ -1,22 +1,21 @@
 """Net power over the time axis and its exact integrals over every interval.
 
 Solar power and load are piecewise linear between the nodes of the time axis; surplus and deficit
-of every interval are integrated exactly, a change of sign inside an interval included. A batch of
-designs and scenarios is laid out for the march: time first, then one axis of elements.
+of every interval are integrated exactly, a change of sign inside an interval included. The axis is
+a day, the days of a record or a calendar; the batch is designs, scenarios or days. It is laid out
+for the march: time first, then one axis of elements.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sizing.day.battery import Store
-from solar.types import BoolArray, FloatArray, IntArray
+from solar.types import FloatArray, IntArray
 
 _POINTS_AT_ONCE = 16384
 _LEAST = 1e-300  # keeps zero over zero at zero
@@ -101,43 +100,49 @@ def ramp_fraction(left: FloatArray, right: FloatArray, share: FloatArray) -> Flo
 
 
 class Interval(NamedTuple):
-    """Flows of one interval of the time axis, per element of the batch.
+    """Intervals of the time axis, each of one element of the batch.
 
     An interval has up to three phases: an early deficit, a surplus, a late deficit; at most one
     deficit is not zero.
     """
 
-    number: int | IntArray
-    start_h: float | FloatArray
-    hours: float | FloatArray
+    start_h: FloatArray
+    hours: FloatArray
     left_w: FloatArray
     right_w: FloatArray
     surplus_wh: FloatArray
-    early_deficit_wh: FloatArray
-    late_deficit_wh: FloatArray
+    deficit_wh: FloatArray
 
+    def surplus_h(self) -> tuple[FloatArray, FloatArray]:
+        """Begin and end of the surplus, in hours after the interval's start."""
+        crossing = self.hours * crossing_fraction(self.left_w, self.right_w)
+        begin = np.where(self.left_w < 0.0, crossing, 0.0)
+        return begin, np.where(self.right_w < 0.0, crossing, self.hours)
 
-def surplus_phase_h(interval: Interval) -> tuple[FloatArray, FloatArray]:
-    """Begin and end of the surplus within an interval, in hours after its start."""
-    crossing = interval.hours * crossing_fraction(interval.left_w, interval.right_w)
-    begin = np.where(interval.left_w < 0.0, crossing, 0.0)
-    end = np.where(interval.right_w < 0.0, crossing, interval.hours)
-    return begin, end
+    def deficit_h(self) -> tuple[FloatArray, FloatArray]:
+        """Begin and length of the deficit [h]."""
+        surplus_begin, surplus_end = self.surplus_h()
+        early = self.left_w < 0.0
+        length = np.where(early, surplus_begin, self.hours - surplus_end)
+        whole = early & (self.right_w < 0.0)
+        return np.where(early, 0.0, surplus_end), np.where(whole, self.hours, length)
 
+    def deficit_parts_h(self, unserved_wh: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Hours from the interval's start until a battery is empty, and of the deficit from then.
 
-def deficit_phase_h(interval: Interval) -> tuple[FloatArray, FloatArray]:
-    """Begin and length of the deficit within an interval [h]."""
-    surplus_begin, surplus_end = surplus_phase_h(interval)
-    early = interval.left_w < 0.0
-    whole = early & (interval.right_w < 0.0)
-    begin = np.where(early, 0.0, surplus_end)
-    length = np.where(early, surplus_begin, interval.hours - surplus_end)
-    return begin, np.where(whole, interval.hours, length)
+        ``unserved_wh``: end of the deficit, which the battery cannot meet [Wh]; of all of it where
+        it is the whole.
+        """
+        served = 1.0 - unserved_wh / np.maximum(self.deficit_wh, _LEAST)
+        left_w, right_w = np.maximum(-self.left_w, 0.0), np.maximum(-self.right_w, 0.0)
+        share = ramp_fraction(left_w, right_w, served)
+        begin, length = self.deficit_h()
+        return np.asarray(begin + length * share), np.asarray(length * (1.0 - share))
 
 
 @dataclass(frozen=True)
 class PowerBalance:
-    """Net power on a time axis and its exact integrals per interval; time is the first axis."""
+    """Net power along a time axis and its exact integrals per interval, ``(time, element)``."""
 
     time_h: FloatArray
     net_w: FloatArray
@@ -145,21 +150,16 @@ class PowerBalance:
     deficit_wh: FloatArray
 
     @classmethod
-    def of(cls, time_h: FloatArray, solar_power_w: FloatArray, load_w: FloatArray) -> PowerBalance:
-        """Balance of solar power and load at the nodes of time, their last axis.
-
-        The balance has the time as its first axis; the other axes are the batch.
-        """
-        time = np.asarray(time_h, float)
+    def of(cls, time_h: FloatArray, net_w: FloatArray) -> PowerBalance:
+        """Balance of solar power less load at the nodes of time, their first axis."""
+        time, net = np.asarray(time_h, float), np.ascontiguousarray(net_w, float)
         hours = np.diff(time)
         if np.any(hours <= 0.0):
             raise ValueError("time_h must increase strictly")
-        net = np.asarray(solar_power_w, float) - np.asarray(load_w, float)
-        if net.shape[-1] != len(time):
-            raise ValueError(f"the last axis has length {net.shape[-1]}, time has {len(time)}")
-        net = np.ascontiguousarray(np.moveaxis(net, -1, 0))
-        surplus, deficit = np.empty((2, len(hours), *net.shape[1:]))
-        column = hours.reshape((-1,) + (1,) * (net.ndim - 1))
+        if len(net) != len(time):
+            raise ValueError(f"the time axis of the power has length {len(net)}, not {len(time)}")
+        surplus, deficit = np.empty((2, len(hours), net.shape[1]))
+        column = hours[:, np.newaxis]
         rows = max(1, _POINTS_AT_ONCE * len(net) // max(net.size, 1))
         half, last = (len(hours) + 1) // 2, len(hours)
         for part in blocks(half, rows):
@@ -176,41 +176,22 @@ class PowerBalance:
                 np.multiply(mean, column[afternoon], out=side[afternoon])
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)
 
-    @property
-    def batch_shape(self) -> tuple[int, ...]:
-        """Shape of the batch."""
-        return self.net_w.shape[1:]
-
-    def flat(self) -> PowerBalance:
-        """Balance with a batch of one dimension."""
-        return PowerBalance(
-            self.time_h,
-            self.net_w.reshape(len(self.time_h), -1),
-            self.surplus_wh.reshape(len(self.time_h) - 1, -1),
-            self.deficit_wh.reshape(len(self.time_h) - 1, -1),
-        )
-
-    def interval_of(self, number: IntArray, cells: IntArray) -> Interval:
-        """Intervals, by number, each of one element (``cells``) of a one-dimensional batch."""
-        left, right = self.net_w[number, cells], self.net_w[number + 1, cells]
-        deficit = self.deficit_wh[number, cells]
-        early = np.where(left < 0.0, deficit, 0.0)
+    def interval(self, number: IntArray, cells: IntArray) -> Interval:
+        """Intervals, by number, each of one element."""
         return Interval(
-            number=number,
-            start_h=self.time_h[number],
-            hours=self.time_h[number + 1] - self.time_h[number],
-            left_w=left,
-            right_w=right,
-            surplus_wh=self.surplus_wh[number, cells],
-            early_deficit_wh=early,
-            late_deficit_wh=deficit - early,
+            self.time_h[number],
+            self.time_h[number + 1] - self.time_h[number],
+            self.net_w[number, cells],
+            self.net_w[number + 1, cells],
+            self.surplus_wh[number, cells],
+            self.deficit_wh[number, cells],
         )
 
     def cumulative_deficit_h(self) -> FloatArray:
         """Length of all deficits from the first to every node [h]; time first, then elements."""
         lacks = self.deficit_wh > 0.0
         row, cell = np.divmod(np.flatnonzero(lacks & (self.surplus_wh > 0.0)), lacks.shape[1])
-        of_mixed = deficit_phase_h(self.interval_of(row, cell))[1]
+        of_mixed = self.interval(row, cell).deficit_h()[1]
         ends = np.searchsorted(row, np.arange(len(lacks) + 1))
         sums = np.zeros((len(lacks) + 1, lacks.shape[1]))
         for k, hours in enumerate(np.diff(self.time_h)):
@@ -219,24 +200,6 @@ class PowerBalance:
             lengths[cell[mixed]] = of_mixed[mixed]
             lengths += sums[k]
         return sums
-
-    def intervals(self) -> Iterator[Interval]:
-        """Walk the time axis interval by interval."""
-        hours = np.diff(self.time_h)
-        falls_first = self.net_w[:-1] < 0.0
-        early = np.where(falls_first, self.deficit_wh, 0.0)
-        late = np.where(falls_first, 0.0, self.deficit_wh)
-        for k in range(len(hours)):
-            yield Interval(
-                number=k,
-                start_h=float(self.time_h[k]),
-                hours=float(hours[k]),
-                left_w=self.net_w[k],
-                right_w=self.net_w[k + 1],
-                surplus_wh=self.surplus_wh[k],
-                early_deficit_wh=early[k],
-                late_deficit_wh=late[k],
-            )
 
 
 def blocks(count: int, size: int) -> Iterator[slice]:
@@ -282,89 +245,3 @@ def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> I
         reached = sums[middle, cells] <= level
         low, high = np.where(reached, middle, low), np.where(reached, high, middle)
     return low
-
-
-@dataclass(frozen=True)
-class Cells:
-    """Powers [W] and batteries of a one-dimensional batch; time is the first axis.
-
-    ``flown``: which intervals are flown; None for all of them.
-    """
-
-    time_h: FloatArray
-    solar_w: FloatArray
-    load_w: FloatArray
-    nominal_w: FloatArray
-    store: Store
-    flown: BoolArray | None = None
-
-    @classmethod
-    def of(
-        cls,
-        time_h: ArrayLike,
-        solar_power_w: ArrayLike,
-        load_w: ArrayLike,
-        store: Store,
-        nominal_load_w: ArrayLike | None,
-    ) -> tuple[Cells, tuple[int, ...]]:
-        """Batch laid out flat, time first and then one axis of elements, and its shape.
-
-        ``time_h``, ``solar_power_w``, ``load_w``, ``store``, ``nominal_load_w``: as for
-        :func:`sizing.day.cycle.simulate_cycle`. Returns shape of the batch.
-        """
-        time = np.asarray(time_h, float)
-        solar, load = np.broadcast_arrays(
-            np.asarray(solar_power_w, float), np.asarray(load_w, float)
-        )
-        nominal = (
-            np.min(load, axis=-1) if nominal_load_w is None else np.asarray(nominal_load_w, float)
-        )
-        batch = np.broadcast_shapes(solar.shape[:-1], nominal.shape, store.battery_energy_wh.shape)
-        solar, load = (_time_first(np.broadcast_to(v, (*batch, len(time)))) for v in (solar, load))
-        flat_nominal = np.broadcast_to(nominal, batch).reshape(-1)
-        return cls(time, solar, load, flat_nominal, store.flat(batch)), batch
-
-    def select(self, some: IntArray | slice) -> Cells:
-        """Part of the batch."""
-        return Cells(
-            self.time_h,
-            self.solar_w[:, some],
-            self.load_w[:, some],
-            self.nominal_w[some],
-            self.store.select(some),
-        )
-
-    @cached_property
-    def balance(self) -> PowerBalance:
-        """Surplus and deficit of every interval."""
-        balance = PowerBalance.of(self.time_h, self.solar_w.T, self.load_w.T)
-        if self.flown is None:
-            return balance
-        surplus, deficit = (
-            np.where(self.flown, v, 0.0) for v in (balance.surplus_wh, balance.deficit_wh)
-        )
-        return replace(balance, surplus_wh=surplus, deficit_wh=deficit)
-
-    def flown_between(self, launch_h: FloatArray, land_h: FloatArray) -> Cells:
-        """Same batch, each in flight from its launch to its landing, which become nodes."""
-        time = np.unique(np.concatenate([self.time_h, launch_h, land_h]))
-        before = np.clip(np.searchsorted(self.time_h, time, "right") - 1, 0, len(self.time_h) - 2)
-        share = (time - self.time_h[before]) / np.diff(self.time_h)[before]
-        solar, load = (
-            power[before] + share[:, np.newaxis] * (power[before + 1] - power[before])
-            for power in (self.solar_w, self.load_w)
-        )
-        flown = (time[:-1, np.newaxis] >= launch_h) & (time[1:, np.newaxis] <= land_h)
-        return Cells(time, solar, load, self.nominal_w, self.store, flown)
-
-    def above_nominal_w(self) -> FloatArray:
-        """Solar power less the nominal load."""
-        steady = self.load_w[:1] if self.load_w.strides[0] == 0 else self.load_w
-        if np.array_equal(steady, np.broadcast_to(self.nominal_w, steady.shape)):
-            return self.balance.net_w
-        return self.solar_w - self.nominal_w
-
-
-def _time_first(values: FloatArray) -> FloatArray:
-    """Time on the first axis, the whole batch on a second."""
-    return np.moveaxis(values, -1, 0).reshape(values.shape[-1], -1)

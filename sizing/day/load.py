@@ -18,8 +18,12 @@ from missions.air import Air
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.battery import Store
-from sizing.day.cycle import Cycle, simulate_cycle, simulate_flight
+from sizing.day.cycle import (
+    simulate_cycle,
+    simulate_flight,
+)
 from sizing.day.light import SolarDay
+from sizing.day.metrics import Cycle
 from sizing.design import NO_FLIGHT_W, Design, FlightConditions
 from sizing.held_station import flight_against_wind
 from sizing.mass_budget import ImpossibleDesignError

@@ -1,4 +1,4 @@
-"""Time marching of the battery over day and night, for a batch of aircraft and scenarios at once.
+"""March of batteries along a time axis, for a batch of aircraft, scenarios or days at once.
 
 The energy balance is
 
@@ -9,7 +9,8 @@ Solar power and load are piecewise linear between the nodes of the time axis; su
 of every interval are integrated exactly, a change of sign inside an interval included. The charge
 limit depends on the state of charge alone, so following it is exact too
 (:class:`~sizing.day.battery.ChargeClock`); only an interval in which the active limit changes is
-approximated, to second order in its length.
+approximated, to second order in its length. A climb is a load like any other here: heights are an
+input of light and load.
 """
 
 from __future__ import annotations
@@ -25,116 +26,45 @@ from numpy.typing import ArrayLike
 from sizing.day.balance import (
     Interval,
     PowerBalance,
-    deficit_phase_h,
     interval_reaching,
+    positive_part_wh,
     ramp_fraction,
     running_sum,
     sum_over_time,
-    surplus_phase_h,
 )
 from sizing.day.battery import Store
 from sizing.roots import falling_root
-from solar.types import FloatArray, IntArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 # Of the battery's energy: change of the stored energy over a day that counts as none.
 _SETTLED = 1e-11
-
-
-class Step(NamedTuple):
-    """Stored energy at the start, before and after charging and at the end of an interval [Wh]."""
-
-    interval: Interval
-    start_wh: FloatArray
-    before_charge_wh: FloatArray
-    after_charge_wh: FloatArray
-    end_wh: FloatArray
-    unserved_wh: FloatArray
-
-
-def advance(store: Store, interval: Interval, energy_wh: FloatArray) -> Step:
-    """March the stored energy over one interval.
-
-    ``energy_wh``: stored at its start [Wh]. No energy falls below zero; ``unserved_wh`` is counted
-    in energy delivered to the load [Wh].
-    """
-    eta = store.discharge_efficiency
-    drained = energy_wh - interval.early_deficit_wh / eta
-    before = np.maximum(drained, 0.0)
-    after = store.charged(before, interval.surplus_wh, interval.hours)
-    left_over = after - interval.late_deficit_wh / eta
-    end = np.maximum(left_over, 0.0)
-    unserved = eta * (before - drained + end - left_over)
-    return Step(interval, energy_wh, before, after, end, unserved)
-
-
-def march(balance: PowerBalance, store: Store, energy_wh: FloatArray) -> Iterator[Step]:
-    """March over the whole time axis, yielding every step.
-
-    ``energy_wh``: stored at the first node [Wh].
-    """
-    for interval in balance.intervals():
-        step = advance(store, interval, energy_wh)
-        yield step
-        energy_wh = step.end_wh
-
-
-def empty_after_h(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
-    """Hours after an interval's start at which the battery runs empty.
-
-    ``unserved_wh``: part of the deficit that the battery cannot meet [Wh]; the hours mean something
-    only where it is not 0.
-    """
-    begin, length = deficit_phase_h(interval)
-    return np.asarray(begin + length * _served_fraction(interval, unserved_wh))
-
-
-def hour_of_deficit(
-    balance: PowerBalance, cumulative_wh: FloatArray, level_wh: FloatArray, cells: IntArray
-) -> FloatArray:
-    """Instants at which the deficit since the start of the day reaches some levels.
-
-    ``cumulative_wh``: that of a batch of one dimension, shape ``(node, element)``
-    (:attr:`ChargingDay.cumulative_deficit_wh`). ``cells``: element of each level. Returns hours of
-    the shape of the levels.
-    """
-    level = np.maximum(level_wh, 0.0)
-    interval = balance.interval_of(interval_reaching(cumulative_wh, level, cells), cells)
-    rest = np.maximum(cumulative_wh[interval.number + 1, cells] - level, 0.0)
-    return np.asarray(interval.start_h + empty_after_h(interval, rest))
-
-
-def unserved_h(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
-    """Hours of an interval in which the load cannot be met.
-
-    ``unserved_wh``: as for :func:`empty_after_h`; 0 h where all is served.
-    """
-    _, length = deficit_phase_h(interval)
-    hours = length * (1.0 - _served_fraction(interval, unserved_wh))
-    return np.where(unserved_wh > 0.0, hours, 0.0)
-
-
-def _served_fraction(interval: Interval, unserved_wh: FloatArray) -> FloatArray:
-    """Fraction of the deficit's phase after which the battery is empty."""
-    deficit = interval.early_deficit_wh + interval.late_deficit_wh
-    served = 1.0 - unserved_wh / np.maximum(deficit, 1e-300)
-    return ramp_fraction(
-        np.maximum(-interval.left_w, 0.0), np.maximum(-interval.right_w, 0.0), served
-    )
+# State of charge below zero that counts as an empty battery.
+SHORT = 1e-12
 
 
 def full_after_h(interval: Interval, store: Store, before_charge_wh: FloatArray) -> FloatArray:
     """Hours after an interval's start at which the battery is full.
 
-    ``before_charge_wh``: stored before the surplus [Wh]. The hours are at most the end of the
-    surplus, and mean something only where the surplus fills the battery.
+    Parameters
+    ----------
+    interval : Interval
+        In which the surplus fills the battery.
+    store : Store
+        Batteries of its elements.
+    before_charge_wh : ndarray
+        Stored before the surplus [Wh].
+
+    Returns
+    -------
+    ndarray
+        At most the end of the surplus [h].
     """
-    begin, end = surplus_phase_h(interval)
+    begin, end = interval.surplus_h()
     stored = store.charge_efficiency * interval.surplus_wh
     wanted = np.maximum(store.battery_energy_wh - before_charge_wh, 0.0)
     share = wanted / np.maximum(stored, 1e-300)
-    hours = (end - begin) * ramp_fraction(
-        np.maximum(interval.left_w, 0.0), np.maximum(interval.right_w, 0.0), share
-    )
+    left_w, right_w = np.maximum(interval.left_w, 0.0), np.maximum(interval.right_w, 0.0)
+    hours = (end - begin) * ramp_fraction(left_w, right_w, share)
     if store.clock is not None:
         soc = np.minimum(before_charge_wh / store.battery_energy_wh, 1.0)
         hours = np.maximum(hours, store.clock.hours_to_full(soc))
@@ -153,12 +83,24 @@ class Charging(NamedTuple):
     settled_deficit_wh: FloatArray
 
 
+class Flown(NamedTuple):
+    """What a day leaves of batteries that may run empty on it.
+
+    ``empty_at_wh``: deficit since midnight at which each is empty for the first time [Wh], NaN
+    where it is not. ``midnight_wh``, ``lowest_wh``: at the end of the day, and the least [Wh].
+    """
+
+    empty_at_wh: FloatArray
+    midnight_wh: FloatArray
+    lowest_wh: FloatArray
+
+
 @dataclass(frozen=True)
 class ChargingDay:
-    """A day reduced to the intervals in which batteries are charged; time is the first axis.
+    """A time axis reduced to the intervals in which batteries are charged; time is the first axis.
 
     Between two surpluses a battery only falls, to zero at the most, so the deficits in between are
-    taken at once and exactly: nights are a single step.
+    taken at once and exactly: nights are a single step. Midnight stands for the first node.
 
     ``first``: number of the first of these intervals. ``hours``, ``surplus_wh``: their lengths and
     surpluses. ``deficit_before_surplus_wh``: cumulative deficit from midnight to the surplus of the
@@ -167,6 +109,7 @@ class ChargingDay:
     ``cumulative_deficit_wh``: cumulative deficit from midnight to every node of the time axis.
     """
 
+    balance: PowerBalance
     first: int
     hours: FloatArray
     surplus_wh: FloatArray
@@ -175,55 +118,43 @@ class ChargingDay:
 
     @classmethod
     def of(cls, balance: PowerBalance) -> ChargingDay:
-        """Reduce a balance with a batch of one dimension."""
+        """Reduce a balance."""
         charging = balance.surplus_wh > 0.0
-        rows = np.flatnonzero(charging.any(axis=1))
-        sunlit = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
+        sunlit = _span(charging)
         cumulative = running_sum(balance.deficit_wh)
         falls_first = balance.net_w[:-1][sunlit] < 0.0
         before_surplus = np.where(falls_first, cumulative[1:][sunlit], cumulative[:-1][sunlit])
         np.copyto(before_surplus, -np.inf, where=~charging[sunlit])
-        return cls(
-            first=sunlit.start,
-            hours=np.diff(balance.time_h)[sunlit],
-            surplus_wh=balance.surplus_wh[sunlit],
-            deficit_before_surplus_wh=before_surplus,
-            cumulative_deficit_wh=cumulative,
-        )
+        hours = np.diff(balance.time_h)[sunlit]
+        surplus = balance.surplus_wh[sunlit]
+        return cls(balance, sunlit.start, hours, surplus, before_surplus, cumulative)
 
     @cached_property
     def total_surplus_wh(self) -> FloatArray:
         """Surplus of the day [Wh]."""
         return sum_over_time(self.surplus_wh)
 
+    @cached_property
+    def nightfall_deficit_wh(self) -> FloatArray:
+        """Cumulative deficit before the last surplus [Wh], minus infinity without any."""
+        before_wh = self.deficit_before_surplus_wh
+        return np.asarray(np.maximum.reduce(before_wh, axis=0, initial=-np.inf))
+
     def select(self, cells: IntArray) -> ChargingDay:
-        """Day of a part of the batch."""
-        return replace(
-            self,
-            surplus_wh=self.surplus_wh[:, cells],
-            deficit_before_surplus_wh=self.deficit_before_surplus_wh[:, cells],
-            cumulative_deficit_wh=self.cumulative_deficit_wh[:, cells],
-        )
+        """Day of a part of the batch that knows the deficit at its end alone: enough to march.
 
-    def select_lit(self, cells: IntArray) -> ChargingDay:
-        """As :meth:`select`, without the first and last intervals in which none of them charges.
-
-        What becomes of the batteries is the same to the last bit.
+        Without the first and last intervals in which none of them charges: what becomes of the
+        batteries is the same to the last bit.
         """
-        rows = np.flatnonzero((self.surplus_wh[:, cells] > 0.0).any(axis=1))
-        sunlit = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
+        sunlit = _span(self.surplus_wh[:, cells] > 0.0)
         return replace(
             self,
             first=self.first + sunlit.start,
             hours=self.hours[sunlit],
             surplus_wh=self.surplus_wh[sunlit, cells],
             deficit_before_surplus_wh=self.deficit_before_surplus_wh[sunlit, cells],
-            cumulative_deficit_wh=self.cumulative_deficit_wh[:, cells],
+            cumulative_deficit_wh=self.cumulative_deficit_wh[-1:, cells],
         )
-
-    def without_nodes(self) -> ChargingDay:
-        """Day that knows the deficit at its end alone: enough to march."""
-        return replace(self, cumulative_deficit_wh=self.cumulative_deficit_wh[-1:])
 
     def charge(
         self, store: Store, energy_wh: FloatArray, settled_deficit_wh: ArrayLike = 0.0
@@ -258,10 +189,7 @@ class ChargingDay:
         return np.asarray(energy_wh - rest / store.discharge_efficiency)
 
     def end_wh(self, store: Store, energy_wh: FloatArray) -> FloatArray:
-        """Energy at the end of the day [Wh].
-
-        Zero where the battery has run empty after the last surplus.
-        """
+        """Energy at the end of the day [Wh], zero where the battery has run empty by then."""
         settled: ArrayLike = 0.0
         for step in self.charge(store, energy_wh):
             energy_wh, settled = step.after_charge_wh, step.settled_deficit_wh
@@ -273,6 +201,60 @@ class ChargingDay:
         for k, step in enumerate(self.charge(store, energy_wh)):
             kept[0, k], kept[1, k], kept[2, k] = step
         return DayRun(self, store, energy_wh, *kept)
+
+    def flown(
+        self,
+        store: Store,
+        energy_wh: FloatArray,
+        settled_deficit_wh: FloatArray,
+        short: float = SHORT,
+    ) -> Flown:
+        """March, and tell where a flight ends; arguments are those of :meth:`charge`.
+
+        ``short``: state of charge below zero at which it does.
+        """
+        eta, least = store.discharge_efficiency, -short * store.battery_energy_wh
+        energy, settled, lowest = energy_wh, settled_deficit_wh, energy_wh
+        level = np.full(energy.shape, np.nan)
+
+        def note_ends(drained_wh: FloatArray, at_wh: FloatArray) -> None:
+            ends = (drained_wh < least) & np.isnan(level)
+            if ends.any():
+                level[ends] = (at_wh + eta * drained_wh)[ends]
+
+        lit = (self.nightfall_deficit_wh >= settled).any()  # there is a surplus after the launch
+        for step in self.charge(store, energy, settled) if lit else ():
+            energy, settled = step.after_charge_wh, step.settled_deficit_wh
+            lowest = np.minimum(lowest, step.drained_wh)
+            note_ends(step.drained_wh, settled)
+        midnight = self.midnight_wh(store, energy, settled)
+        note_ends(midnight, self.cumulative_deficit_wh[-1])
+        lowest = np.maximum(np.minimum(lowest, midnight), 0.0)
+        return Flown(level, np.maximum(midnight, 0.0), lowest)
+
+    def hour_of_deficit(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
+        """Instants at which the deficit since midnight reaches levels, each of one element [h]."""
+        level, cumulative = np.maximum(level_wh, 0.0), self.cumulative_deficit_wh
+        number = interval_reaching(cumulative, level, cells)
+        interval = self.balance.interval(number, cells)
+        rest = np.maximum(cumulative[number + 1, cells] - level, 0.0)
+        return np.asarray(interval.start_h + interval.deficit_parts_h(rest)[0])
+
+    def deficit_until_wh(self, clock_h: FloatArray, cells: IntArray) -> FloatArray:
+        """Deficit from midnight to instants, each of one element [Wh]."""
+        time = self.balance.time_h
+        number = np.clip(np.searchsorted(time, clock_h, side="right") - 1, 0, len(time) - 2)
+        interval = self.balance.interval(number, cells)
+        elapsed = np.minimum(clock_h - interval.start_h, interval.hours)
+        here = interval.left_w + (interval.right_w - interval.left_w) * elapsed / interval.hours
+        since = positive_part_wh(-interval.left_w, -here, elapsed)
+        return np.asarray(self.cumulative_deficit_wh[number, cells] + since)
+
+
+def _span(charging: BoolArray) -> slice:
+    """Rows from the first to the last in which something is charged."""
+    rows = np.flatnonzero(charging.any(axis=1))
+    return slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
 
 
 @dataclass(frozen=True)
@@ -334,38 +316,6 @@ class DayRun:
         return np.maximum(held_wh - deficit_wh / self.store.discharge_efficiency, 0.0)
 
 
-def repeated_day(day: ChargingDay, store: Store) -> DayRun:
-    """Run of a day that ends with the energy it started with.
-
-    The energy after a cycle never falls, and rises by at most as much, when that before it rises
-    (a fuller battery is charged no faster), so there is one fixed point, and repeating the cycle
-    from an empty battery leads to it. A cycle whose deficit exceeds all that could be stored
-    passes through an empty battery, and from there one day leads to the fixed point. Any other
-    cycle is marched from a full battery at nightfall; most fill it again within the day. The few
-    that are left are searched for, see :func:`sizing.roots.falling_root`.
-
-    Returns start and end that agree to 1e-11 of the battery's energy.
-    """
-    first = first_repetition(day, store)
-    cells = first.unsettled
-    if not len(cells):
-        return first.run
-    start = first.run.start_wh.copy()
-    start[cells] = repeated_wh(day.select(cells), store.select(cells), first.highest_wh)
-    return day.run(store, start)
-
-
-def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:
-    """Energy with which a day starts and ends, between zero and ``highest_wh`` [Wh]."""
-    brief = day.without_nodes()
-
-    def gain(some: IntArray, energy_wh: FloatArray) -> FloatArray:
-        return brief.select_lit(some).end_wh(store.select(some), energy_wh) - energy_wh
-
-    limit = _SETTLED * store.battery_energy_wh
-    return falling_root(gain, np.zeros_like(highest_wh), highest_wh, limit)
-
-
 class Repetition(NamedTuple):
     """Run of a day, and the elements that do not end it with the energy they started with."""
 
@@ -379,11 +329,21 @@ class Repetition(NamedTuple):
 
 
 def first_repetition(day: ChargingDay, store: Store) -> Repetition:
-    """Run of a day that settles at once in nearly all cases; :func:`repeated_day` tells how."""
+    """Run of a day that, in nearly all cases, ends with the energy it started with.
+
+    The energy after a cycle never falls, and rises by at most as much, when that before it rises
+    (a fuller battery is charged no faster), so there is one fixed point, and repeating the cycle
+    from an empty battery leads to it. A cycle whose deficit exceeds all that could be stored
+    passes through an empty battery, and from there one day leads to the fixed point. Any other
+    cycle is marched from a full battery at nightfall; most fill it again within the day. The few
+    that are left are searched for by :func:`repeated_wh`.
+
+    Start and end agree to 1e-11 of the battery's energy.
+    """
     full, eta = store.battery_energy_wh, store.discharge_efficiency
     before_surplus = day.deficit_before_surplus_wh
     storable = store.charge_efficiency * day.total_surplus_wh * eta
-    at_nightfall = np.maximum.reduce(before_surplus, axis=0, initial=0.0)
+    at_nightfall = np.maximum(day.nightfall_deficit_wh, 0.0)
     full_at_nightfall = np.maximum(day.midnight_wh(store, full, at_nightfall), 0.0)
     loses = storable < day.cumulative_deficit_wh[-1]
     run = day.run(store, np.where(loses, 0.0, full_at_nightfall))
@@ -397,3 +357,13 @@ def first_repetition(day: ChargingDay, store: Store) -> Repetition:
     alike = at_first_surplus >= (eta * np.maximum(run.start_wh, end))[moved]
     run.restart(moved[alike], end[moved[alike]])
     return Repetition(run, moved[~alike])
+
+
+def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:
+    """Energy with which a day starts and ends, between zero and ``highest_wh`` [Wh]."""
+
+    def gain(some: IntArray, energy_wh: FloatArray) -> FloatArray:
+        return day.select(some).end_wh(store.select(some), energy_wh) - energy_wh
+
+    limit = _SETTLED * store.battery_energy_wh
+    return falling_root(gain, np.zeros_like(highest_wh), highest_wh, limit)

@@ -21,10 +21,12 @@ from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
-from sizing.day.carried_days import carried_over, dawns_of, flight_hours
+from sizing.day.carried import carried_over, dawns_of
+from sizing.day.flight import Flights
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.light_at_instants import Lit, power_in_light
 from sizing.day.load import load_shape
+from sizing.day.march import ChargingDay
 from sizing.day.module_power import own_surroundings
 from sizing.day.record_days import DayAxis, LoadInAir
 from sizing.design import NO_FLIGHT_W, Design
@@ -137,7 +139,7 @@ class WeatherRun:
     ``axis``: days of the record. ``solar_power_w``, ``load_w``: power at the nodes [W].
     ``store``: batteries of all days; ``energy_wh``: in them at the nodes [Wh]. ``dawn_h``: when,
     from midnight to noon, the charge is least, hours after the day's first node [h]
-    (:func:`~sizing.day.carried_days.dawns_of`). ``closes``: whether a day, begun at dawn with
+    (:func:`~sizing.day.carried.dawns_of`). ``closes``: whether a day, begun at dawn with
     what is carried over, reaches the next dawn (of the last day: the end of the record) without an
     empty battery. ``dawn_state_of_charge``: state of charge at dawn [-]. ``endurance_h``: flight
     time of a launch with a full battery at each dawn [h]; where ``outlasts``, up to the end of the
@@ -211,21 +213,23 @@ def weather_performance(
 def _march_record(
     axis: DayAxis, solar_w: FloatArray, load_w: FloatArray, store: Store
 ) -> WeatherRun:
-    energy_wh = store.battery_energy_wh
-    balance = PowerBalance.of(axis.time_h, solar_w, load_w)
-    carried = carried_over(balance, store, energy_wh[:1], len(axis))
-    dawns = dawns_of(balance, carried.day, store, HOURS_PER_DAY / 2.0 - axis.midnight_h)
-    hours, outlasts = flight_hours(carried, dawns.hour, energy_wh, dawns.deficit_wh)
+    energy_wh, days = store.battery_energy_wh, np.arange(len(axis))
+    day = ChargingDay.of(PowerBalance.of(axis.time_h, (solar_w - load_w).T))
+    carried = carried_over(day, store, energy_wh[0])
+    dawns = dawns_of(day, store, HOURS_PER_DAY / 2.0 - axis.midnight_h)
+    hours = Flights(day, store, follow=True).hours(days, dawns.hour)
+    outlasts = np.isinf(hours)
+    to_the_end_h = (len(axis) - days) * HOURS_PER_DAY - dawns.hour
     return WeatherRun(
         axis=axis,
         solar_power_w=solar_w,
         load_w=load_w,
         store=store,
-        energy_wh=carried.energy_wh()[:, 0, :].T,
+        energy_wh=carried.run.energy_at_nodes_wh().T,
         dawn_h=dawns.hour,
         closes=carried.closes(dawns),
         dawn_state_of_charge=carried.energy_at_wh(dawns.hour) / energy_wh,
-        endurance_h=hours,
+        endurance_h=np.where(outlasts, to_the_end_h, hours),
         outlasts=outlasts,
     )
 

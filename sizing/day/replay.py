@@ -12,17 +12,17 @@ from missions.mission.flight import Launch
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
-from sizing.day.cycle import FULL
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.light_at_instants import power_on_calendar
 from sizing.day.load import load_profile, part_load_of
-from sizing.day.march import empty_after_h, full_after_h, march
+from sizing.day.march import ChargingDay, full_after_h
+from sizing.day.metrics import FULL
 from sizing.design import Design
 from sizing.mass_budget import design_of
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import told
 from sizing.validity.ranges import Extrapolation
-from solar.sun import declination, solar_time_h, sun_times
+from solar.sun import HOURS_PER_DAY, declination, solar_time_h, sun_times
 from solar.types import FloatArray
 
 CALENDAR_STEP_H = 1.0 / 60.0
@@ -110,13 +110,13 @@ def calendar_run(
     )
     design = design_of(aircraft, mission)
     times = sun_times(latitude, declination(day))
-    store = Store.of(aircraft.battery, design.battery_energy_wh)
+    store = Store.of(aircraft.battery, [design.battery_energy_wh])
     parts = part_load_of(aircraft, mission, design)
     hour_h, around = (solar_clock % 24.0)[:, np.newaxis], (times.sunrise_h, times.sunset_h)
 
     load = np.asarray(load_profile(hour_h, design, mission, *around, parts)[:, 0])
-    balance = PowerBalance.of(clock, power, load)
-    stored, full, empty = _charge_until_empty(balance, store, launch)
+    balance = PowerBalance.of(clock, (power - load)[:, np.newaxis])
+    stored, full, empty = _charge_until_empty(ChargingDay.of(balance), store, launch)
     flown = slice(len(stored))
     return CalendarRun(
         launch=launch,
@@ -127,7 +127,7 @@ def calendar_run(
         solar_power_w=power[flown],
         load_w=load[flown],
         energy_wh=stored,
-        state_of_charge=stored / float(store.battery_energy_wh),
+        state_of_charge=stored / store.battery_energy_wh,
         full_charge_clock_h=full,
         empty_clock_h=empty,
         extrapolations=_outside_ranges(aircraft, mission, solar, design, day, power),
@@ -154,20 +154,21 @@ def _outside_ranges(
 
 
 def _charge_until_empty(
-    balance: PowerBalance, store: Store, launch: Launch
+    day: ChargingDay, store: Store, launch: Launch
 ) -> tuple[FloatArray, tuple[float, ...], float | None]:
     """Energy at the nodes until the battery is empty [Wh], instants of full and of empty [h]."""
-    energy_wh = launch.state_of_charge * store.battery_energy_wh
-    stored = [float(energy_wh)]
+    alone, begin_wh = np.zeros(1, int), launch.state_of_charge * store.battery_energy_wh
+    run, balance = day.run(store, begin_wh), day.balance
+    empty_wh = day.flown(store, begin_wh, np.zeros(1)).empty_at_wh
+    empty_h = None if np.isnan(empty_wh[0]) else float(day.hour_of_deficit(empty_wh, alone)[0])
+    until_h = np.inf if empty_h is None else empty_h
+    before_wh, after_wh = np.maximum(run.drained_wh[:, 0], 0.0), run.after_charge_wh[:, 0]
+    reached = (after_wh >= store.battery_energy_wh * FULL) & (after_wh > before_wh)
+    number = day.first + np.flatnonzero(reached)
+    interval = balance.interval(number, alone)
+    instants_h = interval.start_h + full_after_h(interval, store, before_wh[reached])
     full: dict[int, float] = {}  # the first instant of each local day
-    for step in march(balance, store, np.asarray(energy_wh)):
-        start_h = step.interval.start_h
-        stored.append(float(step.end_wh))
-        reached = step.after_charge_wh >= store.battery_energy_wh * FULL
-        if reached and step.after_charge_wh > step.before_charge_wh:
-            instant_h = float(start_h + full_after_h(step.interval, store, step.before_charge_wh))
-            full.setdefault(int(instant_h // 24.0), instant_h)
-        if step.unserved_wh > 1e-9 * store.battery_energy_wh:
-            empty_h = float(start_h + empty_after_h(step.interval, step.unserved_wh))
-            return np.asarray(stored), tuple(full.values()), empty_h
-    return np.asarray(stored), tuple(full.values()), None
+    for instant_h in instants_h[instants_h < until_h].tolist():
+        full.setdefault(int(instant_h // HOURS_PER_DAY), instant_h)
+    flown = slice(int(np.searchsorted(balance.time_h, until_h)) + 1)  # up to the node after it
+    return run.energy_at_nodes_wh()[flown, 0], tuple(full.values()), empty_h

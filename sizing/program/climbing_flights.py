@@ -15,10 +15,17 @@ import numpy as np
 
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
-from sizing.day.cycle import equal_power
-from sizing.day.flight import MAXIMUM_DAYS, Course, Endurance, longest_flight
+from sizing.day.flight import (
+    MAXIMUM_DAYS,
+    Course,
+)
 from sizing.day.heights import FlightLevels
-from sizing.day.march import empty_after_h, march
+from sizing.day.launch import (
+    Endurance,
+    longest_flight,
+)
+from sizing.day.march import ChargingDay
+from sizing.day.metrics import equal_power
 from sizing.program.schedule import FORM, LOWEST_M, Climbs, Window, best_heights, flown_along
 from solar.types import FloatArray, IntArray
 
@@ -85,24 +92,19 @@ class ClimbFlights:
         return max(level, climbing, key=lambda one: (one.flies_until_h, one.left_wh))
 
     def _flown(self, i: int, window: Window, height_m: FloatArray) -> Part:
-        one, full_wh = slice(i, i + 1), float(self.store.battery_energy_wh[i])
+        one = slice(i, i + 1)
         powers = self.levels.select(one).powers_along(self.time_h, height_m[np.newaxis])
         day, store = window.day(self.time_h, *powers), self.store.select(one)
-        balance = PowerBalance.of(day.time_h, day.solar_w, day.load_w)
-        energy_wh, empty_h, lacking_wh = [window.begin_wh], np.nan, 0.0
-        for step in march(balance, store, np.array([window.begin_wh])):
-            unserved_wh = float(step.unserved_wh[0])
-            if unserved_wh > _SHORT * full_wh:
-                if np.isnan(empty_h):
-                    after_h = empty_after_h(step.interval, step.unserved_wh)
-                    empty_h = float(step.interval.start_h + after_h[0])
-                lacking_wh += unserved_wh
-            energy_wh.append(float(step.end_wh[0]))
-        out_of = float(np.ravel(store.discharge_efficiency)[0])
+        charging = ChargingDay.of(PowerBalance.of(day.time_h, (day.solar_w - day.load_w).T))
+        begin_wh = np.array([window.begin_wh])
+        run = charging.run(store, begin_wh)
+        empty_wh = charging.flown(store, begin_wh, np.zeros(1), _SHORT).empty_at_wh
+        empty_h = float(charging.hour_of_deficit(empty_wh, np.zeros(1, int))[0])
+        charge = run.energy_at_nodes_wh()[:, 0]
+        left_wh = float(run.midnight_wh[0] + np.minimum(run.drained_wh, 0.0).sum())
         height = np.interp(day.time_h % 24.0, self.time_h, height_m)
-        left_wh = energy_wh[-1] - lacking_wh / out_of
-        charge = np.array(energy_wh)
-        return Part(day.time_h, day.solar_w[0], day.load_w[0], charge, height, empty_h, left_wh)
+        ends = empty_h if np.isfinite(empty_wh[0]) else np.nan
+        return Part(day.time_h, day.solar_w[0], day.load_w[0], charge, height, ends, left_wh)
 
     def parts(self, i: int, launch_h: float) -> list[tuple[float, Part]]:
         """Parts of a flight of an element until its battery is empty, and when they begin [h].

@@ -64,7 +64,7 @@ class Day(NamedTuple):
     def path(self, store: Store, soc: float) -> FloatArray:
         """State of charge of the first of the batch over the day, from one at its begin."""
         full = np.asarray(store.battery_energy_wh, float).reshape(1)
-        balance = PowerBalance.of(self.time_h, self.solar_w[:1], self.load_w[:1])
+        balance = PowerBalance.of(self.time_h, (self.solar_w[:1] - self.load_w[:1]).T)
         run = ChargingDay.of(balance).run(store, soc * full)
         return np.asarray(run.energy_at_nodes_wh()[:, 0] / full[0])
 

@@ -17,8 +17,9 @@ import numpy as np
 
 from sizing.battery.charge_limit import ChargeLimit, NoChargeLimit
 from sizing.day.battery import Store
-from sizing.day.cycle import Cycle, simulate_cycle
+from sizing.day.cycle import simulate_cycle
 from sizing.day.heights import FlightLevels
+from sizing.day.metrics import Cycle
 from sizing.program.days import (
     Day,
     day_means,

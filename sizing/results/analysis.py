@@ -14,7 +14,10 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
 from sizing.climb import ClimbPerformance, climb_performance
-from sizing.day.flight import Endurance, LimitedFlight
+from sizing.day.launch import (
+    Endurance,
+    LimitedFlight,
+)
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.replay import CalendarRun, calendar_run
 from sizing.design import Design

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from sizing.day.cycle import Status
+from sizing.day.metrics import Status
 from sizing.design import Design
 from sizing.design_space import LimitedQuantity
 from sizing.limits import QUANTITIES

@@ -23,11 +23,11 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.balance import blocks
 from sizing.day.battery import Store
-from sizing.day.cycle import Cycle
-from sizing.day.flight import longest_flight
 from sizing.day.heights import FlightLevels, flight_levels
+from sizing.day.launch import longest_flight
 from sizing.day.light import SolarDay, SolarModel, solar_day
 from sizing.day.load import DesignLoads, flown_cycle, part_load_of
+from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
 from sizing.design import Design, FlightConditions, parametric_design, variables_of
 from sizing.mass_budget import design_of, lightest_mass_kg, measured_design

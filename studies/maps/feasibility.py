@@ -14,8 +14,13 @@ from missions.dates import month_and_day
 from missions.files.errors import InputError
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.day.cycle import CYCLE_ENDS, ENDS, FLOWN, Status
 from sizing.day.light import SolarModel, solar_day
+from sizing.day.metrics import (
+    CYCLE_ENDS,
+    ENDS,
+    FLOWN,
+    Status,
+)
 from sizing.day.module_power import path_troubles
 from sizing.mass_budget import check_own_models, design_of
 from sizing.performance import Performance, performance
@@ -104,7 +109,7 @@ def feasibility_map(
     -------
     xarray.Dataset
         On the dimensions ``latitude`` and ``day``, with CF attributes. Undefined values are NaN,
-        and ``status`` (:class:`~sizing.day.cycle.Status`) tells why. Cells that could not be
+        and ``status`` (:class:`~sizing.day.metrics.Status`) tells why. Cells that could not be
         computed have the status ``failed``; the attribute ``failed_cells`` lists them, and a
         warning counts them.
 

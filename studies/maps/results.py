@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from missions.dates import date_label
 from missions.mission.place import latitude_label
 from missions.weather.record import runs_of
-from sizing.day.cycle import Status
+from sizing.day.metrics import Status
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.notes import extrapolation_lines, extrapolation_records
 from sizing.results.quantities import (

@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 
 from missions.dates import date_code
-from sizing.day.cycle import FLOWN, Cycle, Status
-from sizing.day.flight import Endurance
+from sizing.day.launch import Endurance
 from sizing.day.light import SolarDay, SolarModel
+from sizing.day.metrics import (
+    FLOWN,
+    Cycle,
+    Status,
+)
 from sizing.design import DesignVariables
 from sizing.performance import Performance
 from sizing.program.objectives import Objective

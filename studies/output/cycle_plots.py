@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sizing.climb import ClimbPerformance
-    from sizing.day.flight import Endurance
+    from sizing.day.launch import Endurance
     from sizing.day.replay import CalendarRun
     from sizing.performance import Performance
     from sizing.results.analysis import Analysis

@@ -16,9 +16,9 @@ import numpy as np
 from missions.files.writing import to_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.cycle import Cycle
 from sizing.day.light import SolarDay
 from sizing.day.load import DesignLoads
+from sizing.day.metrics import Cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import cycle_of_variants

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from sizing.day.cycle import ENDS
+from sizing.day.metrics import ENDS
 from sizing.program.objectives import Objective
 from sizing.results.notes import extrapolation_caption
 from studies.output.cells import (

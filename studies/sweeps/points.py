@@ -16,9 +16,9 @@ from missions.files.validation import validate
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.day.cycle import Status
 from sizing.day.heights import ClimbLimitError, climb_limits
 from sizing.day.light import SolarModel, solar_day
+from sizing.day.metrics import Status
 from sizing.day.module_power import path_troubles
 from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.design_space import DesignSpace, Range

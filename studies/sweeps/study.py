@@ -23,8 +23,12 @@ from missions.files.writing import to_json
 from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.day.cycle import ENDS, FLOWN, Status
 from sizing.day.light import SolarModel
+from sizing.day.metrics import (
+    ENDS,
+    FLOWN,
+    Status,
+)
 from sizing.mass_budget import check_own_models
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus

@@ -18,9 +18,9 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.battery.charge_limit import RuleChargeLimit
 from sizing.climb import ClimbPerformance, climb_performance
-from sizing.day.cycle import Status
 from sizing.day.heights import ClimbLimitError, checked_climb_limits
 from sizing.day.light import SolarModel
+from sizing.day.metrics import Status
 from sizing.mass_budget import design_of
 from sizing.performance import performance
 from sizing.results.analysis import analyse

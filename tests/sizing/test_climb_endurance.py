@@ -16,7 +16,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.battery.charge_limit import RuleChargeLimit
 from sizing.climb import climb_performance
-from sizing.day.flight import Endurance
+from sizing.day.launch import Endurance
 from sizing.day.light import UNCORRECTED_CAM
 from sizing.performance import Performance, performance
 from sizing.results.analysis import analyse

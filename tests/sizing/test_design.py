@@ -10,8 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.day.cycle import Status
 from sizing.day.load import load_profile, thermal_shape
+from sizing.day.metrics import Status
 from sizing.design import DesignVariables, constant_power_w, parametric_design, variables_of
 from sizing.mass_budget import (
     ImpossibleDesignError,

@@ -11,8 +11,8 @@ from builders import AS2, DESIGN, aircraft, mission
 from missions.dates import date_code
 from missions.files.overrides import with_values
 from missions.library import load_mission
-from sizing.day.cycle import Status
 from sizing.day.light import DEFAULT_STEP_H, SolarModel, day_axis_h, solar_day
+from sizing.day.metrics import Status
 from sizing.design import DesignVariables, variables_of
 from sizing.performance import performance, performance_of_designs, perpetual_days
 from solar.clearsky import Irradiance, clear_sky

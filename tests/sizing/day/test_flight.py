@@ -6,15 +6,15 @@ from math import inf
 
 import numpy as np
 import pytest
+from step_by_step import advance, balance_of, intervals
 
 from sizing.battery.battery import Battery
 from sizing.battery.charge_limit import ChargeLimit, NoChargeLimit, RuleChargeLimit
-from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
-from sizing.day.flight import flight_time_h, longest_flight
+from sizing.day.flight import Flights
+from sizing.day.launch import longest_flight
 from sizing.day.light import day_axis_h
-from sizing.day.march import advance, empty_after_h
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
 from solar.types import FloatArray
@@ -64,6 +64,17 @@ def plain_flights(
     return np.where(np.isnan(flown), inf, flown)
 
 
+def flight_time_h(
+    time_h: FloatArray, solar: FloatArray, load: FloatArray, store: Store, launch_h: FloatArray
+) -> FloatArray:
+    """Flight times of launches, their first axis, of every element."""
+    count = max(solar.size // len(time_h), 1)
+    cells = np.broadcast_to(np.arange(count), (len(launch_h), count))
+    launches = np.broadcast_to(launch_h.reshape(len(launch_h), -1), cells.shape)
+    flights = Flights.of(time_h, solar, load, store)
+    return flights.hours(cells.ravel(), launches.ravel()).reshape(cells.shape)
+
+
 CASES = {
     "one night missed": (sun(47.6, 196), 43.0, battery(300.0)),
     "short winter day": (sun(47.6, 355), 30.0, battery(732.0)),
@@ -111,7 +122,7 @@ def test_of_launches_that_fly_equally_long_the_middle_one_is_found_whatever_roun
     found = []
     for nudge in np.random.default_rng(3).uniform(-1e-12, 1e-12, 8):
         solar = sun(47.6, 292) * (1.0 + nudge)
-        tried = flight_time_h(PowerBalance.of(TIME, solar, load), store, launches)
+        tried = flight_time_h(TIME, solar, load, store, launches)[:, 0]
         longest = launches[tried > tried.max() - 1e-6]
         assert longest[-1] - longest[0] > 1.0
         found.append(float(longest_flight(TIME, solar, load, store).launch_h))
@@ -198,11 +209,12 @@ def test_whole_days_that_lose_the_same_are_skipped_without_effect() -> None:
     # A loss of 0.4 % of the battery a day: some 250 days until it is empty. What a plain
     # sum of days gives: the deficit of a day divides the battery.
     solar = sun(47.6, 196)
-    balance = PowerBalance.of(TIME, solar, np.full_like(TIME, 96.0))
+    load = np.full_like(TIME, 96.0)
+    balance = balance_of(TIME, solar, load)
     pack = battery(40_000.0)
     loss = float(balance.deficit_wh.sum() / 0.97 - 0.95 * balance.surplus_wh.sum())
     assert 0.0 < loss < 2_000.0
-    found = float(flight_time_h(balance, Store.of(pack), np.asarray([12.0]))[0])
+    found = float(flight_time_h(TIME, solar, load, Store.of(pack), np.array([12.0]))[0, 0])
     nights = float(balance.deficit_wh.sum()) / 0.97
     days = (pack.battery_energy_wh - nights) / loss
     # The day on which it ends is known to one day by this account.
@@ -216,14 +228,12 @@ def stepwise_flight_h(
     solar: FloatArray, load: FloatArray, store: Store, node: int, days: int
 ) -> float:
     """Flight time from a node of the hourly axis, interval by interval."""
-    balance = PowerBalance.of(HOURLY, solar, load)
-    intervals = list(balance.intervals())
-    energy = np.asarray(store.battery_energy_wh)
-    for count in range(days * len(intervals)):
-        number = (node + count) % len(intervals)
-        step = advance(store, intervals[number], energy)
+    hourly = list(intervals(balance_of(HOURLY, solar, load)))
+    energy = store.battery_energy_wh.reshape(1)
+    for count in range(days * len(hourly)):
+        step = advance(store, hourly[(node + count) % len(hourly)], energy)
         if step.unserved_wh > 1e-12 * store.battery_energy_wh:
-            return count * 1.0 + float(empty_after_h(step.interval, step.unserved_wh))
+            return count * 1.0 + float(step.empty_after_h()[0])
         energy = step.end_wh
     return inf
 
@@ -247,9 +257,9 @@ def test_flights_over_broken_days_are_those_marched_step_by_step(limit: ChargeLi
     solar, load = rough_days(12)
     energies = np.random.default_rng(12).uniform(50.0, 1500.0, len(solar))
     nodes = np.arange(24)
-    balance, store = PowerBalance.of(HOURLY, solar, load), Store.of(battery(1.0, limit), energies)
+    store = Store.of(battery(1.0, limit), energies)
     launches = np.repeat(HOURLY[nodes][:, np.newaxis], len(solar), axis=1)
-    found = flight_time_h(balance, store, launches)
+    found = flight_time_h(HOURLY, solar, load, store, launches)
     ends = 0
     for i, energy in enumerate(energies):
         one = Store.of(battery(1.0, limit), energy)
@@ -268,14 +278,22 @@ def test_flights_over_broken_days_are_those_marched_step_by_step(limit: ChargeLi
 def test_no_tried_launch_flies_longer_on_broken_days(limit: ChargeLimit) -> None:
     solar, load = rough_days(12)
     energies = np.random.default_rng(12).uniform(50.0, 1500.0, len(solar))
-    balance, store = PowerBalance.of(HOURLY, solar, load), Store.of(battery(1.0, limit), energies)
+    store = Store.of(battery(1.0, limit), energies)
     launches = np.linspace(0.0, 24.0, 900, endpoint=False)[:, np.newaxis] + np.zeros(len(solar))
-    tried = flight_time_h(balance, store, launches).max(axis=0)
+    tried = flight_time_h(HOURLY, solar, load, store, launches).max(axis=0)
     found = longest_flight(HOURLY, solar, load, store)
-    again = flight_time_h(balance, store, found.launch_h[np.newaxis])[0]
+    again = flight_time_h(HOURLY, solar, load, store, found.launch_h[np.newaxis])[0]
     ended = np.isfinite(tried)
     assert ended.sum() >= 5
     np.testing.assert_array_equal(np.isinf(found.endurance_h), ~ended)
     np.testing.assert_allclose(again[ended], found.endurance_h[ended], rtol=1e-9)
     # As above; loads that triple within hours make flights longer by up to thrice the difference.
     assert np.all(found.endurance_h[ended] >= tried[ended] - 3e-3)
+
+
+def test_a_day_that_begins_with_its_only_surplus_charges() -> None:
+    # Light from midnight to noon: no deficit lies before the surplus.
+    solar = np.interp(HOURLY, [0.0, 12.0, 13.0, 24.0], [100.0, 100.0, 0.0, 0.0])
+    found = longest_flight(HOURLY, solar, np.full_like(HOURLY, 40.0), Store.of(battery(2000.0)))
+    # 60 W for 12 h against 40 W for 11 h: perpetual.
+    assert found.endurance_h == inf

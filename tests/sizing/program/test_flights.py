@@ -12,8 +12,8 @@ from pydantic import ValidationError
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.cycle import Status
 from sizing.day.light import FINE_STEP_H, SolarDay, solar_day
+from sizing.day.metrics import Status
 from sizing.design import DesignVariables
 from sizing.limits import meets_requirements
 from sizing.performance import Performance, performance, performance_of_designs

@@ -12,8 +12,8 @@ from builders import mission as july_day
 from missions.air import standard_air
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.day.cycle import Status
 from sizing.day.light import SolarModel
+from sizing.day.metrics import Status
 from sizing.design import DesignVariables, variables_of
 from sizing.performance import performance_of_designs
 from sizing.program.cells import size_cells

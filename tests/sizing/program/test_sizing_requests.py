@@ -20,8 +20,8 @@ from missions.files.yaml import parse_yaml
 from missions.mission import Mission
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.day.cycle import Status
 from sizing.day.light import SolarModel, solar_day
+from sizing.day.metrics import Status
 from sizing.design import FlightConditions, variables_of
 from sizing.design_space import LimitedQuantity
 from sizing.limits import QUANTITIES, DesignInFlight

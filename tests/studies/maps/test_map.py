@@ -15,8 +15,8 @@ from matplotlib.contour import ContourSet
 from missions.files.overrides import with_values
 from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.day.cycle import Status
 from sizing.day.light import SolarModel, solar_day
+from sizing.day.metrics import Status
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from studies.maps import feasibility as study

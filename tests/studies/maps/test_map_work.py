@@ -19,8 +19,8 @@ from figure_checks import heading
 
 from missions.library import load_mission
 from missions.mission.dates import Dates
-from sizing.day.cycle import Status
 from sizing.day.light import SolarModel
+from sizing.day.metrics import Status
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from sizing.day.cycle import Status
+from sizing.day.metrics import Status
 from studies.models.prediction import Prediction, duration, nights_survived
 
 

@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from builders import AS2, DESIGN, mission
 
-from sizing.day.cycle import ENDS, Status
 from sizing.day.light import SolarModel
+from sizing.day.metrics import (
+    ENDS,
+    Status,
+)
 from studies.engine import run as engine
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.workers import Job, LocalPool

@@ -20,8 +20,8 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.cycle import Status
 from sizing.day.light import SolarModel
+from sizing.day.metrics import Status
 from sizing.library import load_aircraft
 from sizing.mass_budget import design_of
 from sizing.performance import performance

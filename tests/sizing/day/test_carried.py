@@ -2,14 +2,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from step_by_step import balance_of, march
 
 from sizing.battery.battery import Battery
 from sizing.battery.charge_limit import NoChargeLimit, RuleChargeLimit
-from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
-from sizing.day.carried_days import Dawns, carried_over, dawns_of, flight_hours
+from sizing.day.carried import Dawns, carried_over, dawns_of
 from sizing.day.cycle import simulate_cycle
-from sizing.day.march import march
+from sizing.day.flight import Flights
+from sizing.day.march import ChargingDay
 
 TIME_H = np.linspace(0.0, 24.0, 49)
 
@@ -29,7 +30,7 @@ def days_of(clearness, load_w=40.0, peak_w=200.0):
     """Power of days that differ in their light; each ends where the next begins."""
     bell = np.maximum(np.sin((TIME_H - 6.0) / 12.0 * np.pi), 0.0)
     solar = peak_w * np.asarray(clearness)[:, None] * bell
-    return PowerBalance.of(TIME_H, solar, np.full(solar.shape, load_w))
+    return balance_of(TIME_H, solar, np.full(solar.shape, load_w))
 
 
 def step_by_step(balance, its_store, start_wh):
@@ -37,12 +38,7 @@ def step_by_step(balance, its_store, start_wh):
     days = balance.net_w.shape[1]
     energy, nodes, unserved = float(start_wh), [], []
     for day in range(days):
-        one = PowerBalance(
-            balance.time_h,
-            balance.net_w[:, day],
-            balance.surplus_wh[:, day],
-            balance.deficit_wh[:, day],
-        )
+        one = balance_of(balance.time_h, balance.net_w[:, day], 0.0)
         single = its_store.select(slice(day, day + 1))
         steps = list(march(one, single, np.array([energy])))
         nodes.append([energy, *(float(step.end_wh[0]) for step in steps)])
@@ -51,8 +47,12 @@ def step_by_step(balance, its_store, start_wh):
     return np.array(nodes), np.array(unserved)
 
 
+def carried_from(balance, its_store, start_wh):
+    return carried_over(ChargingDay.of(balance), its_store, start_wh)
+
+
 def dawns(carried, noon_h=12.0):
-    return dawns_of(carried.balance, carried.day, carried.store, noon_h)
+    return dawns_of(carried.run.day, carried.run.store, noon_h)
 
 
 def closing_days(balance, its_store, start_wh, noon_h):
@@ -85,8 +85,8 @@ def test_blips_of_light_begin_no_day():
     net[10:12, 1] = 5.0  # a blip at five
     net[:, 2] = -40.0
     net[30:32, 2] = 5.0  # and one in the afternoon of a dark day
-    balance = PowerBalance.of(TIME_H, net.T, np.zeros((3, 49)))
-    found = dawns(carried_over(balance, store(500.0, 3), np.array([500.0]), 3))
+    balance = balance_of(TIME_H, net.T, 0.0)
+    found = dawns(carried_from(balance, store(500.0, 3), 500.0))
     # From -40 to 60 W between 7.0 and 7.5; the dark day has its least charge at noon.
     assert found.hour == pytest.approx([7.2, 7.2, 12.0])
     assert found.deficit_wh[1] < found.deficit_wh[0]  # the blip's surplus is no deficit
@@ -99,10 +99,10 @@ def test_days_that_close_are_those_of_a_plain_loop():
     # Broken clouds that change from half-hour to half-hour, on bright and on dim days.
     share = random.uniform(0.2, 1.5, days)[:, None] * random.uniform(0.0, 1.6, (days, 49))
     bell = np.maximum(np.sin((TIME_H - 6.0) / 12.0 * np.pi), 0.0)
-    balance = PowerBalance.of(TIME_H, 220.0 * share * bell, np.full((days, 49), 40.0))
+    balance = balance_of(TIME_H, 220.0 * share * bell, 40.0)
     for energy in (620.0, 700.0, 1100.0):
         its_store = store(energy, days)
-        carried = carried_over(balance, its_store, np.array([energy]), days)
+        carried = carried_from(balance, its_store, energy)
         found = dawns(carried, noon_h)
         begins, closes = closing_days(balance, its_store, energy, noon_h)
         assert 24.0 * np.arange(days) + found.hour == pytest.approx(begins, abs=0.05)
@@ -123,10 +123,10 @@ clearness_of_days = st.lists(st.floats(0.0, 1.0), min_size=1, max_size=9)
 def test_all_days_at_once_are_the_days_one_after_the_other(clearness, energy, begin, taper):
     balance = days_of(clearness)
     its_store = store(energy, len(clearness), taper=taper)
-    run = carried_over(balance, its_store, np.array([begin * energy]), len(clearness))
+    run = carried_from(balance, its_store, begin * energy)
     nodes, unserved = step_by_step(balance, its_store, begin * energy)
     # The same arithmetic in another order.
-    assert pytest.approx(nodes, rel=1e-9, abs=1e-9 * energy) == run.energy_wh()[:, 0, :].T
+    assert pytest.approx(nodes, rel=1e-9, abs=1e-9 * energy) == run.run.energy_at_nodes_wh().T
     empty = np.logical_or(*run.runs_empty(dawns(run)))
     clear = (unserved > 1e-6) | (unserved < 1e-12)
     assert np.array_equal(empty[clear], unserved[clear] > 1e-6)
@@ -136,7 +136,7 @@ def test_all_days_at_once_are_the_days_one_after_the_other(clearness, energy, be
 @given(clearness=clearness_of_days, energy=st.floats(100.0, 4000.0))
 def test_energy_is_conserved(clearness, energy):
     balance, its_store = days_of(clearness), store(energy, len(clearness))
-    run = carried_over(balance, its_store, np.array([energy]), len(clearness)).run
+    run = carried_from(balance, its_store, energy).run
     before = np.maximum(run.drained_wh, 0.0)
     charged = np.sum(run.after_charge_wh - before)
     eta = its_store.discharge_efficiency
@@ -152,9 +152,9 @@ def test_a_battery_that_is_empty_for_a_moment_between_two_nodes_is_empty():
     night_wh = balance.deficit_wh[:, 0].sum() / 0.97  # of an evening and the morning after it
     for share, runs_empty in ((0.9999, True), (1.0001, False)):
         its_store = store(share * night_wh, 2)
-        carried = carried_over(balance, its_store, its_store.battery_energy_wh[:1], 2)
+        carried = carried_from(balance, its_store, its_store.battery_energy_wh[0])
         before, after = carried.runs_empty(dawns(carried))
-        assert carried.energy_wh()[np.argmax(solar) :, 0, :].min() > 0.0
+        assert carried.run.energy_at_nodes_wh()[np.argmax(solar) :].min() > 0.0
         assert before.tolist() == [False, runs_empty]
         assert not after.any()
 
@@ -163,10 +163,10 @@ def test_days_that_never_settle_are_marched_one_after_the_other():
     # Never empty, never full: each day's end depends on all days before.
     clearness = 0.6 + 0.02 * np.sin(np.arange(30.0))
     balance, its_store = days_of(clearness), store(20000.0, 30)
-    run = carried_over(balance, its_store, np.array([8000.0]), 30)
+    run = carried_from(balance, its_store, 8000.0)
     nodes, _ = step_by_step(balance, its_store, 8000.0)
     assert 0.0 < nodes.min() < nodes.max() < 20000.0
-    assert pytest.approx(nodes, rel=1e-9) == run.energy_wh()[:, 0, :].T
+    assert pytest.approx(nodes, rel=1e-9) == run.run.energy_at_nodes_wh().T
 
 
 def test_the_same_day_again_and_again_becomes_the_repeated_day():
@@ -174,31 +174,11 @@ def test_the_same_day_again_and_again_becomes_the_repeated_day():
         days = 120
         balance = days_of(np.ones(days), peak_w=peak_w)
         its_store = store(800.0, days)
-        run = carried_over(balance, its_store, np.array([800.0]), days)
+        run = carried_from(balance, its_store, 800.0)
         one = days_of([1.0], peak_w=peak_w)
         solar = (one.net_w + 40.0).T
         cycle = simulate_cycle(TIME_H, solar, np.full(solar.shape, 40.0), store(800.0, 1))
-        assert run.energy_wh()[:, 0, -1] == pytest.approx(cycle.energy_wh[0], abs=1e-6)
-
-
-def test_several_aircraft_are_as_each_alone():
-    clearness = np.array([1.0, 0.3, 0.8, 0.1, 1.0])
-    single = days_of(clearness)
-    both = PowerBalance(
-        TIME_H,
-        np.tile(single.net_w, 2),
-        np.tile(single.surplus_wh, 2),
-        np.tile(single.deficit_wh, 2),
-    )
-    sizes = (500.0, 1500.0)
-    two = Store.of(
-        Battery(mass_kg=1.0, specific_energy_wh_per_kg=1.0), np.repeat(sizes, len(clearness))
-    )
-    found = carried_over(both, two, np.array(sizes), len(clearness)).energy_wh()
-    for i, size in enumerate(sizes):
-        alone = Store.of(Battery(mass_kg=1.0, specific_energy_wh_per_kg=1.0), np.full(5, size))
-        run = carried_over(single, alone, np.array([size]), len(clearness))
-        assert np.array_equal(found[:, i], run.energy_wh()[:, 0])
+        assert run.run.energy_at_nodes_wh()[:, -1] == pytest.approx(cycle.energy_wh[0], abs=1e-6)
 
 
 @settings(max_examples=30)
@@ -206,38 +186,31 @@ def test_several_aircraft_are_as_each_alone():
 def test_flights_end_when_a_battery_marched_alone_is_empty(clearness, energy, launch):
     days = len(clearness)
     balance, its_store = days_of(clearness), store(energy, days)
-    carried = carried_over(balance, its_store, np.array([energy]), days)
     launches = np.full(days, np.round(launch * 2.0) / 2.0)  # on a node, for the march alone
-    hours, outlasts = flight_hours(carried, launches, np.full(days, energy))
+    flights = Flights(ChargingDay.of(balance), its_store, follow=True)
+    hours = flights.hours(np.arange(days), launches)
     first = int(launches[0] * 2.0)
     for begin in range(days):
         left, flown = energy, None
         for day in range(begin, days):
             skip = first if day == begin else 0
-            part = PowerBalance(
-                TIME_H[skip:],
-                balance.net_w[skip:, day],
-                balance.surplus_wh[skip:, day],
-                balance.deficit_wh[skip:, day],
-            )
+            part = balance_of(TIME_H[skip:], balance.net_w[skip:, day], 0.0)
             for step in march(part, its_store.select(slice(0, 1)), np.array([left])):
                 left = float(step.end_wh[0])
                 if float(step.unserved_wh[0]) > 1e-9 * energy:
-                    flown = (day - begin) * 24.0 + step.interval.start_h - launches[0]
+                    flown = (day - begin) * 24.0 + float(step.interval.start_h[0]) - launches[0]
                     break
             if flown is not None:
                 break
-        assert outlasts[begin] == (flown is None)
-        if flown is None:
-            assert hours[begin] == pytest.approx((days - begin) * 24.0 - launches[0])
-        else:
+        assert np.isinf(hours[begin]) == (flown is None)
+        if flown is not None:
             assert flown - 1e-6 <= hours[begin] <= flown + 0.5 + 1e-6  # within that interval
 
 
 def test_a_battery_that_is_empty_at_midnight_was_so_before_a_later_dawn_alone():
     balance = days_of([0.3])
     its_store = store(400.0, 1)
-    carried = carried_over(balance, its_store, its_store.battery_energy_wh, 1)
+    carried = carried_from(balance, its_store, its_store.battery_energy_wh[0])
     # What midnight lacks was not delivered: so much less than the whole deficit of the day.
     emptied_wh = balance.deficit_wh.sum() + 0.97 * carried.run.midnight_wh[0]
     assert carried.run.midnight_wh[0] < -100.0

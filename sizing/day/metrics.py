@@ -1,0 +1,349 @@
+"""Metrics of a march: of one day of the year that repeats itself, the cycle, or of a flight.
+
+Definitions (times in solar hours):
+
+* ``equal_power_morning_h``, ``equal_power_evening_h``: first and last instant at which solar power
+  equals the nominal load (the load without the extra power of thermals by day).
+* ``excess_time_h``: the energy left at the morning's equal power, once the cycle repeats itself,
+  would keep the aircraft airborne for so many more hours without any sun. Where the battery runs
+  empty, it is minus the hours of the cycle in which the load cannot be met. Infinite where solar
+  power never falls below the load.
+* ``minimum_state_of_charge``: of the converged cycle; 0 where the battery runs empty.
+* ``charge_margin_h``: from the first full charge to the last instant of full charge; 0 where full
+  charge is not reached.
+
+A flight from a launch with a full battery to a landing has the same metrics: its excess time is how
+long what is left at the landing would last, or minus the hours without enough power.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sizing.day.balance import (
+    PowerBalance,
+    blocks,
+    crossing_fraction,
+    interval_reaching,
+    sum_over_time,
+)
+from sizing.day.batch import Cells
+from sizing.day.march import DayRun, full_after_h
+from solar.sun import HOURS_PER_DAY
+from solar.types import BoolArray, FloatArray, IntArray
+
+FULL = 1.0 - 1e-9  # state of charge that counts as full: what the clock's table resolves
+_ROWS_AT_ONCE = 16
+
+
+class Status(IntEnum):
+    """How a cycle ends, or why there is none; the values are flags of gridded results.
+
+    ``failed`` stands for an error of the program, ``infeasible`` for an aircraft that cannot fly
+    the mission, ``invalid`` for values that no aircraft or mission can have; ``lands`` for a flight
+    with enough power from its launch to its landing.
+    """
+
+    failed = -1
+    limited = 0
+    perpetual = 1
+    always_lit = 2
+    never_lit = 3
+    infeasible = 4
+    invalid = 5
+    lands = 6
+
+
+# Of a cycle that was computed; and of a flight to a landing as well.
+CYCLE_ENDS = (Status.limited, Status.perpetual, Status.always_lit, Status.never_lit)
+ENDS = (*CYCLE_ENDS, Status.lands)
+# Of those, the ends of flights that have all their power.
+FLOWN = (Status.perpetual, Status.always_lit, Status.lands)
+
+
+@dataclass(frozen=True)
+class EnergyBudget:
+    """Where the energy of one cycle goes [Wh]; arrays of the batch.
+
+    ``solar + unserved = load + stored + charge_loss + discharge_loss + curtailed``.
+    """
+
+    solar_wh: FloatArray
+    load_wh: FloatArray
+    unserved_wh: FloatArray
+    stored_wh: FloatArray
+    charge_loss_wh: FloatArray
+    discharge_loss_wh: FloatArray
+    curtailed_wh: FloatArray
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """Metrics of a batch of converged cycles; times are solar hours, undefined ones are NaN."""
+
+    status: IntArray
+    excess_time_h: FloatArray
+    minimum_state_of_charge: FloatArray
+    charge_margin_h: FloatArray
+    equal_power_morning_h: FloatArray
+    equal_power_evening_h: FloatArray
+    full_charge_h: FloatArray
+    missing_h: FloatArray
+    energy_budget: EnergyBudget
+    time_h: FloatArray
+    energy_wh: FloatArray
+
+    @property
+    def flown(self) -> BoolArray:
+        """Mark the cycles of perpetual flight, and the flights that land."""
+        return np.isin(self.status, FLOWN)
+
+    @property
+    def perpetual(self) -> BoolArray:
+        """Mark the cycles of perpetual flight."""
+        return np.isin(self.status, (Status.perpetual, Status.always_lit))
+
+    def reshaped(self, batch: tuple[int, ...]) -> Cycle:
+        """Cycle of a one-dimensional batch in another shape."""
+        return joined([self], lambda parts: parts[0].reshape(batch + parts[0].shape[1:]))
+
+
+def joined(cycles: Sequence[Cycle], join: Callable[[list[Any]], Any] = np.concatenate) -> Cycle:
+    """One cycle from the arrays of several with the same nodes of time; by default end to end."""
+    budgets = [one.energy_budget for one in cycles]
+    budget = {f.name: join([getattr(one, f.name) for one in budgets]) for f in fields(EnergyBudget)}
+    rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
+    return Cycle(
+        time_h=cycles[0].time_h,
+        energy_budget=EnergyBudget(**budget),
+        **{name: join([getattr(one, name) for one in cycles]) for name in rest},
+    )
+
+
+@dataclass(frozen=True)
+class EqualPower:
+    """Instants of equal power and where they lie on the time axis."""
+
+    morning_h: FloatArray
+    evening_h: FloatArray
+    morning_index: IntArray
+    morning_fraction: FloatArray
+    always_above: BoolArray
+
+
+def equal_power(time_h: FloatArray, net_w: FloatArray) -> EqualPower:
+    """First rise and last fall of a net power through zero.
+
+    ``net_w``: solar power less the nominal load at the nodes, shape ``(time, ...)`` [W]. NaN where
+    there is no such instant: the power is then always, or never, enough.
+    """
+    shape = net_w.shape[1:]
+    net = net_w.reshape(len(net_w), -1)
+    below = net < 0.0
+    rise, fall = _first(below[:-1] > below[1:]), _last(below[:-1] < below[1:])
+    fraction = _fraction_at(rise.row, net)
+    morning = np.where(rise.any, _time_at(time_h, rise.row, fraction), np.nan)
+    evening_h = _time_at(time_h, fall.row, _fraction_at(fall.row, net))
+    return EqualPower(
+        morning_h=morning.reshape(shape),
+        evening_h=np.where(fall.any, evening_h, np.nan).reshape(shape),
+        morning_index=rise.row.reshape(shape),
+        morning_fraction=fraction.reshape(shape),
+        always_above=~(below[0] | rise.any | fall.any).reshape(shape),
+    )
+
+
+class _Marked(NamedTuple):
+    """A marked row of every column, 0 where there is none, and whether there is one."""
+
+    row: IntArray
+    any: BoolArray
+
+
+def _first(marks: BoolArray) -> _Marked:
+    """First marked row of every column; fast where marks are rare."""
+    return _marked(marks, slice(None, None, -1))
+
+
+def _last(marks: BoolArray) -> _Marked:
+    """Last marked row of every column; fast where marks are rare."""
+    return _marked(marks, slice(None))
+
+
+def _marked(marks: BoolArray, order: slice) -> _Marked:
+    row, column = np.divmod(np.flatnonzero(marks), marks.shape[1])
+    first = np.full(marks.shape[1], -1, np.intp)
+    first[column[order]] = row[order]  # of equal columns the last one stays
+    return _Marked(np.maximum(first, 0), first >= 0)
+
+
+def _fraction_at(index: IntArray, net_w: FloatArray) -> FloatArray:
+    columns = np.arange(net_w.shape[1])
+    return crossing_fraction(net_w[index, columns], net_w[index + 1, columns])
+
+
+def _time_at(time_h: FloatArray, index: IntArray, fraction: FloatArray) -> FloatArray:
+    return np.asarray(time_h[index] + fraction * (time_h[index + 1] - time_h[index]))
+
+
+def measured(cells: Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
+    """Metrics of a batch from the run of its day.
+
+    The excess time is above zero for perpetual flight, and infinite where solar power never falls
+    below the load; of a flight to a landing it is what is left then.
+    """
+    balance, store, nominal = run.day.balance, run.store, cells.nominal_w
+    lands = cells.flown is not None
+    day = slice(np.searchsorted(cells.time_h, HOURS_PER_DAY, "right"))
+    equal = equal_power(cells.time_h[day], cells.above_nominal_w()[day])
+    missing_h, unserved = _unserved(run)
+    budget = _energy_budget(cells, run, unserved)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        last_wh = run.end_wh if lands else _dawn_wh(balance, run, equal)
+        left_over = last_wh * store.discharge_efficiency
+        reserve_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
+    if cells.flown is not None:  # a day without light has no sunrise to begin a flight
+        reserve_h = np.where(cells.flown.any(axis=0), reserve_h, 0.0)
+    lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
+    nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
+    first_full, last_full = _full_charge_h(balance, run)
+    # A last digit of unserved energy may be left by the fixed point's tolerance.
+    runs_empty = unserved > 1e-9 * store.battery_energy_wh
+    never = np.isnan(equal.morning_h) & ~equal.always_above & (not lands)
+    always = equal.always_above & ~runs_empty & (not lands)
+    excess = np.where(runs_empty | never, -missing_h, reserve_h)
+    excess = np.where(always, np.inf, excess)
+    status = np.where(excess > 0.0, Status.lands if lands else Status.perpetual, Status.limited)
+    if not lands:
+        status = np.where(always, Status.always_lit, status)
+        status = np.where(budget.solar_wh > 0.0, status, Status.never_lit)
+    state_of_charge = np.maximum(lowest, 0.0) / store.battery_energy_wh
+    return Cycle(
+        status=status,
+        excess_time_h=excess,
+        minimum_state_of_charge=np.where(excess > 0.0, state_of_charge, 0.0),
+        charge_margin_h=np.where(np.isnan(first_full), 0.0, last_full - first_full),
+        equal_power_morning_h=equal.morning_h,
+        equal_power_evening_h=equal.evening_h,
+        full_charge_h=first_full,
+        missing_h=missing_h,
+        energy_budget=budget,
+        time_h=cells.time_h,
+        energy_wh=nodes.T,
+    )
+
+
+def _dawn_wh(balance: PowerBalance, run: DayRun, equal: EqualPower) -> FloatArray:
+    """Stored energy at the morning's equal power [Wh].
+
+    That at midnight where there is no such instant.
+    """
+    index, fraction = equal.morning_index, equal.morning_fraction
+    columns = np.arange(len(index))
+    left, right = balance.net_w[index, columns], balance.net_w[index + 1, columns]
+    hours = balance.time_h[index + 1] - balance.time_h[index]
+    middle = left + (right - left) * fraction
+    mean_deficit_w = np.maximum(-(left + middle) / 2.0, 0.0)
+    drained = mean_deficit_w * fraction * hours / run.store.discharge_efficiency
+    return np.maximum(run.energy_at_node_wh(index) - drained, 0.0)
+
+
+def _unserved(run: DayRun) -> tuple[FloatArray, FloatArray]:
+    """Hours and energy [Wh] that the load lacks.
+
+    A battery that runs empty stays so until the next surplus, or midnight: what is then lacking
+    tells the instant.
+    """
+    day, balance, count = run.day, run.day.balance, len(run.start_wh)
+    row, cells = np.divmod(np.flatnonzero(run.drained_wh < 0.0), count)
+    midnight = run.midnight_wh
+    dark = np.flatnonzero(midnight < 0.0)
+    if not len(cells) and not len(dark):
+        return np.zeros(count), np.zeros(count)
+    falls_first = balance.net_w[row + day.first, cells] < 0.0
+    at_midnight = np.full(len(dark), len(balance.time_h) - 1)
+    until = np.concatenate((row + day.first + falls_first, at_midnight))
+    below_empty = np.concatenate((run.drained_wh[row, cells], midnight[dark]))
+    cells = np.concatenate((cells, dark))
+    lacking = -np.broadcast_to(run.store.discharge_efficiency, (count,))[cells] * below_empty
+    level = np.maximum(day.cumulative_deficit_wh[until, cells] - lacking, 0.0)
+    number = np.minimum(interval_reaching(day.cumulative_deficit_wh, level, cells), until - 1)
+    rest = np.clip(day.cumulative_deficit_wh[number + 1, cells] - level, 0.0, None)
+    without_h = balance.interval(number, cells).deficit_parts_h(rest)[1]
+    hours = balance.cumulative_deficit_h()
+    missing = np.where(rest > 0.0, without_h, 0.0)
+    missing = missing + hours[until, cells] - hours[number + 1, cells]
+    return (
+        np.bincount(cells, missing, minlength=count).astype(float),
+        np.bincount(cells, lacking, minlength=count).astype(float),
+    )
+
+
+def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, FloatArray]:
+    """First and last instant of full charge by the clock [h], NaN where there is none."""
+    full = (run.after_charge_wh >= FULL * run.store.battery_energy_wh) & (run.day.surplus_wh > 0.0)
+    if not len(full):
+        none = np.full(len(run.start_wh), np.nan)
+        return none, none
+    begins, ends = full.copy(), full.copy()
+    begins[1:] = full[1:] > full[:-1]
+    ends[:-1] = full[:-1] > full[1:]
+    begin, end = _first(begins), _last(ends)
+    columns = np.arange(len(begin.row))
+    interval = balance.interval(begin.row + run.day.first, columns)
+    before = np.maximum(run.drained_wh[begin.row, columns], 0.0)
+    first = interval.start_h + full_after_h(interval, run.store, before)
+    interval = balance.interval(end.row + run.day.first, columns)
+    last = interval.start_h + interval.surplus_h()[1]
+    return np.where(begin.any, first, np.nan), np.where(end.any, last, np.nan)
+
+
+def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
+    store = run.store
+    into_store = _sum_of_rows(
+        lambda some: run.after_charge_wh[some] - np.maximum(run.drained_wh[some], 0.0),
+        run.drained_wh.shape,
+    )
+    stored = run.end_wh - run.start_wh
+    drawn = into_store - stored
+    taken = into_store / store.charge_efficiency
+    return EnergyBudget(
+        solar_wh=_integral_wh(cells, cells.solar_w),
+        load_wh=_integral_wh(cells, cells.load_w),
+        unserved_wh=unserved_wh,
+        stored_wh=stored,
+        charge_loss_wh=taken - into_store,
+        discharge_loss_wh=drawn * (1.0 - store.discharge_efficiency),
+        curtailed_wh=run.day.total_surplus_wh - taken,
+    )
+
+
+def _integral_wh(cells: Cells, power_w: FloatArray) -> FloatArray:
+    """Integral over the time in flight by the trapezoidal rule."""
+    halves = np.diff(cells.time_h) / 2.0
+    if cells.flown is not None:
+        pairs = halves[:, np.newaxis] * (power_w[:-1] + power_w[1:])
+        return sum_over_time(np.where(cells.flown, pairs, 0.0))
+    weights = np.concatenate((halves[:1], halves[1:] + halves[:-1], halves[-1:]))[:, np.newaxis]
+    if power_w.strides[1] == 0 and power_w.shape[1] > 1:  # the same in all elements
+        return np.broadcast_to(_integral_wh(cells, power_w[:, :1]), power_w.shape[1:])
+    return _sum_of_rows(lambda some: weights[some] * power_w[some], power_w.shape)
+
+
+def _sum_of_rows(rows: Callable[[slice], FloatArray], shape: tuple[int, ...]) -> FloatArray:
+    """Sum of computed rows in the order of time, some rows at a time: no array of all is made.
+
+    Every sum begins with the one before it, so that the digits are those of a single sum.
+    """
+    total = np.zeros(shape[1])
+    for some in blocks(shape[0], _ROWS_AT_ONCE):
+        part = rows(some)
+        if len(part):
+            part[0] += total
+            total = sum_over_time(part)
+    return total
