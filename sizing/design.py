@@ -10,22 +10,22 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
-from missions.air import GAS_CONSTANT_AIR, GRAVITY_M_PER_S2, Air
+from missions.air import GAS_CONSTANT_AIR, GRAVITY_M_PER_S2, Air, gust_speed_fraction, plain_number
 from missions.mission import Mission
 from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar, Polar, level_flight_power_w
 from sizing.aerodynamics.wing_polar import WingPolar
-from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.aircraft import Aircraft
 from sizing.balance.in_design import (
     polar_with_tail,
     structure_with_tail,
 )
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.parameters import catalogue, replaced
-from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion, unwrapped
+from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
 from sizing.smooth import Value
-from sizing.structures.loads import StructureInputs, gust_speed_fraction
+from sizing.structures.loads import StructureInputs
 from sizing.structures.rib_wing import RibWingStructure
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 
@@ -95,13 +95,81 @@ class Masses(NamedTuple):
         return sum(self[1:], self[0])
 
 
+class FlightConditions(NamedTuple):
+    """What the design needs to know of a mission; numbers or symbols.
+
+    ``wind_m_per_s``: that its own airspeed must exceed; none where it flies faster to hold its
+    place.
+    """
+
+    density_kg_per_m3: Value
+    dynamic_viscosity: Value
+    payload_mass_kg: Value
+    payload_power_w: Value
+    turbulence: Value
+    wind_m_per_s: Value
+    battery_capacity_fraction: Value
+    battery_heater_w: Value
+    gust_fraction: Value
+    temperature_k: Value
+    insulated_heater_w_at_1_kg: Value = 0.0
+
+    @property
+    def air(self) -> Air:
+        """State of the air; a gas's pressure follows from density and temperature."""
+        pressure = self.density_kg_per_m3 * GAS_CONSTANT_AIR * self.temperature_k
+        return Air(self.temperature_k, pressure, self.density_kg_per_m3, self.dynamic_viscosity)
+
+    @classmethod
+    def of(cls, mission: Mission | FlightConditions, aircraft: Aircraft) -> FlightConditions:
+        """Conditions of a mission, and what its air and age leave of an aircraft's battery.
+
+        Returns numbers, or arrays where inputs are; conditions themselves as they are.
+        """
+        if isinstance(mission, FlightConditions):
+            return mission
+        air = mission.air.state(mission.altitude_m)
+        battery, air_c = aircraft.battery, air.temperature_c
+        fixed_w, at_1_kg_w = battery.heater_parts_w(air_c, mission.altitude_m)
+        left = battery.capacity_fraction(air_c, mission.altitude_m)
+        known = cls(
+            density_kg_per_m3=air.density_kg_per_m3,
+            dynamic_viscosity=air.dynamic_viscosity_pa_s,
+            payload_mass_kg=mission.payload.mass_kg,
+            payload_power_w=mission.payload.power_w,
+            turbulence=mission.turbulence.all_day,
+            wind_m_per_s=mission.wind_to_beat_m_per_s(mission.strongest_wind_m_per_s),
+            battery_capacity_fraction=mission.uncertainty_margins.battery_capacity * left,
+            battery_heater_w=fixed_w,
+            gust_fraction=gust_speed_fraction(mission.altitude_m),
+            temperature_k=air.temperature_k,
+            insulated_heater_w_at_1_kg=at_1_kg_w,
+        )
+        return cls._make(map(plain_number, known))
+
+    def heater_w(self, battery_mass_kg: Value) -> Value:
+        """Power that the heater of a battery draws [W]."""
+        return self.battery_heater_w + self.insulated_heater_w_at_1_kg * battery_mass_kg ** (
+            2.0 / 3.0
+        )
+
+    def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
+        """Conditions with the payload that the design carries, where it is chosen."""
+        mass, power = variables.payload_mass_kg, variables.payload_power_w
+        return self._replace(
+            payload_mass_kg=self.payload_mass_kg if mass is None else mass,
+            payload_power_w=self.payload_power_w if power is None else power,
+        )
+
+
 class Design(NamedTuple):
     """A design and what follows from it; numbers, arrays or symbols.
 
     ``propulsion_power_w`` is electric, of level flight in calm air; ``constant_power_w`` is what
     avionics, payload and the battery's heater draw; ``airspeed_m_per_s`` may be unknown (None) for
-    a measured aircraft. ``chain``: efficiencies of the propulsion in level flight; None for a
-    measured aircraft.
+    a measured aircraft. ``conditions``: those it was made in, with the payload that it carries.
+    ``chain``: efficiencies of the propulsion in level flight, ``sized_from``: what its structure is
+    sized from; None for a measured aircraft.
     """
 
     variables: DesignVariables
@@ -111,7 +179,9 @@ class Design(NamedTuple):
     propulsion_power_w: Value
     constant_power_w: Value
     airspeed_m_per_s: Value
+    conditions: FlightConditions
     chain: Propulsion | None = None
+    sized_from: StructureInputs | None = None
 
     @property
     def wing_area_m2(self) -> Value:
@@ -150,79 +220,16 @@ class Design(NamedTuple):
         return self.propulsion_power_w * (1.0 + turbulence) + self.constant_power_w
 
 
-def picked(value: Any, some: Any) -> Any:
-    """Some of a batch of designs: of every array in nested tuples; what is a number stays."""
+def each(value: Any, function: Callable[[Any], Any]) -> Any:
+    """Design with a function of everything that it has, in its nested tuples as well."""
     if isinstance(value, tuple):  # design, variables, masses
-        return type(value)._make(picked(one, some) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
-    return value[some] if getattr(value, "ndim", 0) else value
+        return type(value)._make(each(one, function) for one in value)  # type: ignore[attr-defined]  # a NamedTuple
+    return function(value)
 
 
-class FlightConditions(NamedTuple):
-    """What the design needs to know of a mission; numbers or symbols.
-
-    ``wind_m_per_s``: that its own airspeed must exceed; none where it flies faster to hold its
-    place.
-    """
-
-    density_kg_per_m3: Value
-    dynamic_viscosity: Value
-    payload_mass_kg: Value
-    payload_power_w: Value
-    turbulence: Value
-    wind_m_per_s: Value
-    battery_capacity_fraction: Value
-    battery_heater_w: Value
-    gust_fraction: Value
-    temperature_k: Value
-    insulated_heater_w_at_1_kg: Value = 0.0
-
-    @property
-    def air(self) -> Air:
-        """State of the air; a gas's pressure follows from density and temperature."""
-        pressure = self.density_kg_per_m3 * GAS_CONSTANT_AIR * self.temperature_k
-        return Air(self.temperature_k, pressure, self.density_kg_per_m3, self.dynamic_viscosity)
-
-    @classmethod
-    def of(cls, mission: Mission | FlightConditions, aircraft: Aircraft) -> FlightConditions:
-        """Conditions of a mission, and what its air and age leave of an aircraft's battery.
-
-        Returns numbers, or arrays where inputs are; conditions themselves as they are.
-        """
-        if isinstance(mission, FlightConditions):
-            return mission
-        air = mission.air_state()
-        battery, air_c = aircraft.battery, unwrapped(air.temperature_c)
-        fixed_w, at_1_kg_w = battery.heater_parts_w(air_c, mission.altitude_m)
-        left = battery.capacity_fraction(air_c, mission.altitude_m)
-        return cls(
-            density_kg_per_m3=unwrapped(air.density_kg_per_m3),
-            dynamic_viscosity=unwrapped(air.dynamic_viscosity_pa_s),
-            payload_mass_kg=mission.payload.mass_kg,
-            payload_power_w=mission.payload.power_w,
-            turbulence=mission.turbulence.all_day,
-            wind_m_per_s=mission.wind_to_beat_m_per_s(mission.strongest_wind_m_per_s),
-            battery_capacity_fraction=unwrapped(
-                mission.uncertainty_margins.battery_capacity * left
-            ),
-            battery_heater_w=unwrapped(fixed_w),
-            gust_fraction=unwrapped(gust_speed_fraction(mission.altitude_m)),
-            temperature_k=unwrapped(air.temperature_k),
-            insulated_heater_w_at_1_kg=unwrapped(at_1_kg_w),
-        )
-
-    def heater_w(self, battery_mass_kg: Value) -> Value:
-        """Power that the heater of a battery draws [W]."""
-        return self.battery_heater_w + self.insulated_heater_w_at_1_kg * battery_mass_kg ** (
-            2.0 / 3.0
-        )
-
-    def with_payload_of(self, variables: DesignVariables) -> FlightConditions:
-        """Conditions with the payload that the design carries, where it is chosen."""
-        mass, power = variables.payload_mass_kg, variables.payload_power_w
-        return self._replace(
-            payload_mass_kg=self.payload_mass_kg if mass is None else mass,
-            payload_power_w=self.payload_power_w if power is None else power,
-        )
+def picked(design: Design, some: Any) -> Design:
+    """Some of a batch of designs: of every array; what is a number stays."""
+    return cast(Design, each(design, lambda one: one[some] if getattr(one, "ndim", 0) else one))
 
 
 def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
@@ -286,23 +293,10 @@ def parametric_design(
         propulsion_power_w=electric_w,
         constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
+        conditions=air,
         chain=found,
+        sized_from=inputs,
     )
-
-
-def balance_inputs(
-    aircraft: Aircraft, conditions: FlightConditions, design: Design
-) -> tuple[ParametricAirframe, Masses, StructureInputs]:
-    """Airframe, masses of a design, and what its structure is sized from."""
-    inputs = structure_inputs(
-        aircraft,
-        design.variables,
-        conditions.with_payload_of(design.variables),
-        design.total_mass_kg,
-        design.airspeed_m_per_s,
-        design.masses.propulsion,
-    )
-    return aircraft.parametric, design.masses, inputs
 
 
 def level_flight(

@@ -8,12 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from operator import itemgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from missions.air import plain_number
 from missions.mission import Mission
-from sizing.aerodynamics.parabolic import OwnDragPolar, scaled_power_w
+from sizing.aerodynamics.parabolic import OwnDragPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.design import (
     Design,
@@ -22,6 +23,7 @@ from sizing.design import (
     Masses,
     bus_voltage_v,
     constant_power_w,
+    each,
     parametric_design,
     variables_of,
 )
@@ -40,9 +42,9 @@ class ImpossibleDesignError(ValueError):
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
     """Masses and power of a measured aircraft, scaled to the mission's mass and air.
 
-    ``mission``: payload and air. Power scales with mass^1.5 and density^-0.5
-    (:func:`sizing.aerodynamics.parabolic.scaled_power_w`), airspeed with their square roots.
-    Returns of floats; all but the masses of battery, modules and payload is ``other``.
+    ``mission``: payload and air. At equal lift coefficient drag follows the weight and airspeed the
+    root of weight over density: ``P = P_0 (m / m_0)^1.5 (rho / rho_0)^-0.5``. Returns of floats;
+    all but the masses of battery, modules and payload is ``other``.
     """
     airframe = aircraft.airframe
     assert isinstance(airframe, MeasuredAirframe)
@@ -70,11 +72,10 @@ def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
             other=airframe.mass_without_battery_kg - modules_kg,
         ),
         battery_energy_wh=aircraft.battery.battery_energy_wh * air.battery_capacity_fraction,
-        propulsion_power_w=scaled_power_w(
-            flight.electric_power_w, mass_ratio=mass_ratio, density_ratio=density_ratio
-        ),
+        propulsion_power_w=flight.electric_power_w * mass_ratio**1.5 * density_ratio**-0.5,
         constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
         airspeed_m_per_s=airspeed,
+        conditions=air,
     )
 
 
@@ -250,14 +251,7 @@ def design_of(aircraft: Aircraft, mission: Mission) -> Design:
 
 def plain_design(design: Design) -> Design:
     """Turn a design of zero-dimensional arrays into one of floats."""
-    numbers = {
-        name: float(value)
-        for name, value in design._asdict().items()
-        if name not in ("variables", "masses", "chain") and value is not None
-    }
-    masses = Masses(*(float(mass) for mass in design.masses))
-    variables = design.variables.mapped(float)
-    return Design(variables=variables, masses=masses, chain=design.chain, **numbers)
+    return cast(Design, each(design, plain_number))
 
 
 def operating_trouble(

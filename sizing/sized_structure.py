@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from missions.mission import Mission
-from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.aircraft import Aircraft
 from sizing.balance.in_design import structure_with_tail
-from sizing.design import Design, FlightConditions, balance_inputs, flown_at
+from sizing.design import Design, flown_at
 from sizing.smooth import Value
 from sizing.structures.assessment import StructureAssessment, assess, flight_envelope
 from sizing.structures.loads import StructureInputs
@@ -18,23 +17,21 @@ from sizing.structures.rib_wing import RibWingStructure
 from sizing.structures.rib_wing_keys import StructureParts
 
 
-def structure_parts(aircraft: Aircraft, mission: Mission, design: Design) -> StructureParts | None:
+def structure_parts(aircraft: Aircraft, design: Design) -> StructureParts | None:
     """Masses of the structure's parts, without the airframe's mass growth.
 
     Returns masses [kg]; None where the model of the structure knows no parts.
     """
-    sized = _sized_rib_wing(aircraft, mission, design)
+    sized = _sized_rib_wing(aircraft, design)
     return None if sized is None else sized[0].breakdown(sized[1])
 
 
-def structure_assessment(
-    aircraft: Aircraft, mission: Mission, design: Design
-) -> StructureAssessment | None:
+def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessment | None:
     """What sizes the structure, and how far it bends and twists.
 
     None where the model of the structure does not say.
     """
-    sized = _sized_rib_wing(aircraft, mission, design)
+    sized = _sized_rib_wing(aircraft, design)
     if sized is None:
         return None
     polar = flown_at(aircraft.parametric.aerodynamics, design.variables.lift_coefficient)
@@ -66,15 +63,13 @@ def _structure_remarks(
         )
 
 
-def structure_by_both(
-    aircraft: Aircraft, mission: Mission, design: Design
-) -> dict[str, Value] | None:
+def structure_by_both(aircraft: Aircraft, design: Design) -> dict[str, Value] | None:
     """Mass of the structure by the file's model, and by the other one, without mass growth [kg].
 
     By their names, the file's first; None where there is no second opinion. The other one has the
     calibration and build of the file too, relative to that of AtlantikSolar.
     """
-    sized = _sized_structure(aircraft, mission, design)
+    sized = _sized_structure(aircraft, design)
     other = None if sized is None else other_model(sized[0])
     if sized is None or other is None:
         return None
@@ -84,20 +79,18 @@ def structure_by_both(
 
 
 def _sized_rib_wing(
-    aircraft: Aircraft, mission: Mission, design: Design
+    aircraft: Aircraft, design: Design
 ) -> tuple[RibWingStructure, StructureInputs] | None:
     """Rib wing of an aircraft and what it is sized from; None where it has another structure."""
-    sized = _sized_structure(aircraft, mission, design)
+    sized = _sized_structure(aircraft, design)
     if sized is None or not isinstance(sized[0], RibWingStructure):
         return None
     return sized[0], sized[1]
 
 
-def _sized_structure(
-    aircraft: Aircraft, mission: Mission, design: Design
-) -> tuple[Any, StructureInputs] | None:
+def _sized_structure(aircraft: Aircraft, design: Design) -> tuple[Any, StructureInputs] | None:
     """Model of an aircraft's structure and what it is sized from; None of a measured aircraft."""
-    if not isinstance(aircraft.airframe, ParametricAirframe):
+    inputs = design.sized_from
+    if inputs is None:
         return None
-    airframe, _, inputs = balance_inputs(aircraft, FlightConditions.of(mission, aircraft), design)
-    return structure_with_tail(airframe, inputs.wingspan_m, inputs.aspect_ratio), inputs
+    return structure_with_tail(aircraft.parametric, inputs.wingspan_m, inputs.aspect_ratio), inputs

@@ -185,7 +185,7 @@ def slenderness(case: StiffnessCase) -> Slenderness | None:
     )
     if result.design is None:
         return None
-    sized = structure_assessment(aircraft, case.mission, result.design)
+    sized = structure_assessment(aircraft, result.design)
     assert sized is not None
     return Slenderness(
         float(result.design.variables.aspect_ratio),

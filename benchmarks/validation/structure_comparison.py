@@ -20,10 +20,9 @@ from benchmarks.validation.built_aircraft import (
     calibrated_rib_wing,
 )
 from benchmarks.validation.figure_script import write_figure
-from missions.air import standard_air
+from missions.air import gust_speed_fraction, standard_air
 from sizing.results.tables import Column, Table
 from sizing.smooth import Value
-from sizing.structures.loads import gust_speed_fraction
 from sizing.structures.models import (
     SPAR_CALIBRATION,
     AllPowerLawStructure,

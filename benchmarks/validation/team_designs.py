@@ -110,8 +110,8 @@ def weighed_parts_table() -> Table:
     for one in team_designs().values():
         if "weighed_kg" not in one:
             continue
-        given = starters(one, one["build"])
-        built = structure_parts(*given, closed_design(*given, variables_of(given[0])))
+        aircraft, mission = starters(one, one["build"])
+        built = structure_parts(aircraft, closed_design(aircraft, mission, variables_of(aircraft)))
         assert built is not None
         found = {name: float(mass) for name, mass in built._asdict().items()}
         # Glue and fittings are a share of all.

@@ -8,10 +8,9 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from missions import dates as calendar
-from missions.air import Air, plain_number
+from missions.air import Air, AirConditions, SteadyWind, plain_number
 from missions.files.errors import InputError
 from missions.flight_path import FlightPath, Heading, Wind
-from missions.mission.air import AirConditions, SteadyWind
 from missions.mission.climb import Climb, altitude_of_floor
 from missions.mission.dates import Dates
 from missions.mission.flight import ExcessTime, Flight, Launch

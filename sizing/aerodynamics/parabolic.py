@@ -177,24 +177,3 @@ def level_flight_power_w(
         * polar.drag_coefficient(aspect_ratio, reynolds)
     )
     return drag * airspeed
-
-
-def scaled_power_w(power_w: Value, *, mass_ratio: Value, density_ratio: Value) -> Value:
-    """Measured power of level flight at another mass and density, at equal lift coefficient [W].
-
-    ``P = P_0 (m / m_0)^1.5 (rho / rho_0)^-0.5``: drag follows the weight, airspeed the root of
-    weight over density.
-
-    Parameters
-    ----------
-    power_w
-        Measured power [W].
-    mass_ratio, density_ratio
-        Mass and air density over those of the measurement [-].
-
-    Returns
-    -------
-    Value
-        Electric or aerodynamic, as ``power_w`` is [W].
-    """
-    return power_w * mass_ratio**1.5 * density_ratio**-0.5

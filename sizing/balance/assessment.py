@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from math import degrees, sin
 from typing import Any
 
-from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import DragShares
 from sizing.balance.in_design import (
@@ -25,7 +24,7 @@ from sizing.balance.stability import (
     trim,
 )
 from sizing.balance.surfaces import TailPlanes, Wing, wing_of
-from sizing.design import Design, FlightConditions, balance_inputs, flown_at
+from sizing.design import Design, flown_at
 from sizing.limits import DesignInFlight
 from sizing.smooth import Value
 
@@ -103,12 +102,12 @@ class BalanceAssessment:
         }
 
 
-def drag_shares(aircraft: Aircraft, mission: Mission, design: Design) -> DragShares | None:
+def drag_shares(aircraft: Aircraft, design: Design) -> DragShares | None:
     """Drag of the parts in level flight; None where the file does not build it up."""
-    it = DesignInFlight(aircraft, design, FlightConditions.of(mission, aircraft))
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
         return None
+    it = DesignInFlight(aircraft, design, design.conditions)
     polar = _polar(airframe, design, it.lift_coefficient)
     return DragShares(*(float(one) for one in polar.shares(it.reynolds_number)))
 
@@ -124,23 +123,21 @@ def _polar(airframe: ParametricAirframe, design: Design, lift: Value) -> Any:
     )
 
 
-def balance_assessment(
-    aircraft: Aircraft, mission: Mission, design: Design
-) -> BalanceAssessment | None:
+def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment | None:
     """Balance of a design of floats; None where the file has no tail or no balance."""
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.balance is None:
         return None
     tail, balance = airframe.tail, airframe.balance
     assert tail is not None  # refused at validation
-    conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
-    it = DesignInFlight(aircraft, design, conditions)
+    assert design.sized_from is not None
+    it = DesignInFlight(aircraft, design, design.conditions)
     variables = design.variables
     wing = wing_of(airframe.planform, variables.wingspan_m, variables.aspect_ratio)
     wing = Wing(*(float(one) for one in wing))
     planes, body_m3 = tail.planes(wing), body_volume_m3(airframe)
     found = neutral_point(wing, tail, planes, body_m3)
-    inputs = balance_inputs(aircraft, conditions, design)
+    inputs = airframe, design.masses, design.sized_from
     items = tuple(
         Item(one.name, float(one.mass_kg), float(one.x_m))
         for one in balance_items(*inputs)

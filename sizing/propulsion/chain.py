@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from missions.air import Air
+from missions.air import Air, plain_number
 from sizing.catalogues.choice import Kind, OfCatalogue, Taken, found_entry, taken
 from sizing.own_models import propulsion_efficiency_function, propulsion_mass_function
 from sizing.parameters import all_replaced, replaced
@@ -385,7 +385,7 @@ class OperatingPointPropulsion(Record):
         if self.estimates_masses and self.gear.mass_kg is None:
             gear_kg = self.propulsors * gear_mass_kg(torque_nm, self.gear.ratio)
         default = 0.0 if self.motor_mass_kg is not None else _MASS_KG_PER_W
-        links = {f"{name}_efficiency": unwrapped(one) for name, one in efficiencies.items()}
+        links = {f"{name}_efficiency": plain_number(one) for name, one in efficiencies.items()}
         return ChainOfParts.model_construct(
             **links,
             fixed_mass_kg=self.propulsors * known_kg,
@@ -393,7 +393,7 @@ class OperatingPointPropulsion(Record):
             climb_power_ratio=self.climb_power_ratio,
             climb_rate_m_per_s=self.climb_rate_m_per_s,
             mass_model=self.mass_model,
-            gear_kg=unwrapped(gear_kg / level_w**_GEAR_BY_POWER),
+            gear_kg=plain_number(gear_kg / level_w**_GEAR_BY_POWER),
         )
 
 
@@ -442,12 +442,6 @@ class ChainOfParts(Propulsion):
         if isinstance(self.fixed_mass_kg, np.ndarray):  # of sizes of their own
             own["fixed_mass_kg"] = function(self.fixed_mass_kg)
         return super().mapped(function).model_copy(update=own)
-
-
-def unwrapped(value: Value) -> Value:
-    """Array without a dimension as the number that it is; all else as it is."""
-    single = isinstance(value, np.generic | np.ndarray) and np.ndim(value) == 0
-    return float(value) if single else value
 
 
 def _check_one_rating(chain: Propulsion | OperatingPointPropulsion) -> None:

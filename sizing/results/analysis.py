@@ -179,17 +179,17 @@ class Analysis(Result):
     @cached_property
     def structure(self) -> StructureAssessment | None:
         """What sizes the structure; None where the aircraft's model of it does not say."""
-        return structure_assessment(self.aircraft, self.mission, self.performance.design)
+        return structure_assessment(self.aircraft, self.performance.design)
 
     @cached_property
     def drag_coefficients(self) -> DragShares | None:
         """Drag coefficients of the parts in level flight; None without ``airframe.drag``."""
-        return drag_shares(self.aircraft, self.mission, self.performance.design)
+        return drag_shares(self.aircraft, self.performance.design)
 
     @cached_property
     def balance(self) -> BalanceAssessment | None:
         """Centre of gravity, static margin and trim; None without ``airframe.balance``."""
-        return balance_assessment(self.aircraft, self.mission, self.performance.design)
+        return balance_assessment(self.aircraft, self.performance.design)
 
     @property
     def masses_kg(self) -> dict[str, float] | None:

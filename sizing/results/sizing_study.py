@@ -197,7 +197,7 @@ class SizingStudy(Result):
             design = parametric_design(
                 self.aircraft, self.mission, design.variables.mapped(float), 2.0 * carried_kg
             )
-        return structure_assessment(self.aircraft, self.mission, design)
+        return structure_assessment(self.aircraft, design)
 
     @cached_property
     def part_masses(self) -> PartMasses | None:
@@ -222,7 +222,7 @@ class SizingStudy(Result):
     def balance(self) -> BalanceAssessment | None:
         """Balance of the optimum; None without one, or without ``airframe.balance``."""
         design = self.result.design
-        return None if design is None else balance_assessment(self.aircraft, self.mission, design)
+        return None if design is None else balance_assessment(self.aircraft, design)
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:

@@ -15,11 +15,9 @@ from math import pi
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.smooth import Value, smooth_absolute
-from solar.types import FloatArray
 
 SEA_LEVEL_DENSITY_KG_PER_M3 = 1.225  # [kg/m3], standard day
 
@@ -41,7 +39,7 @@ class StructureInputs(NamedTuple):
         Battery within the span load, and the rest of it [kg].
     gust_fraction
         Gust speed at the flight's altitude over that near the ground [-], see
-        :func:`gust_speed_fraction`.
+        :func:`missions.air.gust_speed_fraction`.
     """
 
     wingspan_m: Value
@@ -53,15 +51,6 @@ class StructureInputs(NamedTuple):
     wing_battery_kg: Value = 0.0
     pod_battery_kg: Value = 0.0
     gust_fraction: Value = 1.0
-
-
-def gust_speed_fraction(altitude_m: ArrayLike) -> FloatArray:
-    """Gust speed at an altitude over that up to 6096 m [-], CS 23.333 (c).
-
-    Both gust speeds fall linearly from 20 000 ft to half at 50 000 ft; above they are held.
-    """
-    fraction: FloatArray = np.interp(np.asarray(altitude_m, float), (6096.0, 15240.0), (1.0, 0.5))
-    return fraction
 
 
 def limit_load_factor(total_mass_kg: Value) -> Value:

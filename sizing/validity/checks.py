@@ -15,7 +15,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.battery.battery import Battery
 from sizing.battery.charge_limit import RuleChargeLimit, TableChargeLimit
 from sizing.day.light import SolarModel
-from sizing.design import Design, FlightConditions
+from sizing.design import Design
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, value_at
 from sizing.performance import Performance
@@ -38,7 +38,6 @@ def design_checks(
     aircraft: Aircraft, mission: Mission, design: Design, solar: SolarModel
 ) -> Iterator[Check]:
     """Quantities of a design in flight, whatever the scenario."""
-    conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     loading = np.asarray(design.total_mass_kg) / design.wing_area_m2
     yield Check.of("wing_loading_kg_per_m2", "aircraft", loading)
     load_w = design.nominal_load_w(mission)
@@ -53,9 +52,9 @@ def design_checks(
         yield from wind_check(design, mission.strongest_wind_m_per_s)
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
-        yield from _measured_checks(airframe, conditions, design)
+        yield from _measured_checks(airframe, design)
     else:
-        yield from _parametric_checks(DesignInFlight(aircraft, design, conditions), mission)
+        yield from _parametric_checks(DesignInFlight(aircraft, design, design.conditions))
 
 
 def wind_check(design: Design, wind_m_per_s: ArrayLike) -> Iterator[Check]:
@@ -153,10 +152,8 @@ def record_check(mission: Mission, site_altitude_m: float) -> Check:
     return Check.of("height_above_record_m", "weather_record", above_m)
 
 
-def _measured_checks(
-    airframe: MeasuredAirframe, air: FlightConditions, design: Design
-) -> Iterator[Check]:
-    flight = airframe.level_flight
+def _measured_checks(airframe: MeasuredAirframe, design: Design) -> Iterator[Check]:
+    flight, air = airframe.level_flight, design.conditions
     # At constant lift coefficient V goes with (m/rho)^0.5, so Re with (m rho)^0.5/mu; a file gives
     # the density of the measurement alone, the viscosity is that of the standard sea level.
     mass_density = (design.total_mass_kg * air.density_kg_per_m3) / (
@@ -170,7 +167,7 @@ def _measured_checks(
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)
 
 
-def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
+def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
     design, structure = it.design, it.aircraft.parametric.structure
     large = isinstance(structure, RibWingStructure) and structure.is_for_large_wings
     for quantity, value in (design.variables._asdict() | design._asdict()).items():
@@ -179,34 +176,32 @@ def _parametric_checks(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
         if row in ranges():
             yield Check.of(*row, value)
     if isinstance(structure, RibWingStructure):
-        share = _cap_depth_ratio(it.aircraft, mission, design, structure)
+        share = _cap_depth_ratio(it.aircraft, design, structure)
         yield Check.of("spar_cap_depth_ratio", structure.model, share)
-    yield from _agreement_check(it, mission)
+    yield from _agreement_check(it)
     yield from _aerodynamic_checks(it)
     with np.errstate(invalid="ignore"):
-        mach = design.airspeed_m_per_s / mission.air_state().sound_m_per_s
+        mach = design.airspeed_m_per_s / it.conditions.air.sound_m_per_s
         yield Check.of("mach_number", "aerodynamics", mach)
         yield Check.of("propulsion_power_w", "propulsion", design.propulsion_power_w)
         rate = QUANTITIES["climb_discharge_rate_per_h"](it)
         yield Check.of("climb_discharge_rate_per_h", "battery", rate)
 
 
-def _agreement_check(it: DesignInFlight, mission: Mission) -> Iterator[Check]:
+def _agreement_check(it: DesignInFlight) -> Iterator[Check]:
     """Mass of the structure by the file's model over that by the other one."""
     with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
-        both = structure_by_both(it.aircraft, mission, it.design)
+        both = structure_by_both(it.aircraft, it.design)
         if both is not None:
             own, other = both
             masses = {name: np.asarray(mass, float) for name, mass in both.items()}
             yield Check.of("structure_mass_ratio", own, masses[own] / masses[other], beside=masses)
 
 
-def _cap_depth_ratio(
-    aircraft: Aircraft, mission: Mission, design: Design, structure: RibWingStructure
-) -> Any:
+def _cap_depth_ratio(aircraft: Aircraft, design: Design, structure: RibWingStructure) -> Any:
     """Thickness of both caps over the depth of the spar, mean over the span [-]."""
     with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
-        parts = structure_parts(aircraft, mission, design)
+        parts = structure_parts(aircraft, design)
     assert parts is not None
     chord_m = design.variables.wingspan_m / design.variables.aspect_ratio
     volume_m3 = parts.spar_caps / (structure.mass_factor * structure.cap_density_kg_per_m3)

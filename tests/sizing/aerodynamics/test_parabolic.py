@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from sizing.aerodynamics.parabolic import DragPolar, level_flight_power_w, scaled_power_w
+from sizing.aerodynamics.parabolic import DragPolar, level_flight_power_w
 
 G = 9.80665
 POLAR = DragPolar(
@@ -47,16 +47,13 @@ def test_power_is_sink_rate_times_weight(span: float, aspect: float, mass: float
 
 
 def test_constant_polar_scales_as_measured_power_does() -> None:
-    # Without Reynolds dependence the parabolic polar obeys m^1.5 rho^-0.5 exactly.
+    # As the power of a measured aircraft is scaled (sizing.mass_budget.measured_design): without
+    # Reynolds dependence the parabolic polar obeys m^1.5 rho^-0.5 exactly.
     polar = POLAR.model_copy(update={"reynolds_exponent": 0.0})
     shape = {"wingspan_m": 5.0, "aspect_ratio": 15.0, "dynamic_viscosity": 1.8e-5}
     here = level_flight_power_w(polar, mass_kg=6.0, density_kg_per_m3=1.1, **shape)
     there = level_flight_power_w(polar, mass_kg=9.0, density_kg_per_m3=0.8, **shape)
-    assert there == pytest.approx(
-        scaled_power_w(here, mass_ratio=1.5, density_ratio=0.8 / 1.1), rel=1e-12
-    )
-    # 4^1.5 = 8 and 0.25^-0.5 = 2.
-    assert scaled_power_w(35.8, mass_ratio=4.0, density_ratio=0.25) == pytest.approx(16 * 35.8)
+    assert there == pytest.approx(here * 1.5**1.5 * (0.8 / 1.1) ** -0.5, rel=1e-12)
 
 
 def test_lift_coefficient_at_stall_is_refused() -> None:

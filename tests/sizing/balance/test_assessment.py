@@ -23,7 +23,7 @@ TAIL = "airframe.tail={arm_chords: 4, horizontal_volume: 0.35, vertical_volume: 
 
 def balance(*overrides: str, name: str = "twin-boom-design") -> BalanceAssessment:
     craft = aircraft(name, *overrides)
-    found = balance_assessment(craft, MISSION, design_of(craft, MISSION))
+    found = balance_assessment(craft, design_of(craft, MISSION))
     assert found is not None
     return found
 
@@ -60,7 +60,7 @@ def test_trim_drag_of_the_margin_is_in_the_power() -> None:
     drags = [
         found.trim / found.total
         for craft, design in zip((one, two), designs, strict=True)
-        if (found := drag_shares(craft, MISSION, design)) is not None
+        if (found := drag_shares(craft, design)) is not None
     ]
     powers = [design.propulsion_power_w for design in designs]
     assert powers[1] > powers[0]

@@ -57,7 +57,7 @@ def test_the_parts_are_all_of_the_drag(polar: str) -> None:
     craft = aircraft("twin-boom-design", polar)
     design = design_of(craft, MISSION)
     it = DesignInFlight(craft, design, FlightConditions.of(MISSION, craft))
-    shares = drag_shares(craft, MISSION, design)
+    shares = drag_shares(craft, design)
     pressure = 0.5 * it.conditions.density_kg_per_m3 * design.airspeed_m_per_s**2
     assert it.drag_n == pytest.approx(pressure * design.wing_area_m2 * shares.total, rel=1e-9)
     parts = [value for name, value in shares._asdict().items() if name not in ("other", "trim")]
@@ -72,7 +72,7 @@ def test_a_tail_by_hand() -> None:
     """Horizontal tail by Raymer's method, with his wetted area and Hoerner's form factor."""
     craft = aircraft("atlantiksolar-design", TAIL, "airframe.drag={gaps_fraction: 0}")
     design = design_of(craft, MISSION)
-    shares = drag_shares(craft, MISSION, design)
+    shares = drag_shares(craft, design)
     assert shares is not None
     chord = 5.65 / 18.5
     area = 0.35 / 4.0 * 5.65 * chord
@@ -112,6 +112,6 @@ def test_a_pod_by_its_surface_is_that_of_its_diameter_and_has_the_mass_of_the_po
 def test_constants_that_the_file_gives_stay() -> None:
     coefficient = "airframe.aerodynamics.parasitic_drag_coefficient=0.002"
     craft = aircraft("atlantiksolar-design", TAIL, "airframe.drag={}", coefficient)
-    shares = drag_shares(craft, MISSION, design_of(craft, MISSION))
+    shares = drag_shares(craft, design_of(craft, MISSION))
     assert shares.other == 0.002
-    assert drag_shares(aircraft("atlantiksolar-design"), MISSION, design_of(TWIN, MISSION)) is None
+    assert drag_shares(aircraft("atlantiksolar-design"), design_of(TWIN, MISSION)) is None

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.integrate import quad
 
+from missions.air import gust_speed_fraction
 from sizing.aircraft import Propulsion
 from sizing.smooth import BLEND, smooth_absolute, smooth_maximum, smooth_minimum
 from sizing.structures.assessment import assess
@@ -20,7 +21,6 @@ from sizing.structures.loads import (
     gust_alleviation_factor,
     gust_load_increment,
     gust_mass_ratio,
-    gust_speed_fraction,
     lift_curve_slope,
     limit_load_factor,
     stations,

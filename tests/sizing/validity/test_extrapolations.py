@@ -170,8 +170,8 @@ def test_all_over_the_design_space_exactly_what_is_outside_is_told(
     peak = float(found.day.specific_power_w_per_m2.max())
     design, compared = found.design, 0
     with np.errstate(invalid="ignore"):  # of designs that cannot carry themselves
-        parts = structure_parts(aircraft, where, design)
-        both = structure_by_both(aircraft, where, design)
+        parts = structure_parts(aircraft, design)
+        both = structure_by_both(aircraft, design)
     for number, text in enumerate(texts):
         if not np.isfinite(design.total_mass_kg[number]):
             continue
@@ -256,7 +256,7 @@ def test_models_of_the_structure_that_differ_are_told_with_both_masses() -> None
         (with_airframe(wide, structure={"model": "spar"}), ("spar", "rib_wing")),
     ):
         perf = performance(craft, mission())
-        both = structure_by_both(craft, perf.mission, perf.design)
+        both = structure_by_both(craft, perf.design)
         assert tuple(both) == names
         own, other = (float(mass) for mass in both.values())
         (one,) = (e for e in extrapolations(craft, perf) if e.quantity == "structure_mass_ratio")
