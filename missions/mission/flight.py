@@ -37,12 +37,10 @@ class Launch(Record):
     def _check_time(cls, value: str) -> str:
         return _clock_time(value)
 
-    def check(self, longitude_deg: float | None, latitudes: int) -> None:
+    def check(self, longitude_deg: float | None) -> None:
         """Refuse a place that no clock belongs to."""
         if longitude_deg is None:
             raise wrong_value("launch", "a launch by clock time needs longitude_deg on the mission")
-        if latitudes > 1:
-            raise wrong_value("latitude_deg", "a launch needs a single latitude")
 
     @property
     def clock_h(self) -> float:

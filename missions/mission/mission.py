@@ -99,7 +99,9 @@ class Mission(FileRecord):
                     "climb", "a replayed flight keeps its altitude: give launch or climb, not both"
                 )
         if self.launch:
-            self.launch.check(self.longitude_deg, len(self.latitudes()))
+            self.launch.check(self.longitude_deg)
+            if isinstance(self.latitude_deg, LatitudeRange):
+                raise wrong_value("latitude_deg", "a launch needs a single latitude")
         if self.flight:
             for name, other in (("launch", self.launch), ("climb", self.climb)):
                 if other is not None:
@@ -163,7 +165,11 @@ class Mission(FileRecord):
 
     def scenarios(self) -> Scenarios:
         """Every latitude on every day that stands for the dates, latitude by latitude."""
-        return Scenarios.of(self.latitudes(), self.dates.days())
+        latitudes, days = self.latitudes(), self.dates.days()
+        return Scenarios(
+            latitude_deg=np.repeat(np.asarray(latitudes, float), len(days)),
+            day_of_year=np.tile(np.asarray(days, int), len(latitudes)),
+        )
 
     @property
     def days_of_light(self) -> int:

@@ -62,14 +62,6 @@ class Scenarios:
         if getattr(self.day_of_year, "dtype", np.dtype(object)).kind in "MUO":  # dates
             object.__setattr__(self, "day_of_year", dates.days_of_year(self.day_of_year))
 
-    @classmethod
-    def of(cls, latitudes_deg: list[float], days: list[int]) -> Scenarios:
-        """Every latitude on every day, latitude by latitude."""
-        return cls(
-            latitude_deg=np.repeat(np.asarray(latitudes_deg, float), len(days)),
-            day_of_year=np.tile(np.asarray(days, int), len(latitudes_deg)),
-        )
-
     def __len__(self) -> int:
         return len(self.latitude_deg)
 
