@@ -15,8 +15,8 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.heights import FlightLevels, checked_climb_limits
-from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
+from sizing.day.heights import FlightLevels, checked_climb_limits, flight_levels
+from sizing.day.light import FINE_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import Design
 from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
@@ -82,6 +82,21 @@ class ClimbPerformance:
         dark = perf.solar_power_w < perf.nominal_load_w[:, np.newaxis]
         sinks = (np.diff(self.altitude_m) < -_SINKS_M) & dark[:, 1:]
         return np.asarray(sinks @ np.diff(perf.day.time_h))
+
+
+def excess_at_one_minute_h(aircraft: Aircraft, flown: Performance) -> float:
+    """Excess time of the worst scenario flown along the same heights in steps of a minute [h]."""
+    from sizing.program.schedule import flown_along  # CasADi, which level flight does without
+
+    assert flown.altitude_m is not None
+    worst, floor_m = flown.worst_scenario(), flown.mission.altitude_m
+    one = flown.day.at([worst]).scenarios
+    day = solar_day(aircraft, flown.mission, flown.solar, scenarios=one, step_h=FINE_STEP_H)
+    levels = flight_levels(aircraft, flown.mission, flown.design, day)
+    height_m = np.interp(day.time_h, flown.day.time_h, flown.altitude_m[worst] - floor_m)
+    store = flown.store.flat(flown.cycle.status.shape).select(slice(worst, worst + 1))
+    along = flown_along(day.time_h, levels, store, height_m[np.newaxis])
+    return float(along.cycle.excess_time_h[0])
 
 
 def climb_performance(

@@ -51,6 +51,7 @@ class Performance:
     Arrays have the scenarios on their last batch axis; with a batch of designs those come first.
     Of a mission with climbs the cycles are those of the flight with climbs, and ``altitude_m`` its
     altitude at the nodes of the day; so are the longest flights, by their ``levels``.
+    ``program_excess_h``: excess time of these heights as the program that chose them has it.
     """
 
     design: Design
@@ -64,6 +65,7 @@ class Performance:
     cycle: Cycle
     altitude_m: FloatArray | None = None
     levels: FlightLevels | None = None
+    program_excess_h: FloatArray | None = None
 
     def __repr__(self) -> str:
         excess_h = np.asarray(self.cycle.excess_time_h)
@@ -386,7 +388,8 @@ def performance_along(
     solar_w, load_w, altitude_m = (one.reshape(*batch, -1) for one in arrays)
     nominal_w, cycle = levels.nominal_load_w.reshape(batch), climbs.cycle.reshaped(batch)
     flown = (design, mission, solar, day, solar_w, load_w, nominal_w, store, cycle)
-    return Performance(*flown, altitude_m=altitude_m, levels=levels)
+    program_h = None if climbs.program_h is None else climbs.program_h.reshape(batch)
+    return Performance(*flown, altitude_m=altitude_m, levels=levels, program_excess_h=program_h)
 
 
 def perpetual_days(

@@ -68,12 +68,17 @@ _OPTIONS = IPOPT | {
 
 
 class Climbs(NamedTuple):
-    """Cycles of elements along heights of their own; arrays ``(element, time)``."""
+    """Cycles of elements along heights of their own; arrays ``(element, time)``.
+
+    ``program_h``: excess time that the program has of the heights, NaN in level flight; None of
+    heights that it was not asked for.
+    """
 
     cycle: Cycle
     height_m: FloatArray
     solar_w: FloatArray
     load_w: FloatArray
+    program_h: FloatArray | None = None
 
 
 class Window(NamedTuple):
@@ -98,6 +103,7 @@ def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climb
     able = levels.flies & (levels.reach_m > LOWEST_M) & np.isfinite(best_h)
     able &= level.solar_w.max(axis=-1) > 0.0
     goal_h, margin = best_h.copy(), np.full(len(best_h), FIRST_MARGIN)
+    program_h = np.full(len(best_h), np.nan)
     for _ in range(_ROUNDS):
         if not able.any():
             break
@@ -108,13 +114,17 @@ def best_climbs(time_h: FloatArray, levels: FlightLevels, store: Store) -> Climb
             )
         flown = flown_along(time_h, levels, store, height_m)
         excess_h = flown.cycle.excess_time_h
-        best_m = np.where((excess_h > best_h)[:, np.newaxis], height_m, best_m)
+        better = excess_h > best_h
+        best_m = np.where(better[:, np.newaxis], height_m, best_m)
+        program_h = np.where(better, goal_h, program_h)
         best_h = np.maximum(excess_h, best_h)
         # A day that should close, and does not quite.
         margin = np.where(flown.cycle.missing_h > 0.0, _WIDER * margin, margin)
         able &= np.abs(goal_h - excess_h) > _AGREED_H
         able &= goal_h > _AGREED_H
-    return flown_along(time_h, levels, store, best_m) if best_m.any() else level
+    if not best_m.any():
+        return level
+    return flown_along(time_h, levels, store, best_m)._replace(program_h=program_h)
 
 
 def flown_along(
@@ -168,6 +178,8 @@ def best_heights(
     margin: float = 0.0,
 ) -> tuple[FloatArray, float]:
     """Best heights of one element by the program around a flight of it [m], and its excess time.
+
+    The excess time is below zero by the hours that lack power.
 
     Of the day that repeats itself, or of a window, which begins and ends at the lowest altitude.
     ``margin``: by how much more a night takes, relative.
@@ -253,8 +265,9 @@ def best_heights(
     with lock:
         answer = solver(x0=np.clip(x0, low, most), p=parameters, **bounds)
     x = np.asarray(answer["x"]).ravel()
+    excess_h = float(x[0] - x[1:_FIRST_CHARGE] @ means.hours)
     at_h, found = day.time_h[nodes] % 24.0, np.clip(x[_HEIGHTS], 0.0, 1.0)
-    return np.asarray(climb_m * np.interp(time_h, at_h, found, period=24.0)), float(x[0])
+    return np.asarray(climb_m * np.interp(time_h, at_h, found, period=24.0)), excess_h
 
 
 @lru_cache(maxsize=8)

@@ -13,7 +13,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
 from sizing.balance.drag import DragShares
-from sizing.climb import ClimbPerformance, climb_performance
+from sizing.climb import ClimbPerformance, climb_performance, excess_at_one_minute_h
 from sizing.day.launch import (
     Endurance,
     LimitedFlight,
@@ -164,6 +164,18 @@ class Analysis(Result):
             return ()
         return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
 
+    @cached_property
+    def climb_check_h(self) -> tuple[float, float] | None:
+        """Excess time of the worst scenario by its program, and of its heights by the minute [h].
+
+        None where the aircraft does not climb.
+        """
+        program_h = self.performance.program_excess_h
+        if program_h is None or np.isnan(program_h[self.worst]):
+            return None
+        by_minute_h = excess_at_one_minute_h(self.aircraft, self.performance)
+        return float(program_h[self.worst]), by_minute_h
+
     @property
     def _repeats(self) -> bool:
         """Whether one day at one altitude repeats itself."""
@@ -278,6 +290,9 @@ class Analysis(Result):
         }
         result |= {key: one for key, one in not_of_all.items() if one is not None}
         result |= source_records(self.aircraft, self.mission)
+        if (checked := self.climb_check_h) is not None:
+            keys = ("program_excess_time_h", "one_minute_excess_time_h")
+            result["climb"] |= dict(zip(keys, map(finite, checked), strict=True))
         if self.flight is not None:
             result["flight"] = flight_record(self.flight)
         return result

@@ -216,7 +216,17 @@ def _climb_rows(analysis: Analysis) -> list[tuple[str, str]]:
             q.EXCESS_TIME.fact(q.EXCESS_TIME.of(climb.constant)[worst])[1],
         ),
         ("gained by climbing", f"{gain_h:+.2f} h" if np.isfinite(gain_h) else MISSING),
+        *_check_rows(analysis),
     ]
+
+
+def _check_rows(analysis: Analysis) -> list[tuple[str, str]]:
+    """Excess time of the heights by the program that chose them, and in steps of a minute."""
+    if (checked := analysis.climb_check_h) is None:
+        return []
+    more_h = (round(one_h - analysis.excess_time_h, 2) + 0.0 for one_h in checked)
+    texts = (f"{h:.2f} h ({more:+.2f})" for h, more in zip(checked, more_h, strict=True))
+    return [("by the program, by the minute", ", ".join(texts))]
 
 
 def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Table:

@@ -18,11 +18,13 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.battery.charge_limit import RuleChargeLimit
 from sizing.climb import ClimbPerformance, climb_performance
-from sizing.day.heights import ClimbLimitError, checked_climb_limits
-from sizing.day.light import SolarModel
+from sizing.day.battery import Store
+from sizing.day.heights import ClimbLimitError, checked_climb_limits, flight_levels
+from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.mass_budget import design_of
 from sizing.performance import performance
+from sizing.program.schedule import flown_along
 from sizing.results.analysis import analyse
 
 SOLSTICES = "06-21", "12-21"  # five days between them, 21 September and 5 November included
@@ -225,6 +227,58 @@ def test_a_strategy_is_read_and_ignored() -> None:
     assert "climb.strategy is ignored" in str(ours)
     assert any("climb.strategy" in note for note in ours.to_dict()["reading_notes"])
     assert ours.excess_time_h == flown(AS2, 1536.0).performance.cycle.excess_time_h[0]
+
+
+@pytest.mark.parametrize(
+    ("aircraft", "ceiling_m", "date"),
+    [(AS2, 3536.0, "06-21"), (AS2, 2000.0, "04-01"), (DESIGN, 9000.0, "06-21")],
+)
+def test_program_and_flights_in_steps_of_5_and_of_1_min_agree(
+    aircraft: Aircraft, ceiling_m: float, date: str
+) -> None:
+    found = analyse(aircraft, mission(ceiling_m, dates={"on": date}))
+    assert found.climb_check_h is not None
+    program_h, by_minute_h = found.climb_check_h
+    # What program and flight are taken to agree within; corners that 5 min round off.
+    assert program_h == pytest.approx(found.excess_time_h, abs=0.02)
+    assert by_minute_h == pytest.approx(found.excess_time_h, abs=0.01)
+    record = found.to_dict()["climb"]
+    assert record["program_excess_time_h"] == program_h
+    assert record["one_minute_excess_time_h"] == by_minute_h
+    assert f"{by_minute_h:.2f} h ({round(by_minute_h - found.excess_time_h, 2) + 0.0:+.2f})" in str(
+        found
+    )
+
+
+# ---- Conservation
+
+
+def test_random_days_along_random_heights_conserve_energy() -> None:
+    # 1000 days of two aircraft along heights that nobody would fly, with batteries of any size.
+    rng = np.random.default_rng(17)
+    for aircraft in (AS2, DESIGN):
+        where = mission(3536.0, dates={"from": "03-01", "to": "12-21", "count": 5})
+        day, design = solar_day(aircraft, where), design_of(aircraft, where)
+        levels = flight_levels(aircraft, where, design, day)
+        many = levels.select(rng.integers(0, 5, 500))
+        corners = rng.uniform(0.0, 3000.0, (500, 9)) * rng.integers(0, 2, (500, 1))
+        corners[:, -1] = corners[:, 0]
+        at_h = np.linspace(0.0, 24.0, 9)
+        height_m = np.stack([np.interp(day.time_h, at_h, one) for one in corners])
+        energy_wh = 10.0 ** rng.uniform(1.0, 3.5, 500)
+        store = Store.of(aircraft.battery, energy_wh)
+        found = flown_along(day.time_h, many, store, height_m)
+        spent = found.cycle.energy_budget
+        income = spent.solar_wh + spent.unserved_wh
+        losses = spent.charge_loss_wh + spent.discharge_loss_wh + spent.curtailed_wh
+        turnover = spent.solar_wh + np.abs(found.load_w).max(axis=-1) * 24.0 + energy_wh
+        # Rounding of sums over 288 steps.
+        wrong = np.abs(income - spent.load_wh - spent.stored_wh - losses)
+        assert np.max(wrong / turnover) < 1e-12
+        # What heights take on their way up they give back on their way down, as flown backwards.
+        backwards_w = many.powers_along(day.time_h, height_m[:, ::-1])[1][:, ::-1]
+        lift_wh = np.trapezoid(found.load_w - backwards_w, day.time_h, axis=-1)
+        assert np.max(np.abs(lift_wh) / turnover) < 1e-12
 
 
 # ---- Refusals
