@@ -18,12 +18,12 @@ from .loiter_power import mean_power_on_path as mean_power_on_path
 from .mission import Mission as Mission
 from .mission import Scenarios as Scenarios
 from .mission.climb import Climb as Climb
-from .mission.dates import Dates as Dates
 from .mission.flight import Launch as Launch
 from .mission.load import Payload as Payload
 from .mission.load import Turbulence as Turbulence
 from .mission.load import UncertaintyMargins as UncertaintyMargins
-from .mission.place import LatitudeRange as LatitudeRange
+from .mission.scenarios import Dates as Dates
+from .mission.scenarios import LatitudeRange as LatitudeRange
 from .weather.files import load_weather as load_weather
 from .weather.record import Site as Site
 from .weather.record import Weather as Weather

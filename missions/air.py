@@ -204,8 +204,8 @@ class SteadyWind:
         """Wind speed in each scenario [m/s]."""
         return np.full(len(latitude_deg), self.speed_m_per_s)
 
-    def strongest_m_per_s(self, *_elsewhere: object) -> float:
-        """Strongest wind of scenarios [m/s]."""
+    def strongest_m_per_s(self, _winds_m_per_s: object) -> float:
+        """Strongest of the winds of scenarios [m/s]."""
         return self.speed_m_per_s
 
     def known_between_deg(self, _longitude_deg: float | None) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from missions.dates import MONTH_NAMES, day_of_year
 from missions.mission import Mission, Scenarios
-from missions.mission.place import latitude_label
+from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.mass_budget import design_of

@@ -15,7 +15,7 @@ import numpy as np
 
 from missions.dates import date_label
 from missions.mission import Mission, Scenarios
-from missions.mission.place import latitude_label
+from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import day_axis_h
 from sizing.day.module_power import modelled_power

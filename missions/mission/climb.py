@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from missions.air import MAXIMUM_ALTITUDE_M, MINIMUM_ALTITUDE_M
-from missions.mission.place import Altitude
+from missions.mission.scenarios import Altitude
 from solar.schema import Record, wrong_value
 
 # Of a flight with climbs: between levels everything is linear.
@@ -71,16 +71,13 @@ class Climb(Record):
         return [float(level) for level in levels]
 
 
-def altitude_of_floor(data: Any) -> Any:
+def altitude_of_floor(data: Mapping[str, Any], climb: Any) -> Mapping[str, Any]:
     """Data of a mission whose altitude is the night's floor, where the file gives that instead.
 
     An altitude of null leaves that of a file to the floor.
     """
-    if not isinstance(data, Mapping) or data.get("altitude_m") is not None:
-        return data
-    climb = data.get("climb")
     given = vars(climb) if isinstance(climb, Climb) else climb
-    if not isinstance(given, Mapping):
+    if data.get("altitude_m") is not None or not isinstance(given, Mapping):
         return data
     floor_m = given.get("minimum_altitude_m")
     # What is no altitude is told once, at its own key.

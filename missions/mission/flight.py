@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, Strict, field_validator, model_validator
 
-from missions.mission.dates import date_as_code
-from missions.mission.place import Scenarios
+from missions.mission.scenarios import Scenarios, date_as_code
 from solar.schema import Record, UnitInterval, wrong_value
 from solar.sun import HOURS_PER_DAY, NOON_H, declination, solar_time_h, sun_times
 from solar.types import FloatArray

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,11 @@ from missions.air import Air, AirConditions, SteadyWind, plain_number
 from missions.files.errors import InputError
 from missions.flight_path import FlightPath, Heading, Wind
 from missions.mission.climb import Climb, altitude_of_floor
-from missions.mission.dates import Dates
 from missions.mission.flight import ExcessTime, Flight, Launch
 from missions.mission.load import Payload, Turbulence, UncertaintyMargins
-from missions.mission.place import (
+from missions.mission.scenarios import (
     Altitude,
+    Dates,
     Latitude,
     LatitudeRange,
     Longitude,
@@ -81,7 +82,8 @@ class Mission(FileRecord):
     @model_validator(mode="before")
     @classmethod
     def _altitude_of_floor(cls, data: Any) -> Any:
-        return altitude_of_floor(data)
+        climb = data.get("climb") if isinstance(data, Mapping) else None
+        return altitude_of_floor(data, climb) if climb else data
 
     @model_validator(mode="after")
     def _check_together(self) -> Mission:
@@ -277,9 +279,7 @@ class Mission(FileRecord):
     @property
     def strongest_wind_m_per_s(self) -> float:
         """Wind that an aircraft must be faster than in all scenarios [m/s]."""
-        some = self.scenarios()
-        place = (some.latitude_deg, some.day_of_year, self.altitude_m, self.longitude_deg)
-        return self.winds.strongest_m_per_s(*place)
+        return self.winds.strongest_m_per_s(self.scenario_winds_m_per_s)
 
     def winds_on_path_m_per_s(self, scenarios: Scenarios) -> FloatArray:
         """Strongest wind of each scenario at the heights of flight [m/s]."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from missions.files.errors import file_error
 from missions.mission import Mission
-from missions.mission.place import latitude_label
+from missions.mission.scenarios import latitude_label
 from missions.weather.record import Weather
 from solar.clearsky import THIN_AIR_FROM_M
 

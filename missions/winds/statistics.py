@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated
@@ -55,16 +56,9 @@ class WindStatistics(Record):
         latitude = latitude_deg.reshape(shape)
         return table.at(latitude, altitude_m, np.reshape(months, shape), self.percentile)
 
-    def strongest_m_per_s(
-        self,
-        latitude_deg: FloatArray,
-        day_of_year: IntArray,
-        altitude_m: float,
-        longitude_deg: float | None,
-    ) -> float:
-        """Strongest wind of scenarios [m/s]."""
-        winds = self.speeds(latitude_deg, day_of_year, altitude_m, longitude_deg)
-        strongest: float = plain_number(winds.max(axis=0))
+    def strongest_m_per_s(self, winds_m_per_s: Callable[[], FloatArray]) -> float:
+        """Strongest of the winds of scenarios [m/s]."""
+        strongest: float = plain_number(winds_m_per_s().max(axis=0))
         return strongest
 
     def known_between_deg(self, longitude_deg: float | None) -> tuple[float, float]:

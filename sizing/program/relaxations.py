@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from missions.mission import Mission, Scenarios
-from missions.mission.place import LatitudeRange
+from missions.mission.scenarios import LatitudeRange
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.design import DesignVariables

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from missions.dates import date_label, day_of_year
-from missions.mission.place import latitude_label
+from missions.mission.scenarios import latitude_label
 from sizing.aircraft import MeasuredAirframe
 from sizing.day.replay import CalendarRun
 from sizing.limits import ROW_TOLERANCE

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from missions.dates import date_label
-from missions.mission.place import latitude_label
+from missions.mission.scenarios import latitude_label
 from sizing.day.light import SolarModel
 from sizing.parameters import unit_text
 from sizing.performance import Performance

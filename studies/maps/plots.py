@@ -16,7 +16,7 @@ from matplotlib.colors import from_levels_and_colors
 from matplotlib.figure import Figure
 
 from missions.dates import MONTH_NAMES, MONTH_STARTS, date_label
-from missions.mission.place import latitude_label
+from missions.mission.scenarios import latitude_label
 from sizing.program.objectives import Objective
 from sizing.results.notes import extrapolation_caption
 from studies.output.cells import (

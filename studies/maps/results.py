@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.dates import date_label
-from missions.mission.place import latitude_label
+from missions.mission.scenarios import latitude_label
 from missions.weather.record import runs_of
 from sizing.day.metrics import Status
 from sizing.program.objectives import Objective, SizingStatus

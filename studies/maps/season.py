@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from missions.dates import DAYS_PER_YEAR
 from missions.mission import Mission, Scenarios
-from missions.mission.dates import SOLSTICES
+from missions.mission.scenarios import SOLSTICES
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, Sunlight
 from sizing.day.module_power import path_troubles

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.contour import ContourSet
 
 from missions.dates import DAYS_PER_YEAR, date_label
-from missions.mission.place import latitude_label
+from missions.mission.scenarios import latitude_label
 from sizing.results.analysis import Analysis
 from sizing.results.analysis_summary import flight_table, scenario_table
 from sizing.results.quantities import MINIMUM_CHARGE

@@ -19,9 +19,8 @@ from missions.files.validation import validate
 from missions.files.yaml import parse_yaml
 from missions.library import load_mission
 from missions.mission import Mission
-from missions.mission.dates import SOLSTICES, Dates
 from missions.mission.flight import Launch
-from missions.mission.place import LatitudeRange, latitude_label
+from missions.mission.scenarios import SOLSTICES, Dates, LatitudeRange, latitude_label
 
 LAUNCH = {"date": "06-30", "time_local": "11:14", "utc_offset_h": 2.0, "duration_h": 28.35}
 NO_NUMBERS = (float("nan"), float("inf"), "1", True)

@@ -8,7 +8,7 @@ import pytest
 from missions.dates import date_code
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
-from missions.mission.dates import Dates
+from missions.mission.scenarios import Dates
 from sizing.aircraft import Aircraft
 from sizing.library import load_aircraft
 from sizing.performance import performance_of_designs

@@ -18,7 +18,7 @@ from command_line import Run
 from figure_checks import heading
 
 from missions.library import load_mission
-from missions.mission.dates import Dates
+from missions.mission.scenarios import Dates
 from sizing.day.light import SolarModel
 from sizing.day.metrics import Status
 from sizing.library import load_aircraft
