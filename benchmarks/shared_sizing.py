@@ -1,9 +1,9 @@
 """One sizing problem, put to this project and to AeroSandbox, with one physics.
 
 The least wingspan that flies for ever with some excess time on three dates. Masses and power are
-those of :func:`sizing.design.parametric_design`, which takes numbers and CasADi symbols alike; the
-structure is a power law and the battery takes any charge power, so that both sides can say it in
-full. Specific solar power over the day is data for both.
+those of :func:`sizing.mass_budget.parametric_design`, which takes numbers and CasADi symbols
+alike; the structure is a power law and the battery takes any charge power, so that both sides can
+say it in full. Specific solar power over the day is data for both.
 
 AeroSandbox gets the direct collocation that its users write: 150 points for each day, state of
 charge, charge and discharge power as variables, design variables in their logarithms, guesses
@@ -22,15 +22,10 @@ from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarDay, solar_day
-from sizing.design import (
-    DesignVariables,
-    FlightConditions,
-    constant_power_w,
-    parametric_design,
-    variables_of,
-)
+from sizing.design import DesignVariables, FlightConditions, variables_of
 from sizing.library import load_aircraft
 from sizing.limits import design_requirements
+from sizing.mass_budget import constant_power_w, parametric_design
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult
 from sizing.program.size import size_aircraft

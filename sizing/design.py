@@ -1,8 +1,6 @@
-"""A design, and from its variables to masses and power for an assumed total mass.
+"""What a design is: its variables, masses, conditions of flight, and what follows from them.
 
-The same formulas serve floats, arrays and symbols. The total mass appears on both sides of the
-mass budget (structure and propulsion grow with it); the optimiser keeps it as a variable and the
-budget as a constraint, :func:`sizing.mass_budget.closed_design` solves it by iteration.
+:mod:`sizing.mass_budget` makes it, of floats, arrays and symbols alike.
 """
 
 from __future__ import annotations
@@ -12,22 +10,18 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
+import numpy as np
+
 from missions.air import GAS_CONSTANT_AIR, GRAVITY_M_PER_S2, Air, gust_speed_fraction, plain_number
 from missions.mission import Mission
-from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar, Polar, level_flight_power_w
+from sizing.aerodynamics.parabolic import DragPolar, OwnDragPolar, Polar
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft
-from sizing.balance.in_design import (
-    polar_with_tail,
-    structure_with_tail,
-)
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.parameters import catalogue, replaced
-from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.propulsion.chain import Propulsion
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs
-from sizing.structures.rib_wing import RibWingStructure
-from solar.modules import STC_IRRADIANCE_W_PER_M2
 
 NO_FLIGHT_W = 1e12  # load of what cannot carry itself, or be as fast as the wind
 
@@ -58,6 +52,12 @@ class DesignVariables(NamedTuple):
     def mapped(self, function: Callable[[Value], Value]) -> DesignVariables:
         """Apply a function to every variable that is chosen."""
         return DesignVariables(*(None if v is None else function(v) for v in self))
+
+    def of_one_shape(self) -> DesignVariables:
+        """Every variable that is chosen as an array of floats; all have one shape."""
+        chosen = self.chosen()
+        arrays = np.broadcast_arrays(*(np.asarray(value, float) for value in chosen.values()))
+        return DesignVariables(**dict(zip(chosen, arrays, strict=True)))
 
     def chosen(self) -> dict[str, Value]:
         """Variables that are chosen, by name."""
@@ -232,15 +232,6 @@ def picked(design: Design, some: Any) -> Design:
     return cast(Design, each(design, lambda one: one[some] if getattr(one, "ndim", 0) else one))
 
 
-def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
-    """Electric power of avionics and payload, drawn from the battery [W].
-
-    ``aircraft``: its avionics, and the efficiency of their power supply. Returns ``(P_avionics +
-    P_payload) / eta_supply`` [W].
-    """
-    return (aircraft.power.avionics_w + payload_power_w) / aircraft.power.supply_efficiency
-
-
 def variables_of(aircraft: Aircraft) -> DesignVariables:
     """Design variables as the aircraft's file gives them."""
     return DesignVariables(
@@ -249,92 +240,6 @@ def variables_of(aircraft: Aircraft) -> DesignVariables:
         battery_mass_kg=aircraft.battery.mass_kg,
         module_area_m2=aircraft.modules.area_m2,
     )
-
-
-def parametric_design(
-    aircraft: Aircraft,
-    mission: Mission | FlightConditions,
-    variables: DesignVariables,
-    total_mass_kg: Value,
-    chain: Propulsion | None = None,
-) -> Design:
-    """Masses and power of a parametric aircraft for an assumed total mass.
-
-    The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``. ``chain``: assumed
-    efficiencies of the propulsion, instead of those of the aircraft.
-
-    Returns of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
-    """
-    airframe = aircraft.parametric
-    air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
-    found, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
-    weight_n = total_mass_kg * GRAVITY_M_PER_S2
-    propulsion_kg = found.mass_kg(found.rated_power_w(electric_w, weight_n=weight_n))
-    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
-    inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed, propulsion_kg)
-    modules, battery_kg = aircraft.modules, variables.battery_mass_kg
-    rated_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
-    grown, specific_energy = 1.0 + airframe.mass_growth, aircraft.battery.specific_energy_wh_per_kg
-    masses = Masses(
-        structure=grown * structure.mass_kg(inputs),
-        propulsion=propulsion_kg,
-        battery=battery_kg,
-        modules=modules.mass_kg_per_m2 * variables.module_area_m2,
-        mppt=modules.mppt_mass_kg_per_w * rated_w,
-        avionics=airframe.avionics_mass_kg,
-        payload=air.payload_mass_kg,
-        other=grown * airframe.other_mass_kg,
-    )
-    return Design(
-        variables=variables,
-        total_mass_kg=total_mass_kg,
-        masses=masses,
-        battery_energy_wh=battery_kg * specific_energy * air.battery_capacity_fraction,
-        propulsion_power_w=electric_w,
-        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
-        airspeed_m_per_s=airspeed,
-        conditions=air,
-        chain=found,
-        sized_from=inputs,
-    )
-
-
-def level_flight(
-    aircraft: Aircraft,
-    air: FlightConditions,
-    variables: DesignVariables,
-    total_mass_kg: Value,
-    chain: Propulsion | None = None,
-) -> tuple[Propulsion, Value, Value]:
-    """Propulsion of a parametric aircraft in level flight, its electric power [W] and airspeed."""
-    airframe = aircraft.parametric
-    polar = flown_at(airframe.aerodynamics, variables.lift_coefficient)
-    airspeed = polar.airspeed_m_per_s(
-        mass_kg=total_mass_kg,
-        wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
-        density_kg_per_m3=air.density_kg_per_m3,
-    )
-    aerodynamics = polar_with_tail(
-        airframe,
-        _with_wires(polar, aircraft, variables, air, total_mass_kg, airspeed),
-        variables.wingspan_m,
-        variables.aspect_ratio,
-    )
-    shaft_w = level_flight_power_w(
-        aerodynamics,
-        mass_kg=total_mass_kg,
-        wingspan_m=variables.wingspan_m,
-        aspect_ratio=variables.aspect_ratio,
-        density_kg_per_m3=air.density_kg_per_m3,
-        dynamic_viscosity=air.dynamic_viscosity,
-    )
-    found = airframe.propulsion if chain is None else chain
-    if isinstance(found, OperatingPointPropulsion):
-        found = found.sized(*variables.of_propulsion)
-        found = found.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
-    else:
-        found = found.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
-    return found, shaft_w / found.efficiency, airspeed
 
 
 def bus_voltage_v(aircraft: Aircraft) -> tuple[float, float]:
@@ -355,49 +260,3 @@ def flown_at(
     if lift_coefficient is None:
         return aerodynamics
     return replaced(aerodynamics, ["lift_coefficient"], lift_coefficient)
-
-
-def _with_wires(
-    polar: Polar,
-    aircraft: Aircraft,
-    variables: DesignVariables,
-    air: FlightConditions,
-    total_mass_kg: Value,
-    airspeed_m_per_s: Value,
-) -> Polar:
-    """Polar with the drag of the wires that carry the wing; itself where there are none."""
-    structure = getattr(aircraft.airframe, "structure", None)
-    if not isinstance(structure, RibWingStructure) or structure.bracing is None:
-        return polar
-    assert isinstance(polar, DragPolar | WingPolar)  # others are refused at validation
-    inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s, 0.0)
-    wing = structure.wing(inputs)
-    added = structure.wires(wing).drag_area_m2 / wing.wing_area_m2
-    return replaced(polar, ["parasitic_drag_coefficient"], polar.parasitic_drag_coefficient + added)
-
-
-def structure_inputs(
-    aircraft: Aircraft,
-    variables: DesignVariables,
-    air: FlightConditions,
-    total_mass_kg: Value,
-    airspeed_m_per_s: Value,
-    propulsion_kg: Value,
-) -> StructureInputs:
-    """Inputs of the structure; along the span lie the modules and the shares of the file."""
-    airframe = aircraft.parametric
-    battery_kg = airframe.distributed_battery_fraction * variables.battery_mass_kg
-    systems_kg = airframe.avionics_mass_kg + air.payload_mass_kg + airframe.other_mass_kg
-    along_kg = battery_kg + airframe.distributed_propulsion_fraction * propulsion_kg
-    along_kg = along_kg + airframe.distributed_systems_fraction * systems_kg
-    return StructureInputs(
-        wingspan_m=variables.wingspan_m,
-        aspect_ratio=variables.aspect_ratio,
-        total_mass_kg=total_mass_kg,
-        span_load_kg=aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + along_kg,
-        airspeed_m_per_s=airspeed_m_per_s,
-        density_kg_per_m3=air.density_kg_per_m3,
-        wing_battery_kg=battery_kg,
-        pod_battery_kg=variables.battery_mass_kg - battery_kg,
-        gust_fraction=air.gust_fraction,
-    )

@@ -10,7 +10,8 @@ import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import Design, FlightConditions, level_flight
+from sizing.design import Design, FlightConditions
+from sizing.mass_budget import level_flight
 from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray
 

@@ -1,34 +1,42 @@
-"""Designs whose mass budget adds up, and why there is none.
+"""A design in one pass, from conditions and an assumed total mass, and the closure around it.
 
-The lightest solution is found by iteration; a measured aircraft is scaled instead.
+The total mass appears on both sides of the mass budget: structure and propulsion grow with it. The
+pass is that of floats, arrays and symbols; the optimiser keeps the mass as a variable and the
+budget as a constraint, :func:`closed_design` finds the lightest solution by iteration. A measured
+aircraft is scaled instead.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from operator import itemgetter
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from missions.air import plain_number
+from missions.air import GRAVITY_M_PER_S2, plain_number
 from missions.mission import Mission
-from sizing.aerodynamics.parabolic import OwnDragPolar
+from sizing.aerodynamics.parabolic import level_flight_power_w
 from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.balance.in_design import (
+    polar_with_tail,
+    polar_with_wires,
+    structure_inputs,
+    structure_with_tail,
+)
 from sizing.design import (
     Design,
     DesignVariables,
     FlightConditions,
     Masses,
     bus_voltage_v,
-    constant_power_w,
     each,
-    parametric_design,
+    flown_at,
     variables_of,
 )
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
-from sizing.structures.models import OwnStructure
+from sizing.smooth import Value
+from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.types import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -37,6 +45,97 @@ if TYPE_CHECKING:
 
 class ImpossibleDesignError(ValueError):
     """A design that cannot carry its own mass."""
+
+
+def parametric_design(
+    aircraft: Aircraft,
+    mission: Mission | FlightConditions,
+    variables: DesignVariables,
+    total_mass_kg: Value,
+    chain: Propulsion | None = None,
+) -> Design:
+    """Masses and power of a parametric aircraft for an assumed total mass.
+
+    The design is consistent where ``masses.total_kg`` equals ``total_mass_kg``. ``chain``: assumed
+    efficiencies of the propulsion, instead of those of the aircraft.
+
+    Returns of the type of ``variables`` and ``total_mass_kg``; the budget need not close.
+    """
+    airframe = aircraft.parametric
+    air = FlightConditions.of(mission, aircraft).with_payload_of(variables)
+    found, electric_w, airspeed = level_flight(aircraft, air, variables, total_mass_kg, chain)
+    rated_w = found.rated_power_w(electric_w, weight_n=total_mass_kg * GRAVITY_M_PER_S2)
+    propulsion_kg = found.mass_kg(rated_w)
+    structure = structure_with_tail(airframe, variables.wingspan_m, variables.aspect_ratio)
+    inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed, propulsion_kg)
+    modules, battery_kg = aircraft.modules, variables.battery_mass_kg
+    peak_w = STC_IRRADIANCE_W_PER_M2 * modules.efficiency_stc * variables.module_area_m2
+    grown, specific_energy = 1.0 + airframe.mass_growth, aircraft.battery.specific_energy_wh_per_kg
+    masses = Masses(
+        structure=grown * structure.mass_kg(inputs),
+        propulsion=propulsion_kg,
+        battery=battery_kg,
+        modules=modules.mass_kg_per_m2 * variables.module_area_m2,
+        mppt=modules.mppt_mass_kg_per_w * peak_w,
+        avionics=airframe.avionics_mass_kg,
+        payload=air.payload_mass_kg,
+        other=grown * airframe.other_mass_kg,
+    )
+    return Design(
+        variables=variables,
+        total_mass_kg=total_mass_kg,
+        masses=masses,
+        battery_energy_wh=battery_kg * specific_energy * air.battery_capacity_fraction,
+        propulsion_power_w=electric_w,
+        constant_power_w=constant_power_w(aircraft, air.payload_power_w) + air.heater_w(battery_kg),
+        airspeed_m_per_s=airspeed,
+        conditions=air,
+        chain=found,
+        sized_from=inputs,
+    )
+
+
+def level_flight(
+    aircraft: Aircraft,
+    air: FlightConditions,
+    variables: DesignVariables,
+    total_mass_kg: Value,
+    chain: Propulsion | None = None,
+) -> tuple[Propulsion, Value, Value]:
+    """Propulsion of a parametric aircraft in level flight, its electric power [W] and airspeed."""
+    airframe = aircraft.parametric
+    polar = flown_at(airframe.aerodynamics, variables.lift_coefficient)
+    airspeed = polar.airspeed_m_per_s(
+        mass_kg=total_mass_kg,
+        wing_area_m2=variables.wingspan_m**2 / variables.aspect_ratio,
+        density_kg_per_m3=air.density_kg_per_m3,
+    )
+    braced = polar_with_wires(aircraft, polar, variables, air, total_mass_kg, airspeed)
+    aerodynamics = polar_with_tail(airframe, braced, variables.wingspan_m, variables.aspect_ratio)
+    shaft_w = level_flight_power_w(
+        aerodynamics,
+        mass_kg=total_mass_kg,
+        wingspan_m=variables.wingspan_m,
+        aspect_ratio=variables.aspect_ratio,
+        density_kg_per_m3=air.density_kg_per_m3,
+        dynamic_viscosity=air.dynamic_viscosity,
+    )
+    found = airframe.propulsion if chain is None else chain
+    if isinstance(found, OperatingPointPropulsion):
+        found = found.sized(*variables.of_propulsion)
+        found = found.in_flight(shaft_w, airspeed, air.air, bus_voltage_v(aircraft))
+    else:
+        found = found.in_level_flight(shaft_w, airspeed, air.density_kg_per_m3)
+    return found, shaft_w / found.efficiency, airspeed
+
+
+def constant_power_w(aircraft: Aircraft, payload_power_w: Value) -> Value:
+    """Electric power of avionics and payload, drawn from the battery [W].
+
+    ``aircraft``: its avionics, and the efficiency of their power supply. Returns ``(P_avionics +
+    P_payload) / eta_supply`` [W].
+    """
+    return (aircraft.power.avionics_w + payload_power_w) / aircraft.power.supply_efficiency
 
 
 def measured_design(aircraft: Aircraft, mission: Mission) -> Design:
@@ -110,22 +209,19 @@ def closed_design(
     TypeError
         For a measured aircraft.
     """
-    given = variables.chosen()
-    even = np.broadcast_arrays(*(np.asarray(v, float) for v in given.values()))
-    arrays = DesignVariables(**dict(zip(given, even, strict=True)))
+    arrays = variables.of_one_shape()
     flat = arrays.mapped(np.ravel)
     conditions = FlightConditions.of(mission, aircraft)
 
     def closed(chain: Propulsion | None) -> Design:
         def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
             some = flat.mapped(itemgetter(designs))
-            given = None if chain is None else chain.mapped(lambda one: np.ravel(one)[designs])
-            closing = parametric_design(aircraft, conditions, some, assumed_kg, given)
+            own = chain and chain.mapped(lambda one: np.ravel(one)[designs])
+            closing = parametric_design(aircraft, conditions, some, assumed_kg, own)
             return np.asarray(closing.masses.total_kg, float)
 
-        mass = lightest_mass_kg(
-            budget_kg, np.array(flat.battery_mass_kg), relative_tolerance=relative_tolerance
-        )
+        start_kg = np.array(flat.battery_mass_kg)
+        mass = lightest_mass_kg(budget_kg, start_kg, relative_tolerance=relative_tolerance)
         with np.errstate(over="ignore", invalid="ignore"):
             total = mass.reshape(np.shape(arrays.wingspan_m))
             return parametric_design(aircraft, conditions, arrays, total)
@@ -302,61 +398,14 @@ def level_point(aircraft: Aircraft, mission: Mission, design: Design) -> Operati
     return own.point(power_w, flown.airspeed_m_per_s, air, bus_voltage_v(aircraft))
 
 
-# Of what a battery and a payload weigh, where no mass closes: a design to ask own models about.
-_USUAL_MASS = 3.0
-
-
-def check_own_models(aircraft: Aircraft, mission: Mission, design: Design | None = None) -> None:
-    """Refuse functions of the user's own that give what cannot be, at a design.
-
-    ``design``: by default that of the aircraft's file. Raises a ValueError that names the function.
-    """
-    if isinstance(aircraft.airframe, MeasuredAirframe):
-        return
-    structure, polar = aircraft.airframe.structure, aircraft.airframe.aerodynamics
-    propulsion = aircraft.airframe.propulsion
-    own = {
-        "register_structure": structure.name if isinstance(structure, OwnStructure) else None,
-        "register_drag": polar.name if isinstance(polar, OwnDragPolar) else None,
-        "register_propulsion_mass": getattr(propulsion, "mass_model", None),
-        "register_propulsion_efficiency": getattr(propulsion, "efficiency_model", None),
-    }
-    if not any(own.values()):
-        return
-    if design is None:
-        variables = variables_of(aircraft)
-        mass_kg = float(closed_design(aircraft, mission, variables).total_mass_kg)
-        if not np.isfinite(mass_kg):
-            mass_kg = _USUAL_MASS * (aircraft.battery.mass_kg + mission.payload.mass_kg)
-        design = parametric_design(aircraft, mission, variables, mass_kg)
-    assert design.chain is not None
-    efficiency = float(design.chain.efficiency)
-    drag_w = design.thrust_power_w if efficiency else math.inf
-    found = {
-        "register_structure": (design.masses.structure, math.inf, "kg"),
-        "register_drag": (drag_w, math.inf, "W of drag times airspeed"),
-        "register_propulsion_mass": (design.masses.propulsion, math.inf, "kg"),
-        "register_propulsion_efficiency": (efficiency, 1.0, "of the whole chain"),
-    }
-    for register, name in own.items():
-        value, most, unit = found[register]
-        if name is not None and not 0.0 < float(value) <= most:
-            at_most = "" if math.isinf(most) else f" and at most {most:g}"
-            raise ValueError(
-                f"the function {name!r} of sizing.{register} gives {float(value):.4g} {unit} at "
-                f"{float(design.variables.wingspan_m):.4g} m of span and a total mass of "
-                f"{float(design.total_mass_kg):.4g} kg: it must be above 0{at_most}"
-            )
-
-
 def design_of_total_mass(
     aircraft: Aircraft, mission: Mission, variables: DesignVariables, total_mass_kg: float
 ) -> Design:
     """Designs of a known total mass; infinite mass and power where the parts alone are heavier."""
     conditions = FlightConditions.of(mission, aircraft)
-    even = np.broadcast_arrays(*(np.asarray(v, float) for v in variables.chosen().values()))
-    arrays = DesignVariables(**dict(zip(variables.chosen(), even, strict=True)))
-    design = parametric_design(aircraft, conditions, arrays, np.full(even[0].shape, total_mass_kg))
+    arrays = variables.of_one_shape()
+    total = np.full(np.shape(arrays.wingspan_m), total_mass_kg)
+    design = parametric_design(aircraft, conditions, arrays, total)
     other_kg = total_mass_kg - (design.masses.total_kg - design.masses.other)
     design = design._replace(masses=design.masses._replace(other=other_kg))
     with np.errstate(invalid="ignore"):

@@ -1,6 +1,7 @@
 """Tail, drag and balance of an aircraft's file in its designs.
 
-The tail goes into the models of structure and drag, for numbers and symbols alike. Of a static
+The tail goes into the models of structure and drag, for numbers and symbols alike, and so do the
+masses along the span and the wires that carry the wing. Of a static
 margin that is asked for the size of the horizontal tail is told that would have it.
 """
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from sizing.aerodynamics.parabolic import DragPolar, Polar
 from sizing.aerodynamics.wing_polar import WingPolar
-from sizing.aircraft import ParametricAirframe
+from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.balance.drag import Booms, BuiltUpPolar
 from sizing.balance.masses import (
     Item,
@@ -23,7 +24,8 @@ from sizing.balance.masses import (
 )
 from sizing.balance.stability import neutral_point
 from sizing.balance.surfaces import wing_of
-from sizing.parameters import all_replaced
+from sizing.design import DesignVariables, FlightConditions
+from sizing.parameters import all_replaced, replaced
 from sizing.roots import bracketed_root
 from sizing.smooth import Value
 from sizing.structures.loads import StructureInputs
@@ -71,6 +73,52 @@ def polar_with_tail(
         components=airframe.drag,
         static_margin=margin,
         moment=0.0 if balance is None else balance.pitching_moment_coefficient,
+    )
+
+
+def polar_with_wires(
+    aircraft: Aircraft,
+    polar: Polar,
+    variables: DesignVariables,
+    air: FlightConditions,
+    total_mass_kg: Value,
+    airspeed_m_per_s: Value,
+) -> Polar:
+    """Polar with the drag of the wires that carry the wing; itself where there are none."""
+    structure = getattr(aircraft.airframe, "structure", None)
+    if not isinstance(structure, RibWingStructure) or structure.bracing is None:
+        return polar
+    assert isinstance(polar, DragPolar | WingPolar)  # others are refused at validation
+    inputs = structure_inputs(aircraft, variables, air, total_mass_kg, airspeed_m_per_s, 0.0)
+    wing = structure.wing(inputs)
+    added = structure.wires(wing).drag_area_m2 / wing.wing_area_m2
+    return replaced(polar, ["parasitic_drag_coefficient"], polar.parasitic_drag_coefficient + added)
+
+
+def structure_inputs(
+    aircraft: Aircraft,
+    variables: DesignVariables,
+    air: FlightConditions,
+    total_mass_kg: Value,
+    airspeed_m_per_s: Value,
+    propulsion_kg: Value,
+) -> StructureInputs:
+    """Inputs of the structure; along the span lie the modules and the shares of the file."""
+    airframe = aircraft.parametric
+    battery_kg = airframe.distributed_battery_fraction * variables.battery_mass_kg
+    systems_kg = airframe.avionics_mass_kg + air.payload_mass_kg + airframe.other_mass_kg
+    along_kg = battery_kg + airframe.distributed_propulsion_fraction * propulsion_kg
+    along_kg = along_kg + airframe.distributed_systems_fraction * systems_kg
+    return StructureInputs(
+        wingspan_m=variables.wingspan_m,
+        aspect_ratio=variables.aspect_ratio,
+        total_mass_kg=total_mass_kg,
+        span_load_kg=aircraft.modules.mass_kg_per_m2 * variables.module_area_m2 + along_kg,
+        airspeed_m_per_s=airspeed_m_per_s,
+        density_kg_per_m3=air.density_kg_per_m3,
+        wing_battery_kg=battery_kg,
+        pod_battery_kg=variables.battery_mass_kg - battery_kg,
+        gust_fraction=air.gust_fraction,
     )
 
 

@@ -17,9 +17,14 @@ from sizing.day.chain_at_heights import ClimbChain
 from sizing.day.light import SolarDay
 from sizing.day.load import thermal_shape
 from sizing.day.module_power import Cooling, convection_of
-from sizing.design import NO_FLIGHT_W, Design, parametric_design
+from sizing.design import NO_FLIGHT_W, Design
 from sizing.held_station import against_wind
-from sizing.mass_budget import ImpossibleDesignError, measured_design, operating_trouble
+from sizing.mass_budget import (
+    ImpossibleDesignError,
+    measured_design,
+    operating_trouble,
+    parametric_design,
+)
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Fields of the levels that every element has one of.

@@ -14,9 +14,9 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from sizing.day.battery import Store
 from sizing.day.heights import flight_levels
-from sizing.design import Design, parametric_design
+from sizing.design import Design
 from sizing.held_station import flown_faster
-from sizing.mass_budget import closed_design
+from sizing.mass_budget import closed_design, parametric_design
 from sizing.performance import Performance, performance_along
 from sizing.program.schedule import flown_along
 from sizing.program.task import SizingTask, Values

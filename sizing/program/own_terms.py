@@ -18,10 +18,10 @@ from pydantic import Field
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, FlightConditions, Masses, parametric_design, variables_of
+from sizing.design import Design, FlightConditions, Masses, variables_of
 from sizing.design_space import DesignSpace
 from sizing.limits import QUANTITIES, DesignInFlight, Requirement, design_requirements
-from sizing.mass_budget import closed_design
+from sizing.mass_budget import closed_design, parametric_design
 from sizing.parameters import replaced
 from sizing.performance import Performance
 from sizing.program.variables import OWN

@@ -17,9 +17,10 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.balance import positive_part_wh
-from sizing.design import FlightConditions, parametric_design
+from sizing.design import FlightConditions
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import MASS_BUDGET, ROW_TOLERANCE, design_requirements
+from sizing.mass_budget import parametric_design
 from sizing.parameters import with_parameter
 from sizing.performance import Performance
 from sizing.program.corrections import day_of

@@ -37,15 +37,10 @@ from sizing.battery.charge_limit import (
     TableChargeLimit,
     charge_rate_per_h,
 )
-from sizing.design import (
-    Design,
-    DesignVariables,
-    FlightConditions,
-    level_flight,
-    parametric_design,
-)
+from sizing.design import Design, DesignVariables, FlightConditions
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import MASS_BUDGET, DesignInFlight, design_requirements
+from sizing.mass_budget import level_flight, parametric_design
 from sizing.parameters import all_replaced, catalogue, parameter_value
 from sizing.program.variables import (
     OWN,

@@ -12,9 +12,9 @@ from missions.dates import date_label
 from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.mass_budget import check_own_models
 from sizing.parameters import unit_text
 from sizing.results.tables import MISSING, UNLIMITED
+from sizing.validity.own_models import check_own_models
 from solar.schema import Record
 from solar.types import FloatArray
 

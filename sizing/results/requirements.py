@@ -16,9 +16,10 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import Design, FlightConditions, bus_voltage_v, parametric_design
+from sizing.design import Design, FlightConditions, bus_voltage_v
 from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd
 from sizing.limits import QUANTITIES, ROW_TOLERANCE, DesignInFlight
+from sizing.mass_budget import parametric_design
 from sizing.parameters import catalogue, label, unit, unit_text
 from sizing.performance import Performance
 from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE

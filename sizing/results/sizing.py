@@ -10,7 +10,6 @@ from missions.files.overrides import with_values
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel, solar_day
-from sizing.mass_budget import check_own_models
 from sizing.performance import Performance, performance, performance_of_designs
 from sizing.program.cross_check import cross_check
 from sizing.program.endurance import longest_flight_of_all
@@ -28,6 +27,7 @@ from sizing.relaxed_flight import Relaxation
 from sizing.results.qualities import designs_by_build
 from sizing.results.records import check_subjects
 from sizing.results.sizing_study import SizingStudy
+from sizing.validity.own_models import check_own_models
 from solar.names import CorrectionName, ModelName
 
 

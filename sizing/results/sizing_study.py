@@ -17,8 +17,9 @@ from sizing.aircraft import Aircraft
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.climb import ClimbPerformance, beside_constant
 from sizing.day.light import SolarModel
-from sizing.design import Design, DesignVariables, FlightConditions, Masses, parametric_design
+from sizing.design import Design, DesignVariables, FlightConditions, Masses
 from sizing.limits import QUANTITIES, DesignInFlight
+from sizing.mass_budget import parametric_design
 from sizing.performance import Performance
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective

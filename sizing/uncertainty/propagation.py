@@ -29,8 +29,8 @@ from sizing.day.light import SolarDay, SolarModel, solar_day
 from sizing.day.load import DesignLoads, flown_cycle, part_load_of
 from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
-from sizing.design import Design, FlightConditions, parametric_design, variables_of
-from sizing.mass_budget import design_of, lightest_mass_kg, measured_design
+from sizing.design import Design, FlightConditions, variables_of
+from sizing.mass_budget import design_of, lightest_mass_kg, measured_design, parametric_design
 from sizing.parameters import with_parameter
 from sizing.program.climbing_flights import ClimbFlights
 from sizing.program.schedule import best_climbs, flown_along

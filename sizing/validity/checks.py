@@ -48,8 +48,7 @@ def design_checks(
     yield from module_check(aircraft, mission, altitude_m)
     yield from altitude_checks(mission, solar, altitude_m)
     yield from _path_check(mission, solar, design)
-    if not mission.holds_station:
-        yield from wind_check(design, mission.strongest_wind_m_per_s)
+    yield from wind_check(design, design.conditions.wind_m_per_s)
     airframe = aircraft.airframe
     if isinstance(airframe, MeasuredAirframe):
         yield from _measured_checks(airframe, design)

@@ -22,7 +22,7 @@ from sizing.day.metrics import (
     Status,
 )
 from sizing.day.module_power import path_troubles
-from sizing.mass_budget import check_own_models, design_of
+from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
 from sizing.validity.checks import (
@@ -34,6 +34,7 @@ from sizing.validity.checks import (
     wind_check,
 )
 from sizing.validity.extrapolations import told, with_worth
+from sizing.validity.own_models import check_own_models
 from sizing.validity.ranges import Check, Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray

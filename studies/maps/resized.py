@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
-from sizing.mass_budget import check_own_models
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.validity.extrapolations import with_worth
+from sizing.validity.own_models import check_own_models
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from studies.engine.run import compute

@@ -15,7 +15,8 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.module_power import on_path, path_troubles
-from sizing.design import DesignVariables, parametric_design
+from sizing.design import DesignVariables
+from sizing.mass_budget import parametric_design
 from sizing.performance import Performance, performance_of_designs
 from sizing.program import cells as cell_sizing
 from sizing.program.cells import CellSizings

@@ -29,10 +29,10 @@ from sizing.day.metrics import (
     FLOWN,
     Status,
 )
-from sizing.mass_budget import check_own_models
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
+from sizing.validity.own_models import check_own_models
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
 from studies.engine.run import Outcome, compute, pieces

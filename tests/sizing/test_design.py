@@ -12,13 +12,15 @@ from hypothesis import strategies as st
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.load import load_profile, thermal_shape
 from sizing.day.metrics import Status
-from sizing.design import DesignVariables, constant_power_w, parametric_design, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.mass_budget import (
     ImpossibleDesignError,
     closed_design,
+    constant_power_w,
     design_of,
     lightest_mass_kg,
     measured_design,
+    parametric_design,
     with_total_mass,
 )
 from sizing.performance import performance_of_designs

@@ -13,8 +13,7 @@ from propulsors import PARTS, PROPULSOR, VOLTAGE, aircraft
 import sizing
 from missions.files.errors import InputError
 from missions.library import load_mission
-from sizing.design import parametric_design
-from sizing.mass_budget import level_point
+from sizing.mass_budget import level_point, parametric_design
 from sizing.propulsion.operating_point import operating_point
 from sizing.results.propulsion import power_budget
 

@@ -17,8 +17,8 @@ from missions.winds.table import COLUMNS, shipped_winds, wind_table_from_text
 from sizing import analyse_uncertainty, load_aircraft, operating_point, size
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, solar_day
-from sizing.design import FlightConditions, parametric_design, variables_of
-from sizing.mass_budget import design_of
+from sizing.design import FlightConditions, variables_of
+from sizing.mass_budget import design_of, parametric_design
 from sizing.parameters import parameter_value, with_parameter
 from sizing.performance import performance, performance_in_pairs
 from sizing.propulsion.chain import OperatingPointPropulsion

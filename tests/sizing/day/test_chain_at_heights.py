@@ -17,8 +17,8 @@ from sizing.day.chain_at_heights import ClimbChain
 from sizing.day.heights import flight_levels
 from sizing.day.light import solar_day
 from sizing.day.load import DesignLoads
-from sizing.design import FlightConditions, parametric_design
-from sizing.mass_budget import design_of
+from sizing.design import FlightConditions
+from sizing.mass_budget import design_of, parametric_design
 from sizing.performance import cycle_of_variants, performance, performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion
 from solar.types import FloatArray

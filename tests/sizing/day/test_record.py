@@ -19,8 +19,9 @@ from sizing.day.record import (
     weather_performance,
 )
 from sizing.day.replay import calendar_run
-from sizing.design import FlightConditions, level_flight
+from sizing.design import FlightConditions
 from sizing.library import load_aircraft
+from sizing.mass_budget import level_flight
 from sizing.performance import performance, perpetual_days
 from sizing.results.weather import wait_for_window
 

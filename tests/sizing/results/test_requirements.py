@@ -10,7 +10,7 @@ from propulsors import VOLTAGE, aircraft
 
 import sizing
 from missions.library import load_mission
-from sizing.design import parametric_design
+from sizing.mass_budget import parametric_design
 from sizing.results.requirements import requirement_margins, requirement_table
 
 MISSION = load_mission("rafz-july", {"wind_m_per_s": 4.0})

@@ -17,7 +17,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from sizing.aircraft import Aircraft
-from sizing.design import Design, FlightConditions, structure_inputs, variables_of
+from sizing.balance.in_design import structure_inputs
+from sizing.design import Design, FlightConditions, variables_of
 from sizing.mass_budget import closed_design
 from sizing.own_models import register_drag
 from sizing.structures.assessment import assess
