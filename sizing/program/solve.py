@@ -57,7 +57,7 @@ OPTIONS |= {f"{name} again": options | _WARM for name, options in OPTIONS.items(
 
 
 _STEPS = 12  # of Newton, which doubles its digits each time; more is no neighbour
-_STILL = 1e-6  # of a step, in variables of order one
+_STILL = 1e-4  # of a step, in variables of order one: its square is what is left
 _REACH = 1.0  # likewise: sizes change by no more than a factor of e at once
 
 
