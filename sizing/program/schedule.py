@@ -60,11 +60,6 @@ _WIDER = 3.0  # factor on the margin of a day's return where that is too little
 # Cost of an hour without power in hours of excess time: far above what any schedule makes of it.
 _PRICE = 100.0
 LOWEST_M = 1.0  # way to climb that counts as one
-_OPTIONS = IPOPT | {
-    "ipopt.tol": 1e-6,
-    "ipopt.max_iter": 100,
-    "ipopt.mu_max": 1e-2,  # the start is a flight: no barrier that sends it away and back
-}
 
 
 class Climbs(NamedTuple):
@@ -295,5 +290,5 @@ def _program(limit: ChargeLimit, repeated: bool) -> tuple[ca.Function, FloatArra
         "g": ca.vertcat(*(value for _, value in rows)),
     }
     equation = [c.equation for c, value in rows for _ in range(value.shape[0])]
-    solver = ca.nlpsol("schedule", "ipopt", symbols, _OPTIONS)
+    solver = ca.nlpsol("schedule", "ipopt", symbols, IPOPT)
     return solver, np.where(equation, 0.0, np.inf), RLock()

@@ -148,7 +148,7 @@ def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
             one.profile = Profile(one.clock_h, found.heights(block))
     point = _linearised(task, neighbours(task, values), known)
     goal_h, blocks = found.excess_time_h, found.program.blocks
-    return solve(task, point, blocks, excess_h=goal_h, elastic=False), result.objective_value
+    return solve(task, point, blocks, excess_h=goal_h), result.objective_value
 
 
 def _linearised(

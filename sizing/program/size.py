@@ -121,8 +121,6 @@ class Search:
             point = linearised(self.task, judged.values, judged.perf, self._known)
             if point.parts is not None:
                 point = replace(point, reach=_REACH * 0.5 ** max(0, done - 2))
-            missed = solution is None or solution.violation > LACKING
-            elastic = not judged.accepted and missed
             worst_h = float(judged.excess_h.min())
             goal_h = self.task.goal_h
             excess_h = goal_h if not self.task.maximises_excess else max(goal_h, min(worst_h, 1e3))
@@ -132,7 +130,6 @@ class Search:
                 point,
                 len(self._known),
                 excess_h=excess_h,
-                elastic=elastic,
                 before=solution,
                 row=self.row,
             )

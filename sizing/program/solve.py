@@ -18,7 +18,6 @@ from sizing.program.corrections import Linearisation
 from sizing.program.task import SizingTask
 from sizing.program.transcription import (
     FASTEST,
-    IPOPT,
     LONGEST_H,
     RESERVE_SCALE_H,
     Program,
@@ -33,28 +32,6 @@ PRICE = 100.0
 LACKING = 1e-4  # relative: less is what the solver leaves
 _PAYLOAD_SHARE = 0.1  # of mass or load: a smaller payload counts as this in the cost
 _FIRST_SLACK = 0.01  # where missed requirements start: inside their bounds
-
-_COMMON = IPOPT | {"ipopt.tol": 1e-7, "ipopt.acceptable_tol": 1e-5}
-# Costs and rows are of order one, and the start is a simulated design: a barrier that begins high
-# sends it away and back.
-OPTIONS = {
-    "firm": _COMMON | {"ipopt.max_iter": 100, "ipopt.mu_max": 1e-3},
-    "elastic": _COMMON | {"ipopt.max_iter": 300, "ipopt.mu_max": 1e-1},
-}
-# From the multipliers of a similar program: not pushed far from what they say.
-_NEAR = 1e-4
-_WARM = {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": _NEAR} | {
-    f"ipopt.warm_start_{name}": _NEAR
-    for name in (
-        "bound_push",
-        "bound_frac",
-        "slack_bound_push",
-        "slack_bound_frac",
-        "mult_bound_push",
-    )
-}
-OPTIONS |= {f"{name} again": options | _WARM for name, options in OPTIONS.items()}
-
 
 _STEPS = 12  # of Newton, which doubles its digits each time; more is no neighbour
 _STILL = 1e-4  # of a step, in variables of order one: its square is what is left
@@ -231,17 +208,14 @@ def solve(
     blocks: int,
     *,
     excess_h: float,
-    elastic: bool,
     before: Solution | None = None,
     row: ActiveSet | None = None,
 ) -> Solution:
     """Solve the program of a task around a simulated design.
 
     ``point``: light and load of the design, and where the search starts. ``excess_h``: worst excess
-    time to start from [h]. ``elastic``: whether requirements may be missed at a price from the
-    outset, else only where no design meets all of them. ``before``: solution of the last round, or
-    of a similar task, whose multipliers the program starts from. ``row``: solver of many similar
-    programs, that is tried first.
+    time to start from [h]. ``row``: solver of many similar programs, that is tried first, from the
+    solution ``before``: of the last round, or of a similar task.
     """
     program = build_program(task.aircraft, task.form(blocks))
     scales = scales_of(task.variables, point.values)
@@ -261,37 +235,26 @@ def solve(
     for name, rows in (("charge", point.charge), ("height", point.height), ("speed", point.speed)):
         start[parts[name]] = np.concatenate(rows)
     equation = np.array([c.equation for c in program.constraints])
-    iterations, ways, nearby, warm = 0, ["elastic"] if elastic else ["firm", "elastic"], start, {}
-    if before is not None and before.program is program:
-        nearby = before.x.copy()
-        nearby[parts["design"]], nearby[parts["excess"]] = centre, excess_h
-        nearby[parts["charge"]] *= before.linearisation.load_w / point.load_w
-        if elastic == (before.violation > LACKING):
-            warm = {"lam_x0": before.bound_multipliers, "lam_g0": before.row_multipliers}
-            ways.insert(0, f"{ways[0]} again")
-    if row is not None:
-        ways = [*(f"{name} in a row" for name in ways if "again" not in name), "elastic"]
-    for name in ways:
-        most = high.copy()
-        if name.startswith("firm"):
-            most[parts["missed"]] = most[parts["lack"]] = 0.0
-        ends: dict[str, Any] = {
-            "x0": np.clip(start if name in ("firm", "elastic") else nearby, low, most),
-            "lbx": low,
-            "ubx": most,
-            "ubg": np.where(equation, 0.0, np.inf),
-            "p": parameters,
-        }
-        with program.lock:
-            if row is not None and name.endswith("row"):
-                answer, stats = row.solve(program, ends, warm.get("lam_g0", 0.0 * equation))
-            else:
-                solver = program.solver(name, OPTIONS[name])
-                answer = solver(lbg=0.0, **ends, **(warm if name.endswith("again") else {}))
-                stats = solver.stats()
-        iterations += int(stats["iter_count"])
-        if stats["success"]:
-            break
+    ends: dict[str, Any] = {
+        "lbx": low,
+        "ubx": high,
+        "ubg": np.where(equation, 0.0, np.inf),
+        "p": parameters,
+    }
+    iterations, stats = 0, {"success": False}
+    with program.lock:
+        if row is not None:
+            near, held = start, np.zeros(len(equation))
+            if before is not None and before.program is program:
+                near, held = before.x.copy(), before.row_multipliers
+                near[parts["design"]], near[parts["excess"]] = centre, excess_h
+                near[parts["charge"]] *= before.linearisation.load_w / point.load_w
+            answer, stats = row.solve(program, {**ends, "x0": np.clip(near, low, high)}, held)
+            iterations += stats["iter_count"]
+        if not stats["success"]:
+            answer = program.solver(lbg=0.0, **ends, x0=np.clip(start, low, high))
+            stats = program.solver.stats()
+            iterations += stats["iter_count"]
     x = np.asarray(answer["x"]).ravel()
     values = {
         v.name: float(v.from_program(one, scale))
@@ -307,7 +270,7 @@ def solve(
         row_multipliers=np.asarray(answer["lam_g"]).ravel(),
         bound_multipliers=np.asarray(answer["lam_x"]).ravel(),
         converged=bool(stats["success"]),
-        iterations=iterations,
+        iterations=int(iterations),
         message=str(stats["return_status"]),
     )
 

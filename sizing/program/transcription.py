@@ -128,7 +128,8 @@ class PartsData(NamedTuple):
 
 Rows = list[tuple[Constraint, Any]]
 
-# Options of every program: IPOPT, without a word.
+# Costs and rows are of order one, and the start is a simulated design: a barrier that begins high
+# sends it away and back.
 IPOPT: dict[str, Any] = {
     "print_time": False,
     "show_eval_warnings": False,
@@ -137,9 +138,11 @@ IPOPT: dict[str, Any] = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.mu_strategy": "adaptive",
+    "ipopt.mu_max": 1e-2,
+    "ipopt.tol": 1e-7,
+    "ipopt.acceptable_tol": 1e-5,
+    "ipopt.max_iter": 300,
 }
-# Options of IPOPT and its functions, which take most of the time of building a solver.
-_DERIVATIVES = {"grad_f": "nlp_grad_f", "jac_g": "nlp_jac_g", "hess_lag": "nlp_hess_l"}
 
 
 class Form(NamedTuple):
@@ -192,16 +195,11 @@ class Program:
     form: Form
     symbols: dict[str, Any]
     lock: RLock = field(default_factory=RLock)
-    _solvers: dict[str, ca.Function] = field(default_factory=dict)
 
-    def solver(self, name: str, options: dict[str, Any]) -> ca.Function:
-        """Solver with some options, built at the first call; derivatives are the first one's."""
-        if name not in self._solvers:
-            shared = {}
-            if first := next(iter(self._solvers.values()), None):
-                shared = {key: first.get_function(of) for key, of in _DERIVATIVES.items()}
-            self._solvers[name] = ca.nlpsol("sizing", "ipopt", self.symbols, options | shared)
-        return self._solvers[name]
+    @cached_property
+    def solver(self) -> ca.Function:
+        """IPOPT for the program."""
+        return ca.nlpsol("sizing", "ipopt", self.symbols, IPOPT)
 
     @cached_property
     def _function(self) -> ca.Function:
