@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sizing.day.balance import blocks
-from sizing.day.batch import Cells
+from sizing.day.balance import Cells, blocks
 from sizing.day.battery import Store
 from sizing.day.march import ChargingDay, first_repetition, repeated_wh
 from sizing.day.metrics import Cycle, joined, measured

@@ -13,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sizing.day.balance import blocks
-from sizing.day.batch import Cells
+from sizing.day.balance import Cells, blocks
 from sizing.day.battery import Store
 from sizing.day.march import ChargingDay
 from solar.sun import HOURS_PER_DAY

@@ -14,9 +14,9 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.chain_at_heights import ClimbChain
-from sizing.day.light import SolarDay
+from sizing.day.light import Light, SolarDay
 from sizing.day.load import thermal_shape
-from sizing.day.module_power import Cooling, convection_of
+from sizing.day.module_power import convection_of
 from sizing.design import NO_FLIGHT_W, Design
 from sizing.held_station import against_wind
 from sizing.mass_budget import (
@@ -55,8 +55,8 @@ class FlightLevels:
 
     One element is one aircraft in one scenario. ``altitude_m``, of shape ``(level,)``;
     ``propulsion_power_w``, of shape ``(level, element)``: electric propulsion power of level flight
-    in calm air [W]. ``specific_power_w_per_m2``: of the solar modules, of shape ``(level, scenario,
-    time)``; ``module_area_m2`` and ``scenario`` of every element say how much of which.
+    in calm air [W]. ``light``: of every level; ``module_area_m2`` and ``scenario`` of every element
+    say how much of which.
     ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-]. Of
     every element: ``nominal_factor`` is that without thermals, ``constant_power_w`` of avionics
     and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, whether it ``flies``
@@ -68,7 +68,7 @@ class FlightLevels:
 
     altitude_m: FloatArray
     propulsion_power_w: FloatArray
-    specific_power_w_per_m2: FloatArray
+    light: tuple[Light, ...]
     module_area_m2: FloatArray
     scenario: IntArray
     turbulence_factor: FloatArray
@@ -81,13 +81,11 @@ class FlightLevels:
     weight_n: FloatArray
     reach_m: FloatArray
     chain: ClimbChain | None = None
-    cooling: tuple[Cooling | None, ...] = ()
     convection_w_per_m2k: FloatArray | None = None
 
     def cooling_factor(self, level: int, some: slice = slice(None)) -> FloatArray | None:
         """Factor on the specific power by elements' own flow, ``(element, time)``; None: 1."""
-        cooling = self.cooling[level] if self.cooling else None
-        if cooling is None:
+        if (cooling := self.light[level].cooling) is None:
             return None
         assert self.convection_w_per_m2k is not None
         own = cooling.with_arrays([one[self.scenario[some]] for one in cooling.arrays()])
@@ -115,6 +113,11 @@ class FlightLevels:
             return self.maximum_power_w
         most_w = self.chain.most_w(self._rows).min(axis=0)
         return np.asarray(np.minimum(self.maximum_power_w, most_w))
+
+    @cached_property
+    def _specific_power_w_per_m2(self) -> FloatArray:
+        """Light of all levels, ``(level, scenario, time)``."""
+        return np.stack([one.power_w_per_m2 for one in self.light])
 
     def _place(self, height_m: FloatArray) -> tuple[IntArray, FloatArray]:
         """Level below heights above the lowest altitude [m], and the share of the next one."""
@@ -160,10 +163,9 @@ class FlightLevels:
 
     def _light_at(self, level: IntArray, some: slice = slice(None)) -> FloatArray:
         """Specific power of some elements at a level of every time."""
-        light = self.specific_power_w_per_m2
-        time = np.arange(light.shape[-1])
-        power = light[level, self.scenario[some, np.newaxis], time]
-        for number in np.unique(level).tolist() if self.cooling else ():
+        light = self._specific_power_w_per_m2
+        power = light[level, self.scenario[some, np.newaxis], np.arange(light.shape[-1])]
+        for number in np.unique(level).tolist() if self.light[0].cooling else ():
             if (factor := self.cooling_factor(number, some)) is not None:
                 power = np.where(level == number, power * factor, power)
         return np.asarray(power)
@@ -174,7 +176,7 @@ class FlightLevels:
         power_w = self.propulsion_power_w[:, element]
         if self.chain is not None:
             power_w = self.chain.power_w(self._rows[:, element], np.ones(levels))
-        every = np.zeros((1, self.specific_power_w_per_m2.shape[-1]), int)
+        every = np.zeros((1, self._specific_power_w_per_m2.shape[-1]), int)
         light = np.concatenate([self._light_at(every + n, some) for n in range(levels)])
         below, upper = self._place(height_m)
         power_w = (1.0 - upper) * power_w[below] + upper * power_w[below + 1]
@@ -238,11 +240,9 @@ def flight_levels(
     ``design``: one, or a batch; ``day``: with the light aloft. ``paired``: every design flies in
     its own scenario, else in every one. Returns elements in the order of designs, then scenarios.
     """
-    light = day.aloft_w_per_m2
     assert mission.climb is not None
-    assert light is not None  # the day is that of the mission
     altitudes = np.array(mission.climb_levels_m)
-    scenarios = np.arange(light.shape[1])
+    scenarios = np.arange(len(day.scenarios))
     batch = np.shape(design.total_mass_kg)
     shape = batch if paired else (*batch, len(scenarios))
 
@@ -271,10 +271,12 @@ def flight_levels(
     return FlightLevels(
         altitude_m=altitudes,
         propulsion_power_w=np.where(flies, power_w, NO_FLIGHT_W),
-        specific_power_w_per_m2=light,
+        light=day.levels,
         module_area_m2=each(design.variables.module_area_m2),
         scenario=np.broadcast_to(scenarios, shape).ravel(),
-        turbulence_factor=np.broadcast_to(steady + most * thermal, light.shape[1:]),
+        turbulence_factor=np.broadcast_to(
+            steady + most * thermal, day.specific_power_w_per_m2.shape
+        ),
         nominal_factor=each(steady[..., 0]),
         constant_power_w=each(design.constant_power_w),
         efficiency=each(limits.efficiency),
@@ -284,7 +286,6 @@ def flight_levels(
         weight_n=np.where(flies, weight_n, 0.0),
         reach_m=_reach_m(altitudes - altitudes[0], power_w, held, most_w),
         chain=ClimbChain.of(aircraft, missions, flown),
-        cooling=day.aloft_cooling,
         convection_w_per_m2k=_convection(day, missions, slow, each),
     )
 
@@ -351,13 +352,13 @@ def _convection(
     each: Callable[[object], FloatArray],
 ) -> FloatArray | None:
     """Convection of every element at all levels; None of a day without it."""
-    if not day.aloft_cooling:
+    if not day.is_cooled:
         return None
     known = [
         0.0
-        if cooling is None
+        if (cooling := light.cooling) is None
         else convection_of(one, there, cooling.transition_reynolds, cooling.convection)
-        for cooling, one, there in zip(day.aloft_cooling, flown, missions, strict=True)
+        for light, one, there in zip(day.levels, flown, missions, strict=True)
     ]
     return np.stack([each(one) for one in known])
 

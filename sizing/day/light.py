@@ -6,10 +6,10 @@ mission's uncertainty margin is taken off.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -78,109 +78,100 @@ class SolarModel:
 UNCORRECTED_CAM = SolarModel()
 
 
+class Light(NamedTuple):
+    """Specific power at one altitude [W/m2], time last, and how a flow that cools changes it.
+
+    The power is that of the aircraft's own flow; ``cooling``: how it changes with that of another
+    design, where the modules balance their heat.
+    """
+
+    power_w_per_m2: FloatArray
+    cooling: Cooling | None = None
+
+    def at(self, some: Any) -> Light:
+        """Light of a part of the scenarios or times."""
+        cooling = joined_cooling([self.cooling], lambda parts: parts[0][some])
+        return Light(self.power_w_per_m2[some], cooling)
+
+
 @dataclass(frozen=True)
 class SolarDay:
     """Specific power over the day in each scenario: all that a design needs of the sun.
 
-    ``specific_power_w_per_m2`` has the shape ``(scenario, time)``; ``sunrise_h`` and ``sunset_h``
-    are those of the geometric sun [solar h]. The power is that of the aircraft's own flow;
-    ``cooling``: how it changes with that of another design, where the modules balance their heat.
-    ``aloft_w_per_m2`` is the specific power at the levels of a mission with climbs
-    (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one included, of shape ``(level,
-    scenario, time)``, in the aircraft's own flow; None for flight at one altitude.
-    ``aloft_cooling``: as ``cooling``, of every level.
+    ``levels``: light at the levels of a mission with climbs
+    (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one first; at the mission's
+    altitude alone without climbs. Its arrays have the shape ``(scenario, time)``. ``sunrise_h`` and
+    ``sunset_h`` are those of the geometric sun [solar h].
     """
 
     scenarios: Scenarios
     time_h: FloatArray
-    specific_power_w_per_m2: FloatArray
+    levels: tuple[Light, ...]
     sunrise_h: FloatArray
     sunset_h: FloatArray
-    cooling: Cooling | None = None
-    aloft_w_per_m2: FloatArray | None = None
-    aloft_cooling: tuple[Cooling | None, ...] = ()
 
     @classmethod
     def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
         """Scenarios of several days with the same time axis, one day after the other."""
-        aloft = [d.aloft_w_per_m2 for d in days if d.aloft_w_per_m2 is not None]
         return cls(
             Scenarios(
                 np.concatenate([d.scenarios.latitude_deg for d in days]),
                 np.concatenate([d.scenarios.day_of_year for d in days]),
             ),
             days[0].time_h,
-            np.concatenate([d.specific_power_w_per_m2 for d in days]),
+            tuple(
+                Light(
+                    np.concatenate([one.power_w_per_m2 for one in level]),
+                    joined_cooling([one.cooling for one in level], np.concatenate),
+                )
+                for level in zip(*(d.levels for d in days), strict=True)
+            ),
             np.concatenate([d.sunrise_h for d in days]),
             np.concatenate([d.sunset_h for d in days]),
-            joined_cooling([d.cooling for d in days], np.concatenate),
-            np.concatenate(aloft, axis=1) if aloft else None,
-            tuple(
-                joined_cooling(level, np.concatenate)
-                for level in zip(*(d.aloft_cooling for d in days), strict=True)
-            ),
         )
+
+    @property
+    def specific_power_w_per_m2(self) -> FloatArray:
+        """Power at the lowest level, ``(scenario, time)``."""
+        return self.levels[0].power_w_per_m2
 
     @property
     def is_cooled(self) -> bool:
         """Whether the flow of a design changes the power."""
-        return self.cooling is not None or any(self.aloft_cooling)
+        return any(level.cooling is not None for level in self.levels)
+
+    def with_powers(self, powers_w_per_m2: Iterable[FloatArray]) -> SolarDay:
+        """Same day with other powers at all of its levels."""
+        pairs = zip(self.levels, powers_w_per_m2, strict=True)
+        levels = tuple(level._replace(power_w_per_m2=power) for level, power in pairs)
+        return replace(self, levels=levels)
 
     def scaled(self, factor: float | FloatArray) -> SolarDay:
         """Same day with all power multiplied by a factor, or one of shape ``(scenario, 1)``."""
-        return self._with(lambda power: power * factor)
+        return self.with_powers(level.power_w_per_m2 * factor for level in self.levels)
 
     def less(self, other: SolarDay) -> SolarDay:
         """Same day with the power of another one taken off."""
-        aloft, others = self.aloft_w_per_m2, other.aloft_w_per_m2
-        return replace(
-            self,
-            specific_power_w_per_m2=self.specific_power_w_per_m2 - other.specific_power_w_per_m2,
-            aloft_w_per_m2=None if aloft is None or others is None else aloft - others,
-        )
-
-    def _cooling_at(self, some: Any) -> tuple[Cooling | None, tuple[Cooling | None, ...]]:
-        """Cooling of a part of the scenarios or times, and that aloft."""
-        first, *aloft = (
-            joined_cooling([one], lambda parts: parts[0][some])
-            for one in (self.cooling, *self.aloft_cooling)
-        )
-        return first, tuple(aloft)
+        pairs = zip(self.levels, other.levels, strict=True)
+        return self.with_powers(a.power_w_per_m2 - b.power_w_per_m2 for a, b in pairs)
 
     def over_days(self, count: int) -> SolarDay:
         """Same day, repeated; its nodes of time go on over the midnights."""
         steps = len(self.time_h) - 1
         at = np.arange(count * steps + 1) % steps
         time_h = np.concatenate([self.time_h[:-1] + 24.0 * k for k in range(count)])
-        cooling, aloft = self._cooling_at((..., at))
-        return replace(
-            self._with(lambda power: power[..., at]),
-            time_h=np.append(time_h, 24.0 * count),
-            cooling=cooling,
-            aloft_cooling=aloft,
-        )
-
-    def _with(self, changed: Callable[[FloatArray], FloatArray]) -> SolarDay:
-        """Same day with another power, at all its levels."""
-        aloft = self.aloft_w_per_m2
-        return replace(
-            self,
-            specific_power_w_per_m2=changed(self.specific_power_w_per_m2),
-            aloft_w_per_m2=None if aloft is None else changed(aloft),
-        )
+        levels = tuple(level.at((..., at)) for level in self.levels)
+        return replace(self, levels=levels, time_h=np.append(time_h, 24.0 * count))
 
     def at(self, indices: ArrayLike) -> SolarDay:
         """Same day in some of its scenarios."""
-        some = np.asarray(indices, int)
-        of = self.scenarios
-        cooling, aloft = self._cooling_at(some)
+        some, of = np.asarray(indices, int), self.scenarios
         return replace(
-            self._with(lambda power: power[..., some, :]),
+            self,
+            levels=tuple(level.at(some) for level in self.levels),
             scenarios=Scenarios(of.latitude_deg[some], of.day_of_year[some]),
             sunrise_h=np.asarray(self.sunrise_h)[some],
             sunset_h=np.asarray(self.sunset_h)[some],
-            cooling=cooling,
-            aloft_cooling=aloft,
         )
 
     def power_of(self, design: Design, mission: Mission, *, paired: bool = False) -> FloatArray:
@@ -200,7 +191,7 @@ class SolarDay:
         ndarray
             With the scenarios and the time as last axes [W/m2].
         """
-        cooling = self.cooling
+        cooling = self.levels[0].cooling
         if cooling is None:
             return self.specific_power_w_per_m2
         flow = convection_of(design, mission, cooling.transition_reynolds, cooling.convection)
@@ -314,33 +305,22 @@ class Sunlight:
             power = power * self.loiter_ratio(solar.model)
         factor = self.mission.pessimistic_power_factor(solar.model, solar.correction)
         corrected = power if factor == 1.0 else power * factor
-        latitude_deg, day = self.scenarios.latitude_deg, self.scenarios.noon_day
-        times = sun_times(latitude_deg, declination(day))
-        lowest = SolarDay(
-            *(self.scenarios, self.time_h, corrected, times.sunrise_h, times.sunset_h),
-            self._cooling_of(solar.model),
-        )
-        if self.mission.flight is not None:
-            return lowest.over_days(self.mission.days_of_light)
-        if self.mission.climb is None:
-            return lowest
-        levels = [lowest, *(level.day(solar) for level in self._levels)]
-        return replace(
-            lowest,
-            aloft_w_per_m2=np.stack([one.specific_power_w_per_m2 for one in levels]),
-            aloft_cooling=tuple(one.cooling for one in levels),
-        )
+        times = sun_times(self.scenarios.latitude_deg, declination(self.scenarios.noon_day))
+        levels = [Light(corrected, self._cooling_of(solar.model))]
+        if self.mission.climb is not None:
+            levels += [level.day(solar).levels[0] for level in self._levels]
+        around = (times.sunrise_h, times.sunset_h)
+        day = SolarDay(self.scenarios, self.time_h, tuple(levels), *around)
+        return day if self.mission.flight is None else day.over_days(self.mission.days_of_light)
 
     @cached_property
     def _levels(self) -> list[Sunlight]:
         """Sunlight of the same scenarios at the higher levels of the climbs."""
-        higher = self.mission.climb_levels_m[1:]
-        return [self._sunlight_at(self.mission.at_altitude(level_m)) for level_m in higher]
-
-    def _sunlight_at(self, there: Mission) -> Sunlight:
-        """Sunlight of the same scenarios at another altitude."""
-        step_h = float(self.time_h[1])
-        return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h, lowest=self)
+        step_h, higher = float(self.time_h[1]), self.mission.climb_levels_m[1:]
+        airs = map(self.mission.at_altitude, higher)
+        return [
+            Sunlight(self.aircraft, air, self.scenarios, step_h=step_h, lowest=self) for air in airs
+        ]
 
 
 def solar_day(

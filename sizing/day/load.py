@@ -6,6 +6,7 @@ thermals. The bus has the voltage of a half charged battery.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import Air
+from missions.air import ZERO_CELSIUS_K, Air, air_at
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.battery import Store
@@ -31,7 +32,7 @@ from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.part_load import PartLoad, load_range
 from sizing.smooth import Value
 from solar.sun import HOURS_PER_DAY
-from solar.types import BoolArray, FloatArray
+from solar.types import BoolArray, FloatArray, IntArray
 
 
 def part_load_of(
@@ -322,3 +323,83 @@ def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) 
     distance = np.abs(np.asarray(time_h, float) % HOURS_PER_DAY - (rise + half))
     sunlit = half > 0.0
     return np.where(sunlit, np.maximum(1.0 - distance / np.where(sunlit, half, 1.0), 0.0), 0.0)
+
+
+@dataclass(frozen=True)
+class LoadInAir:
+    """Electric power of a design in air that changes its temperature, relative to its own.
+
+    ``level_w``: propulsion power of level flight in the mission's air [W], of every day where each
+    has an airspeed of its own. ``part_load``: power over it at some temperatures,
+    ``temperatures_k``, between which a parabola passes.
+    """
+
+    level_w: FloatArray
+    part_load: PartLoad
+    temperatures_k: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        aircraft: Aircraft,
+        mission: Mission,
+        design: Design,
+        air_c: ArrayLike,
+        wind_m_per_s: FloatArray | None = None,
+    ) -> LoadInAir | None:
+        """Power between the ends of temperatures [C]; None for constant efficiencies.
+
+        At the pressure of an altitude airspeed and drag times airspeed go with the square root of
+        the absolute temperature. ``wind_m_per_s``: of each day, where the mission holds its place;
+        power is then over that of the day's airspeed. Raises :class:`ImpossibleDesignError` where
+        the propeller's data end before the greatest load of level flight; a day whose wind is too
+        strong has no power instead.
+        """
+        if aircraft.propulsion_by_parts is None:
+            return None
+        if wind_m_per_s is None:
+            part_load_of(aircraft, mission, design)  # which says what its own air is too much for
+        own, flight = flight_of(aircraft, mission, design)
+        level_w: FloatArray = np.asarray(design.propulsion_power_w)
+        day: IntArray | None = None
+        if wind_m_per_s is not None:
+            # Days of equal wind, and of less than the airspeed, are one flight.
+            each = np.maximum(wind_m_per_s, np.asarray(design.airspeed_m_per_s, float))
+            some, day = np.unique(each, return_inverse=True)
+            level_w, thrust_w, speed = flight_against_wind(aircraft, mission, design, some)
+            flight = Flight.where(np.isfinite(level_w), thrust_w, speed, flight.air)
+        least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
+        warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
+        # Temperatures first, then the days.
+        of_each = warm_k.reshape(-1, *(1,) * level_w.ndim)
+        faster = np.sqrt(of_each / flight.air.temperature_k)
+        there = Flight(
+            np.asarray(flight.thrust_w * faster),
+            flight.airspeed_m_per_s * faster,
+            air_at(of_each, flight.air.pressure_pa),
+        )
+        turbulence = mission.turbulence
+        loads = load_range(turbulence.all_day, turbulence.thermal)
+        wide = np.broadcast_to(level_w, there.thrust_w.shape)
+        part = part_load_over(own, there, wide, loads, aircraft.battery.nominal_voltage_v)
+        if wind_m_per_s is None and np.any(part.beyond):
+            raise ImpossibleDesignError(
+                f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
+                f"power of level flight in air of {least_c:.0f} to {most_c:.0f} C"
+            )
+        if day is None:
+            return cls(level_w, part, warm_k)
+        part = replace(part, coefficients=part.coefficients[..., day])
+        return cls(level_w[day], part, warm_k)
+
+    def at(self, load: FloatArray, air_c: FloatArray) -> FloatArray:
+        """Power over that of level flight in the mission's air [-]; arguments broadcast."""
+        wide = np.broadcast_arrays(load, air_c)
+        axes = wide[0].ndim - (self.part_load.coefficients.ndim - 2)  # less that of the days
+        powers = self.part_load.spread(axes).at(wide[0])
+        known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
+        total = np.zeros(wide[0].shape)
+        for k, one in enumerate(powers):
+            apart = [(warm_k - other) / (known_k[k] - other) for other in np.delete(known_k, k)]
+            total += math.prod(apart, start=one)
+        return total

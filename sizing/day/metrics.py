@@ -26,13 +26,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sizing.day.balance import (
+    Cells,
     PowerBalance,
     blocks,
     crossing_fraction,
     interval_reaching,
     sum_over_time,
 )
-from sizing.day.batch import Cells
 from sizing.day.march import DayRun, full_after_h
 from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray

@@ -1,24 +1,27 @@
-"""Days of a weather record: where they begin, and what their air is to a propulsion."""
+"""Days of a weather record: where they begin, their light, what their air is to an aircraft."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from missions.air import ZERO_CELSIUS_K, air_at
-from missions.mission import Mission
-from missions.weather.light import RecordedLight
-from missions.weather.record import SECONDS_PER_HOUR, day_of_year
+from missions.air import ZERO_CELSIUS_K
+from missions.files.errors import file_error
+from missions.mission import Mission, Scenarios
+from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
+from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year
 from sizing.aircraft import Aircraft
-from sizing.day.load import Flight, flight_of, part_load_of, part_load_over
-from sizing.design import Design
-from sizing.held_station import flight_against_wind
-from sizing.mass_budget import ImpossibleDesignError
-from sizing.propulsion.part_load import PartLoad, load_range
-from solar.sun import HOURS_PER_DAY
+from sizing.day.battery import Store
+from sizing.day.light import UNCORRECTED_CAM, SolarModel
+from sizing.day.light_at_instants import Lit, power_in_light
+from sizing.day.load import LoadInAir, load_shape
+from sizing.day.module_power import own_surroundings
+from sizing.design import NO_FLIGHT_W, Design
+from sizing.held_station import power_against_wind_w
+from solar.clearsky import Irradiance
+from solar.sun import HOURS_PER_DAY, declination, sun_times
 from solar.types import FloatArray, IntArray
 
 # A record that begins this near to midnight begins a day.
@@ -86,80 +89,152 @@ class DayAxis:
 
 
 @dataclass(frozen=True)
-class LoadInAir:
-    """Electric power of a design in air that changes its temperature, relative to its own.
+class WeatherDays:
+    """What the days of a record are to every design of an aircraft.
 
-    ``level_w``: propulsion power of level flight in the mission's air [W], of every day where each
-    has an airspeed of its own. ``part_load``: power over it at some temperatures,
-    ``temperatures_k``, between which a parabola passes.
+    ``aircraft``, ``mission``, ``solar``: technology; altitude, air and turbulence at the record's
+    site; solar power model. ``weather``, ``light``: record, and the light along it at the mission's
+    altitude. ``ambient_c``, ``module_c``: temperature of the air and of the modules along the
+    record [C]. ``propulsion_ratio``: propulsion power over that of level flight in the mission's
+    air [-]. ``wind_m_per_s``: of each day as the airspeed of the same lift coefficient in the
+    mission's air [m/s]; None unless the mission holds its place.
+    ``more_heater_w``: heater of the battery beyond that of the mission's air [W].
+    ``capacity_ratio``: capacity of the battery over that in the mission's air [-].
     """
 
-    level_w: FloatArray
-    part_load: PartLoad
-    temperatures_k: FloatArray
+    aircraft: Aircraft
+    mission: Mission
+    weather: Weather
+    solar: SolarModel
+    light: RecordedLight
+    axis: DayAxis
+    ambient_c: FloatArray
+    module_c: FloatArray
+    propulsion_ratio: FloatArray
+    wind_m_per_s: FloatArray | None
+    more_heater_w: FloatArray
+    capacity_ratio: FloatArray
 
     @classmethod
     def of(
         cls,
         aircraft: Aircraft,
         mission: Mission,
-        design: Design,
-        air_c: ArrayLike,
-        wind_m_per_s: FloatArray | None = None,
-    ) -> LoadInAir | None:
-        """Power between the ends of temperatures [C]; None for constant efficiencies.
-
-        At the pressure of an altitude airspeed and drag times airspeed go with the square root of
-        the absolute temperature. ``wind_m_per_s``: of each day, where the mission holds its place;
-        power is then over that of the day's airspeed. Raises :class:`ImpossibleDesignError` where
-        the propeller's data end before the greatest load of level flight; a day whose wind is too
-        strong has no power instead.
-        """
-        if aircraft.propulsion_by_parts is None:
-            return None
-        if wind_m_per_s is None:
-            part_load_of(aircraft, mission, design)  # which says what its own air is too much for
-        own, flight = flight_of(aircraft, mission, design)
-        level_w: FloatArray = np.asarray(design.propulsion_power_w)
-        day: IntArray | None = None
-        if wind_m_per_s is not None:
-            # Days of equal wind, and of less than the airspeed, are one flight.
-            each = np.maximum(wind_m_per_s, np.asarray(design.airspeed_m_per_s, float))
-            some, day = np.unique(each, return_inverse=True)
-            level_w, thrust_w, speed = flight_against_wind(aircraft, mission, design, some)
-            flight = Flight.where(np.isfinite(level_w), thrust_w, speed, flight.air)
-        least_c, most_c = float(np.min(air_c)), float(np.max(air_c))
-        warm_k = ZERO_CELSIUS_K + np.linspace(least_c, most_c, 3 if most_c > least_c else 1)
-        # Temperatures first, then the days.
-        of_each = warm_k.reshape(-1, *(1,) * level_w.ndim)
-        faster = np.sqrt(of_each / flight.air.temperature_k)
-        there = Flight(
-            np.asarray(flight.thrust_w * faster),
-            flight.airspeed_m_per_s * faster,
-            air_at(of_each, flight.air.pressure_pa),
+        weather: Weather,
+        solar: SolarModel = UNCORRECTED_CAM,
+        *,
+        step_s: float = NODE_STEP_S,
+    ) -> WeatherDays:
+        """Cut a record into days for an aircraft on a mission at its site."""
+        light = light_at_altitude(weather, mission.altitude_m, step_s=step_s)
+        try:
+            axis = DayAxis.of(light)
+        except ValueError as error:
+            raise file_error(weather.source, str(error)) from error
+        ambient_c, module_c = temperatures_c(mission, light)
+        air_c = ambient_c[axis.nodes]
+        return cls(
+            *(aircraft, mission, weather, solar, light, axis, ambient_c, module_c),
+            propulsion_ratio=_propulsion_ratio(mission, axis, air_c),
+            wind_m_per_s=_wind_m_per_s(mission, axis, air_c),
+            more_heater_w=_more_heater_w(aircraft, mission, air_c),
+            capacity_ratio=_capacity_of_days(aircraft, mission, air_c),
         )
-        turbulence = mission.turbulence
-        loads = load_range(turbulence.all_day, turbulence.thermal)
-        wide = np.broadcast_to(level_w, there.thrust_w.shape)
-        part = part_load_over(own, there, wide, loads, aircraft.battery.nominal_voltage_v)
-        if wind_m_per_s is None and np.any(part.beyond):
-            raise ImpossibleDesignError(
-                f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
-                f"power of level flight in air of {least_c:.0f} to {most_c:.0f} C"
-            )
-        if day is None:
-            return cls(level_w, part, warm_k)
-        part = replace(part, coefficients=part.coefficients[..., day])
-        return cls(level_w[day], part, warm_k)
 
-    def at(self, load: FloatArray, air_c: FloatArray) -> FloatArray:
-        """Power over that of level flight in the mission's air [-]; arguments broadcast."""
-        wide = np.broadcast_arrays(load, air_c)
-        axes = wide[0].ndim - (self.part_load.coefficients.ndim - 2)  # less that of the days
-        powers = self.part_load.spread(axes).at(wide[0])
-        known_k, warm_k = self.temperatures_k, wide[1] + ZERO_CELSIUS_K
-        total = np.zeros(wide[0].shape)
-        for k, one in enumerate(powers):
-            apart = [(warm_k - other) / (known_k[k] - other) for other in np.delete(known_k, k)]
-            total += math.prod(apart, start=one)
-        return total
+    def specific_power_w_per_m2(self, sky: Irradiance) -> FloatArray:
+        """Solar power per module area under a sky along the record [W/m2], ``(day, node)``."""
+        light, around = self.light, own_surroundings(self.aircraft, self.mission)
+        sunlit = Lit(
+            *(light.day_of_year, light.time_solar_h, light.cos_zenith, sky),
+            *(self.ambient_c, self.module_c),
+        )
+        power = power_in_light(self.aircraft, self.mission, self.solar, sunlit, around)
+        return np.asarray(power[self.axis.nodes])
+
+    def powers_w(
+        self, design: Design, parts: LoadInAir | None, *, clear: bool = False
+    ) -> tuple[FloatArray, FloatArray]:
+        """Solar power and load of a design along the record, with the efficiency of the moment."""
+        sky = self.light.clear if clear else self.light.recorded
+        solar_w = self.aircraft.modules.area_m2 * self.specific_power_w_per_m2(sky)
+        other_w = float(design.constant_power_w) + self.more_heater_w
+        if parts is None:
+            level_w, ratio = self.level_w(design)[0], self.propulsion_ratio
+        else:
+            level_w = np.where(np.isfinite(parts.level_w), parts.level_w, NO_FLIGHT_W)
+            profile = _profile(self.mission, self.axis)
+            ratio = parts.at(profile, self.ambient_c[self.axis.nodes])
+        return solar_w, np.atleast_1d(level_w)[:, np.newaxis] * ratio + other_w
+
+    def level_w(self, design: Design) -> FloatArray:
+        """Propulsion power of designs in level flight in the mission's air [W], ``(design, day)``.
+
+        A single day for all, unless the mission holds its place: then as fast as each day's wind.
+        """
+        power_w = np.atleast_1d(np.asarray(design.propulsion_power_w, float))[:, np.newaxis]
+        if self.wind_m_per_s is not None:
+            each = design.mapped(lambda one: np.atleast_1d(np.asarray(one))[:, np.newaxis])
+            power_w = power_against_wind_w(self.aircraft, self.mission, each, self.wind_m_per_s)
+        return np.where(np.isfinite(power_w), power_w, NO_FLIGHT_W)
+
+    def store(self, battery_energy_wh: float) -> Store:
+        """Battery of each day, of an energy at full charge in the mission's air [Wh]."""
+        return Store.of(self.aircraft.battery, battery_energy_wh * self.capacity_ratio)
+
+
+def temperatures_c(mission: Mission, light: RecordedLight) -> tuple[FloatArray, FloatArray]:
+    """Temperature of the air, the record's if it has one, and of modules as much warmer [C]."""
+    assumed_c = float(mission.air_state().temperature_c)
+    ambient = light.temperature_c
+    if ambient is None:
+        ambient = np.full(light.time_s.shape, assumed_c)
+    return ambient, ambient + (mission.module_temperature_c() - assumed_c)
+
+
+def _propulsion_ratio(mission: Mission, axis: DayAxis, ambient_c: FloatArray) -> FloatArray:
+    """Propulsion power at the nodes over that of level flight [-], shape ``(day, node)``.
+
+    Power of level flight at a lift coefficient goes with ``density^-0.5``; at the pressure of an
+    altitude that is the square root of the absolute temperature (Anderson, Aircraft Performance and
+    Design, equation 5.56). Turbulence and thermals are the mission's.
+    """
+    assumed_k = float(mission.air_state().temperature_k)
+    return np.asarray(_profile(mission, axis) * np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k))
+
+
+def _profile(mission: Mission, axis: DayAxis) -> FloatArray:
+    """Thrust power at the nodes over that of level flight in their air [-], ``(day, node)``."""
+    times = sun_times(mission.latitudes()[0], declination(axis.day_of_year + 0.5))
+    clock_h = axis.time_h + axis.midnight_h[:, np.newaxis]
+    return load_shape(mission, clock_h, times.sunrise_h, times.sunset_h)
+
+
+def _wind_m_per_s(mission: Mission, axis: DayAxis, air_c: FloatArray) -> FloatArray | None:
+    """Wind of each day's month where the mission holds its place, for the mission's air [m/s].
+
+    With the wind ``v`` in air of the density ``rho`` the lift coefficient is that at
+    ``v (rho / rho_0)^0.5`` in the mission's, and the power that at this airspeed times
+    ``(rho_0 / rho)^0.5``, which :func:`_propulsion_ratio` has.
+    """
+    if not mission.holds_station:
+        return None
+    latitude_deg = np.full(len(axis), mission.latitudes()[0])
+    wind = mission.scenario_winds_m_per_s(Scenarios(latitude_deg, axis.day_of_year))
+    assumed_k = float(mission.air_state().temperature_k)
+    return np.asarray(wind / np.sqrt((np.mean(air_c, axis=1) + ZERO_CELSIUS_K) / assumed_k))
+
+
+def _more_heater_w(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:
+    """Heater of each day's battery beyond that of the mission's air [W], shape ``(day, 1)``."""
+    heater_w, altitude_m = aircraft.battery.heater_w, mission.altitude_m
+    mean_c, assumed_c = np.mean(air_c, axis=1, keepdims=True), mission.air_state().temperature_c
+    more_w = heater_w(mean_c, altitude_m) - heater_w(assumed_c, altitude_m)
+    return np.asarray(more_w + np.zeros(mean_c.shape))
+
+
+def _capacity_of_days(aircraft: Aircraft, mission: Mission, air_c: FloatArray) -> FloatArray:
+    """Capacity at the mean air temperature of each day over that in the mission's air [-]."""
+    fraction, altitude_m = aircraft.battery.capacity_fraction, mission.altitude_m
+    assumed = fraction(mission.air_state().temperature_c, altitude_m)
+    of_days = fraction(np.mean(air_c, axis=1), altitude_m) / assumed
+    return np.asarray(of_days * np.ones(len(air_c)))

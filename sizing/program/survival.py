@@ -21,8 +21,9 @@ from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
-from sizing.day.record import WeatherDays
-from sizing.day.record_days import LoadInAir
+from sizing.day.load import LoadInAir
+from sizing.day.record import flown_through
+from sizing.day.record_days import WeatherDays
 from sizing.mass_budget import design_of
 from sizing.program.objectives import Objective
 from sizing.program.reliability import Trial, least_margin, out_of_reach, with_design
@@ -155,4 +156,4 @@ class SurvivalSizing:
         days = replace(self.days, aircraft=aircraft, mission=mission)
         design = design_of(aircraft, mission)
         parts = LoadInAir.of(aircraft, mission, design, days.ambient_c, days.wind_m_per_s)
-        return days.flown(design, parts).closes
+        return flown_through(days, design, parts).closes

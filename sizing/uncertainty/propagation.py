@@ -25,7 +25,7 @@ from sizing.day.balance import blocks
 from sizing.day.battery import Store
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import longest_flight
-from sizing.day.light import SolarDay, SolarModel, solar_day
+from sizing.day.light import Light, SolarDay, SolarModel, solar_day
 from sizing.day.load import DesignLoads, flown_cycle, part_load_of
 from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
@@ -356,13 +356,12 @@ class Propagation:
     def _levels(self, case: _Case, scenario: int) -> FlightLevels:
         """Every draw in a scenario, each in its own light at all levels."""
         day, mission = self.day, case.mission
-        assert day.aloft_w_per_m2 is not None  # the day is that of the mission
         aloft = [
             self._specific_power(case, scenario, level, altitude_m)
             for level, altitude_m in enumerate(mission.climb_levels_m)
         ]
-        own = replace(day, aloft_cooling=()).at(np.full(case.count, scenario))
-        own = replace(own, aloft_w_per_m2=np.stack(aloft))
+        own = day.at(np.full(case.count, scenario))
+        own = replace(own, levels=tuple(map(Light, aloft)))
         design = case.design._replace(total_mass_kg=case.mass_kg)
         return flight_levels(case.aircraft, mission, design, own, paired=True)
 
@@ -370,15 +369,12 @@ class Propagation:
         self, case: _Case, scenario: int, level: int, altitude_m: float
     ) -> FloatArray:
         """Power of every draw at a level of the climbs [W/m2], shape ``(sample, time)``."""
-        aloft = self.day.aloft_w_per_m2
-        assert aloft is not None
         missions = (one.at_altitude(altitude_m) for one in (self.mission, case.mission))
         whole, more = self._light_factors(case, *missions)
-        power = whole[..., np.newaxis] * aloft[level, scenario]
+        power = whole[..., np.newaxis] * self.day.levels[level].power_w_per_m2[scenario]
         if more is not None:
-            direct_aloft = self._direct_day().aloft_w_per_m2
-            assert direct_aloft is not None
-            power = power + more[..., np.newaxis] * direct_aloft[level, scenario]
+            direct = self._direct_day().levels[level].power_w_per_m2
+            power = power + more[..., np.newaxis] * direct[scenario]
         return np.broadcast_to(np.maximum(power, 0.0), (case.count, len(self.day.time_h)))
 
     def _case(self, values: dict[str, FloatArray]) -> _Case:

@@ -21,7 +21,8 @@ from sizing.climb import climb_performance
 from sizing.day.cycle import simulate_cycle
 from sizing.day.light import solar_day
 from sizing.day.load import interpolation_error, part_load_of
-from sizing.day.record import _temperatures_c, weather_performance
+from sizing.day.record import weather_performance
+from sizing.day.record_days import temperatures_c
 from sizing.day.replay import calendar_run
 from sizing.design import DesignVariables, FlightConditions
 from sizing.mass_budget import ImpossibleDesignError, design_of
@@ -237,7 +238,7 @@ def test_a_record_has_the_load_of_its_air(name: str) -> None:
     assert isinstance(parts, OperatingPointPropulsion)
     thrust_w = float(design.propulsion_power_w) * design.chain.efficiency
     assumed = mission.air_state()
-    air_c, _ = _temperatures_c(mission, done.light)
+    air_c, _ = temperatures_c(mission, done.light)
     for node in (20, 150, 200):
         day, at = 1, node
         warm_k = float(air_c[run.axis.nodes[day, at]]) + 273.15
