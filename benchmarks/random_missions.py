@@ -109,7 +109,7 @@ def feasible_on_grid(
     day = solar_day(aircraft, mission, step_h=_GRID_STEP_H)
     perf = performance_of_designs(aircraft, mission, grid, day=day)
     worst = perf.cycle.excess_time_h.min(axis=-1)
-    met = meets_requirements(aircraft, mission, perf.design)
+    met = meets_requirements(aircraft, perf.design)
     return bool(np.any(met & (worst > 0.0) & (worst >= required_h)))
 
 

@@ -22,7 +22,7 @@ from missions.library import load_mission
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarDay, solar_day
-from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.library import load_aircraft
 from sizing.limits import design_requirements
 from sizing.mass_budget import constant_power_w, parametric_design
@@ -110,8 +110,7 @@ class Collocation:
             update={"payload": mission.payload.model_copy(update={"mass_kg": 0.0})}
         )
         design = parametric_design(aircraft, empty, variables, total_kg)
-        conditions = FlightConditions.of(empty, aircraft)
-        rows = {one.name: one.value for one in design_requirements(aircraft, design, conditions)}
+        rows = {one.name: one.value for one in design_requirements(aircraft, design)}
         opti.subject_to(rows.pop("mass_budget") == payload_kg / total_kg)
         opti.subject_to([value >= 0.0 for value in rows.values()])
 

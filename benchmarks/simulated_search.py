@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.wild_problems import WildProblem
 from missions.mission import Scenarios
 from sizing.day.light import DEFAULT_STEP_H, SolarDay, solar_day
-from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.limits import design_requirements, meets_requirements
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.objectives import Objective
@@ -99,7 +99,6 @@ class Judge:
     def __init__(self, problem: WildProblem) -> None:
         self.problem = problem
         self.axes = axes_of(problem)
-        self.conditions = FlightConditions.of(problem.mission, problem.aircraft)
         self.days: dict[float, SolarDay] = {}
         self.simulated, self.overstated_h = 0, 0.0
 
@@ -165,7 +164,7 @@ class Judge:
         """
         excess_h = self.excess_h(perf)
         kept = (excess_h > 0.0) & (excess_h >= self.problem.required_h - allowance_h)
-        kept = kept & meets_requirements(self.problem.aircraft, self.problem.mission, perf.design)
+        kept = kept & meets_requirements(self.problem.aircraft, perf.design)
         return np.where(kept, self.objective(perf), np.nan)
 
     def confirms(self, shares: FloatArray) -> BoolArray:
@@ -199,10 +198,9 @@ class Judge:
     def _missed(self, perf: Performance) -> FloatArray:
         excess_h = self.excess_h(perf) - self.overstated_h
         short_h = np.maximum(self.problem.required_h - excess_h, 0.0) + (excess_h <= 0.0)
-        carried = self.conditions.with_payload_of(perf.design.variables)
         missed = short_h / 24.0
         with np.errstate(invalid="ignore", over="ignore"):
-            for row in design_requirements(self.problem.aircraft, perf.design, carried):
+            for row in design_requirements(self.problem.aircraft, perf.design):
                 if row.name != "mass_budget":
                     missed = missed + np.maximum(-np.asarray(row.value), 0.0)
             heaviest = self.problem.aircraft.design_space.maximum_total_mass_kg or np.inf

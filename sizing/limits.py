@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from missions.air import GRAVITY_M_PER_S2
-from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, FlightConditions, bus_voltage_v, flown_at
 from sizing.design_space import PROPULSION_VARIABLES, LimitedQuantity
@@ -26,11 +25,15 @@ ROW_TOLERANCE = 1e-5
 
 
 class DesignInFlight(NamedTuple):
-    """A design, the aircraft whose technology it has, and the conditions it flies in."""
+    """A design, and the aircraft whose technology it has."""
 
     aircraft: Aircraft
     design: Design
-    conditions: FlightConditions
+
+    @property
+    def conditions(self) -> FlightConditions:
+        """Conditions that it flies in."""
+        return self.design.conditions
 
     @property
     def lift_coefficient(self) -> Value:
@@ -150,14 +153,12 @@ def _propulsion_margins(it: DesignInFlight) -> dict[str, Value]:
     return {name: 1.0 - (1.0 + _CUSHION) * share for name, share in used.items()}
 
 
-def design_requirements(
-    aircraft: Aircraft, design: Design, conditions: FlightConditions
-) -> list[Requirement]:
+def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]:
     """Requirements on the design itself; the mass budget, an equation, comes first.
 
     Texts say what is wrong when the requirement is missed; ``{missed}`` stands for by how much.
     """
-    it = DesignInFlight(aircraft, design, conditions)
+    it = DesignInFlight(aircraft, design)
     covered = aircraft.parametric.maximum_module_coverage * design.wing_area_m2
     rows = [
         Requirement(
@@ -173,7 +174,7 @@ def design_requirements(
         # Relative to the airspeed, as the wind may be zero.
         Requirement(
             "airspeed_above_wind",
-            1.0 - conditions.wind_m_per_s / design.airspeed_m_per_s,
+            1.0 - it.conditions.wind_m_per_s / design.airspeed_m_per_s,
             "airspeed stays {missed} below the wind",
         ),
     ]
@@ -192,21 +193,21 @@ def design_requirements(
 
 
 def meets_requirements(
-    aircraft: Aircraft, mission: Mission, design: Design, *, wind_m_per_s: Value | None = None
+    aircraft: Aircraft, design: Design, *, wind_m_per_s: Value | None = None
 ) -> NDArray[np.bool_]:
     """Whether closed designs keep every requirement on the design itself.
 
-    A payload that the design chooses replaces the mission's. ``wind_m_per_s``: of each design,
-    instead of the mission's strongest. Returns of the designs' shape.
+    ``wind_m_per_s``: of each design, instead of its mission's strongest. Returns of the designs'
+    shape.
     """
     heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
-    carried = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     if wind_m_per_s is not None:
-        carried = carried._replace(wind_m_per_s=wind_m_per_s)
+        windy = design.conditions._replace(wind_m_per_s=wind_m_per_s)
+        design = design._replace(conditions=windy)
     mass = np.asarray(design.total_mass_kg)
     met = np.isfinite(mass) & (mass <= heaviest * (1.0 + ROW_TOLERANCE))
     with np.errstate(invalid="ignore"):
-        for row in design_requirements(aircraft, design, carried):
+        for row in design_requirements(aircraft, design):
             if row.name != MASS_BUDGET:  # closed
                 met = met & (np.asarray(row.value) >= -ROW_TOLERANCE)
     return np.asarray(met)

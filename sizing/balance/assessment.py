@@ -107,7 +107,7 @@ def drag_shares(aircraft: Aircraft, design: Design) -> DragShares | None:
     airframe = aircraft.airframe
     if not isinstance(airframe, ParametricAirframe) or airframe.drag is None:
         return None
-    it = DesignInFlight(aircraft, design, design.conditions)
+    it = DesignInFlight(aircraft, design)
     polar = _polar(airframe, design, it.lift_coefficient)
     return DragShares(*(float(one) for one in polar.shares(it.reynolds_number)))
 
@@ -131,7 +131,7 @@ def balance_assessment(aircraft: Aircraft, design: Design) -> BalanceAssessment 
     tail, balance = airframe.tail, airframe.balance
     assert tail is not None  # refused at validation
     assert design.sized_from is not None
-    it = DesignInFlight(aircraft, design, design.conditions)
+    it = DesignInFlight(aircraft, design)
     variables = design.variables
     wing = wing_of(airframe.planform, variables.wingspan_m, variables.aspect_ratio)
     wing = Wing(*(float(one) for one in wing))

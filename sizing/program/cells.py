@@ -281,7 +281,7 @@ class _Cells:
             task, excess_h = self.tasks[cell], perf.cycle.excess_time_h.min(axis=-1)
             good = (excess_h > 0.0) & (excess_h >= task.required_h)
             wind = task.held[WIND]
-            good &= meets_requirements(task.flown, task.mission, perf.design, wind_m_per_s=wind)
+            good &= meets_requirements(task.flown, perf.design, wind_m_per_s=wind)
             merit = np.where(good, merit_of(first.objective, perf), -np.inf)
             best_of[place] = merit.max()
         in_hours = ABSOLUTE_TOLERANCE_H if first.objective is Objective.max_excess_time else 0.0

@@ -198,10 +198,7 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
         designs = task.stacked(neighbours(task, values))
         design = closed_design(task.flown, task.mission, designs)
     assert design.chain is not None
-    rows = design_requirements(
-        task.flown, design, task.conditions.with_payload_of(design.variables)
-    )
-    limits = {row.name: row.value for row in rows}
+    limits = {row.name: row.value for row in design_requirements(task.flown, design)}
     every = (design.chain.efficiency, design.masses.propulsion, *(1.0 - limits[n] for n in names))
     found = np.log(np.stack([np.broadcast_to(one, len(design.total_mass_kg)) for one in every], 1))
     found[:, 0] -= math.log(values.get(EFFICIENCY_FACTOR, 1.0))  # the program has it

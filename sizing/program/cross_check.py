@@ -68,7 +68,7 @@ def cross_check(
         worst_h = np.min(perf.cycle.excess_time_h, axis=-1)
         least_h = result.required_excess_time_h - ABSOLUTE_TOLERANCE_H * (light is fine_day)
         kept = (worst_h > 0.0) & (worst_h >= least_h)
-        kept = kept & meets_requirements(aircraft, mission, perf.design)
+        kept = kept & meets_requirements(aircraft, perf.design)
         return np.where(kept, merit_of(objective, perf), np.nan)
 
     optimum, grid = result.design.variables, grid_of(aircraft).chosen()

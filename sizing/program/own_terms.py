@@ -18,7 +18,7 @@ from pydantic import Field
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.design import Design, FlightConditions, Masses, variables_of
+from sizing.design import Masses, variables_of
 from sizing.design_space import DesignSpace
 from sizing.limits import QUANTITIES, DesignInFlight, Requirement, design_requirements
 from sizing.mass_budget import closed_design, parametric_design
@@ -125,9 +125,7 @@ class OwnObjective:
 
     def of_flight(self, perf: Performance) -> Value:
         """Value of simulated designs."""
-        conditions = FlightConditions.of(perf.mission, self.aircraft)
-        carried = conditions.with_payload_of(perf.design.variables)
-        return self.term(DesignInFlight(self.aircraft, perf.design, carried))
+        return self.term(DesignInFlight(self.aircraft, perf.design))
 
     def row(self, it: DesignInFlight, variable: Value) -> Requirement:
         """Equation that makes a variable of the program the objective."""
@@ -167,12 +165,12 @@ def with_own_terms(
     Returns the objective as well; None where none is given.
     """
     # What scales refer to: the aircraft's own design, or where that has no mass one of a guess.
-    variables, conditions = variables_of(aircraft), FlightConditions.of(mission, aircraft)
-    design: Design = closed_design(aircraft, conditions, variables)
+    variables = variables_of(aircraft)
+    design = closed_design(aircraft, mission, variables)
     if not np.isfinite(design.total_mass_kg):
         mass_kg = 3.0 * variables.battery_mass_kg
-        design = parametric_design(aircraft, conditions, variables, mass_kg)
-    start = DesignInFlight(aircraft, design, conditions)
+        design = parametric_design(aircraft, mission, variables, mass_kg)
+    start = DesignInFlight(aircraft, design)
     own = None if objective is None else _objective(objective, start)
     rows = tuple(_constraint(one, start) for one in constraints)
     taken = {*_ENERGY, OWN, *(row.name for row in design_requirements(*start))}

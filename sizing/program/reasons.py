@@ -17,7 +17,6 @@ import numpy as np
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.balance import positive_part_wh
-from sizing.design import FlightConditions
 from sizing.held_station import POWER_AGAINST_WIND
 from sizing.limits import MASS_BUDGET, ROW_TOLERANCE, design_requirements
 from sizing.mass_budget import parametric_design
@@ -110,9 +109,8 @@ def violations(
     ``missed``: shortfall by name of the requirement: relative, or in hours of excess time.
     """
     worst, required_h = nearest.worst_scenario(), task.required_h
-    conditions = FlightConditions.of(nearest.mission, task.aircraft)
     with np.errstate(invalid="ignore"):  # the nearest design may be impossible
-        rows = design_requirements(task.flown, nearest.design, conditions)
+        rows = design_requirements(task.flown, nearest.design)
     where = nearest.day.scenarios.label(worst)
     left_h = float(nearest.cycle.excess_time_h[worst])
     flown = f"an excess time of {required_h:g} h is out of reach at {where}: the nearest design"

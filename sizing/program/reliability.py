@@ -256,7 +256,7 @@ def size_reliably(
     def judged(result: SizingResult, hours: FloatArray) -> Trial:
         assert result.design is not None
         reached = float(np.mean(hours >= required_h))
-        sound = meets_requirements(aircraft, mission, result.design)
+        sound = meets_requirements(aircraft, result.design)
         return Trial(result, reached, bool(sound) and reached >= reliability)
 
     hours = excess_h(nominal, shares)

@@ -77,8 +77,7 @@ def missed_by(task: SizingTask, design: Design) -> FloatArray:
     mass = np.asarray(design.total_mass_kg)
     heaviest = aircraft.design_space.maximum_total_mass_kg or np.inf
     missed = missed + np.maximum(mass / heaviest - 1.0, 0.0)
-    conditions = task.conditions.with_payload_of(design.variables)
-    for row in design_requirements(aircraft, design, conditions):
+    for row in design_requirements(aircraft, design):
         if row.name != MASS_BUDGET:
             missed = missed + np.maximum(-np.asarray(row.value), 0.0)
     return np.where(np.isfinite(missed) & np.isfinite(mass), missed, np.inf)

@@ -261,5 +261,5 @@ class SizingTask:
         """Whether a design keeps every requirement on itself (of a batch the first one)."""
         it = self.eased(values)
         aircraft = it.aircraft if self.beyond_limits else it.flown
-        met = meets_requirements(aircraft, it.mission, perf.design)
+        met = meets_requirements(aircraft, perf.design)
         return bool(np.ravel(met)[0])

@@ -383,14 +383,14 @@ def _design_symbols(
     chain, rows = _parts_symbols(kind, x, relative, data)
     design = parametric_design(flown, airs[0], variables, values[TOTAL_MASS], chain)
     bounds = limit_rows(kind)
-    for one in design_requirements(flown, design, airs[0]):
+    for one in design_requirements(flown, design):
         value = one.value
         if one.name in bounds and one.name in values:
             value = eased_row(value, bounds[one.name][1], values[one.name])
         rows.append((Constraint(one.name, equation=one.name == MASS_BUDGET), value))
     if OWN in values:
         space: Any = kind.design_space
-        it = DesignInFlight(flown, design, airs[0])
+        it = DesignInFlight(flown, design)
         own = space.own_objective.row(it, values[OWN])
         rows.append((Constraint(OWN, equation=True), own.value))
     powers, speeds = power_surface(flown, form, airs, variables, design)
@@ -436,7 +436,7 @@ def power_surface(
 
     Faster flight has a lower lift coefficient, ``C_L / ratio**2``.
     """
-    own = DesignInFlight(aircraft, design, airs[0]).lift_coefficient
+    own = DesignInFlight(aircraft, design).lift_coefficient
     ratios = [math.exp(place * FASTEST) for place in _places(form.ratios)]
     powers, speeds = [], []
     for air in airs:

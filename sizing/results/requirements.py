@@ -16,7 +16,7 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design import Design, FlightConditions, bus_voltage_v
+from sizing.design import Design, bus_voltage_v
 from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd
 from sizing.limits import QUANTITIES, ROW_TOLERANCE, DesignInFlight
 from sizing.mass_budget import parametric_design
@@ -185,8 +185,7 @@ def requirement_margins(
 def _of_parametric(
     aircraft: Aircraft, mission: Mission, design: Design
 ) -> Iterator[RequirementMargin]:
-    conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
-    it = DesignInFlight(aircraft, design, conditions)
+    it = DesignInFlight(aircraft, design)
     covered = float(design.variables.module_area_m2 / design.wing_area_m2)
     most = aircraft.parametric.maximum_module_coverage
     yield _at_most("module_coverage", "modules over wing area", covered, most, "")
@@ -202,14 +201,14 @@ def _of_parametric(
         one = _at_least("stall_margin", label("stall_margin"), float(it.stall_margin), least, "")
         yield one._replace(recommended=True)
     yield from _of_climb(aircraft, mission, design, float(design.rated_power_w))
-    yield from _of_parts(aircraft, mission, design)
+    yield from _of_parts(aircraft, design)
 
 
 def _of_climb(
     aircraft: Aircraft, mission: Mission, design: Design, rated_w: float
 ) -> Iterator[RequirementMargin]:
     """Climb at the highest altitude with the rated power, and with the empty battery's voltage."""
-    highest_m = mission.altitude_m if mission.climb is None else mission.climb.ceiling_m
+    highest_m = mission.ceiling_m
     there = mission.at_altitude(highest_m) if highest_m > mission.altitude_m else mission
     mass_kg = float(design.total_mass_kg)
     aloft = parametric_design(aircraft, there, design.variables, mass_kg)
@@ -222,7 +221,7 @@ def _of_climb(
     if (propulsion := aircraft.propulsion_by_parts) is None:
         return
     thrust_w = float(aloft.thrust_power_w)
-    speed, air = float(aloft.airspeed_m_per_s), FlightConditions.of(there, aircraft).air
+    speed, air = float(aloft.airspeed_m_per_s), aloft.conditions.air
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     empty_v, _ = bus_voltage_v(aircraft)
     most, some = np.nan, _THRUSTS[::_COARSE]
@@ -239,13 +238,13 @@ def _of_climb(
     yield _absolute(name, text, climb, 0.0, "m/s")._replace(recommended=True)
 
 
-def _of_parts(aircraft: Aircraft, mission: Mission, design: Design) -> Iterator[RequirementMargin]:
+def _of_parts(aircraft: Aircraft, design: Design) -> Iterator[RequirementMargin]:
     """Limits of the parts of a propulsion in level flight with an empty battery."""
     if (propulsion := aircraft.propulsion_by_parts) is None:
         return
     own = propulsion.sized(*design.variables.mapped(float).of_propulsion)
     thrust_w = float(design.thrust_power_w)
-    speed, air = float(design.airspeed_m_per_s), FlightConditions.of(mission, aircraft).air
+    speed, air = float(design.airspeed_m_per_s), design.conditions.air
     empty_v, _ = bus_voltage_v(aircraft)
     point = own.point(thrust_w, speed, air, (empty_v, empty_v))
     yield _at_most("duty", "duty of the controller, empty battery", float(point.duty), 1.0, "")

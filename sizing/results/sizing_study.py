@@ -17,7 +17,7 @@ from sizing.aircraft import Aircraft
 from sizing.balance.assessment import BalanceAssessment, balance_assessment
 from sizing.climb import ClimbPerformance, beside_constant
 from sizing.day.light import SolarModel
-from sizing.design import Design, DesignVariables, FlightConditions, Masses
+from sizing.design import Design, DesignVariables, Masses
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import parametric_design
 from sizing.performance import Performance
@@ -289,8 +289,7 @@ class SizingStudy(Result):
         design = self.result.design
         if design is None:
             return None
-        conditions = FlightConditions.of(self.mission, self.aircraft)
-        it = DesignInFlight(self.aircraft, design, conditions.with_payload_of(design.variables))
+        it = DesignInFlight(self.aircraft, design)
         values: dict[str, float] = {name: float(of(it)) for name, of in QUANTITIES.items()}
         margin = float(stall_margin_within_polar(it))
         if margin != values["stall_margin"]:

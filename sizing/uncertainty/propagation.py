@@ -140,8 +140,8 @@ def _with_nearby_parts(aircraft: Aircraft, mission: Mission) -> Aircraft:
     if parts.propeller.table is not None:
         return aircraft.with_airframe(propulsion=design.chain)
     flight = float(design.thrust_power_w), float(design.airspeed_m_per_s)
-    air = FlightConditions.of(mission, aircraft).air
-    return aircraft.with_airframe(propulsion=NearbyPropulsion.of(parts, *flight, air))
+    nearby = NearbyPropulsion.of(parts, *flight, design.conditions.air)
+    return aircraft.with_airframe(propulsion=nearby)
 
 
 class Propagation:

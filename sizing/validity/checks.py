@@ -53,7 +53,7 @@ def design_checks(
     if isinstance(airframe, MeasuredAirframe):
         yield from _measured_checks(airframe, design)
     else:
-        yield from _parametric_checks(DesignInFlight(aircraft, design, design.conditions))
+        yield from _parametric_checks(DesignInFlight(aircraft, design))
 
 
 def wind_check(design: Design, wind_m_per_s: ArrayLike) -> Iterator[Check]:

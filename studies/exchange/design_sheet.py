@@ -9,7 +9,6 @@ from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from sizing.aircraft import ParametricAirframe
-from sizing.design import FlightConditions
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import catalogue, parameter, parameter_value, unit_text
 from sizing.results import quantities as q
@@ -150,7 +149,7 @@ def _values(analysis: Analysis) -> dict[str, float | None]:
         "cruise_discharge_rate_per_h": load_w / float(design.battery_energy_wh),
     }
     if isinstance(aircraft.airframe, ParametricAirframe):
-        it = DesignInFlight(aircraft, design, FlightConditions.of(analysis.mission, aircraft))
+        it = DesignInFlight(aircraft, design)
         names = (*_FLIGHT, *_POWER)
         values |= {name: _as_float(QUANTITIES[name](it)) for name in names}  # type: ignore[index]  # all are quantities
     return values

@@ -7,7 +7,7 @@ from typing import Any
 
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import SolarModel
-from sizing.design import Design, FlightConditions
+from sizing.design import Design
 from sizing.limits import DesignInFlight
 from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
@@ -68,7 +68,7 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
     aircraft, analysis = subject.aircraft, subject.analysis
     design, values = analysis.performance.design, analysis.scenario()
     modules, mission = aircraft.modules, subject.mission
-    flown = DesignInFlight(aircraft, design, FlightConditions.of(mission, aircraft))
+    flown = DesignInFlight(aircraft, design)
     yield facts(
         "geometry and mass",
         [

@@ -20,7 +20,7 @@ from sizing.day.heights import ClimbLimitError, climb_limits
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.day.module_power import path_troubles
-from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.design_space import DesignSpace, Range
 from sizing.limits import MASS_BUDGET, design_requirements
 from sizing.mass_budget import (
@@ -290,11 +290,10 @@ def _missed(
 ) -> dict[str, _Missed]:
     """Requirements on a design that sizing has as well."""
     design = flight.design
-    conditions = FlightConditions.of(mission, aircraft).with_payload_of(design.variables)
     with np.errstate(invalid="ignore"):
         rows = {
             one.name: (np.asarray(one.value), one.text)
-            for one in design_requirements(aircraft, design, conditions)
+            for one in design_requirements(aircraft, design)
             if one.name != MASS_BUDGET
         }
     mass = np.asarray(design.total_mass_kg)

@@ -12,7 +12,6 @@ from missions.files.errors import InputError
 from sizing.balance.assessment import drag_shares
 from sizing.balance.drag import Pod, skin_friction
 from sizing.balance.in_design import structure_with_tail
-from sizing.design import FlightConditions
 from sizing.library import load_aircraft
 from sizing.limits import DesignInFlight
 from sizing.mass_budget import design_of
@@ -56,7 +55,7 @@ def test_pods_have_volume_and_surface_of_ellipsoids(length: float, diameter: flo
 def test_the_parts_are_all_of_the_drag(polar: str) -> None:
     craft = aircraft("twin-boom-design", polar)
     design = design_of(craft, MISSION)
-    it = DesignInFlight(craft, design, FlightConditions.of(MISSION, craft))
+    it = DesignInFlight(craft, design)
     shares = drag_shares(craft, design)
     pressure = 0.5 * it.conditions.density_kg_per_m3 * design.airspeed_m_per_s**2
     assert it.drag_n == pytest.approx(pressure * design.wing_area_m2 * shares.total, rel=1e-9)
@@ -77,7 +76,7 @@ def test_a_tail_by_hand() -> None:
     chord = 5.65 / 18.5
     area = 0.35 / 4.0 * 5.65 * chord
     tail_chord = math.sqrt(area / 5.0)
-    it = DesignInFlight(craft, design, FlightConditions.of(MISSION, craft))
+    it = DesignInFlight(craft, design)
     reynolds = it.reynolds_number * tail_chord / chord
     friction = 0.5 * 1.328 / math.sqrt(reynolds) + 0.5 * 0.074 / reynolds**0.2
     form = 1.0 + 2.0 * 0.08 + 60.0 * 0.08**4

@@ -48,7 +48,7 @@ def test_no_design_nearby_is_better(objective: Objective) -> None:
     near = {n: getattr(own, n) * np.exp(rng.normal(0.0, 0.02, 40)) for n in names}
     flown = performance_of_designs(DESIGN, there, own._replace(**near))
     good = np.min(flown.cycle.excess_time_h, axis=-1) > result.required_excess_time_h
-    good &= np.asarray(meets_requirements(DESIGN, there, flown.design))
+    good &= np.asarray(meets_requirements(DESIGN, flown.design))
     # Each flies the best schedule of its own, which a sizing knows to half a per cent.
     best = float(np.where(good, merit_of(objective, flown), -np.inf).max())
     assert best <= result.merit + 0.01 * abs(result.merit)

@@ -145,7 +145,7 @@ def searched(one: Mission, score: Any, points: int, rounds: int) -> tuple[float,
         aspect = np.full(len(span), DESIGN.airframe.aspect_ratio)
         with np.errstate(all="ignore"):
             perf = flown_batch(one, DesignVariables(span, aspect, battery, area), day)
-            met = np.ravel(meets_requirements(DESIGN, one, perf.design))
+            met = np.ravel(meets_requirements(DESIGN, perf.design))
             scores: FloatArray = np.where(met, np.nan_to_num(score(perf), nan=-np.inf), -np.inf)
         i = int(np.argmax(scores))
         if scores[i] > best:

@@ -22,7 +22,7 @@ from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
-from sizing.design import FlightConditions, variables_of
+from sizing.design import variables_of
 from sizing.design_space import LimitedQuantity
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.parameters import with_parameter
@@ -244,7 +244,7 @@ def test_limits_are_kept_and_cost_something(name: LimitedQuantity, side: str) ->
         design = result.design
         if design is None:
             return result, float("nan")
-        it = DesignInFlight(plane, design, FlightConditions.of(mission(), plane))
+        it = DesignInFlight(plane, design)
         return result, float(QUANTITIES[name](it))
 
     free, unlimited = sized(aircraft(ratio))
@@ -263,7 +263,7 @@ def test_limits_are_kept_and_cost_something(name: LimitedQuantity, side: str) ->
 def test_every_quantity_has_a_formula_and_a_sound_value() -> None:
     plane, where = aircraft(), mission(payload={"mass_kg": 0.5})
     perf = performance(plane, where)
-    it = DesignInFlight(plane, perf.design, FlightConditions.of(where, plane))
+    it = DesignInFlight(plane, perf.design)
     assert set(QUANTITIES) == set(get_args(LimitedQuantity))
     for quantity in QUANTITIES.values():
         assert float(quantity(it)) > 0.0

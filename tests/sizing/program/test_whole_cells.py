@@ -70,7 +70,7 @@ def least_span_m(aircraft: Aircraft, per_half: int, parallel: int, spans: Any) -
     plain = without_whole_cells(aircraft)
     flown = performance_of_designs(plain, MISSION, variables)
     enough = np.min(flown.cycle.excess_time_h, axis=-1) >= REQUIRED_H
-    sound = meets_requirements(plain, MISSION, flown.design)
+    sound = meets_requirements(plain, flown.design)
     return float(np.min(spans[holds & enough & sound], initial=np.inf))
 
 

@@ -10,7 +10,6 @@ import pytest
 import missions
 import sizing
 from sizing.aerodynamics.parabolic import level_flight_power_w
-from sizing.design import FlightConditions
 from sizing.limits import DesignInFlight
 from sizing.mass_budget import design_of
 from sizing.parameters import parameter
@@ -79,8 +78,8 @@ def test_drag_times_airspeed_is_the_power_of_the_polar() -> None:
         sizing.load_aircraft("atlantiksolar-design"),
         missions.load_mission("rafz-july"),
     )
-    design, air = design_of(aircraft, mission), FlightConditions.of(mission, aircraft)
-    flown = DesignInFlight(aircraft, design, air)
+    design = design_of(aircraft, mission)
+    flown, air = DesignInFlight(aircraft, design), design.conditions
     drag_n, lift_to_drag = quantities.DRAG.of(flown), quantities.LIFT_TO_DRAG.of(flown)
     power_w = level_flight_power_w(
         aircraft.airframe.aerodynamics,

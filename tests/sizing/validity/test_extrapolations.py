@@ -16,7 +16,7 @@ from missions.files.shipped import shipped_names
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
-from sizing.design import DesignVariables, FlightConditions, variables_of
+from sizing.design import DesignVariables, variables_of
 from sizing.limits import DesignInFlight
 from sizing.mass_budget import closed_design
 from sizing.performance import performance, performance_of_designs
@@ -288,7 +288,7 @@ def test_the_stall_outside_of_the_polar_is_the_fenced_one() -> None:
     aircraft = Aircraft.model_validate(data)
     base = variables_of(aircraft)._replace(wingspan_m=2.5, battery_mass_kg=0.3, module_area_m2=0.1)
     design = closed_design(aircraft, where, base)
-    it = DesignInFlight(aircraft, design, FlightConditions.of(where, aircraft))
+    it = DesignInFlight(aircraft, design)
     assert float(it.reynolds_number) < 60000.0
     fenced = float(stall_margin_within_polar(it))
     assert fenced == pytest.approx(
