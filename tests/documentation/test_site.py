@@ -14,16 +14,12 @@ pytestmark = [
 ]
 PAGES = (
     "index.html",
-    "get-started.html",
     "energy-balance.html",
     "structure.html",
-    "validity.html",
-    "nomenclature.html",
     "cli.html",
     "gallery/index.html",
     "gallery/season_map.html",
     "notebooks/first_design.html",
-    "api/sizing.html",
     "api/generated/sizing.Analysis.html",
 )
 

@@ -49,9 +49,12 @@ def winds_file(folder: Path, winds: Mapping[int, float]) -> str:
 
 
 def held(folder: Path, winds: Mapping[int, float], *, hold: bool = True, **changes: Any) -> Mission:
+    """The stratospheric mission at its longest night, in such winds."""
     wind = {"percentile": 90.0, "file": winds_file(folder, winds), "hold_station": hold}
     climb = {"ceiling_m": 22000.0, "strategy": "surplus"}
-    return shipped_mission("stratosphere-mission", **({"wind": wind, "climb": climb} | changes))
+    night = {"latitude_deg": 25.0, "dates": {"on": "08-15"}}
+    given = night | {"wind": wind, "climb": climb}
+    return shipped_mission("stratosphere-mission", **(given | changes))
 
 
 def excess_h(craft: Aircraft, where: Mission) -> Any:

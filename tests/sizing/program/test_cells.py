@@ -70,7 +70,8 @@ def test_a_cell_without_design_says_what_a_sizing_alone_says(
     alone = size_aircraft(aircraft, at(mission, place), Objective.min_wingspan)
     (text,) = [one.text for one in alone.violations if one.requirement == found.requirement[place]]
     assert cell in text
-    assert found.message[place] == text
+    # By how much is a matter of the nearest design, of which a hopeless cell has many.
+    assert found.message[place].partition(" short by ")[0] == text.partition(" short by ")[0]
 
 
 def test_no_cell_is_left_open_and_all_optima_are_cross_checked(

@@ -76,12 +76,10 @@ def test_what_is_sized_flies_as_analysed() -> None:
     assert "climbs by day from 536 m" in str(study)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_what_is_asked_of_a_sizing_knows_climbs() -> None:
-    study = sizing.size(DESIGN, climbing(2536.0), with_sensitivities=True, with_builds=True)
+    study = sizing.size(DESIGN, climbing(2536.0), with_sensitivities=True)
     assert study.sensitivities
-    masses = {one.build: one.objective_value for one in study.builds}
-    assert len({value for value in masses.values() if value}) > 1
     failed = sizing.size(DESIGN, climbing(2536.0, dates={"on": "12-21"}))
     assert failed.result.status is SizingStatus.infeasible
     assert failed.relaxations

@@ -17,6 +17,7 @@ from sizing.program.own_terms import NAMES
 
 REQUIRED_H = 3.0
 MISSION = missions.load_mission("central-europe-summer", {"required_excess_time_h": REQUIRED_H})
+JULY = missions.load_mission("rafz-july", {"required_excess_time_h": REQUIRED_H})
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +57,7 @@ def test_a_weighted_objective_against_a_grid_of_simulated_designs(design: Aircra
     best = found.variables
     assert best is not None
     axes = [
-        value * np.linspace(0.75, 1.25, 21)
+        value * np.linspace(0.76, 1.24, 13)
         for value in (best.wingspan_m, best.battery_mass_kg, best.module_area_m2)
     ]
     span, battery, area = (v.ravel() for v in np.meshgrid(*axes, indexing="ij"))
@@ -67,10 +68,10 @@ def test_a_weighted_objective_against_a_grid_of_simulated_designs(design: Aircra
     value = (battery[inside] + 0.8 * span[inside])[enough]
     own = found.result.objective_value
     assert own == pytest.approx(best.battery_mass_kg + 0.8 * best.wingspan_m, rel=1e-12)
-    assert value.size > 1000
+    assert value.size > 300
     # None of the grid is better; the best of it is next to the optimum.
     assert own <= value.min() * (1.0 + 1e-3)
-    assert own == pytest.approx(value.min(), rel=0.025)  # one step of the grid
+    assert own == pytest.approx(value.min(), rel=0.04)  # one step of the grid
     # Neither of its parts is the least, so that the weights decide.
     assert (
         best.wingspan_m > 1.01 * sizing.size(design, MISSION, "min_wingspan").variables.wingspan_m
@@ -122,14 +123,14 @@ def test_an_infeasible_answer_names_the_constraint(design: Aircraft) -> None:
 def test_what_is_asked_of_a_sizing_knows_own_terms(design: Aircraft) -> None:
     found = sizing.size(
         design,
-        MISSION,
+        JULY,
         lambda it: 2.0 * it.total_mass_kg,
         constraints=[lambda it: it.wingspan_m <= 4.5],
         with_sensitivities=True,
         with_cross_check=True,
     )
     bounded = sizing.load_aircraft("atlantiksolar-design", {"design_space.wingspan_m.maximum": 4.5})
-    expected = sizing.size(bounded, MISSION, with_sensitivities=True)
+    expected = sizing.size(bounded, JULY, with_sensitivities=True)
     assert found.cross_check is not None
     assert found.cross_check.cross_checked
     worth = {one.parameter: one.derivative for one in found.sensitivities or []}

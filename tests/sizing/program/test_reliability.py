@@ -163,7 +163,6 @@ def test_payload_and_several_scenarios():
         ({"reliability": 0.0}, "above 0 and below 1"),
         ({"reliability": float("nan")}, "above 0 and below 1"),
         ({"objective": "longest_season"}, "longest_season counts days or degrees"),
-        ({"aircraft": load_aircraft("sky-sailor")}, "has an uncertain input: a reliability needs"),
         ({"with_cross_check": True}, "know of no reliability"),
         (
             {"aircraft": with_inputs(**{"mission.x": {"sigma": 1}})},

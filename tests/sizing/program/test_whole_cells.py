@@ -76,27 +76,28 @@ def least_span_m(aircraft: Aircraft, per_half: int, parallel: int, spans: Any) -
 
 def test_best_design_is_that_of_a_scan() -> None:
     study = halves()
-    cells, spans = study.whole_cells, np.arange(4.20, 4.50, 0.002)
+    cells, spans = study.whole_cells, np.arange(4.24, 4.40, 0.004)
     assert cells is not None
     assert cells.chosen is not None
     assert study.variables is not None
     found = {
         (per_half, parallel): least_span_m(study.aircraft, per_half, parallel, spans)
-        for per_half in range(46, 54)
-        for parallel in range(8, 12)
+        for per_half in range(47, 53)
+        for parallel in (9, 10, 11)
     }
-    # The scan's step of 2 mm; 0.012 h of excess time that a search may leave are another 1 mm.
-    assert study.variables.wingspan_m == pytest.approx(min(found.values()), abs=0.004)
+    # The scan's step of 4 mm; 0.012 h of excess time that a search may leave are another 1 mm.
+    assert study.variables.wingspan_m == pytest.approx(min(found.values()), abs=0.006)
     chosen = cells.chosen.cells // 2, cells.chosen.cells_in_parallel
-    assert found[chosen] == pytest.approx(min(found.values()), abs=0.004)
+    assert found[chosen] == pytest.approx(min(found.values()), abs=0.006)
 
 
 def test_every_neighbour_is_that_of_a_scan() -> None:
-    study, spans = halves(), np.arange(4.10, 5.00, 0.002)
+    study = halves()
     assert study.whole_cells is not None
     some = [one for one in study.whole_cells.tried if one.value is not None][:6]
     assert some
     for one in some:
+        spans = np.arange(one.value - 0.05, one.value + 0.05, 0.002)
         scanned = least_span_m(study.aircraft, one.cells // 2, one.cells_in_parallel, spans)
         # A program's light is that of another flow, to 0.3 % of a day.
         assert one.value == pytest.approx(scanned, abs=0.008)
@@ -153,6 +154,7 @@ def test_wing_that_holds_the_cells_limits() -> None:
     assert "wing that holds the cells" in str(study.summary())
 
 
+@pytest.mark.slow
 def test_payload_is_sized_beside_whole_cells_that_fit() -> None:
     study = sized(
         plane(WHOLE_CELLS, **{"design_space.wingspan_m.maximum": 5.65}), "max_payload_mass"
@@ -168,6 +170,7 @@ def test_payload_is_sized_beside_whole_cells_that_fit() -> None:
     assert any("need a wingspan of 5.84" in one.reason for one in told)
 
 
+@pytest.mark.slow
 def test_free_aspect_ratio_keeps_rows_on_the_chord() -> None:
     free = {"design_space.aspect_ratio": {"minimum": 10.0, "maximum": 25.0}}
     study = sized(plane(WHOLE_CELLS, **free), "min_mass")
@@ -180,6 +183,7 @@ def test_free_aspect_ratio_keeps_rows_on_the_chord() -> None:
     assert chord_m >= rows * 0.127 - 0.002 - 1e-6
 
 
+@pytest.mark.long
 def test_strings_leave_numbers_of_cells_out() -> None:
     strings = {
         "cells_in_series": 18,
@@ -239,6 +243,7 @@ def test_an_aircraft_without_cells_is_refused() -> None:
         sizing.size(aircraft, MISSION, whole_cells=True)
 
 
+@pytest.mark.slow
 def test_unlimited_excess_time_is_no_loss_and_no_failure() -> None:
     polar = sizing.load_aircraft(
         "atlantiksolar-design",

@@ -84,8 +84,7 @@ def test_dragging_with_the_pointer(page: Any) -> None:
 
 CHANGES = [
     {"battery.mass_kg": "3.7", "airframe.wingspan_m": "6.2"},
-    {LATITUDE: "-12.5", DAY: "40", "mission.payload.power_w": "4"},
-    {LATITUDE: "60", DAY: "300"},
+    {LATITUDE: "60", DAY: "300", "mission.payload.power_w": "4"},
 ]
 
 
@@ -148,7 +147,6 @@ def test_address_restores_the_view(open_page: Any, page: Any, address: str) -> N
 @pytest.mark.parametrize(
     ("key", "text", "words"),
     [
-        ("battery.mass_kg", "-1", "must be a number from"),
         ("battery.mass_kg", "", "must be a number from"),
         (LATITUDE, "91", "must be a number from -90 to 90"),
         (DAY, "12.5", "must be a whole number from 1 to 365"),

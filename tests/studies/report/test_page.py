@@ -48,8 +48,9 @@ def check_sheets(printed: list[Sheet]) -> None:
         assert 0.005 < sheet.ink < 0.5, f"sheet {number}"
 
 
-@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
-@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+@pytest.mark.parametrize(
+    ("size", "dark"), [(DESKTOP, False), (PHONE, True)], ids=["desktop, light", "phone, dark"]
+)
 @pytest.mark.parametrize("name", ["sized", "sized for a band", "built"])
 def test_page_fits_and_reads(
     open_page: OpenPage, reports: dict[str, Path], name: str, size: tuple[int, int], dark: bool
