@@ -57,7 +57,7 @@ def test_a_calibration_without_build_may_hold_its_own_aircraft() -> None:
     ("changes", "options"),
     [
         ({"airframe.structure": {"model": "own", "name": "of a test of rows"}}, {}),
-        ({}, {"objective": "longest_season"}),
+        pytest.param({}, {"objective": "longest_season"}, marks=pytest.mark.slow),
     ],
 )
 def test_no_rows_of_a_structure_of_ones_own_and_of_ranges(
