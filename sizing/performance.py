@@ -266,7 +266,7 @@ def performance(
     sunlit = (
         solar_day(aircraft, mission, solar, step_h=step_h, design=flown) if day is None else day
     )
-    return _simulate(aircraft, mission, solar, flown, sunlit, keep_trajectory=keep_trajectory)
+    return fly(aircraft, mission, solar, flown, sunlit, keep_trajectory=keep_trajectory)
 
 
 def performance_of_designs(
@@ -296,35 +296,7 @@ def performance_of_designs(
         excess time of -24 h.
     """
     sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    design = closed_design(aircraft, mission, variables)
-    return _simulate(aircraft, mission, solar, design, sunlit, keep_trajectory=True)
-
-
-def performance_of_pairs(
-    aircraft: Aircraft,
-    mission: Mission,
-    variables: DesignVariables,
-    solar: SolarModel = UNCORRECTED_CAM,
-    *,
-    day: SolarDay,
-    keep_trajectory: bool = False,
-) -> Performance:
-    """Simulate one design of a parametric aircraft in every scenario of a day.
-
-    ``variables``: arrays of the scenarios: the design that flies in each. Returns arrays of the
-    scenarios.
-    """
-    design = closed_design(aircraft, mission, variables)
-    return _simulate(
-        aircraft, mission, solar, design, day, keep_trajectory=keep_trajectory, paired=True
-    )
-
-
-def performance_in_pairs(
-    aircraft: Aircraft, mission: Mission, design: Design, solar: SolarModel, *, day: SolarDay
-) -> Performance:
-    """Simulate designs that are closed already, each in its own scenario of a day."""
-    return _simulate(aircraft, mission, solar, design, day, keep_trajectory=False, paired=True)
+    return fly(aircraft, mission, solar, closed_design(aircraft, mission, variables), sunlit)
 
 
 def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle:
@@ -348,17 +320,17 @@ def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle
     return joined(cycles, np.stack)
 
 
-def _simulate(
+def fly(
     aircraft: Aircraft,
     mission: Mission,
     solar: SolarModel,
     design: Design,
     day: SolarDay,
     *,
-    keep_trajectory: bool,
+    keep_trajectory: bool = True,
     paired: bool = False,
 ) -> Performance:
-    """Simulate every design in every scenario, or ``paired``: every design in its own."""
+    """Simulate every design of a batch in every scenario, or ``paired``: each in its own."""
     loads = DesignLoads.of(aircraft, mission, design, day, paired=paired)
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])

@@ -19,7 +19,7 @@ from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import Design
 from sizing.held_station import power_against_wind_w, refuse_one_airspeed
 from sizing.mass_budget import design_of
-from sizing.performance import performance_in_pairs
+from sizing.performance import fly
 from solar.types import BoolArray, FloatArray
 
 # Airspeed over that of the design: more takes over 20 times the power.
@@ -107,7 +107,7 @@ def _fastest(
             airspeed_m_per_s=airspeed,
             battery_energy_wh=np.full(count, float(design.battery_energy_wh)),
         )
-        perf = performance_in_pairs(aircraft, mission, flown, solar, day=day)
+        perf = fly(aircraft, mission, solar, flown, day, keep_trajectory=False, paired=True)
         return np.asarray(perf.cycle.perpetual)
 
     low, high = np.full(count, airspeeds[0]), np.full(count, airspeeds[highest])

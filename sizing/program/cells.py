@@ -22,7 +22,8 @@ from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import DesignVariables, picked, variables_of
 from sizing.limits import meets_requirements
-from sizing.performance import Performance, performance_of_pairs
+from sizing.mass_budget import closed_design
+from sizing.performance import Performance, fly
 from sizing.program.climbing import Profile, flight
 from sizing.program.corrections import neighbours
 from sizing.program.objectives import Objective
@@ -241,13 +242,15 @@ class _Cells:
         names |= first.design_variables(designs[0]).chosen().keys()
         columns = {name: np.array([one[name] for one in chosen]) for name in names}
         places = cells[:, np.newaxis] * each + np.arange(each)
-        perf = performance_of_pairs(
+        variables = DesignVariables(**columns).mapped(lambda v: np.repeat(v, each))
+        perf = fly(
             first.flown,
             first.mission,
-            DesignVariables(**columns).mapped(lambda v: np.repeat(v, each)),
             first.solar,
-            day=self.day.at(places.ravel()),
+            closed_design(first.flown, first.mission, variables),
+            self.day.at(places.ravel()),
             keep_trajectory=keep,
+            paired=True,
         )
         shape = len(cells), each
         store = perf.store

@@ -20,7 +20,7 @@ from sizing.day.light import UNCORRECTED_CAM, solar_day
 from sizing.design import FlightConditions, variables_of
 from sizing.mass_budget import design_of, parametric_design
 from sizing.parameters import parameter_value, with_parameter
-from sizing.performance import performance, performance_in_pairs
+from sizing.performance import fly, performance
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.station import FASTEST, faster_flight, station_keeping
 from sizing.uncertainty.propagation import Propagation
@@ -122,7 +122,7 @@ def test_the_simulator_confirms_the_fastest_airspeed(tmp_path: Path) -> None:
             airspeed_m_per_s=found.airspeed_m_per_s * factor,
             battery_energy_wh=np.full(3, design.battery_energy_wh),
         )
-        perf = performance_in_pairs(DESIGN, where, flown, UNCORRECTED_CAM, day=day)
+        perf = fly(DESIGN, where, UNCORRECTED_CAM, flown, day, paired=True)
         assert perf.cycle.perpetual.tolist() == [perpetual] * 3
 
 

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import click
+
+from missions.files.shipped import shipped_names
+from missions.logs.columns import ColumnMap, read_column_map
+from missions.logs.csv import read_flight_log
+from missions.logs.table import FlightLog
 from studies.cli.commands.verify import Verify
 from studies.cli.files import load
-from studies.cli.logs import read_log, refuse_swapped_log
+from studies.cli.options import LogOptions
 from studies.cli.outputs import check_report, figure_of, refuse_to_overwrite, told
 from studies.flight_logs import verification
 from studies.flight_logs.plots import figures
 from studies.output.run_folder import write_run_folder
 
+_YAML, _LOGS = (".yaml", ".yml"), (".csv", ".ulg", ".bin")
 # File of a folder of results with the samples.
 _SAMPLES = "samples.csv"
 
@@ -22,11 +29,11 @@ def verify(options: Verify) -> None:
     if folder is not None:
         refuse_to_overwrite("--out", str(Path(folder) / _SAMPLES), (log_file,))
     check_report(report, option="--report")
-    refuse_swapped_log(options.case.aircraft, log_file, "verify")
+    _refuse_swapped_log(options.case.aircraft, log_file, "verify")
     case = load(options.case)
     result = verification.verify(
         case.aircraft,
-        read_log(options.log),
+        _read_log(options.log),
         case.mission,
         windows=options.windows,
         filter_s=options.filter_s,
@@ -47,3 +54,19 @@ def verify(options: Verify) -> None:
             from studies.cli.reports import report_on_log  # with all that a page has
 
             report_on_log(case, result, log_file, report, overrides=options.case.overrides)
+
+
+def _read_log(options: LogOptions) -> FlightLog:
+    """Read the flight log that the options of a command name."""
+    file = options.columns_file
+    layout = ColumnMap() if file is None else read_column_map(file)
+    said = (options.timezone, options.start, options.ignore, options.exclude)
+    layout = layout.with_options(dict(options.columns), *said)
+    return read_flight_log(options.log_file, layout)
+
+
+def _refuse_swapped_log(aircraft: str, log_file: str, verb: str) -> None:
+    """Refuse a log where the aircraft is meant, and the reverse."""
+    named = log_file in shipped_names("aircraft") and not Path(log_file).exists()
+    if aircraft.lower().endswith(_LOGS) and (named or log_file.lower().endswith(_YAML)):
+        raise click.UsageError(f"the aircraft comes first: {verb} {log_file} {aircraft}")
