@@ -19,16 +19,14 @@ from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
-from sizing.aircraft import Aircraft
-from sizing.day.light import SolarModel
 from sizing.day.load import LoadInAir
 from sizing.day.record import flown_through
 from sizing.day.record_days import WeatherDays
 from sizing.mass_budget import design_of
+from sizing.program.margin import MarginSearch, Trial
 from sizing.program.objectives import Objective
-from sizing.program.reliability import Trial, least_margin, out_of_reach, with_design
+from sizing.program.reliability import with_design
 from sizing.program.result import SizingResult
-from sizing.program.size import size_aircraft
 from solar.types import BoolArray
 
 # What has a smallest or largest design on the edge of closing enough days.
@@ -63,7 +61,7 @@ def in_the_record(mission: Mission) -> Mission:
 
 
 @dataclass
-class SurvivalSizing:
+class SurvivalSizing(MarginSearch):
     """Search for the best design for which a share of the days of a season closes.
 
     ``mission``: at the record's site (:func:`missions.weather.site.mission_at_site`), as
@@ -71,60 +69,55 @@ class SurvivalSizing:
     season's days that close [-]. ``progress``: called with the steps that are done, and in all.
     """
 
-    aircraft: Aircraft
-    mission: Mission
-    objective: Objective
-    solar: SolarModel
     weather: Weather
     required: float
     progress: Callable[[int, int], None] | None = None
+    _done: int = 0
 
     def run(self) -> tuple[SizingResult, SizingResult, SizingResult | None]:
         """Outcome, sizing under a clear sky, and whose days are told: none without any design."""
-        season = int(np.count_nonzero(self.season))
-        needed = max(1, math.ceil(self.required * season - 1e-9))
-        case = (self.aircraft, self.mission, self.objective, self.solar)
-        clear, done = size_aircraft(*case), 0
-
-        def tell(steps: int) -> None:
-            if self.progress is not None:
-                self.progress(done, max(steps, _STEPS))
-
-        def judged(result: SizingResult) -> Trial:
-            active = (DAYS_THAT_CLOSE if " (" in n else n for n in result.active_constraints)
-            told = replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
-            days = int(np.count_nonzero(self.closes(result)[self.season]))
-            return Trial(told, days, days >= needed)
-
-        def searched(power: float) -> Trial | None:
-            """Best design, with some power of the sun's factor on the battery."""
-
-            def factors(margin: float) -> tuple[float, float]:
-                nonlocal done
-                tell(done + 1)
-                done += 1
-                return math.exp(-margin), math.exp(-margin * power)
-
-            return least_margin(case, clear, factors, judged, _ENDS, _STEP, _TOLERANCE)
-
-        found = searched(0.0)
-        if found is None or not found.enough:  # dark days that only a larger battery outlasts
-            other = searched(1.0)
+        season, clear = int(np.count_nonzero(self.season)), self.plain
+        found = self._searched(0.0)
+        if found is None or found.surplus < 0.0:  # dark days that only a larger battery outlasts
+            other = self._searched(1.0)
             if found is None or (other is not None and other.reached > found.reached):
                 found = other
-        done = max(done, _STEPS)
-        tell(done)
+        self._done = max(self._done, _STEPS)
+        self._tell(self._done)
         if found is None:
             return clear, clear, None
-        result = found.result
-        if found.enough:
-            return result, clear, result
         text = (
-            f"{needed} of the season's {season} days are out of reach: the best design that was "
-            f"found closes {found.reached:.0f}, a share of {found.reached / season:.3g}"
+            f"{self.needed} of the season's {season} days are out of reach: the best design that "
+            f"was found closes {found.reached:.0f}, a share of {found.reached / season:.3g}"
         )
         missed = self.required - found.reached / season
-        return out_of_reach(found, DAYS_THAT_CLOSE, missed, text), clear, result
+        return found.outcome(DAYS_THAT_CLOSE, missed, text), clear, found.result
+
+    def _searched(self, power: float) -> Trial | None:
+        """Best design, with some power of the sun's factor on the battery."""
+
+        def factors(margin: float) -> tuple[float, float]:
+            self._tell(self._done + 1)
+            self._done += 1
+            return math.exp(-margin), math.exp(-margin * power)
+
+        return self.least(factors, _ENDS, _STEP, _TOLERANCE)
+
+    def _tell(self, steps: int) -> None:
+        if self.progress is not None:
+            self.progress(self._done, max(steps, _STEPS))
+
+    def judge(self, result: SizingResult) -> Trial:
+        """Count the days of the season that a design closes."""
+        active = (DAYS_THAT_CLOSE if " (" in n else n for n in result.active_constraints)
+        told = replace(result, active_constraints=tuple(dict.fromkeys(active)), optimum=None)
+        days = int(np.count_nonzero(self.closes(result)[self.season]))
+        return Trial(told, days, math.inf if days >= self.needed else -math.inf)
+
+    @property
+    def needed(self) -> int:
+        """Days that must close."""
+        return max(1, math.ceil(self.required * np.count_nonzero(self.season) - 1e-9))
 
     @cached_property
     def days(self) -> WeatherDays:

@@ -18,7 +18,7 @@ from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.own_terms import with_own_terms
 from sizing.program.ranges import widest_range
 from sizing.program.relaxations import relaxations
-from sizing.program.reliability import check_reliability, size_reliably
+from sizing.program.reliability import ReliableSizing, check_reliability
 from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.sensitivity import constraint_multipliers, sensitivities
 from sizing.program.size import size_aircraft
@@ -253,7 +253,7 @@ def _reliable(
     """Sizing for a probability of the mission's required excess time."""
     case = (aircraft, mission, objective, solar)
     check_reliability(*case, least)
-    result, reliability = size_reliably(*case, reliability=least)
+    result, reliability = ReliableSizing(*case, least).run()
     asked = (aircraft, mission, result, solar)
     # What would help is known of a sizing that fails without uncertainty as well.
     failed = result.status is SizingStatus.infeasible and reliability is None

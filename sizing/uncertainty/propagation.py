@@ -169,15 +169,16 @@ class Propagation:
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
         self._parts = aircraft.propulsion_by_parts if by_table else None
 
-    def flights(self, values: dict[str, FloatArray]) -> Flights:
+    def flights(self, values: dict[str, FloatArray], *, enough_h: float = np.inf) -> Flights:
         """Fly all draws.
 
-        ``values``: values of every input by its key, shape ``(sample,)``.
+        ``values``: values of every input by its key, shape ``(sample,)``. ``enough_h``: excess time
+        from which on no draw need look for a better flight.
         """
         count = len(next(iter(values.values()))) if values else 1
         at_once = _DRAWS_AT_ONCE if self.mission.climb is None else _CLIMBING_AT_ONCE
         parts = [
-            self._block({key: value[some] for key, value in values.items()})
+            self._block({key: value[some] for key, value in values.items()}, enough_h)
             for some in blocks(count, at_once)
         ]
         return Flights(
@@ -252,7 +253,7 @@ class Propagation:
         income = np.mean(solar_w, axis=-1) * battery.mean_charge_efficiency / load
         return np.asarray(income), np.asarray(energy_wh / (24.0 * load))
 
-    def _block(self, values: dict[str, FloatArray]) -> Flights:
+    def _block(self, values: dict[str, FloatArray], enough_h: float) -> Flights:
         case = self._case(values)
         excess, charge, peak_w = [], [], np.zeros(case.count)
         highest_m = np.full(case.count, np.nan)
@@ -263,7 +264,8 @@ class Propagation:
                 excess_h, least = cycle.excess_time_h, cycle.minimum_state_of_charge
             else:
                 solar_w = self._solar_of_draws(case, scenario)
-                excess_h, least, altitude_m = self._with_climbs(case, scenario, solar_w)
+                flown = self._with_climbs(case, scenario, solar_w, enough_h)
+                excess_h, least, altitude_m = flown
                 highest_m = np.fmax(highest_m, altitude_m)
             peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
             excess.append(np.where(flies, excess_h, -24.0))
@@ -280,7 +282,9 @@ class Propagation:
             maximum_altitude_m=highest_m,
         )
 
-    def _with_climbs(self, case: _Case, scenario: int, solar_w: FloatArray) -> FloatArray:
+    def _with_climbs(
+        self, case: _Case, scenario: int, solar_w: FloatArray, enough_h: float
+    ) -> FloatArray:
         """Excess time [h], least state of charge and highest altitude [m] of every draw.
 
         Of the best of level flight and of flights along the profiles of less and of more light.
@@ -306,7 +310,8 @@ class Propagation:
             found[:, some] = np.where(new[0] > found[0, some], new, found[:, some])
 
         for at in places.reshape(2, -1):
-            fly(np.arange(case.count), heights_m[at])
+            some = np.flatnonzero(found[0] < enough_h)
+            fly(some, heights_m[at[some]])
         edge, closing_m = self._closing(scenario, steps)
         for height_m in closing_m:
             some = np.flatnonzero((found[0] <= 0.0) & (np.abs(below - edge) <= _APART))
