@@ -24,9 +24,11 @@ from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
 
 # Limits on the battery, by the power of the factor on it with which they grow.
-_OF_BATTERY: dict[LimitedQuantity, float] = {"battery_energy_wh": 1.0} | dict.fromkeys(
-    ("cruise_discharge_rate_per_h", "climb_discharge_rate_per_h"), -1.0
-)
+_OF_BATTERY: dict[LimitedQuantity, float] = {
+    "battery_energy_wh": 1.0,
+    "cruise_discharge_rate_per_h": -1.0,
+    "climb_discharge_rate_per_h": -1.0,
+}
 Factors = Callable[[float], tuple[float, float]]
 
 

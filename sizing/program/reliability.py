@@ -163,7 +163,7 @@ class ReliableSizing(MarginSearch):
         trial = self._judged(nominal, hours)
         if trial.surplus < 0.0:
             trial = self._searched(hours, trial.surplus) or trial
-        # Draws that have not chosen the design. Those of the search have not chosen the nominal one.
+        # Draws that have not chosen it; those of the search have not chosen the nominal design.
         fresh = np.random.default_rng(_VERIFICATION_SEED)
         shares = fresh.random((len(self._shares), VERIFICATION_SAMPLES))
         achieved = Proportion.of(self._excess_h(trial.result, shares) >= self._required_h)
