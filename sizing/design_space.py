@@ -150,29 +150,6 @@ class DesignSpace(Record):
                 return key
         return f"limits.{quantity}.{end}"
 
-    def with_limit(
-        self, quantity: LimitedQuantity, end: LimitEnd, value: float | None
-    ) -> DesignSpace:
-        """Same space with a limit that it has at another value; not validated.
-
-        Parameters
-        ----------
-        quantity, end
-            As for :meth:`key_of_limit`.
-        value : float or None
-            New limit in the quantity's unit; None takes it away.
-
-        Returns
-        -------
-        DesignSpace
-            Copy; a limit with a key of its own keeps that key.
-        """
-        key = self.key_of_limit(quantity, end)
-        if key in _NAMED_LIMITS:
-            return self.model_copy(update={key: value})
-        limit = self.limits[quantity].model_copy(update={end: value})
-        return self.model_copy(update={"limits": self.limits | {quantity: limit}})
-
     @model_validator(mode="after")
     def _check_mass(self) -> DesignSpace:
         heaviest, battery = self.maximum_total_mass_kg, self.battery_mass_kg.minimum

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -126,7 +126,7 @@ def is_doubled(owner: BaseModel, key: str) -> bool:
 def value_at(node: Any, key: str) -> Any:
     """What stands below a record at a key with dots; None where nothing does."""
     for part in key.split("."):
-        node = getattr(node, part, None)
+        node = node.get(part) if isinstance(node, Mapping) else getattr(node, part, None)
     return node
 
 
@@ -155,7 +155,8 @@ def all_replaced(node: M, values: Mapping[str, Value]) -> M:
     ``values``: by their keys, with a dot between the names of fields; numbers, texts or symbols.
     """
     inner: dict[str, dict[str, Value]] = {}
-    fields = {name: getattr(node, name) for name in type(node).model_fields}
+    names = getattr(type(node), "model_fields", None)  # none: some descriptions, by their names
+    fields = dict(node) if names is None else {name: getattr(node, name) for name in names}
     for key, value in values.items():
         head, _, rest = key.partition(".")
         if rest:
@@ -163,4 +164,4 @@ def all_replaced(node: M, values: Mapping[str, Value]) -> M:
         else:
             fields[head] = value
     fields |= {head: all_replaced(fields[head], some) for head, some in inner.items()}
-    return type(node).model_construct(**fields)
+    return cast("M", fields if names is None else type(node).model_construct(**fields))

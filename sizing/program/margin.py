@@ -17,11 +17,12 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarDay, SolarModel, solar_day
 from sizing.design_space import LimitedQuantity
-from sizing.parameters import MISSION_PREFIX, with_parameter
+from sizing.parameters import MISSION_PREFIX, all_replaced, value_at, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
+from sizing.program.variables import limit_rows
 
 # Limits on the battery, by the power of the factor on it with which they grow.
 _OF_BATTERY: dict[LimitedQuantity, float] = {
@@ -78,11 +79,13 @@ class MarginSearch:
         """Best design with a factor on the sun and one on the battery, flown without them."""
         space, margins = self.aircraft.design_space, self.mission.uncertainty_margins
         # Limits know nothing of the factor, which is no margin of a file: it may exceed 1.
-        for name, limit in space.all_limits().items():
-            for end in ("minimum", "maximum"):
-                if name in _OF_BATTERY and (value := getattr(limit, end)) is not None:
-                    space = space.with_limit(name, end, value * storage ** _OF_BATTERY[name])
-        limited = self.aircraft.model_copy(update={"design_space": space})
+        limits = {
+            f"design_space.{space.key_of_limit(*limit)}": storage ** _OF_BATTERY[limit[0]]
+            for limit in limit_rows(self.aircraft).values()
+            if limit[0] in _OF_BATTERY
+        }
+        values = {key: by * value_at(self.aircraft, key) for key, by in limits.items()}
+        limited = all_replaced(self.aircraft, values)
         capacity = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
         result = size_aircraft(
             *with_parameter(limited, self.mission, capacity, storage * margins.battery_capacity),

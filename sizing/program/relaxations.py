@@ -7,7 +7,6 @@ it, and none with 1 % less of it.
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left
 from collections.abc import Iterator
 from functools import cache
@@ -20,14 +19,13 @@ from missions.mission.scenarios import LatitudeRange
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarModel, solar_day
 from sizing.design import DesignVariables
-from sizing.design_space import LimitedQuantity, LimitEnd
 from sizing.parameters import catalogue, parameter, parameter_value, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.program.reasons import PERCENT, least_mission
 from sizing.program.result import SizingResult
 from sizing.program.size import Search, searched, size_aircraft
-from sizing.program.task import Eased, SizingTask
+from sizing.program.task import SizingTask
 from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables, limit_rows
 from sizing.relaxed_flight import Direction, Relaxation, rounded
 from sizing.roots import bisected
@@ -59,22 +57,18 @@ def relaxations(
     search = _Relaxations(
         aircraft, least_mission(aircraft, mission, result.objective), result, solar
     )
-    found = [search.moved(move) for move in search.moves()]
+    found = [search.relaxed(freed) for freed in search.freed()]
     found += [search.latitude(), search.required_excess()]
     return sorted((one for one in found if one), key=lambda one: one.relative_change)
 
 
-class _Move(NamedTuple):
-    """A variable of the program that may move between its ends, for a parameter.
+class _Freed(NamedTuple):
+    """A variable of the program that may move between its ends, ``scale`` of it a parameter."""
 
-    ``eased``: aircraft and mission with a value of the parameter: ``scale`` times the variable.
-    """
-
-    key: str
     name: str
+    key: str
     present: float
     ends: tuple[float, float]
-    eased: Eased
     scale: float = 1.0
 
     @property
@@ -98,97 +92,78 @@ class _Relaxations:
 
     # --- one parameter in the program ----------------------------------------------------------
 
-    def moves(self) -> Iterator[_Move]:
-        """Technology and payload; bounds that are reached; wind and limits in the way."""
-        chosen = {v.name: v for v in chosen_variables(self.aircraft, eased=True)}
-        for v in chosen.values():
-            key = parameter(v.name).key if v.role is Role.payload else v.name
-            present, eased = self._present(key), self._with(key)
-            if v.role is Role.technology:
-                furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
-                if parameter(key).relaxable == "up":
-                    furthest = max(parameter(key).maximum / present, 1.0)
-                if furthest != 1.0:
-                    ends = min(furthest, 1.0), max(furthest, 1.0)
-                    yield _Move(key, key, present, ends, eased, present)
-            elif v.role is Role.payload and self.objective.variable != v.name and present:
-                yield _Move(key, v.name, present, (0.0, present), eased)
+    def freed(self) -> Iterator[_Freed]:
+        """Technology and payload; bounds that are reached; limits and wind in the way."""
+        space, limits = self.aircraft.design_space, limit_rows(self.aircraft)
         reached = self.start.chosen() | {TOTAL_MASS: float(self.nearest.design.total_mass_kg)}
-        for key in (key for key, one in catalogue().items() if one.kind == "bound"):
-            bare = key.removeprefix("design_space.")
-            name = bare.removesuffix(".maximum").removeprefix("maximum_")
-            present = chosen[name].maximum
-            always = name == Objective.min_wingspan.variable
-            if math.isfinite(present) and (always or reached[name] >= _AT_BOUND * present):
-                yield _Move(key, name, present, (present, _WIDER * present), self._with(key))
-        wind = self.mission.strongest_wind_m_per_s
+        for v in chosen_variables(self.aircraft, eased=True):
+            key = v.name
+            if v.role is Role.limit:
+                key = f"design_space.{space.key_of_limit(*limits[v.name])}"
+            elif v.role is Role.payload:
+                key = parameter(v.name).key
+            elif v.role is Role.design:
+                bound = "maximum_total_mass_kg" if v.name == TOTAL_MASS else f"{v.name}.maximum"
+                key = f"design_space.{bound}"
+            present, furthest = parameter_value(self.aircraft, self.mission, key) or 0.0, 1.0
+            if v.role is Role.design and key in catalogue() and present:
+                always = v.name == Objective.min_wingspan.variable
+                if always or reached[v.name] >= _AT_BOUND * present:
+                    yield _Freed(v.name, key, present, (present, _WIDER * present))
+            elif v.role is Role.payload and self.objective.variable != v.name and present:
+                yield _Freed(v.name, key, present, (0.0, present))
+            elif v.role is Role.limit and v.name in self.in_the_way:
+                furthest = v.minimum if limits[v.name][1] == "minimum" else v.maximum
+            elif v.role is Role.technology and parameter(key).relaxable == "up":
+                furthest = max(parameter(key).maximum / present, 1.0)
+            elif v.role is Role.technology:
+                furthest = _LEAST_RELATIVE.get(key, _LEAST_OTHER)
+            if furthest != 1.0:
+                ends = min(furthest, 1.0), max(furthest, 1.0)
+                yield _Freed(v.name, key, present, ends, scale=present)
+        wind = float(self.mission.strongest_wind_m_per_s)
         if "airspeed_above_wind" in self.in_the_way and wind != 0.0:
-            in_wind = self.mission.in_wind
-            yield _Move(
-                WIND, WIND, wind, (0.0, wind), lambda value: (self.aircraft, in_wind(value))
-            )
-        space = self.aircraft.design_space
-        for name, (quantity, end) in limit_rows(self.aircraft).items():
-            if name in self.in_the_way:
-                present = getattr(space.all_limits()[quantity], end)
-                v = chosen[name]
-                ends = (1.0, v.maximum) if end == "maximum" else (v.minimum, 1.0)
-                key = f"design_space.{space.key_of_limit(quantity, end)}"
-                yield _Move(key, name, present, ends, self._with_limit(quantity, end), present)
+            yield _Freed(WIND, WIND, wind, (0.0, wind))
 
-    def _with_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> Eased:
-        def eased(value: float) -> tuple[Aircraft, Mission]:
-            space = self.aircraft.design_space.with_limit(quantity, end, value)
-            return self.aircraft.model_copy(update={"design_space": space}), self.mission
-
-        return eased
-
-    def _present(self, key: str) -> float:
-        return float(parameter_value(self.aircraft, self.mission, key) or 0.0)
-
-    def _with(self, key: str) -> Eased:
-        return lambda value: with_parameter(self.aircraft, self.mission, key, value)
-
-    def moved(self, move: _Move) -> Relaxation | None:
+    def relaxed(self, freed: _Freed) -> Relaxation | None:
         """Relaxation that moves a variable no further than it must, as sizings confirm it."""
+        mission = self.mission.in_wind(freed.present) if freed.name == WIND else self.mission
         task = SizingTask(
-            *(self.aircraft, self.mission, Objective.min_mass, self.solar, self.nearest.day),
+            *(self.aircraft, mission, Objective.min_mass, self.solar, self.nearest.day),
             self.required_h,
-            bounds={move.name: move.ends},
-            freed={move.name: lambda value: move.eased(move.scale * value)},
-            own_cost={move.name: 1.0 if move.upwards else -1.0},
+            bounds={freed.name: freed.ends},
+            freed={freed.name: (freed.key, freed.scale)},
+            own_cost={freed.name: 1.0 if freed.upwards else -1.0},
         )
         best = searched(task, self.start).best
         if best is None and not np.isfinite(self.nearest.design.total_mass_kg):
             # What carries its own mass at no present value may do so at the furthest one.
-            first = task.first_values(self.start) | {move.name: move.ends[move.upwards]}
+            first = task.first_values(self.start) | {freed.name: freed.ends[freed.upwards]}
             best = Search(task, first=first).run().best
         if best is None:
             return None
         start = task.design_variables(best.values)._replace(**_AS_GIVEN)
-        direction: Direction = "at least" if move.upwards else "at most"
-        value = rounded(move.scale * best.values[move.name], direction)
+        direction: Direction = "at least" if freed.upwards else "at most"
+        present, value = freed.present, rounded(freed.scale * best.values[freed.name], direction)
 
         @cache
         def reached_h(value: float) -> float | None:
-            return self._reached_h(*move.eased(value), start)
+            return self._reached_h(*with_parameter(self.aircraft, mission, freed.key, value), start)
 
         if reached_h(value) is None:
             return None
-        step = PERCENT * (value or move.present)
-        less = value + (-step if move.upwards else step)
-        if (less > move.present) is move.upwards and reached_h(less) is not None:
+        step = PERCENT * (value or present)
+        less = value + (-step if freed.upwards else step)
+        if (less > present) is freed.upwards and reached_h(less) is not None:
             less = bisected(
-                *(move.present, less, lambda value: reached_h(value) is not None),
-                lambda found: _BISECTED * max(found, PERCENT * move.present),
+                *(present, less, lambda value: reached_h(value) is not None),
+                lambda found: _BISECTED * max(found, PERCENT * present),
             )
             if reached_h(rounded(less, direction)) is not None:
                 value = rounded(less, direction)
-        limit = limit_rows(self.aircraft).get(move.name)
-        unit = parameter(move.key if limit is None else limit[0]).unit
-        return Relaxation(
-            *(move.key, unit, move.present, direction, value), reached_h(value) or 0.0
-        )
+        limit = limit_rows(self.aircraft).get(freed.name)
+        unit = parameter(freed.key if limit is None else limit[0]).unit
+        return Relaxation(freed.key, unit, present, direction, value, reached_h(value) or 0.0)
 
     def _reached_h(
         self, aircraft: Aircraft, mission: Mission, start: DesignVariables | None = None

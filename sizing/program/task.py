@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -15,6 +15,7 @@ from sizing.day.light import SolarDay, SolarModel
 from sizing.design import DesignVariables, FlightConditions
 from sizing.design_space import PROPULSION_VARIABLES
 from sizing.limits import meets_requirements
+from sizing.parameters import with_parameter
 from sizing.performance import Performance, performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import objective_value
@@ -31,7 +32,6 @@ from sizing.propulsion.chain import UnlimitedPropulsion
 from solar.types import FloatArray
 
 Values = Mapping[str, float]
-Eased = Callable[[float], tuple[Aircraft, Mission]]
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,10 @@ class SizingTask:
     the scenarios of the mission. ``required_h``: excess time of every scenario. ``continuous``:
     whether the sun must carry the nominal load at all times, instead of the battery. ``bounds``: of
     variables, in their unit, that replace their own. ``freed``: technology, limits, payload, a
-    bound or the wind that is free besides the design: by its name, aircraft and mission with a
-    value of it. ``beyond_limits``: whether the propulsion's parts may do more than their limits.
-    ``own_cost``: weights of variables in what is minimised, instead of the objective's.
+    bound or the wind that is free besides the design: by its name the key of its parameter, and
+    what one of the variable is of it. ``beyond_limits``: whether the propulsion's parts may do more
+    than their limits. ``own_cost``: weights of variables in what is minimised, instead of the
+    objective's.
     """
 
     aircraft: Aircraft
@@ -55,7 +56,7 @@ class SizingTask:
     required_h: float
     continuous: bool = False
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    freed: Mapping[str, Eased] = field(default_factory=dict)
+    freed: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     beyond_limits: bool = False
     own_cost: Mapping[str, float] | None = None
 
@@ -217,8 +218,8 @@ class SizingTask:
     def eased(self, values: Values) -> SizingTask:
         """The same for aircraft, mission and light with the values of what is freed."""
         aircraft, mission, day = self.aircraft, self.mission, self.day
-        for name, eased in self.freed.items():
-            aircraft, mission = eased(values[name])
+        for name, (key, scale) in self.freed.items():
+            aircraft, mission = with_parameter(aircraft, mission, key, scale * values[name])
             if name == SOLAR_TECHNOLOGY:
                 day = day.scaled(values[name])
         if not self.freed:
