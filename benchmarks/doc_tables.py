@@ -112,7 +112,7 @@ def _reliabilities() -> str:
         Column("asked", "reliability asked for"),
         Column("wingspan", "wingspan [m]"),
         Column("mass", "total mass [kg]"),
-        Column("found", "found in 10,000 independent draws"),
+        Column("found", "found in independent draws"),
     )
     aircraft = load_aircraft("atlantiksolar-design")
     mission = load_mission("rafz-july", {"required_excess_time_h": 3.0})
