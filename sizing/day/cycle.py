@@ -26,6 +26,7 @@ def simulate_cycle(
     *,
     nominal_load_w: ArrayLike | None = None,
     keep_trajectory: bool = True,
+    climbs: bool = False,
 ) -> Cycle:
     """Converge the cycle of a batch and measure it.
 
@@ -45,6 +46,8 @@ def simulate_cycle(
         Load that defines equal power and excess time [W]; the smallest load of the day if omitted.
     keep_trajectory : bool
         Keep the stored energy over time; without it ``energy_wh`` is NaN at a single instant.
+    climbs : bool
+        Whether the load has climbs, see :func:`sizing.day.metrics.measured`.
 
     Returns
     -------
@@ -57,7 +60,7 @@ def simulate_cycle(
     for some in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
         block = cells.select(some)
         first = first_repetition(ChargingDay.of(block.balance), block.store)
-        parts.append(measured(block, first.run, keep_trajectory))
+        parts.append(measured(block, first.run, keep_trajectory, climbs))
         unsettled.append(some.start + first.unsettled)
         highest_wh.append(first.highest_wh)
     places, highest = np.concatenate(unsettled), np.concatenate(highest_wh)
@@ -66,7 +69,7 @@ def simulate_cycle(
         block = cells.select(places[some])
         day = ChargingDay.of(block.balance)
         run = day.run(block.store, repeated_wh(day, block.store, highest[some]))
-        parts.append(measured(block, run, keep_trajectory))
+        parts.append(measured(block, run, keep_trajectory, climbs))
         late_places.append(places[some])
     at_once = len(parts) - len(late_places)
 

@@ -15,7 +15,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.chain_at_heights import ClimbChain
 from sizing.day.light import Light, SolarDay
-from sizing.day.load import thermal_shape
+from sizing.day.load import load_shape
 from sizing.day.module_power import convection_of
 from sizing.design import NO_FLIGHT_W, Design
 from sizing.held_station import against_wind
@@ -25,6 +25,7 @@ from sizing.mass_budget import (
     operating_trouble,
     parametric_design,
 )
+from sizing.propulsion.part_load import load_range
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Fields of the levels that every element has one of.
@@ -261,23 +262,15 @@ def flight_levels(
     flies = np.isfinite(power_w).all(axis=0) & np.isfinite(weight_n) & held[0]
     limits, own = climb_limits(aircraft, design), np.shape(flown[0].propulsion_power_w)
     most_w = each(limits.maximum_power_w)
-    thermal = thermal_shape(day.time_h, day.sunrise_h, day.sunset_h)
-    # Draws of uncertain inputs are arrays of the elements.
-    all_day, most = (
-        np.asarray(value, float)[..., np.newaxis]
-        for value in (mission.turbulence.all_day, mission.turbulence.thermal)
-    )
-    steady = 1.0 + all_day
+    thrust = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)
     return FlightLevels(
         altitude_m=altitudes,
         propulsion_power_w=np.where(flies, power_w, NO_FLIGHT_W),
         light=day.levels,
         module_area_m2=each(design.variables.module_area_m2),
         scenario=np.broadcast_to(scenarios, shape).ravel(),
-        turbulence_factor=np.broadcast_to(
-            steady + most * thermal, day.specific_power_w_per_m2.shape
-        ),
-        nominal_factor=each(steady[..., 0]),
+        turbulence_factor=np.broadcast_to(thrust, day.specific_power_w_per_m2.shape),
+        nominal_factor=each(load_range(mission.turbulence.all_day, 0.0)[0]),
         constant_power_w=each(design.constant_power_w),
         efficiency=each(limits.efficiency),
         maximum_power_w=np.where(flies, most_w, 0.0),

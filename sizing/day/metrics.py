@@ -191,17 +191,20 @@ def _time_at(time_h: FloatArray, index: IntArray, fraction: FloatArray) -> Float
     return np.asarray(time_h[index] + fraction * (time_h[index + 1] - time_h[index]))
 
 
-def measured(cells: Cells, run: DayRun, keep_trajectory: bool) -> Cycle:
+def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = False) -> Cycle:
     """Metrics of a batch from the run of its day.
 
     The excess time is above zero for perpetual flight, and infinite where solar power never falls
-    below the load; of a flight to a landing it is what is left then.
+    below the load; of a flight to a landing it is what is left then. ``climbs``: what a load lacks
+    counts in hours of the nominal load at least, as no battery that is empty lifts anything.
     """
     balance, store, nominal = run.day.balance, run.store, cells.nominal_w
     lands = cells.flown is not None
     day = slice(np.searchsorted(cells.time_h, HOURS_PER_DAY, "right"))
     equal = equal_power(cells.time_h[day], cells.above_nominal_w()[day])
     missing_h, unserved = _unserved(run)
+    if climbs:
+        missing_h = np.maximum(missing_h, unserved / nominal)
     budget = _energy_budget(cells, run, unserved)
     with np.errstate(divide="ignore", invalid="ignore"):
         last_wh = run.end_wh if lands else _dawn_wh(balance, run, equal)

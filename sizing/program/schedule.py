@@ -7,7 +7,6 @@ hours that lack power are as few as can be.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 from threading import RLock
 from typing import Any, NamedTuple
@@ -149,18 +148,13 @@ def flown_along(
             share = np.clip(np.where(rise_w > 0.0, share, 1.0).min(axis=-1, keepdims=True), 0, 1)
             height_m[short] = share * high
             solar_w[short], load_w[short] = few.powers_along(time_h, height_m[short])
-    nominal_w = levels.nominal_load_w
     cycle = simulate_cycle(
         *(time_h, solar_w, load_w, store),
-        nominal_load_w=nominal_w,
+        nominal_load_w=levels.nominal_load_w,
         keep_trajectory=not of_others,
+        climbs=True,
     )
-    # No battery that is empty lifts anything: what lacks counts in hours of the nominal load.
-    missing_h = np.maximum(cycle.missing_h, cycle.energy_budget.unserved_wh / nominal_w)
-    excess_h = np.where(cycle.missing_h > 0.0, -missing_h, cycle.excess_time_h)
-    return Climbs(
-        replace(cycle, missing_h=missing_h, excess_time_h=excess_h), height_m, solar_w, load_w
-    )
+    return Climbs(cycle, height_m, solar_w, load_w)
 
 
 def best_heights(
