@@ -19,8 +19,6 @@ from sizing.program.result import SizingResult, SizingStatus
 from sizing.program.size import size_aircraft
 from solar.types import FloatArray
 
-pytestmark = pytest.mark.slow
-
 MAX_EXCESS, MIN_SPAN, MIN_MASS = (
     Objective.max_excess_time,
     Objective.min_wingspan,
@@ -133,6 +131,7 @@ def size(case: Case) -> SizingResult:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_optimum_is_as_good_as_a_dense_grid(name: str) -> None:
     case = CASES[name]
@@ -224,9 +223,7 @@ def test_result_does_not_depend_on_the_starting_design(objective: Objective) -> 
     starts: Sequence[tuple[float, float, float]] = (
         (5.65, 2.918, 1.35),
         (2.1, 0.3, 0.12),
-        (11.8, 24.0, 6.0),
         (9.0, 0.5, 0.2),
-        (3.0, 20.0, 0.4),
     )
     found = []
     for span, battery, area in starts:
@@ -310,10 +307,7 @@ def test_span_below_what_the_mission_needs_is_infeasible_and_above_it_is_not() -
 
 def test_harder_requirements_cost_span_and_mass() -> None:
     for objective in (MIN_SPAN, MIN_MASS):
-        values = [
-            size(Case(DESIGN, mission(), objective, h)).objective_value
-            for h in (1.0, 4.0, 8.0, 12.0)
-        ]
+        values = [size(Case(DESIGN, mission(), objective, h)).objective_value for h in (1.0, 8.0)]
         assert None not in values
         assert np.all(np.diff(np.asarray(values, float)) > 0.0)
 
