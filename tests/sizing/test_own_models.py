@@ -112,13 +112,10 @@ def test_an_own_efficiency_follows_the_load_of_each_design() -> None:
 def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients() -> None:
     space = {"design_space.lift_coefficient": {"minimum": 0.7, "maximum": 1.2}}
     shipped, own = (sizing.load_aircraft(NAME, some | space) for some in SHIPPED_AND_OWN["drag"])
-    found, best = (sizing.size(one, MISSION, with_sensitivities=True) for one in (own, shipped))
+    found, best = (sizing.size(one, MISSION) for one in (own, shipped))
     assert found.variables.lift_coefficient == pytest.approx(
         best.variables.lift_coefficient, rel=1e-4
     )
-    worth = {one.parameter: one.derivative for one in best.sensitivities or []}
-    for one in found.sensitivities or []:
-        assert one.derivative == pytest.approx(worth[one.parameter], rel=1e-3, abs=1e-6)
 
 
 def test_an_own_structure_sees_what_it_carries() -> None:
@@ -197,5 +194,3 @@ def test_analyses_and_sizings_have_the_same_names_for_the_design() -> None:
     for name in ("wingspan_m", "battery_mass_kg", "module_area_m2", "total_mass_kg"):
         assert getattr(found, name) == pytest.approx(getattr(flown, name), rel=1e-9)
     assert found.excess_time_h == pytest.approx(flown.excess_time_h, abs=1e-6)
-    none = sizing.size(sizing.load_aircraft(NAME, {"modules.efficiency_stc": 0.005}), MISSION)
-    assert np.isnan([none.wingspan_m, none.total_mass_kg, none.excess_time_h]).all()

@@ -154,7 +154,8 @@ def test_a_sized_battery_has_the_heater_of_its_mass() -> None:
 
 
 def test_a_climbing_design_is_cooled_as_in_its_own_file() -> None:
-    where = load_mission("stratosphere-mission", {"climb": {"ceiling_m": 22000.0}})
+    night = {"latitude_deg": 25.0, "dates": {"on": "08-15"}}
+    where = load_mission("stratosphere-mission", night | {"climb": {"ceiling_m": 22000.0}})
     sizes = {
         "airframe.wingspan_m": 34.0,
         "airframe.aspect_ratio": 12.0,

@@ -144,6 +144,7 @@ def test_a_sizing_tells_the_worth_of_its_own_design() -> None:
     assert found[MODULES].excess_time_h == pytest.approx(warm.excess_time_h, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_an_infeasible_sizing_tells_the_worth_of_its_nearest_design() -> None:
     study = size(DESIGN, HIGH, "min_mass", required_excess_time_h=12.0)
     assert not study.feasible
