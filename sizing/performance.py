@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, blocks
 from sizing.day.battery import Store
+from sizing.day.cycle import simulate_cycle, simulate_flight
 from sizing.day.flight import (
     Course,
     Flights,
@@ -26,7 +27,7 @@ from sizing.day.launch import (
     longest_flight,
 )
 from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from sizing.day.load import DesignLoads, flown_cycle
+from sizing.day.load import DesignLoads
 from sizing.day.march import ChargingDay
 from sizing.day.metrics import (
     Cycle,
@@ -297,6 +298,27 @@ def performance_of_designs(
     """
     sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
     return fly(aircraft, mission, solar, closed_design(aircraft, mission, variables), sunlit)
+
+
+def flown_cycle(
+    loads: DesignLoads | Sequence[DesignLoads], store: Store, *, keep_trajectory: bool = True
+) -> tuple[Cycle, FloatArray, FloatArray]:
+    """Cycle, load and nominal load [W]; of a sequence stacked on a first axis.
+
+    Of a mission with a flight from launch to landing the cycle is that flight's.
+    """
+    every = [loads] if isinstance(loads, DesignLoads) else list(loads)
+    each = zip(*((one.solar_w, one.load_w(), one.nominal_w()) for one in every), strict=True)
+    solar_w, load_w, nominal_w = (
+        parts[0] if isinstance(loads, DesignLoads) else np.stack(parts) for parts in each
+    )
+    day = every[0].day
+    window_h = every[0].mission.flight_window_h(day.scenarios)
+    powers = day.time_h, solar_w, load_w, store
+    options: dict[str, Any] = {"nominal_load_w": nominal_w, "keep_trajectory": keep_trajectory}
+    if window_h is None:
+        return simulate_cycle(*powers, **options), load_w, nominal_w
+    return simulate_flight(*powers, window_h, **options), load_w, nominal_w
 
 
 def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle:

@@ -99,13 +99,23 @@ class FlightLevels:
         levels = np.arange(len(self.altitude_m))[:, np.newaxis]
         return np.asarray(levels * self.chain.count + self.design)
 
+    def _motor_w(self, level: Any, load: FloatArray, element: Any = slice(None)) -> FloatArray:
+        """Propulsion power at levels and thrust powers over that of level flight there [W]."""
+        if self.chain is None:
+            return np.asarray(self.propulsion_power_w[level, element] * load)
+        return self.chain.power_w(self._rows[level, element], load)
+
+    @cached_property
+    def _thrust_w(self) -> FloatArray:
+        """Thrust power of level flight [W], ``(level, element)``."""
+        if self.chain is None:
+            return self.propulsion_power_w * self.efficiency
+        return self.chain.thrust_w[:, self.design]
+
     @cached_property
     def nominal_load_w(self) -> FloatArray:
         """Load at the lowest altitude without thermals [W]."""
-        motor_w = self.propulsion_power_w[0] * self.nominal_factor
-        if self.chain is not None:
-            motor_w = self.chain.power_w(self._rows[0], self.nominal_factor)
-        return np.asarray(motor_w + self.constant_power_w)
+        return np.asarray(self._motor_w(0, self.nominal_factor) + self.constant_power_w)
 
     @cached_property
     def most_power_w(self) -> FloatArray:
@@ -147,20 +157,13 @@ class FlightLevels:
         rate = np.concatenate([rate[:, -1:], rate, rate[:, :1]], axis=-1)
         climb_w = self.weight_n[:, np.newaxis] * (rate[:, 1:] + rate[:, :-1]) / 2.0
         factor = self.turbulence_factor[self.scenario]
-        if self.chain is None:
-            motor_w = factor * between(lambda level: self.propulsion_power_w[level, element])
-            motor_w = motor_w + climb_w / self.efficiency[:, np.newaxis]
-        else:
-            chain, thrust_w = self.chain, self.chain.thrust_w[:, self.design]
-            rows = self._rows
 
-            def of_chain(level: IntArray) -> FloatArray:
-                load = np.maximum(factor + climb_w / thrust_w[level, element], 0.0)
-                return chain.power_w(rows[level, element], load)
+        def motor_w(level: IntArray) -> FloatArray:
+            return self._motor_w(level, factor + climb_w / self._thrust_w[level, element], element)
 
-            motor_w = between(of_chain)
+        load_w = between(motor_w) + self.constant_power_w[:, np.newaxis]
         solar_w = between(self._light_at) * self.module_area_m2[:, np.newaxis]
-        return solar_w, motor_w + self.constant_power_w[:, np.newaxis]
+        return solar_w, load_w
 
     def _light_at(self, level: IntArray, some: slice = slice(None)) -> FloatArray:
         """Specific power of some elements at a level of every time."""
@@ -174,9 +177,7 @@ class FlightLevels:
     def at_heights(self, element: int, height_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Solar power, ``(height, time)``, and power of level flight of an element at heights."""
         some, levels = slice(element, element + 1), len(self.altitude_m)
-        power_w = self.propulsion_power_w[:, element]
-        if self.chain is not None:
-            power_w = self.chain.power_w(self._rows[:, element], np.ones(levels))
+        power_w = self._motor_w(slice(None), np.ones(levels), element)
         every = np.zeros((1, self._specific_power_w_per_m2.shape[-1]), int)
         light = np.concatenate([self._light_at(every + n, some) for n in range(levels)])
         below, upper = self._place(height_m)

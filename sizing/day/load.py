@@ -7,7 +7,6 @@ thermals. The bus has the voltage of a half charged battery.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -18,13 +17,7 @@ from numpy.typing import ArrayLike
 from missions.air import ZERO_CELSIUS_K, Air, air_at
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.day.battery import Store
-from sizing.day.cycle import (
-    simulate_cycle,
-    simulate_flight,
-)
 from sizing.day.light import SolarDay
-from sizing.day.metrics import Cycle
 from sizing.design import NO_FLIGHT_W, Design, FlightConditions
 from sizing.held_station import flight_against_wind
 from sizing.mass_budget import ImpossibleDesignError
@@ -254,27 +247,6 @@ class DesignLoads:
 
     def _over_scenarios(self, value: ArrayLike) -> FloatArray:
         return np.asarray(value) if self.paired else np.asarray(value)[..., np.newaxis]
-
-
-def flown_cycle(
-    loads: DesignLoads | Sequence[DesignLoads], store: Store, *, keep_trajectory: bool = True
-) -> tuple[Cycle, FloatArray, FloatArray]:
-    """Cycle, load and nominal load [W]; of a sequence stacked on a first axis.
-
-    Of a mission with a flight from launch to landing the cycle is that flight's.
-    """
-    every = [loads] if isinstance(loads, DesignLoads) else list(loads)
-    each = zip(*((one.solar_w, one.load_w(), one.nominal_w()) for one in every), strict=True)
-    solar_w, load_w, nominal_w = (
-        parts[0] if isinstance(loads, DesignLoads) else np.stack(parts) for parts in each
-    )
-    day = every[0].day
-    window_h = every[0].mission.flight_window_h(day.scenarios)
-    powers = day.time_h, solar_w, load_w, store
-    options: dict[str, Any] = {"nominal_load_w": nominal_w, "keep_trajectory": keep_trajectory}
-    if window_h is None:
-        return simulate_cycle(*powers, **options), load_w, nominal_w
-    return simulate_flight(*powers, window_h, **options), load_w, nominal_w
 
 
 def load_profile(

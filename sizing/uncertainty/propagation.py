@@ -26,12 +26,13 @@ from sizing.day.battery import Store
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import longest_flight
 from sizing.day.light import Light, SolarDay, SolarModel, solar_day
-from sizing.day.load import DesignLoads, flown_cycle, part_load_of
+from sizing.day.load import DesignLoads, part_load_of
 from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
 from sizing.design import Design, FlightConditions, variables_of
 from sizing.mass_budget import design_of, lightest_mass_kg, measured_design, parametric_design
 from sizing.parameters import with_parameter
+from sizing.performance import flown_cycle
 from sizing.program.climbing_flights import ClimbFlights
 from sizing.program.schedule import best_climbs, flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
