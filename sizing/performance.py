@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
@@ -301,45 +300,19 @@ def performance_of_designs(
 
 
 def flown_cycle(
-    loads: DesignLoads | Sequence[DesignLoads], store: Store, *, keep_trajectory: bool = True
+    loads: DesignLoads, store: Store, *, keep_trajectory: bool = True
 ) -> tuple[Cycle, FloatArray, FloatArray]:
-    """Cycle, load and nominal load [W]; of a sequence stacked on a first axis.
+    """Cycle, load and nominal load [W].
 
     Of a mission with a flight from launch to landing the cycle is that flight's.
     """
-    every = [loads] if isinstance(loads, DesignLoads) else list(loads)
-    each = zip(*((one.solar_w, one.load_w(), one.nominal_w()) for one in every), strict=True)
-    solar_w, load_w, nominal_w = (
-        parts[0] if isinstance(loads, DesignLoads) else np.stack(parts) for parts in each
-    )
-    day = every[0].day
-    window_h = every[0].mission.flight_window_h(day.scenarios)
-    powers = day.time_h, solar_w, load_w, store
+    load_w, nominal_w, day = loads.load_w(), loads.nominal_w(), loads.day
+    window_h = loads.mission.flight_window_h(day.scenarios)
+    powers = day.time_h, loads.solar_w, load_w, store
     options: dict[str, Any] = {"nominal_load_w": nominal_w, "keep_trajectory": keep_trajectory}
     if window_h is None:
         return simulate_cycle(*powers, **options), load_w, nominal_w
     return simulate_flight(*powers, window_h, **options), load_w, nominal_w
-
-
-def cycle_of_variants(variants: Sequence[tuple[Aircraft, DesignLoads]]) -> Cycle:
-    """Cycles of designs that differ in anything but how their battery charges, in one march.
-
-    ``variants``: aircraft with their loads; the days have the same scenarios, and all missions
-    climb to the same levels or none does. Returns arrays of shape ``(variant, scenario)``.
-    """
-    battery, first = variants[0][0].battery, variants[0][1]
-    energy_wh = np.array([[float(one.design.battery_energy_wh)] for _, one in variants])
-    if first.mission.climb is None:
-        store = Store.of(battery, energy_wh)
-        return flown_cycle([one for _, one in variants], store, keep_trajectory=False)[0]
-    from sizing.program.schedule import best_climbs  # CasADi, which level flight does without
-
-    cycles = []
-    for (aircraft, one), own_wh in zip(variants, energy_wh, strict=True):
-        levels = flight_levels(aircraft, one.mission, one.design, one.day)
-        store = Store.of(battery, own_wh).flat((len(first.day.scenarios),))
-        cycles.append(best_climbs(first.day.time_h, levels, store).cycle)
-    return joined(cycles, np.stack)
 
 
 def fly(

@@ -18,7 +18,7 @@ from missions.files.yaml import Document, parse_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.design import Design, variables_of
-from sizing.library import checked_aircraft
+from sizing.library import refuse_named_twice
 from sizing.mass_budget import closed_design
 from sizing.parameters import BUILD_KEY
 from sizing.results.sizing import size
@@ -47,7 +47,9 @@ def starters(
     """What ``init`` writes, with what a record changes in it."""
     own = record.get("geometry", record.get("aircraft"))
     changes = {BUILD_KEY: build, **own, **parts}
-    aircraft = checked_aircraft(with_overrides(_starter("aircraft"), changes))
+    document = with_overrides(_starter("aircraft"), changes)
+    aircraft = validate(document, Aircraft)
+    refuse_named_twice(document)
     return aircraft, validate(with_overrides(_starter("mission"), record["mission"]), Mission)
 
 

@@ -45,15 +45,17 @@ def load_aircraft(name_or_path: str | os.PathLike[str], overrides: Overrides = (
         With file, line, column and allowed values of every mistake.
     """
     document = find_document("aircraft", os.fspath(name_or_path))
-    return checked_aircraft(with_overrides(document, overrides))
+    changed = with_overrides(document, overrides)
+    aircraft = validate(changed, Aircraft)
+    refuse_named_twice(changed)
+    return aircraft
 
 
-def checked_aircraft(document: Document) -> Aircraft:
-    """Aircraft of a document, in which no entry of a catalogue stands beside values of its own.
+def refuse_named_twice(document: Document) -> None:
+    """Refuse an aircraft's file where an entry of a catalogue stands beside values of its own.
 
     Values that an override put there are meant to replace the entry's.
     """
-    aircraft = validate(document, Aircraft)
     problems: list[Problem] = []
     for path, kind in _NAMES.items():
         holder: Any = document.data
@@ -65,4 +67,3 @@ def checked_aircraft(document: Document) -> Aircraft:
                 problems += located_error(document, (*path[:-1], key), message).problems
     if problems:
         raise InputError(problems)
-    return aircraft

@@ -37,7 +37,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.heights import ClimbLimitError, checked_climb_limits
 from sizing.day.light import SolarModel
 from sizing.day.module_power import path_troubles
-from sizing.library import checked_aircraft
+from sizing.library import refuse_named_twice
 from sizing.mass_budget import ImpossibleDesignError, design_of, with_total_mass
 from sizing.parameters import design_keys
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
@@ -206,7 +206,9 @@ def open_aircraft(
     """
     _refuse_keys_of_missions(overrides)
     document = with_overrides(_find("aircraft", name_or_path), overrides)
-    record = validate(document, Aircraft) if of_run else checked_aircraft(document)
+    record = validate(document, Aircraft)
+    if not of_run:
+        refuse_named_twice(document)
     return Loaded(record, document, _checksum("aircraft", name_or_path))
 
 
@@ -232,8 +234,9 @@ def load(
     aircraft, mission = options.aircraft, options.mission
     model, correction = options.model, options.correction
     is_default = _is_default("mission")
-    folder = RunFolder.at(aircraft)
-    if folder is None and os.path.isdir(aircraft):  # noqa: PTH112 - takes any text for a path
+    is_folder = os.path.isdir(aircraft)  # noqa: PTH112 - takes any text for a path
+    folder = RunFolder.at(aircraft) if is_folder else None
+    if is_folder and folder is None:
         message = "is a folder without run.json; allowed: a folder that --out wrote, or a file"
         raise file_error(printable(aircraft), message)
     if folder is not None:

@@ -149,7 +149,8 @@ def write_results(files: Mapping[str | None, Content]) -> None:
     except Exception:
         write_files_atomically(contents)
         raise
-    write_files_atomically(contents)
+    if contents:
+        write_files_atomically(contents)
 
 
 def table_of(frame: Callable[[], pd.DataFrame], title: str) -> Content:

@@ -17,11 +17,10 @@ from missions.files.writing import to_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarDay
-from sizing.day.load import DesignLoads
 from sizing.day.metrics import Cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
-from sizing.performance import cycle_of_variants
+from sizing.performance import performance
 from sizing.results.conditions import battery_line, battery_record
 from sizing.results.notes import uncertainty_line
 from sizing.results.records import relative_change
@@ -252,7 +251,7 @@ def _limits(
 ) -> list[float | None]:
     """Values at which the weakest scenario just has what is required; None where there is none.
 
-    All quantities are halved together: a march of several flights takes no longer than one.
+    All quantities are halved together.
     """
 
     def enough(values: Sequence[float]) -> list[bool]:
@@ -274,23 +273,18 @@ def _suffice(
     quantities: Sequence[_Quantity], values: Sequence[float], day: SolarDay, required: float
 ) -> list[bool]:
     """Whether each quantity at its value leaves every scenario what is required."""
-    found = [False] * len(quantities)
-    flown = []
-    for number, (one, value) in enumerate(zip(quantities, values, strict=True)):
+    found = []
+    for one, value in zip(quantities, values, strict=True):
         aircraft, mission, factor = one.changed(value)
         try:
-            design = design_of(aircraft, mission)
-            if mission.climb is not None:
-                design_of(aircraft, mission.at_altitude(mission.climb.ceiling_m))
-            loads = DesignLoads.of(aircraft, mission, design, day.scaled(factor))
+            if mission.ceiling_m > mission.altitude_m:
+                design_of(aircraft, mission.at_altitude(mission.ceiling_m))
+            light = day.scaled(factor)
+            flown = performance(aircraft, mission, day=light, keep_trajectory=False)
         except ImpossibleDesignError:
-            continue
-        flown.append((number, (aircraft, loads)))
-    if flown:
-        cycle = cycle_of_variants([variant for _, variant in flown])
-        every = np.all(_hold(cycle, required), axis=-1).tolist()
-        for (number, _), holds in zip(flown, every, strict=True):
-            found[number] = holds
+            found.append(False)
+        else:
+            found.append(bool(np.all(_hold(flown.cycle, required))))
     return found
 
 

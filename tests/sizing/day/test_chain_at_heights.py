@@ -16,10 +16,9 @@ from sizing.climb import ClimbPerformance, climb_performance
 from sizing.day.chain_at_heights import ClimbChain
 from sizing.day.heights import flight_levels
 from sizing.day.light import solar_day
-from sizing.day.load import DesignLoads
 from sizing.design import FlightConditions
 from sizing.mass_budget import design_of, parametric_design
-from sizing.performance import cycle_of_variants, performance, performance_of_designs
+from sizing.performance import performance_of_designs
 from sizing.propulsion.chain import OperatingPointPropulsion
 from solar.types import FloatArray
 
@@ -141,15 +140,3 @@ def test_a_design_does_not_depend_on_its_batch() -> None:
     batch = excess(spans)
     for place, span in enumerate(spans):
         assert excess(np.array([span]))[0] == pytest.approx(batch[place], abs=1e-7)
-
-
-def test_variants_flown_together_are_those_flown_alone() -> None:
-    lossy = sizing.load_aircraft(
-        "twin-boom-design", {"airframe.propulsion.wiring_resistance_ohm": 0.2}
-    )
-    day, both = solar_day(TWIN, HIGH), (TWIN, lossy)
-    loads = [(one, DesignLoads.of(one, HIGH, design_of(one, HIGH), day)) for one in both]
-    together = cycle_of_variants(loads).excess_time_h[:, 0]
-    alone = [float(performance(one, HIGH).cycle.excess_time_h[0]) for one in both]
-    assert together == pytest.approx(alone, abs=1e-7)
-    assert alone[0] > alone[1] + 0.02
