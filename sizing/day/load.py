@@ -22,7 +22,7 @@ from sizing.design import NO_FLIGHT_W, Design, FlightConditions
 from sizing.held_station import flight_against_wind
 from sizing.mass_budget import ImpossibleDesignError
 from sizing.propulsion.chain import OperatingPointPropulsion
-from sizing.propulsion.part_load import PartLoad, load_range
+from sizing.propulsion.part_load import PROPORTIONAL, AnyPartLoad, PartLoad, load_range
 from sizing.smooth import Value
 from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray, IntArray
@@ -32,14 +32,14 @@ def part_load_of(
     aircraft: Aircraft,
     mission: Mission,
     design: Design,
-) -> PartLoad | None:
-    """Power of the propulsion over load; None where its efficiencies are constants.
+) -> AnyPartLoad:
+    """Power of the propulsion over load.
 
     The load is that of the mission's turbulence and thermals. Raises
     :class:`ImpossibleDesignError` for a single design whose propeller's data end before.
     """
     if aircraft.propulsion_by_parts is None:
-        return None
+        return PROPORTIONAL
     turbulence = mission.turbulence
     ends = load_range(turbulence.all_day, turbulence.thermal)
     level_w = np.asarray(design.propulsion_power_w, float)
@@ -66,7 +66,7 @@ def part_load_of(
 def interpolation_error(aircraft: Aircraft, mission: Mission, design: Design) -> float:
     """Largest relative error of a single design's table, half-way between its nodes."""
     part = part_load_of(aircraft, mission, design)
-    assert part is not None
+    assert isinstance(part, PartLoad)
     own, flight = flight_of(aircraft, mission, design)
     load, bus_v = part.between(), aircraft.battery.nominal_voltage_v
     exact_w = own.bus_power_w(flight.thrust_w * load, *flight[1:], bus_v)
@@ -125,13 +125,13 @@ def _part_load_against_wind(
     power_w: FloatArray,
     thrust_w: FloatArray,
     airspeed_m_per_s: FloatArray,
-) -> PartLoad | None:
-    """Power over load of flight at airspeeds of its own; None by constants.
+) -> AnyPartLoad:
+    """Power over load of flight at airspeeds of its own.
 
     ``power_w``: of level flight at them; of scenarios, ``design`` with an axis for them.
     """
     if (propulsion := aircraft.propulsion_by_parts) is None:
-        return None
+        return PROPORTIONAL
     own = propulsion.sized(*design.variables.of_propulsion)
     air = FlightConditions.of(mission, aircraft).air
     flight = Flight.where(np.isfinite(power_w), thrust_w, airspeed_m_per_s, air)
@@ -156,15 +156,15 @@ def _part_load_of_one(
 class DesignLoads:
     """Solar power and load of every design in every scenario of a day.
 
-    ``part_load``: None for an efficiency that is constant. ``paired``: each design flies in its own
-    scenario. ``own_solar_w``: power of the modules, where it is not that of the day.
-    ``own_propulsion_w``: of level flight in every scenario, where it is not that of the design.
+    ``paired``: each design flies in its own scenario. ``own_solar_w``: power of the modules, where
+    it is not that of the day. ``own_propulsion_w``: of level flight in every scenario, where it is
+    not that of the design.
     """
 
     design: Design
     mission: Mission
     day: SolarDay
-    part_load: PartLoad | None = None
+    part_load: AnyPartLoad = PROPORTIONAL
     paired: bool = False
     own_solar_w: FloatArray | None = None
     own_propulsion_w: FloatArray | None = None
@@ -206,19 +206,16 @@ class DesignLoads:
 
     def load_w(self) -> FloatArray:
         """Load at the nodes [W]."""
-        day, part = self.day, self._part
-        load: FloatArray = load_profile(
-            day.time_h, self._in_scenarios, self.mission, day.sunrise_h, day.sunset_h, part
-        )
+        day = self.day
+        times = day.time_h, day.sunrise_h, day.sunset_h
+        load: FloatArray = load_profile(self._in_scenarios, self.mission, *times, self._part)
         return np.broadcast_to(load, np.broadcast_shapes(load.shape, self.solar_w.shape))
 
     def nominal_w(self) -> FloatArray:
         """Nominal load [W], ``(..., scenario)``."""
-        flown, part = self._in_scenarios, self._part
-        if part is None:
-            return np.asarray(flown.nominal_load_w(self.mission))
+        flown = self._in_scenarios
         load, _ = load_range(self.mission.turbulence.all_day, 0.0)
-        ratio = part.at(load[..., np.newaxis])
+        ratio = self._part.at(load[..., np.newaxis])
         level_w, constant_w = (
             np.asarray(one)[..., np.newaxis]
             for one in (flown.propulsion_power_w, flown.constant_power_w)
@@ -238,10 +235,8 @@ class DesignLoads:
         )
 
     @cached_property
-    def _part(self) -> PartLoad | None:
+    def _part(self) -> AnyPartLoad:
         """Part load with axes for scenarios and time."""
-        if self.part_load is None:
-            return None
         # As fast as the wind every scenario has its own already.
         return self.part_load.spread(1 if self.own_propulsion_w is not None else 2 - self.paired)
 
@@ -250,28 +245,27 @@ class DesignLoads:
 
 
 def load_profile(
-    time_h: ArrayLike,
     design: Design,
     mission: Mission,
+    time_h: ArrayLike,
     sunrise_h: ArrayLike,
     sunset_h: ArrayLike,
-    part_load: PartLoad | None = None,
+    part_load: AnyPartLoad = PROPORTIONAL,
 ) -> Value:
     """Load over the day: level flight, turbulence and thermals.
 
-    ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: power of a
-    propulsion whose efficiency is that of the moment, with axes for scenarios and time. Returns
-    power that the aircraft draws [W].
+    ``mission``: with its turbulence; draws of it are arrays of the batch. ``part_load``: with axes
+    for scenarios and time. Returns power that the aircraft draws [W].
     """
     propulsion = np.asarray(design.propulsion_power_w)[..., np.newaxis]
     constant = np.asarray(design.constant_power_w)[..., np.newaxis]
-    if part_load is None and not np.any(mission.turbulence.thermal):
-        load = propulsion * (1.0 + np.asarray(mission.turbulence.all_day, float)[..., np.newaxis])
-        load = load + constant
+    if not np.any(mission.turbulence.thermal):
+        steady = 1.0 + np.asarray(mission.turbulence.all_day, float)[..., np.newaxis]
+        load = propulsion * part_load.at(steady) + constant
         shape = np.broadcast_shapes(load.shape, (*np.shape(sunrise_h), np.size(time_h)))
         return np.broadcast_to(load, shape)
     thrust = load_shape(mission, time_h, sunrise_h, sunset_h)
-    return propulsion * (thrust if part_load is None else part_load.at(thrust)) + constant
+    return propulsion * part_load.at(thrust) + constant
 
 
 def load_shape(
@@ -298,6 +292,37 @@ def thermal_shape(time_h: ArrayLike, sunrise_h: ArrayLike, sunset_h: ArrayLike) 
 
 
 @dataclass(frozen=True)
+class ConstantInAir:
+    """As :class:`LoadInAir`, by a constant efficiency.
+
+    Power of level flight at a lift coefficient goes with ``density^-0.5``; at the pressure of an
+    altitude that is the square root of the absolute temperature (Anderson, Aircraft Performance and
+    Design, equation 5.56).
+    """
+
+    level_w: FloatArray
+    air_k: float
+
+    @classmethod
+    def of(
+        cls,
+        aircraft: Aircraft,
+        mission: Mission,
+        design: Design,
+        wind_m_per_s: FloatArray | None = None,
+    ) -> ConstantInAir:
+        """Power of the design's airspeed, or of the wind of each day."""
+        level_w: FloatArray = np.asarray(design.propulsion_power_w)
+        if wind_m_per_s is not None:
+            level_w = flight_against_wind(aircraft, mission, design, wind_m_per_s)[0]
+        return cls(level_w, float(mission.air_state().temperature_k))
+
+    def at(self, load: FloatArray, air_c: FloatArray) -> FloatArray:
+        """Power over that of level flight in the mission's air [-]; arguments broadcast."""
+        return np.asarray(load * np.sqrt((air_c + ZERO_CELSIUS_K) / self.air_k))
+
+
+@dataclass(frozen=True)
 class LoadInAir:
     """Electric power of a design in air that changes its temperature, relative to its own.
 
@@ -318,8 +343,8 @@ class LoadInAir:
         design: Design,
         air_c: ArrayLike,
         wind_m_per_s: FloatArray | None = None,
-    ) -> LoadInAir | None:
-        """Power between the ends of temperatures [C]; None for constant efficiencies.
+    ) -> LoadInAir | ConstantInAir:
+        """Power between the ends of temperatures [C].
 
         At the pressure of an altitude airspeed and drag times airspeed go with the square root of
         the absolute temperature. ``wind_m_per_s``: of each day, where the mission holds its place;
@@ -328,7 +353,7 @@ class LoadInAir:
         strong has no power instead.
         """
         if aircraft.propulsion_by_parts is None:
-            return None
+            return ConstantInAir.of(aircraft, mission, design, wind_m_per_s)
         if wind_m_per_s is None:
             part_load_of(aircraft, mission, design)  # which says what its own air is too much for
         own, flight = flight_of(aircraft, mission, design)

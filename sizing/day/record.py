@@ -22,7 +22,7 @@ from sizing.day.battery import Store
 from sizing.day.carried import carried_over, dawns_of
 from sizing.day.flight import Flights
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
-from sizing.day.load import LoadInAir
+from sizing.day.load import ConstantInAir, LoadInAir
 from sizing.day.march import ChargingDay
 from sizing.day.record_days import DayAxis, WeatherDays, temperatures_c
 from sizing.design import Design
@@ -110,7 +110,7 @@ def weather_performance(
 
 
 def flown_through(
-    record: WeatherDays, design: Design, parts: LoadInAir | None, *, clear: bool = False
+    record: WeatherDays, design: Design, parts: LoadInAir | ConstantInAir, *, clear: bool = False
 ) -> WeatherRun:
     """Run of a design along the record, with the efficiency of the moment.
 

@@ -16,10 +16,9 @@ from sizing.aircraft import Aircraft
 from sizing.day.battery import Store
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.light_at_instants import Lit, power_in_light
-from sizing.day.load import LoadInAir, load_shape
+from sizing.day.load import ConstantInAir, LoadInAir, load_shape
 from sizing.day.module_power import own_surroundings
 from sizing.design import NO_FLIGHT_W, Design
-from sizing.held_station import power_against_wind_w
 from solar.clearsky import Irradiance
 from solar.sun import HOURS_PER_DAY, declination, sun_times
 from solar.types import FloatArray, IntArray
@@ -95,8 +94,7 @@ class WeatherDays:
     ``aircraft``, ``mission``, ``solar``: technology; altitude, air and turbulence at the record's
     site; solar power model. ``weather``, ``light``: record, and the light along it at the mission's
     altitude. ``ambient_c``, ``module_c``: temperature of the air and of the modules along the
-    record [C]. ``propulsion_ratio``: propulsion power over that of level flight in the mission's
-    air [-]. ``wind_m_per_s``: of each day as the airspeed of the same lift coefficient in the
+    record [C]. ``wind_m_per_s``: of each day as the airspeed of the same lift coefficient in the
     mission's air [m/s]; None unless the mission holds its place.
     ``more_heater_w``: heater of the battery beyond that of the mission's air [W].
     ``capacity_ratio``: capacity of the battery over that in the mission's air [-].
@@ -110,7 +108,6 @@ class WeatherDays:
     axis: DayAxis
     ambient_c: FloatArray
     module_c: FloatArray
-    propulsion_ratio: FloatArray
     wind_m_per_s: FloatArray | None
     more_heater_w: FloatArray
     capacity_ratio: FloatArray
@@ -135,7 +132,6 @@ class WeatherDays:
         air_c = ambient_c[axis.nodes]
         return cls(
             *(aircraft, mission, weather, solar, light, axis, ambient_c, module_c),
-            propulsion_ratio=_propulsion_ratio(mission, axis, air_c),
             wind_m_per_s=_wind_m_per_s(mission, axis, air_c),
             more_heater_w=_more_heater_w(aircraft, mission, air_c),
             capacity_ratio=_capacity_of_days(aircraft, mission, air_c),
@@ -152,30 +148,15 @@ class WeatherDays:
         return np.asarray(power[self.axis.nodes])
 
     def powers_w(
-        self, design: Design, parts: LoadInAir | None, *, clear: bool = False
+        self, design: Design, parts: LoadInAir | ConstantInAir, *, clear: bool = False
     ) -> tuple[FloatArray, FloatArray]:
         """Solar power and load of a design along the record, with the efficiency of the moment."""
         sky = self.light.clear if clear else self.light.recorded
         solar_w = self.aircraft.modules.area_m2 * self.specific_power_w_per_m2(sky)
         other_w = float(design.constant_power_w) + self.more_heater_w
-        if parts is None:
-            level_w, ratio = self.level_w(design)[0], self.propulsion_ratio
-        else:
-            level_w = np.where(np.isfinite(parts.level_w), parts.level_w, NO_FLIGHT_W)
-            profile = _profile(self.mission, self.axis)
-            ratio = parts.at(profile, self.ambient_c[self.axis.nodes])
+        level_w = np.where(np.isfinite(parts.level_w), parts.level_w, NO_FLIGHT_W)
+        ratio = parts.at(_profile(self.mission, self.axis), self.ambient_c[self.axis.nodes])
         return solar_w, np.atleast_1d(level_w)[:, np.newaxis] * ratio + other_w
-
-    def level_w(self, design: Design) -> FloatArray:
-        """Propulsion power of designs in level flight in the mission's air [W], ``(design, day)``.
-
-        A single day for all, unless the mission holds its place: then as fast as each day's wind.
-        """
-        power_w = np.atleast_1d(np.asarray(design.propulsion_power_w, float))[:, np.newaxis]
-        if self.wind_m_per_s is not None:
-            each = design.mapped(lambda one: np.atleast_1d(np.asarray(one))[:, np.newaxis])
-            power_w = power_against_wind_w(self.aircraft, self.mission, each, self.wind_m_per_s)
-        return np.where(np.isfinite(power_w), power_w, NO_FLIGHT_W)
 
     def store(self, battery_energy_wh: float) -> Store:
         """Battery of each day, of an energy at full charge in the mission's air [Wh]."""
@@ -191,17 +172,6 @@ def temperatures_c(mission: Mission, light: RecordedLight) -> tuple[FloatArray, 
     return ambient, ambient + (mission.module_temperature_c() - assumed_c)
 
 
-def _propulsion_ratio(mission: Mission, axis: DayAxis, ambient_c: FloatArray) -> FloatArray:
-    """Propulsion power at the nodes over that of level flight [-], shape ``(day, node)``.
-
-    Power of level flight at a lift coefficient goes with ``density^-0.5``; at the pressure of an
-    altitude that is the square root of the absolute temperature (Anderson, Aircraft Performance and
-    Design, equation 5.56). Turbulence and thermals are the mission's.
-    """
-    assumed_k = float(mission.air_state().temperature_k)
-    return np.asarray(_profile(mission, axis) * np.sqrt((ambient_c + ZERO_CELSIUS_K) / assumed_k))
-
-
 def _profile(mission: Mission, axis: DayAxis) -> FloatArray:
     """Thrust power at the nodes over that of level flight in their air [-], ``(day, node)``."""
     times = sun_times(mission.latitudes()[0], declination(axis.day_of_year + 0.5))
@@ -214,7 +184,7 @@ def _wind_m_per_s(mission: Mission, axis: DayAxis, air_c: FloatArray) -> FloatAr
 
     With the wind ``v`` in air of the density ``rho`` the lift coefficient is that at
     ``v (rho / rho_0)^0.5`` in the mission's, and the power that at this airspeed times
-    ``(rho_0 / rho)^0.5``, which :func:`_propulsion_ratio` has.
+    ``(rho_0 / rho)^0.5``, which :class:`~sizing.day.load.LoadInAir` has.
     """
     if not mission.holds_station:
         return None

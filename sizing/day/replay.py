@@ -112,9 +112,8 @@ def calendar_run(
     times = sun_times(latitude, declination(day))
     store = Store.of(aircraft.battery, [design.battery_energy_wh])
     parts = part_load_of(aircraft, mission, design)
-    hour_h, around = (solar_clock % 24.0)[:, np.newaxis], (times.sunrise_h, times.sunset_h)
-
-    load = np.asarray(load_profile(hour_h, design, mission, *around, parts)[:, 0])
+    times_h = (solar_clock % 24.0)[:, np.newaxis], times.sunrise_h, times.sunset_h
+    load = np.asarray(load_profile(design, mission, *times_h, parts)[:, 0])
     balance = PowerBalance.of(clock, (power - load)[:, np.newaxis])
     stored, full, empty = _charge_until_empty(ChargingDay.of(balance), store, launch)
     flown = slice(len(stored))

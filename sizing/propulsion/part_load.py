@@ -87,6 +87,24 @@ class PartLoad:
         return _horner(list(self.coefficients), _from_centre(load, *self.loads))
 
 
+class Proportional:
+    """Electric power of a constant efficiency: it goes with the load."""
+
+    beyond = False
+
+    def spread(self, axes: int) -> Proportional:
+        """Itself, for any number of axes."""
+        return self
+
+    def at(self, load: ArrayLike) -> FloatArray:
+        """Power over that of level flight, of thrust power over that of level flight [-]."""
+        return np.asarray(load, float)
+
+
+PROPORTIONAL = Proportional()
+AnyPartLoad = PartLoad | Proportional
+
+
 def load_range(all_day: ArrayLike, thermal: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Least and greatest thrust power over that of level flight in turbulence and thermals [-]."""
     least = 1.0 + np.asarray(all_day, float)

@@ -259,7 +259,7 @@ def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficie
     level = simulate_cycle(
         day.time_h,
         flown.solar_power_w[[at]],
-        load_profile(day.time_h, design, mission, day.sunrise_h, day.sunset_h),
+        load_profile(design, mission, day.time_h, day.sunrise_h, day.sunset_h),
         flown.store.flat(flown.cycle.status.shape).select(slice(at, at + 1)),
         nominal_load_w=design.nominal_load_w(mission),
     )

@@ -253,7 +253,7 @@ def test_constant_power_goes_through_the_supply() -> None:
 def test_load_profile_by_hand() -> None:
     rough = mission(turbulence={"all_day": 0.2, "thermal": 0.5})
     design = design_of(AS2, AT_1_10)
-    load_w = load_profile(np.array([2.0, 6.0, 9.0, 12.0, 18.0]), design, rough, 6.0, 18.0)
+    load_w = load_profile(design, rough, np.array([2.0, 6.0, 9.0, 12.0, 18.0]), 6.0, 18.0)
     # 35.8 W with 20 %, and half of 50 % half-way up the morning; plus 6 W.
     expected = 35.8 * np.array([1.2, 1.2, 1.45, 1.7, 1.2]) + 6.0
     np.testing.assert_allclose(load_w, expected, rtol=1e-9)

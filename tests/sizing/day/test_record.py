@@ -12,6 +12,7 @@ from missions.weather.record import Site, run_lengths
 from missions.weather.site import mission_at_site
 from missions.winds.table import COLUMNS
 from sizing.day.light import SolarModel
+from sizing.day.load import ConstantInAir
 from sizing.day.record import flown_through, weather_performance
 from sizing.day.record_days import DayAxis, WeatherDays, _profile
 from sizing.day.replay import calendar_run
@@ -126,7 +127,8 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
         assert run.load_w[day, node] == pytest.approx(expected, rel=2e-4)
     # With the efficiency of each airspeed alone it would be up to 3 % off.
     days = WeatherDays.of(twin, mission, replace(record, temperature_c=air_c))
-    constant = flown_through(days, design, None)
+    by_constants = ConstantInAir.of(twin, mission, design, days.wind_m_per_s)
+    constant = flown_through(days, design, by_constants)
     assert np.abs(constant.load_w / run.load_w - 1.0).max() > 0.02
 
 
