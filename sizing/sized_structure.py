@@ -38,7 +38,7 @@ def structure_assessment(aircraft: Aircraft, design: Design) -> StructureAssessm
     return replace(
         assess(*sized),
         remarks=tuple(_structure_remarks(aircraft, *sized)),
-        envelope=flight_envelope(*sized, float(polar.maximum_lift_coefficient)),
+        flight_envelope=flight_envelope(*sized, float(polar.maximum_lift_coefficient)),
     )
 
 

@@ -71,35 +71,14 @@ class BalanceAssessment:
         return float((x_m - self.wing.at_chord(0.0)) / self.wing.aerodynamic_chord_m)
 
     @property
+    def chord_leading_edge_m(self) -> float:
+        """Place of the leading edge of the mean aerodynamic chord [m]."""
+        return float(self.wing.at_chord(0.0))
+
+    @property
     def mass_kg(self) -> float:
         """Sum of the items [kg]."""
         return float(sum(item.mass_kg for item in self.items))
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        return {
-            "items": [item._asdict() for item in self.items],
-            "horizontal_volume_for_static_margin": self.holding_volume,
-            "mass_kg": self.mass_kg,
-            "centre_of_gravity_m": self.gravity_m,
-            "neutral_point_m": float(self.found.x_m),
-            "aerodynamic_chord_m": float(self.wing.aerodynamic_chord_m),
-            "aerodynamic_chord_leading_edge_m": float(self.wing.at_chord(0.0)),
-            "static_margin": self.static_margin,
-            "downwash_slope": float(self.found.downwash),
-            "lift_slope_per_rad": float(self.found.slope),
-            "tail": {name: float(one) for name, one in self.planes._asdict().items()},
-            "tail_lift_coefficient": float(self.level.tail_lift),
-            "wing_lift_coefficient": float(self.level.wing_lift),
-            "trim_drag_coefficient": float(self.level.drag),
-            "elevator_deg": self.elevator_deg,
-            "elevator_at_stall_deg": self.elevator_at_stall_deg,
-            "elevator_limit_deg": self.elevator_limit_deg,
-            "directional_slope_per_rad": self.directional_slope,
-            "rudder_sideslip_deg": self.sideslip_deg,
-            "rudder_crosswind_m_per_s": self.crosswind_m_per_s,
-            "motor_out_rudder_share": self.motor_out,
-        }
 
 
 def drag_shares(aircraft: Aircraft, design: Design) -> DragShares | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 from importlib import resources
@@ -129,10 +129,6 @@ class Taken:
             inside = (f"{key}: {_spelled(one)}" for key, one in self.value.items())
             return f"{{{', '.join(inside)}}}"
         return _spelled(self.value)
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        return asdict(self)
 
 
 def _spelled(value: Any) -> str:

@@ -65,19 +65,6 @@ class Reliability(NamedTuple):
     nominal: Proportion
     nominal_objective: float
 
-    def to_dict(self) -> dict[str, float]:
-        """Record, JSON-ready."""
-        achieved = self.achieved
-        return {
-            "required": self.required,
-            "achieved": achieved.value,
-            "low": achieved.low,
-            "high": achieved.high,
-            "samples": self.samples,
-            "nominal": self.nominal.value,
-            "nominal_objective": self.nominal_objective,
-        }
-
 
 def check_reliability(
     aircraft: Aircraft, mission: Mission, objective: Objective, solar: SolarModel, required: float

@@ -1,9 +1,9 @@
-"""What :func:`sizing.analyse` and :func:`sizing.size` return, and how results print themselves.
+"""What :func:`sizing.analyse` and :func:`sizing.size` return, how it reads, and its record.
 
-* ``tables``: tables and summaries, rendered as text, Markdown, HTML, CSV or a frame
-* ``analysis``: an aircraft on a mission, with ``analysis_summary`` for its text
-* ``sizing``: a sized aircraft, with ``sizing_summary`` for its text
-* ``propulsion``, ``parts``, ``conditions``, ``requirements``: blocks of both, numbers and words
-* ``notes``: what is told of the ranges of the models
-* ``records``: numbers of results as JSON writes them
+* ``analysis``, ``sizing``, ``sizing_study``: results and how they are computed, plain numbers, with
+  ``propulsion``, ``parts``, ``conditions``, ``requirements`` and ``season``
+* ``quantities``: the table of quantities: key, path, words, unit, form, importance
+* ``serialise``: any result as data for JSON
+* ``render``: a result at a level as blocks, with ``sentences`` and ``tables``, which knows text,
+  Markdown, HTML and LaTeX
 """

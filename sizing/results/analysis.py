@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from missions.dates import date_code
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.balance.assessment import BalanceAssessment, balance_assessment, drag_shares
+from sizing.balance.assessment import drag_shares
 from sizing.balance.drag import DragShares
 from sizing.climb import ClimbPerformance, climb_performance, excess_at_one_minute_h
-from sizing.day.launch import (
-    Endurance,
-    LimitedFlight,
-)
+from sizing.day.launch import Endurance, LimitedFlight
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.replay import CalendarRun, calendar_run
 from sizing.design import Design
@@ -25,39 +22,44 @@ from sizing.mass_budget import design_of
 from sizing.performance import Performance, performance
 from sizing.relaxed_flight import Relaxation, relaxed_flight
 from sizing.results import quantities as q
-from sizing.results.conditions import battery_record, wind_record
-from sizing.results.notes import extrapolation_records, relaxation_records, source_records
-from sizing.results.parts import cells_record, drag_record
-from sizing.results.propulsion import (
-    PartMasses,
-    PowerBudget,
-    VaryingEfficiency,
-    part_masses,
-    power_budget,
-    varying_efficiency,
-)
-from sizing.results.records import (
-    check_subjects,
-    climb_record,
-    finite,
-    finite_values,
-    flight_record,
-    uncertainty_record,
-)
-from sizing.results.tables import Result, data_frame
+from sizing.results.conditions import CalendarFlight, ClimbOfDay, ModelError
+from sizing.results.design_result import DesignResult
+from sizing.results.propulsion import VaryingEfficiency, varying_efficiency
+from sizing.results.records import check_subjects
+from sizing.results.tables import data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.extrapolations import extrapolations, with_worth, worst_of
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
-from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
+class ClimbCheck(NamedTuple):
+    """Excess time of heights by the program that chose them, and in steps of a minute [h]."""
+
+    program_excess_time_h: float
+    one_minute_excess_time_h: float
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A scenario of an analysis, by its quantities; ``climb`` for a mission with climbs alone."""
+
+    quantities: dict[q.Quantity, Any]
+    model: str
+    correction: str
+    latitude_deg: float
+    day_of_year: int
+    date: str
+    uncertainty: ModelError
+    climb: ClimbOfDay | None
+
+
 @dataclass(frozen=True, repr=False, eq=False)
-class Analysis(Result):
+class Analysis(DesignResult):
     """Performance of an aircraft in the scenarios of a mission.
 
     The numbers at the top of :meth:`to_dict` are attributes of the same names: those of the worst
@@ -90,8 +92,6 @@ class Analysis(Result):
     climb: ClimbPerformance | None = None
     known_mass_kg: float | None = None
 
-    renderer = "sizing.results.analysis_summary"
-
     @property
     def worst(self) -> int:
         """Index of the scenario with the least excess time."""
@@ -112,13 +112,6 @@ class Analysis(Result):
     solar_energy_wh = q.attribute_in_worst(q.SOLAR_ENERGY)
     load_energy_wh = q.attribute_in_worst(q.LOAD_ENERGY)
     curtailed_energy_wh = q.attribute_in_worst(q.CURTAILED_ENERGY)
-    wingspan_m = q.attribute_of_design(q.WINGSPAN)
-    battery_mass_kg = q.attribute_of_design(q.BATTERY_MASS)
-    module_area_m2 = q.attribute_of_design(q.MODULE_AREA)
-    total_mass_kg = q.attribute_of_design(q.TOTAL_MASS)
-    battery_energy_wh = q.attribute_of_design(q.BATTERY_ENERGY)
-    propulsion_power_w = q.attribute_of_design(q.PROPULSION_POWER)
-    airspeed_m_per_s = q.attribute_of_design(q.AIRSPEED)
 
     @property
     def design(self) -> Design:
@@ -165,16 +158,13 @@ class Analysis(Result):
         return relaxed_flight(self.aircraft, self.performance, self.known_mass_kg)
 
     @cached_property
-    def climb_check_h(self) -> tuple[float, float] | None:
-        """Excess time of the worst scenario by its program, and of its heights by the minute [h].
-
-        None where the aircraft does not climb.
-        """
+    def climb_check_h(self) -> ClimbCheck | None:
+        """Excess time of the worst scenario by other ways; None where it does not climb."""
         program_h = self.performance.program_excess_h
         if program_h is None or np.isnan(program_h[self.worst]):
             return None
         by_minute_h = excess_at_one_minute_h(self.aircraft, self.performance)
-        return float(program_h[self.worst]), by_minute_h
+        return ClimbCheck(float(program_h[self.worst]), by_minute_h)
 
     @property
     def _repeats(self) -> bool:
@@ -198,11 +188,6 @@ class Analysis(Result):
         """Drag coefficients of the parts in level flight; None without ``airframe.drag``."""
         return drag_shares(self.aircraft, self.performance.design)
 
-    @cached_property
-    def balance(self) -> BalanceAssessment | None:
-        """Centre of gravity, static margin and trim; None without ``airframe.balance``."""
-        return balance_assessment(self.aircraft, self.performance.design)
-
     @property
     def masses_kg(self) -> dict[str, float] | None:
         """Mass budget [kg]; None for a measured aircraft, whose parts are not known."""
@@ -210,16 +195,6 @@ class Analysis(Result):
             return None
         masses = self.performance.design.masses._asdict()
         return {item: float(mass) for item, mass in masses.items()}
-
-    @cached_property
-    def power_budget(self) -> PowerBudget:
-        """Where the power of level flight goes, at the mission's altitude."""
-        return power_budget(self.aircraft, self.mission, self.performance.design)
-
-    @cached_property
-    def part_masses(self) -> PartMasses | None:
-        """Masses of the propulsion's parts that are estimated; None where there are none."""
-        return part_masses(self.aircraft, self.performance.design)
 
     @cached_property
     def varying_efficiency(self) -> VaryingEfficiency | None:
@@ -253,49 +228,41 @@ class Analysis(Result):
         at = self.worst if index is None else index
         return {one: values[at] for one, values in self.values.items()}
 
-    def to_dict(self) -> dict[str, Any]:
-        """Whole analysis, JSON-ready; the top level is the worst scenario."""
-        records = [scenario_record(self, i) for i in range(len(self.performance.cycle.status))]
-        design, solar = self.performance.design, self.performance.solar
-        limited, airspeed = self.limited_flight, design.airspeed_m_per_s
-        wind = self.mission.strongest_wind_m_per_s
-        result = records[self.worst] | {
-            "aircraft": self.aircraft.name,
-            "mission": self.mission.name,
-            "mission_is_default": False,  # a command without --mission says so
-            "model": solar.model,
-            "correction": solar.correction,
-            **q.design_record(design, [q.TOTAL_MASS]),
-            "masses_kg": self.masses_kg,
-            "structure": None if self.structure is None else self.structure.to_dict(),
-            **q.design_record(design, q.ANALYSED),
-            "power_budget": self.power_budget.to_dict(),
-            "airspeed_above_wind": None if airspeed is None else bool(airspeed > wind),
-            "limited_flight": None if limited is None else finite_values(asdict(limited)),
-            "relaxations": relaxation_records(self.relaxations),
-            "extrapolations": extrapolation_records(self.extrapolations),
-            **software_record(),
-            "scenarios": records,
-        }
-        drag, balance = self.drag_coefficients, self.balance
-        masses, varying = self.part_masses, self.varying_efficiency
-        not_of_all = {
-            "part_masses": None if masses is None else masses.to_dict(),
-            "varying_efficiency": None if varying is None else varying.to_dict(),
-            "battery_condition": battery_record(self.aircraft, self.mission),
-            "whole_cells": cells_record(self.aircraft) or None,
-            "drag_coefficients": None if drag is None else drag_record(drag),
-            "balance": None if balance is None else balance.to_dict(),
-            "wind": wind_record(self.mission),
-        }
-        result |= {key: one for key, one in not_of_all.items() if one is not None}
-        result |= source_records(self.aircraft, self.mission)
-        if (checked := self.climb_check_h) is not None:
-            keys = ("program_excess_time_h", "one_minute_excess_time_h")
-            result["climb"] |= dict(zip(keys, map(finite, checked), strict=True))
-        if self.flight is not None:
-            result["flight"] = flight_record(self.flight)
-        return result
+    @cached_property
+    def scenarios(self) -> tuple[Scenario, ...]:
+        """Every scenario."""
+        return tuple(map(self._scenario, range(len(self.performance.cycle.status))))
+
+    @property
+    def worst_scenario(self) -> Scenario:
+        """Scenario with the least excess time."""
+        return self.scenarios[self.worst]
+
+    def _scenario(self, index: int) -> Scenario:
+        place, solar = self.performance.day.scenarios, self.performance.solar
+        day = int(place.day_of_year[index])
+        climb = self.climb
+        return Scenario(
+            quantities=self.scenario(index),
+            model=solar.model,
+            correction=solar.correction,
+            latitude_deg=float(place.latitude_deg[index]),
+            day_of_year=day,
+            date=date_code(day),
+            uncertainty=ModelError.of(self.low, self.high, index),
+            climb=None if climb is None else ClimbOfDay.of(climb, self.mission, index),
+        )
+
+    @property
+    def airspeed_above_wind(self) -> bool | None:
+        """Whether the airspeed is above the mission's wind; None where it is not known."""
+        airspeed, wind = self.design.airspeed_m_per_s, self.mission.strongest_wind_m_per_s
+        return None if airspeed is None else bool(airspeed > wind)
+
+    @property
+    def calendar_flight(self) -> CalendarFlight | None:
+        """Replayed flight in numbers; None without a launch."""
+        return None if self.flight is None else CalendarFlight.of(self.flight)
 
     def to_frame(self) -> pd.DataFrame:
         """Metrics of every scenario, one row each; infinite where unlimited."""
@@ -382,24 +349,3 @@ def analyse(
     if replay and mission.launch is not None:
         flight = calendar_run(aircraft, mission, solar)
     return Analysis(*(aircraft, mission, centre, low, high, flight), known_mass_kg=known_mass_kg)
-
-
-def scenario_record(analysis: Analysis, index: int) -> dict[str, Any]:
-    """Metrics of one scenario, JSON-ready."""
-    perf, scenarios = analysis.performance, analysis.performance.day.scenarios
-    day = int(scenarios.day_of_year[index])
-    record: dict[str, Any] = {
-        one.name: value if isinstance(value, str) else finite(value)
-        for one, value in analysis.scenario(index).items()
-    }
-    record |= {
-        "model": perf.solar.model,
-        "correction": perf.solar.correction,
-        "latitude_deg": finite(scenarios.latitude_deg[index]),
-        "day_of_year": day,
-        "date": date_code(day),
-        "uncertainty": uncertainty_record(analysis.low, analysis.high, index),
-    }
-    if analysis.climb is not None:
-        record["climb"] = climb_record(analysis.climb, analysis.mission, index)
-    return record

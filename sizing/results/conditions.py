@@ -1,218 +1,179 @@
-"""What the mission makes of a flight, for results: battery in its air, wind, climbs."""
+"""What the mission makes of a flight, in numbers: battery in its air, wind, climbs, calendar."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.results import quantities as q
-from sizing.results.records import change_text, climb_record, finite, hours, with_unit
-from sizing.results.tables import Line
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
     from sizing.climb import ClimbPerformance
-    from sizing.program.result import SizingResult
+    from sizing.day.replay import CalendarRun
+    from sizing.performance import Performance
 
 
-def battery_record(
+class Spread(NamedTuple):
+    """What changes with the days of a weather record."""
+
+    lowest: float
+    mean: float
+    highest: float
+
+    @classmethod
+    def of(cls, values: Any) -> Spread:
+        """Return the ends and the mean of values; nothing times what is below zero is plain 0."""
+        return cls(*(float(end(values)) + 0.0 for end in (np.min, np.mean, np.max)))
+
+
+class BatteryCondition(NamedTuple):
+    """Battery in the air of a mission, or of the days of a weather record; aged as its file says.
+
+    ``pack_temperature_c``: None where no temperature is held.
+    """
+
+    pack_temperature_c: float | Spread | None
+    heater_power_w: float | Spread
+    cycles: float | None
+    months: float | None
+    capacity_fraction: float | Spread
+    charge_efficiency: float
+    discharge_efficiency: float
+
+
+def battery_condition(
     aircraft: Aircraft, mission: Mission, mass_kg: float | None = None
-) -> dict[str, Any] | None:
-    """Battery as it is flown on a mission, JSON-ready.
+) -> BatteryCondition | None:
+    """Return the battery as it is on a mission; the margin of its capacity is not counted.
 
-    ``mission``: its air; the margin of its capacity is not counted. ``mass_kg``: that of a sized
-    design. None for a battery without temperature, resistance and ageing.
+    ``mass_kg``: that of a sized design. None for a battery without temperature, resistance and
+    ageing.
     """
     air_c = mission.air_state().temperature_c
-    return _record(aircraft, air_c, mission.altitude_m, float, mass_kg)
+    return _condition(aircraft, air_c, mission.altitude_m, float, mass_kg)
 
 
-def battery_record_of_days(
+def battery_condition_of_days(
     aircraft: Aircraft, air_c: FloatArray, altitude_m: float
-) -> dict[str, Any] | None:
-    """Battery as it is on the days of a weather record, JSON-ready.
-
-    ``air_c``: mean temperature of the air of each day [C], at an altitude. Returns as
-    :func:`battery_record`, with ``lowest``, ``mean`` and ``highest`` of what changes with the days.
-    """
-    return _record(aircraft, air_c, altitude_m, _ends_and_mean)
+) -> BatteryCondition | None:
+    """Return the battery as it is in the mean air of each day [C], at an altitude."""
+    return _condition(aircraft, air_c, altitude_m, Spread.of)
 
 
-def _record(
+def _condition(
     aircraft: Aircraft,
     air_c: Any,
     altitude_m: float,
-    shown: Callable[[Any], Any],
+    reported: Callable[[Any], Any],
     mass_kg: float | None = None,
-) -> dict[str, Any] | None:
-    """Battery in air of a temperature [C]; ``shown``: what is told of its numbers."""
+) -> BatteryCondition | None:
     battery, aged = aircraft.battery, aircraft.battery.ageing
     held, _ = battery.temperature_at(altitude_m)
     if not any((held, battery.resistance, aged)):
         return None
-    return {
-        "pack_temperature_c": None if held is None else shown(held.pack_c(air_c)),
-        "heater_power_w": shown(battery.heater_w(air_c, altitude_m, mass_kg)),
-        "cycles": None if aged is None else float(aged.total_cycles),
-        "months": None if aged is None else float(aged.total_months),
-        "capacity_fraction": shown(battery.capacity_fraction(air_c, altitude_m)),
-        "charge_efficiency": float(battery.mean_charge_efficiency),
-        "discharge_efficiency": float(battery.mean_discharge_efficiency),
-    }
+    return BatteryCondition(
+        pack_temperature_c=None if held is None else reported(held.pack_c(air_c)),
+        heater_power_w=reported(battery.heater_w(air_c, altitude_m, mass_kg)),
+        cycles=None if aged is None else float(aged.total_cycles),
+        months=None if aged is None else float(aged.total_months),
+        capacity_fraction=reported(battery.capacity_fraction(air_c, altitude_m)),
+        charge_efficiency=float(battery.mean_charge_efficiency),
+        discharge_efficiency=float(battery.mean_discharge_efficiency),
+    )
 
 
-def _ends_and_mean(values: Any) -> dict[str, float]:
-    return {
-        # Nothing times a temperature below zero is minus nothing.
-        "lowest": float(np.min(values)) + 0.0,
-        "mean": float(np.mean(values)) + 0.0,
-        "highest": float(np.max(values)) + 0.0,
-    }
+class Wind(NamedTuple):
+    """Percentile of a table of winds, and its wind in every scenario [m/s]."""
+
+    percentile: float
+    hold_station: bool
+    source: str
+    scenarios_m_per_s: tuple[float, ...]
 
 
-def battery_line(aircraft: Aircraft, record: dict[str, Any] | None) -> str | None:
-    """State of the battery in a line, such as ``battery at 12 °C: 90 % of its capacity``.
-
-    ``record``: as it is flown on a mission, or on the days of a weather record; without one None.
-    """
-    if record is None:
+def wind_of(mission: Mission) -> Wind | None:
+    """Return the wind of every scenario; None for one that the mission gives."""
+    statistics = mission.wind_statistics
+    if statistics is None:
         return None
-    words = "battery"
-    if record["pack_temperature_c"] is not None:
-        words += f" at {_range(record['pack_temperature_c'])} °C"
-    if record["cycles"] is not None:
-        words += f", after {record['cycles']:.0f} cycles and {record['months']:.0f} months"
-    words += f": {_range(record['capacity_fraction'], 100.0)} % of its capacity"
-    heater_w = record["heater_power_w"]
-    if not isinstance(heater_w, dict):
-        words += f", heated with {heater_w:.1f} W" if heater_w > 0.0 else ""
-    elif heater_w["highest"] > 0.0:
-        mean_w, most_w = heater_w["mean"], heater_w["highest"]
-        words += f", heated with {mean_w:.1f} W on average and up to {most_w:.1f} W"
-    if aircraft.battery.resistance is not None:
-        charge, discharge = record["charge_efficiency"], record["discharge_efficiency"]
-        words += f", efficiencies {charge:.3f} (charge) and {discharge:.3f} (discharge)"
-    return words
+    source = statistics.table(mission.longitude_deg).source
+    winds = tuple(mission.scenario_winds_m_per_s().tolist())
+    return Wind(statistics.percentile, statistics.hold_station, source, winds)
 
 
-def _range(value: Any, factor: float = 1.0) -> str:
-    """Number, or the ends of what changes with the days."""
-    if not isinstance(value, dict):
-        return f"{factor * value:.0f}"
-    low, high = (f"{factor * value[end]:.0f}" for end in ("lowest", "highest"))
-    return low if low == high else f"{low} to {high}"
+class ModelError(NamedTuple):
+    """Excess time with the solar power one RMS error of its model lower and higher [h]."""
 
+    solar_power_rms_relative: float
+    excess_time_low_h: float
+    excess_time_high_h: float
 
-def wind_record(mission: Mission) -> dict[str, Any] | None:
-    """Percentile, table and wind of every scenario, JSON-ready; none for a given wind."""
-    given = mission.wind_statistics
-    if given is None:
-        return None
-    return {
-        "percentile": given.percentile,
-        "hold_station": given.hold_station,
-        "source": given.table(mission.longitude_deg).source,
-        "scenarios_m_per_s": mission.scenario_winds_m_per_s().tolist(),
-    }
-
-
-def wind_rows(mission: Mission) -> list[tuple[str, str]]:
-    """Row of a table of facts: the wind, from the weakest to the strongest scenario."""
-    given = mission.wind_statistics
-    if given is None:
-        return []
-    heights_m = mission.climb_levels_m if given.hold_station else [mission.altitude_m]
-    winds = [mission.at_altitude(one).scenario_winds_m_per_s() for one in heights_m]
-    ends = dict.fromkeys(f"{w:.1f}" for w in (np.min(winds), np.max(winds)))
-    source = given.table(mission.longitude_deg).source
-    return [
-        (
-            f"wind, {given.percentile:g} % of the time at most"
-            + (", at all heights" if len(heights_m) > 1 else ""),
-            f"{' to '.join(ends)} m/s",
-        ),
-        ("winds from", source),
-        *(
-            [("flown, to hold its place", "as fast as the wind at least")]
-            if given.hold_station
-            else []
-        ),
-    ]
-
-
-def climbs_record(climbs: ClimbPerformance, mission: Mission) -> dict[str, Any]:
-    """Climbs of the optimum in its scenario of the least excess time, JSON-ready."""
-    record = climb_record(climbs, mission, climbs.performance.worst_scenario())
-    return record | {"dawn_altitude_m": finite(_dawn_altitude_m(climbs))}
-
-
-def level_record(level: SizingResult) -> dict[str, Any]:
-    """Optimum of level flight at the night's floor, JSON-ready."""
-    design = level.design
-    record = {
-        "status": level.status.name,
-        "objective_value": finite(level.objective_value),
-    }
-    return record | {
-        one.name: None if design is None else finite(one.of(design))
-        for one in (*q.CHOSEN, q.TOTAL_MASS)
-    }
-
-
-def climb_lines(
-    mission: Mission,
-    result: SizingResult,
-    climbs: ClimbPerformance | None,
-    level: SizingResult | None,
-) -> list[Any]:
-    """What the optimum's day looks like, and what it would be without climbs."""
-    if climbs is None or result.design is None:
-        return []
-    assert mission.climb is not None
-    floor_m, worst = mission.altitude_m, climbs.performance.worst_scenario()
-    highest_m, gliding_h = float(climbs.altitude_m[worst].max()), float(climbs.gliding_h[worst])
-    reached = "its ceiling of " if highest_m > mission.climb.ceiling_m - 1.0 else ""
-    text = f"stays at {floor_m:.0f} m: no surplus, or no power, is left to climb with"
-    if highest_m > floor_m + 1.0:
-        text = (
-            f"climbs by day from {floor_m:.0f} m to {reached}{highest_m:.0f} m, which stores "
-            f"{float(climbs.stored_height_wh[worst]):.1f} Wh; glides {hours(gliding_h)} in "
-            f"the evening; at dawn at {_dawn_altitude_m(climbs):.0f} m"
+    @classmethod
+    def of(cls, low: Performance, high: Performance, index: int | None = None) -> ModelError:
+        """Return that of a scenario; by default the least of all, which may be another in each."""
+        ends = (
+            np.min(one.cycle.excess_time_h) if index is None else one.cycle.excess_time_h[index]
+            for one in (low, high)
         )
-    lines: list[Any] = [text]
-    if level is not None:
-        lines.append(Line(_without(mission, result, level)))
-    return lines
+        return cls(low.solar.rms_relative, *map(float, ends))
 
 
-def _without(mission: Mission, result: SizingResult, level: SizingResult) -> str:
-    """The optimum of level flight, and how much larger it is."""
-    where = f"in level flight at {mission.altitude_m:.0f} m"
-    if level.design is None or result.design is None:
-        return f"{where} no design was found ({level.status.label})"
-    shown = [q.CHOSEN[0], q.TOTAL_MASS]
-    parts = [
-        f"{one.label} {one.fact(one.of(level.design))[1]} "
-        f"({change_text(float(one.of(result.design)), float(one.of(level.design)))})"
-        for one in shown
-    ]
-    if result.objective.variable not in [one.name for one in shown]:
-        assert level.objective_value is not None
-        assert result.objective_value is not None
-        value = with_unit(level.objective_value, ".4g", result.objective)
-        change = change_text(result.objective_value, level.objective_value)
-        parts.insert(0, f"{result.objective.label} {value} ({change})")
-    return f"{where}: {', '.join(parts)}"
+class ClimbOfDay(NamedTuple):
+    """What climbing does in a scenario; ``held_up_to_m`` only where a place is held."""
+
+    ceiling_m: float
+    held_up_to_m: float | None
+    maximum_altitude_m: float
+    gliding_h: float
+    stored_height_wh: float
+    climb_energy_wh: float
+    constant_altitude_excess_time_h: float
+    gain_in_excess_time_h: float
+    dawn_altitude_m: float
+
+    @classmethod
+    def of(cls, climbs: ClimbPerformance, mission: Mission, index: int) -> ClimbOfDay:
+        """Return the climbs of a scenario; a sun that carries the load at night has no dawn."""
+        assert mission.climb is not None
+        perf, held_m = climbs.performance, climbs.held_up_to_m
+        dawn_h = float(np.nan_to_num(perf.cycle.equal_power_morning_h[index]))
+        return cls(
+            ceiling_m=mission.climb.ceiling_m,
+            held_up_to_m=None if held_m is None else float(held_m[index]),
+            maximum_altitude_m=float(climbs.altitude_m[index].max()),
+            gliding_h=float(climbs.gliding_h[index]),
+            stored_height_wh=float(climbs.stored_height_wh[index]),
+            climb_energy_wh=float(climbs.climb_energy_wh[index]),
+            constant_altitude_excess_time_h=float(climbs.constant.cycle.excess_time_h[index]),
+            gain_in_excess_time_h=float(climbs.gain_h[index]),
+            dawn_altitude_m=float(np.interp(dawn_h, perf.day.time_h, climbs.altitude_m[index])),
+        )
 
 
-def _dawn_altitude_m(climbs: ClimbPerformance) -> float:
-    """Altitude at the morning's equal power, of a sun that always carries the load at midnight."""
-    perf = climbs.performance
-    worst = perf.worst_scenario()
-    dawn_h = perf.cycle.equal_power_morning_h[worst]
-    at_h = 0.0 if np.isnan(dawn_h) else float(dawn_h)
-    return float(np.interp(at_h, perf.day.time_h, climbs.altitude_m[worst]))
+class CalendarFlight(NamedTuple):
+    """Replayed flight; clock times are local hours since the launch day's midnight."""
+
+    launch: str
+    utc_offset_h: float
+    duration_h: float
+    full_charge_clock_h: tuple[float, ...]
+    minimum_state_of_charge: float
+    final_state_of_charge: float
+    empty_clock_h: float | None
+
+    @classmethod
+    def of(cls, flight: CalendarRun) -> CalendarFlight:
+        """Return the numbers of a replay."""
+        return cls(
+            launch=f"{flight.launch.date} {flight.launch.time_local}",
+            utc_offset_h=flight.launch.utc_offset_h,
+            duration_h=float(flight.clock_h[-1] - flight.clock_h[0]),
+            full_charge_clock_h=flight.full_charge_clock_h,
+            minimum_state_of_charge=flight.minimum_state_of_charge,
+            final_state_of_charge=float(flight.state_of_charge[-1]),
+            empty_clock_h=flight.empty_clock_h,
+        )

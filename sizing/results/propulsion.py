@@ -5,8 +5,8 @@ And what the efficiency of the moment changes against that of level flight.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from sizing.mass_budget import level_point
 from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
-from sizing.results.records import finite
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
@@ -35,13 +34,6 @@ _ROWS = {
     "payload_w": "payload",
     "supply_loss_w": "lost in the power supply",
     "heater_w": "heater of the battery",
-}
-# Words that are long in a sentence.
-_SHORT = {
-    one: one.removeprefix("lost in the ")
-    .removesuffix(" of level flight")
-    .removesuffix(" in level flight (measured)")
-    for one in _ROWS.values()
 }
 
 
@@ -84,19 +76,10 @@ class PowerBudget:
             f"{float(point.bus_power_w / point.bus_current_a):.1f} V{rest}."
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready; null for what is not known of a measured aircraft."""
-        point = None
-        if self.point is not None:
-            point = {k: v if k == "reason" else finite(v) for k, v in asdict(self.point).items()}
-            del point["reason"]
-        return {
-            **{key: self.watts.get(key) for key in _ROWS},
-            "bus_w": self.bus_w,
-            "efficiencies": self.efficiencies or None,
-            "assumed_efficiency": self.assumed,
-            "operating_point": point,
-        }
+    @property
+    def every_w(self) -> dict[str, float | None]:
+        """Rows by their keys [W]; None for what is not known of a measured aircraft."""
+        return {key: self.watts.get(key) for key in _ROWS}
 
 
 def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerBudget:
@@ -134,13 +117,6 @@ def power_budget(aircraft: Aircraft, mission: Mission, design: Design) -> PowerB
     return PowerBudget(watts, efficiencies, point, assumed)
 
 
-def power_line(budget: PowerBudget, mission: Mission) -> str:
-    """Power budget in a sentence; faster flight against the wind is not part of it."""
-    parts = [f"{_SHORT.get(one, one)} {watts:.2f} W" for one, watts in budget.rows()]
-    slow = " at its own airspeed" if mission.holds_station else ""
-    return f"power in level flight{slow}, {budget.bus_w:.2f} W: {', '.join(parts)}. {budget.note()}"
-
-
 class PartMasses(NamedTuple):
     """Estimated masses of one propulsor [kg]; None for a part whose mass is known.
 
@@ -153,10 +129,6 @@ class PartMasses(NamedTuple):
     gearbox_kg: float | None
     propeller_kg: float | None
     propeller_scatter: float | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        return self._asdict()
 
 
 def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
@@ -180,28 +152,6 @@ def part_masses(aircraft: Aircraft, design: Design) -> PartMasses | None:
         motor_scatter=None if motor is None else motor_mass_fit().scatter,
         gearbox_kg=gears_kg / own.propulsors if has_gear else None,
     )
-
-
-def part_masses_line(found: PartMasses) -> str:
-    """Estimated masses in a sentence."""
-    parts = []
-    for name, size, mass_kg, fit in (
-        ("motor", "torque", found.motor_kg, motor_mass_fit()),
-        ("propeller", "diameter", found.propeller_kg, propeller_mass_fit()),
-    ):
-        if mass_kg is not None:
-            low, high = mass_kg / fit.scatter, mass_kg * fit.scatter
-            parts.append(
-                f"{name} {mass_kg:.3f} kg by the {size} of {fit.number} {name}s of the catalogue, "
-                f"which scatter by a factor of {fit.scatter:.2f} ({low:.3f} to {high:.3f} kg)"
-            )
-    if found.gearbox_kg is not None:
-        parts.append(f"gearbox {found.gearbox_kg:.3f} kg by its torque (NASA/TM-2009-215680)")
-    return f"estimated masses of a propulsor: {', '.join(parts)}."
-
-
-# Of the power: an error that would show in the efficiency as it is printed.
-_TOLD_ERROR = 1e-3
 
 
 @dataclass(frozen=True)
@@ -238,17 +188,6 @@ class VaryingEfficiency:
     most: Instant | None
     interpolation_error: float
 
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready; null where a number is unlimited or not defined."""
-
-        def plain(value: Any) -> Any:
-            if isinstance(value, dict):
-                return {key: plain(one) for key, one in value.items()}
-            return finite(value) if isinstance(value, float) else value
-
-        record: dict[str, Any] = plain(asdict(self))
-        return record
-
 
 def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficiency | None:
     """Effect of the efficiency of the moment on a single design; None where it is constant."""
@@ -283,29 +222,3 @@ def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficie
         most=instant(int(np.argmax(load))) if varies else None,
         interpolation_error=interpolation_error(aircraft, mission, design),
     )
-
-
-def varying_line(found: VaryingEfficiency) -> str:
-    """Effect of the efficiency of the moment in a sentence or some."""
-    ours, theirs = found.excess_time_h, found.level_excess_time_h
-    hours = f"excess time {ours:.2f} h" if np.isfinite(ours) else "unlimited excess time"
-    night = found.night
-    parts = [
-        f"propulsion at the load of the moment: {hours}, {theirs:.2f} h by level "
-        f"flight's efficiency; {_told(night)} at {night.bus_voltage_v:.1f} V at the end of the "
-        f"night, {100.0 * night.state_of_charge:.0f} % charge"
-    ]
-    if (most := found.most) is not None:
-        parts.append(
-            f", {_told(most)} at {most.bus_voltage_v:.1f} V in thermals, {most.load:.2f} times the "
-            "power of level flight"
-        )
-    if found.interpolation_error > _TOLD_ERROR:
-        parts.append(f"; the table of the march is {found.interpolation_error:.1e} off")
-    reasons = [one.reason for one in (found.night, found.most) if one is not None and one.reason]
-    return "".join([*parts, ".", *(f" Beyond the parts: {reason}." for reason in reasons[:1])])
-
-
-def _told(instant: Instant) -> str:
-    known = np.isfinite(instant.efficiency)
-    return f"{100.0 * instant.efficiency:.1f} %" if known else "beyond what the parts can do"

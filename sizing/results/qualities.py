@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,8 +15,6 @@ from sizing.program.objectives import Objective
 from sizing.program.own_flow import sized_in_own_flow
 from sizing.program.result import SizingResult
 from sizing.results import quantities as q
-from sizing.results.records import finite, with_unit
-from sizing.results.tables import Column, Table
 from sizing.structures.build import build_qualities
 from sizing.structures.models import OwnStructure
 
@@ -33,13 +30,6 @@ class BuiltDesign:
     of_file: bool
     design: Design | None
     objective_value: float | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Class, and its design or nulls, JSON-ready."""
-        design = self.design
-        values = {one.name: None if design is None else finite(one.of(design)) for one in _SHOWN}
-        known = {"build": self.build, "factor": self.factor, "of_file": self.of_file}
-        return known | {"objective_value": finite(self.objective_value)} | values
 
 
 def designs_by_build(
@@ -93,22 +83,3 @@ def _sized(
         )[1]
     except ImpossibleDesignError:
         return None
-
-
-def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> Table:
-    """A row for every class of building, of its records."""
-    others = objective.variable not in {one.name for one in _SHOWN}
-    columns = [Column("build"), Column("factor", form=".2f"), *_SHOWN]
-    if others:
-        columns.append(Column("objective", objective.label, to_right=True))
-    rows = []
-    for one in records:
-        name = f"{one['build']} (this file)" if one["of_file"] else one["build"]
-        row: list[Any] = [name, one["factor"], *(one[shown.name] for shown in _SHOWN)]
-        if others:
-            row.append(with_unit(one["objective_value"], ".4g", objective))
-        if one[q.WINGSPAN.name] is None:
-            row[2:] = ["no design", *("" for _ in row[3:])]
-        rows.append(tuple(row))
-    title = "the same by how well the structure is built (airframe.structure.build)"
-    return Table(title, tuple(columns), tuple(rows))

@@ -1,4 +1,4 @@
-"""Quantities of results, each declared once: key, words, unit, form, and where it comes from.
+"""The table of quantities of results: key, path, words, unit, form, importance, each once.
 
 Records, frames, tables, the design sheet, and the variables of maps and trade studies are made of
 the groups at the end. A new quantity is an entry here and in the groups that are to have it; what
@@ -8,7 +8,7 @@ a design may also be bounded by is in :data:`sizing.limits.QUANTITIES` as well.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Any
@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 
 from sizing.day.metrics import Status
-from sizing.design import Design
 from sizing.design_space import LimitedQuantity
 from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, unit_text
 from sizing.performance import Performance
 from sizing.results.records import finite
-from sizing.results.tables import UNLIMITED, Column
+from sizing.results.tables import CLOCK, UNLIMITED, Column
 
 Getter = Callable[[Any], Any]
 
@@ -32,11 +31,13 @@ class Quantity(Column):
     """A column that knows where its values come from; its name is the key of records and frames.
 
     ``of``: its value of a design, or of one in flight; or in every design and scenario of a
-    performance. ``symbol``: in LaTeX. ``meaning``: long name in files on a grid, where it is not
-    the label; ``short``: its name there, where it is not the key without its unit.
+    performance. ``importance``: level from which on it is shown; 0 in headlines, 1 in summaries, 2
+    with all, 3 in data alone. ``symbol``: in LaTeX. ``meaning``: long name in files on a grid,
+    where it is not the label; ``short``: its name there, where it is not the key without its unit.
     """
 
     of: Getter = field(kw_only=True)
+    importance: int = field(default=1, kw_only=True)
     symbol: str = field(default="", kw_only=True)
     meaning: str = field(default="", kw_only=True)
     short: str = field(default="", kw_only=True)
@@ -54,20 +55,15 @@ class Quantity(Column):
 
     def fact(self, value: Any, form: str = "") -> tuple[str, str]:
         """Label, and the value with its unit; ``form``: where it is not the quantity's own."""
-        text = replace(self, form=form or self.form).text(value)
-        bare = not self.unit or text in (self.missing, UNLIMITED)
+        form = form or self.form
+        text = replace(self, form=form).text(value)
+        bare = (
+            isinstance(value, str)
+            or not self.unit
+            or form == CLOCK
+            or text in (self.missing, UNLIMITED)
+        )
         return self.label, text if bare else f"{text} {unit_text(self.unit)}"
-
-
-def worst_record(flight: Performance, quantities: Iterable[Quantity]) -> dict[str, float | None]:
-    """Values of a single design in its worst scenario, JSON-ready."""
-    worst = flight.worst_scenario()
-    return {one.name: finite(one.of(flight)[worst]) for one in quantities}
-
-
-def design_record(design: Design, quantities: Iterable[Quantity]) -> dict[str, float | None]:
-    """Values of a design, JSON-ready."""
-    return {one.name: finite(one.of(design)) for one in quantities}
 
 
 def attribute_in_worst(one: Quantity) -> property:
@@ -84,38 +80,32 @@ def attribute_of_design(one: Quantity) -> property:
 
     def value(result: Any) -> float | None:
         design = result.design
-        return math.nan if design is None else design_record(design, [one])[one.name]
+        return math.nan if design is None else finite(one.of(design))
 
     return property(value, doc=f"{one.meaning or one.label} [{one.unit}].")
 
 
-def _of_design(key: str, form: str, path: str = "", meaning: str = "") -> Quantity:
-    """Quantity of a design, as the catalogue of parameters describes it."""
-    known = parameter(key)
-    unit, of = "" if known.unit == "1" else known.unit, attrgetter(path or key)
-    return Quantity(key, known.label, unit, form, of=of, symbol=known.symbol, meaning=meaning)
-
-
-def _in_flight(key: LimitedQuantity) -> Quantity:
-    """Quantity of a design in flight."""
-    return replace(_of_design(key, ".2f"), of=QUANTITIES[key])
-
-
-def _of_cycle(
-    key: str, label: str, symbol: str = "", meaning: str = "", *, unit: str = "h", form: str = ".2f"
+def _quantity(
+    key: str, of: str | Getter = "", words: str = "", *, unit: str = "", **others: Any
 ) -> Quantity:
-    """Quantity of a day that repeats itself."""
-    of = attrgetter(f"cycle.{key}")
-    return Quantity(key, label, unit, form, of=of, symbol=symbol, meaning=meaning)
+    """Row of the table: what the catalogue of parameters knows of a key needs no words here.
+
+    ``of``: path from a design or a performance, or a function; the key itself by default.
+    """
+    if not words:
+        known = parameter(key)
+        words, unit = known.label, "" if known.unit == "1" else known.unit
+        others.setdefault("symbol", known.symbol)
+    getter = of if callable(of) else attrgetter(of or key)
+    return Quantity(key, words, unit, of=getter, **others)
 
 
-def _of_budget(key: str, label: str, symbol: str = "", meaning: str = "") -> Quantity:
-    """Energy of a day that repeats itself."""
-    of = attrgetter(f"cycle.energy_budget.{key.replace('_energy', '')}")
-    return Quantity(key, label, "Wh", ".0f", of=of, symbol=symbol, meaning=meaning)
+def _in_flight(key: LimitedQuantity, form: str = ".2f", **others: Any) -> Quantity:
+    """Quantity of a design in flight, which a design may be bounded by."""
+    return _quantity(key, QUANTITIES[key], form=form, **others)
 
 
-def _sunlit(name: str) -> Getter:
+def _daylight(name: str) -> Getter:
     """Instant of the sun; NaN where it does not rise or does not set."""
 
     def instant(flight: Performance) -> Any:
@@ -131,111 +121,159 @@ def _status_names(flight: Performance) -> list[str]:
     return [(Status.limited if one is Status.never_lit else one).name for one in every]
 
 
+def _best_launches(flight: Performance) -> Any:
+    return [np.nan if one is None else one.launch_h for one in flight.endurances()]
+
+
 # ---- Of a design
 
-WINGSPAN = _of_design("wingspan_m", ".3f", "variables.wingspan_m")
-ASPECT_RATIO = _of_design("aspect_ratio", ".2f", "variables.aspect_ratio")
-BATTERY_MASS = _of_design("battery_mass_kg", ".3f", "variables.battery_mass_kg")
-MODULE_AREA = _of_design(
-    "module_area_m2", ".3f", "variables.module_area_m2", "area of the solar modules"
+WINGSPAN = _quantity("wingspan_m", "variables.wingspan_m", form=".3f", importance=0)
+ASPECT_RATIO = _quantity("aspect_ratio", "variables.aspect_ratio", form=".2f")
+BATTERY_MASS = _quantity("battery_mass_kg", "variables.battery_mass_kg", form=".3f", importance=0)
+MODULE_AREA = _quantity(
+    *("module_area_m2", "variables.module_area_m2"),
+    form=".3f",
+    importance=0,
+    meaning="area of the solar modules",
 )
-PAYLOAD_MASS = _of_design("payload_mass_kg", ".3f", "masses.payload")
-PAYLOAD_POWER = _of_design(
-    "payload_power_w", ".1f", "variables.payload_power_w", "power of the payload"
+PAYLOAD_MASS = _quantity("payload_mass_kg", "masses.payload", form=".3f")
+PAYLOAD_POWER = _quantity(
+    *("payload_power_w", "variables.payload_power_w"), form=".1f", meaning="power of the payload"
 )
-PROPELLER_DIAMETER = _of_design("propeller_diameter_m", ".3f", "variables.propeller_diameter_m")
-PROPELLER_PITCH = _of_design("propeller_pitch_m", ".3f", "variables.propeller_pitch_m")
-GEAR_RATIO = _of_design("gear_ratio", ".2f", "variables.gear_ratio")
-SPEED_CONSTANT = _of_design(
-    "motor_speed_constant_rpm_per_v", ".0f", "variables.motor_speed_constant_rpm_per_v"
+PROPELLER_DIAMETER = _quantity("propeller_diameter_m", "variables.propeller_diameter_m", form=".3f")
+PROPELLER_PITCH = _quantity("propeller_pitch_m", "variables.propeller_pitch_m", form=".3f")
+GEAR_RATIO = _quantity("gear_ratio", "variables.gear_ratio", form=".2f")
+SPEED_CONSTANT = _quantity(
+    *("motor_speed_constant_rpm_per_v", "variables.motor_speed_constant_rpm_per_v"), form=".0f"
 )
-TOTAL_MASS = _of_design("total_mass_kg", ".3f")
-WING_AREA = _of_design("wing_area_m2", ".3f")
-AIRSPEED = _of_design("airspeed_m_per_s", ".2f")
-BATTERY_ENERGY = _of_design("battery_energy_wh", ".1f")
-PROPULSION_POWER = _of_design("propulsion_power_w", ".1f")
+TOTAL_MASS = _quantity("total_mass_kg", form=".3f", importance=0)
+WING_AREA = _quantity("wing_area_m2", form=".3f")
+AIRSPEED = _quantity("airspeed_m_per_s", form=".2f")
+BATTERY_ENERGY = _quantity("battery_energy_wh", form=".1f")
+PROPULSION_POWER = _quantity("propulsion_power_w", form=".1f")
 
-STALL_SPEED = _in_flight("stall_speed_m_per_s")
-WING_LOADING = _in_flight("wing_loading_kg_per_m2")
-CLIMB_RATE = _in_flight("climb_rate_m_per_s")
-CHORD = replace(_in_flight("chord_m"), form=".3f")
-AIR_DENSITY = Quantity(
-    *("air_density_kg_per_m3", "air density", "kg/m³", ".3f"),
-    of=attrgetter("conditions.density_kg_per_m3"),
+STALL_SPEED = _in_flight("stall_speed_m_per_s", importance=2)
+WING_LOADING = _in_flight("wing_loading_kg_per_m2", importance=2)
+CLIMB_RATE = _in_flight("climb_rate_m_per_s", importance=2)
+CHORD = _in_flight("chord_m", ".3f", importance=2)
+REYNOLDS_NUMBER = _in_flight("reynolds_number", ",.0f", digits=3, importance=2)
+LIFT_COEFFICIENT = _in_flight("lift_coefficient", importance=2)
+AIR_DENSITY = _quantity(
+    *("air_density_kg_per_m3", "conditions.density_kg_per_m3", "air density"),
+    unit="kg/m³",
+    form=".3f",
     symbol=r"\rho",
+    importance=2,
 )
-REYNOLDS_NUMBER = replace(_in_flight("reynolds_number"), form=",.0f", digits=3)
-LIFT_COEFFICIENT = _in_flight("lift_coefficient")
-DRAG = Quantity("drag_n", "drag", "N", ".2f", of=attrgetter("drag_n"), symbol="D")
-LIFT_TO_DRAG = Quantity(
-    *("lift_to_drag", "lift over drag", "", ".1f"), of=attrgetter("lift_to_drag"), symbol="L/D"
+DRAG = _quantity("drag_n", "", "drag", unit="N", form=".2f", symbol="D", importance=2)
+LIFT_TO_DRAG = _quantity(
+    "lift_to_drag", "", "lift over drag", form=".1f", symbol="L/D", importance=2
 )
 
 # ---- In a scenario
 
-EXCESS_TIME = _of_cycle(
-    *("excess_time_h", "excess time", r"T_\mathrm{exc}"),
-    "excess time; infinite where solar power always exceeds the load",
+EXCESS_TIME = _quantity(
+    *("excess_time_h", "cycle.excess_time_h", "excess time"),
+    unit="h",
+    form=".2f",
+    importance=0,
+    symbol=r"T_\mathrm{exc}",
+    meaning="excess time; infinite where solar power always exceeds the load",
 )
-CHARGE_MARGIN = _of_cycle(
-    *("charge_margin_h", "charge margin", r"T_\mathrm{cm}"),
-    "time from first full charge to last instant of full charge",
+CHARGE_MARGIN = _quantity(
+    *("charge_margin_h", "cycle.charge_margin_h", "charge margin"),
+    unit="h",
+    form=".2f",
+    symbol=r"T_\mathrm{cm}",
+    meaning="time from first full charge to last instant of full charge",
 )
-MINIMUM_CHARGE = _of_cycle(
-    *("minimum_state_of_charge", "minimum state of charge", r"\mathit{SoC}_\mathrm{min}"),
-    "minimum state of charge of the repeated day",
-    unit="",
+MINIMUM_CHARGE = _quantity(
+    *("minimum_state_of_charge", "cycle.minimum_state_of_charge", "minimum state of charge"),
     form=".1%",
+    symbol=r"\mathit{SoC}_\mathrm{min}",
+    meaning="minimum state of charge of the repeated day",
 )
 # Where a negative one is shown.
 BELOW_ZERO = (
-    "An excess time below 0 is the time of the day without enough power, one above 0 the time to "
-    "spare: it jumps at 0."
+    "An excess time below 0 is the time of the day without enough power, one above 0 the margin: "
+    "it jumps at 0."
 )
-ENDURANCE = Quantity(
-    *("endurance_h", "endurance", "h", ".2f"),
-    of=attrgetter("endurance_h"),
+ENDURANCE = _quantity(
+    *("endurance_h", "endurance_h", "endurance"),
+    unit="h",
+    form=".2f",
     symbol=r"T_\mathrm{endur}",
     meaning="longest flight over all launch times; infinite where perpetual",
 )
-BEST_LAUNCH = Quantity(
-    *("best_launch_h", "best launch", "h"),
-    of=lambda found: [np.nan if one is None else one.launch_h for one in found.endurances()],
+BEST_LAUNCH = _quantity(
+    "best_launch_h", _best_launches, "best launch", unit="h", form=CLOCK, importance=2
 )
-STATUS = Quantity("status", of=_status_names)
-SUNRISE = Quantity("sunrise_h", "sunrise", "h", of=_sunlit("sunrise_h"))
-SUNSET = Quantity("sunset_h", "sunset", "h", of=_sunlit("sunset_h"))
-DAY_LENGTH = Quantity(
-    *("day_length_h", "day length", "h"),
-    of=lambda found: found.day.sunset_h - found.day.sunrise_h,
+STATUS = _quantity("status", _status_names, "status", importance=0)
+SUNRISE = _quantity(
+    "sunrise_h", _daylight("sunrise_h"), "sunrise", unit="h", form=CLOCK, importance=2
+)
+SUNSET = _quantity("sunset_h", _daylight("sunset_h"), "sunset", unit="h", form=CLOCK, importance=2)
+DAY_LENGTH = _quantity(
+    *("day_length_h", lambda flight: flight.day.sunset_h - flight.day.sunrise_h, "day length"),
+    unit="h",
+    importance=3,
     meaning="time from sunrise to sunset",
 )
-EQUAL_POWER_MORNING = _of_cycle(
-    *("equal_power_morning_h", "equal power in the morning", ""),
-    "solar time at which solar power first equals the load",
+EQUAL_POWER_MORNING = _quantity(
+    *("equal_power_morning_h", "cycle.equal_power_morning_h", "equal power in the morning"),
+    unit="h",
+    form=CLOCK,
+    importance=2,
+    meaning="solar time at which solar power first equals the load",
 )
-EQUAL_POWER_EVENING = _of_cycle(
-    *("equal_power_evening_h", "equal power in the evening", ""),
-    "solar time at which solar power last equals the load",
+EQUAL_POWER_EVENING = _quantity(
+    *("equal_power_evening_h", "cycle.equal_power_evening_h", "equal power in the evening"),
+    unit="h",
+    form=CLOCK,
+    importance=2,
+    meaning="solar time at which solar power last equals the load",
 )
-FULL_CHARGE = _of_cycle("full_charge_h", "full charge", "", "solar time of the first full charge")
-LOAD = Quantity(
-    *("power_out_w", "load", "W", ".1f"),
-    of=lambda found: np.broadcast_to(found.nominal_load_w, found.cycle.status.shape),
+FULL_CHARGE = _quantity(
+    *("full_charge_h", "cycle.full_charge_h", "full charge"),
+    unit="h",
+    form=CLOCK,
+    meaning="solar time of the first full charge",
+)
+LOAD = _quantity(
+    *("power_out_w", lambda one: np.broadcast_to(one.nominal_load_w, one.cycle.status.shape)),
+    "load",
+    unit="W",
+    form=".1f",
     meaning="nominal load",
     short="power",
 )
-SOLAR_ENERGY = _of_budget(
-    *("solar_energy_wh", "solar energy of the day", r"E_\mathrm{solar}"),
-    "electric energy of the modules over the day",
+SOLAR_ENERGY = _quantity(
+    *("solar_energy_wh", "cycle.energy_budget.solar_wh", "solar energy of the day"),
+    unit="Wh",
+    form=".0f",
+    symbol=r"E_\mathrm{solar}",
+    meaning="electric energy of the modules over the day",
 )
-LOAD_ENERGY = _of_budget("load_energy_wh", "load", "", "energy drawn over the day")
-CURTAILED_ENERGY = _of_budget("curtailed_energy_wh", "not collected, the battery being full")
+LOAD_ENERGY = _quantity(
+    *("load_energy_wh", "cycle.energy_budget.load_wh", "load"),
+    unit="Wh",
+    form=".0f",
+    importance=3,
+    meaning="energy drawn over the day",
+)
+CURTAILED_ENERGY = _quantity(
+    *("curtailed_energy_wh", "cycle.energy_budget.curtailed_wh"),
+    "not collected, the battery being full",
+    unit="Wh",
+    form=".0f",
+    importance=3,
+)
 
 # Of flights with climbs alone.
-MAXIMUM_ALTITUDE = Quantity(
-    *("maximum_altitude_m", "highest altitude", "m", ".0f"),
-    of=attrgetter("maximum_altitude_m"),
+MAXIMUM_ALTITUDE = _quantity(
+    *("maximum_altitude_m", "maximum_altitude_m", "highest altitude"),
+    unit="m",
+    form=".0f",
     meaning="highest altitude of the day",
 )
 
@@ -253,9 +291,13 @@ SCENARIO = (
 SCENARIO_FRAME = (
     *(STATUS, EXCESS_TIME, CHARGE_MARGIN, ENDURANCE, MINIMUM_CHARGE, SOLAR_ENERGY, LOAD_ENERGY),
 )
-# Beside the total mass, of what is analysed and of what is sized.
-ANALYSED = (BATTERY_ENERGY, PROPULSION_POWER, AIRSPEED)
-SIZED = (WING_AREA, AIRSPEED, PROPULSION_POWER)
+# Facts of an analysis: of its flight, and of its aircraft.
+IN_FLIGHT = (
+    *(EXCESS_TIME, CHARGE_MARGIN, ENDURANCE, BEST_LAUNCH, MINIMUM_CHARGE, FULL_CHARGE),
+    *(SUNRISE, SUNSET, EQUAL_POWER_MORNING, EQUAL_POWER_EVENING),
+)
+OF_AIRCRAFT = (TOTAL_MASS, BATTERY_ENERGY, AIRSPEED)
+ENOUGH = (EXCESS_TIME, MINIMUM_CHARGE)
 # What a sized design reaches in its worst scenario, and in each.
 REACHED = (EXCESS_TIME, CHARGE_MARGIN, MINIMUM_CHARGE)
 REACHED_FRAME = (*REACHED, SOLAR_ENERGY, LOAD_ENERGY)

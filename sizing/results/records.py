@@ -14,14 +14,12 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.parameters import unit_text
 from sizing.results.tables import MISSING, UNLIMITED
+from sizing.results.tables import clock_label as clock_label
 from sizing.validity.own_models import check_own_models
 from solar.schema import Record
 from solar.types import FloatArray
 
 if TYPE_CHECKING:
-    from sizing.climb import ClimbPerformance
-    from sizing.day.replay import CalendarRun
-    from sizing.performance import Performance
     from sizing.program.objectives import Objective
 
 # What is smaller, in its unit, is nothing: a solver leaves such payloads, and no change is relative
@@ -112,65 +110,7 @@ def hours(value: float) -> str:
     return UNLIMITED if math.isinf(value) else f"{value:.2f} h"
 
 
-def clock_label(clock_h: float | None, *, first_day: int | None = None) -> str:
-    """Hours as a clock reading.
-
-    ``first_day``: day of year of that midnight; with it, hours beyond 24 carry their date. Returns
-    ``-`` where there is no such time.
-    """
-    if clock_h is None or not math.isfinite(clock_h):
-        return MISSING
-    minutes = round(clock_h * 60.0)
-    days, rest = divmod(minutes, 24 * 60)
-    reading = f"{rest // 60:02d}:{rest % 60:02d}"
-    if first_day is None:
-        return "24:00" if days == 1 and rest == 0 else reading
-    return f"{date_label(first_day + days)} {reading}"
-
-
-def uncertainty_record(
-    low: Performance, high: Performance, index: int | None = None
-) -> dict[str, Any]:
-    """Excess time of a scenario under the RMS error of the solar power model, JSON-ready.
-
-    ``low``, ``high``: with the solar power one RMS error lower and higher. Without ``index`` the
-    least excess time of all scenarios, which may be that of another scenario in each.
-    """
-    low_h, high_h = (
-        np.min(one.cycle.excess_time_h) if index is None else one.cycle.excess_time_h[index]
-        for one in (low, high)
-    )
-    return {
-        "solar_power_rms_relative": low.solar.rms_relative,
-        "excess_time_low_h": finite(low_h),
-        "excess_time_high_h": finite(high_h),
-    }
-
-
-def climb_record(climbs: ClimbPerformance, mission: Mission, index: int) -> dict[str, Any]:
-    """What climbing does in one scenario, JSON-ready."""
-    assert mission.climb is not None
-    held_m = climbs.held_up_to_m
-    return {
-        "ceiling_m": mission.climb.ceiling_m,
-        **({} if held_m is None else {"held_up_to_m": finite(held_m[index])}),
-        "maximum_altitude_m": finite(climbs.altitude_m[index].max()),
-        "gliding_h": finite(climbs.gliding_h[index]),
-        "stored_height_wh": finite(climbs.stored_height_wh[index]),
-        "climb_energy_wh": finite(climbs.climb_energy_wh[index]),
-        "constant_altitude_excess_time_h": finite(climbs.constant.cycle.excess_time_h[index]),
-        "gain_in_excess_time_h": finite(climbs.gain_h[index]),
-    }
-
-
-def flight_record(flight: CalendarRun) -> dict[str, Any]:
-    """Replayed flight, JSON-ready; clock times are local hours since the launch day's midnight."""
-    return {
-        "launch": f"{flight.launch.date} {flight.launch.time_local}",
-        "utc_offset_h": flight.launch.utc_offset_h,
-        "duration_h": float(flight.clock_h[-1] - flight.clock_h[0]),
-        "full_charge_clock_h": list(flight.full_charge_clock_h),
-        "minimum_state_of_charge": flight.minimum_state_of_charge,
-        "final_state_of_charge": float(flight.state_of_charge[-1]),
-        "empty_clock_h": flight.empty_clock_h,
-    }
+def date_and_clock(clock_h: float, first_day: int) -> str:
+    """Hours since the midnight that begins a day of the year, as a date and a clock reading."""
+    days, hour = divmod(round(clock_h * 60.0) / 60.0, 24.0)
+    return f"{date_label(first_day + int(days))} {clock_label(hour)}"

@@ -9,7 +9,7 @@ empty battery.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -18,13 +18,11 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import Design, bus_voltage_v
 from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd
-from sizing.limits import QUANTITIES, ROW_TOLERANCE, DesignInFlight
+from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import parametric_design
 from sizing.parameters import catalogue, label, unit, unit_text
 from sizing.performance import Performance
 from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
-from sizing.results.records import finite
-from sizing.results.tables import Column, Table
 
 # Of the program: what it is, and the key that eases it, if one does so directly.
 _REQUIREMENTS = {
@@ -270,26 +268,3 @@ def _at_least(name: str, text: str, value: float, limit: float, of: str) -> Requ
 
 def _at_most(name: str, text: str, value: float, limit: float, of: str) -> RequirementMargin:
     return RequirementMargin(name, text, value, limit, of, 1.0 - value / limit)
-
-
-def requirement_table(margins: list[RequirementMargin]) -> Table:
-    """Margins as a table."""
-    columns = (Column("requirement"), Column("value"), Column("limit"), Column("margin"))
-    rows = tuple(
-        (
-            f"{one.label}{' (recommended)' if one.recommended else ''}",
-            one.value_text,
-            f"{one.limit:.5g} {one.unit}".strip(),
-            one.text if one.recommended or one.margin >= -ROW_TOLERANCE else f"{one.text}, missed",
-        )
-        for one in margins
-    )
-    return Table("margins of the requirements", columns, rows)
-
-
-def margin_records(margins: list[RequirementMargin]) -> list[dict[str, Any]]:
-    """Margins, JSON-ready."""
-    return [
-        one._asdict() | {key: finite(getattr(one, key)) for key in ("value", "margin")}
-        for one in margins
-    ]

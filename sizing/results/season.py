@@ -42,6 +42,11 @@ class SeasonDays:
         return len(self.closes)
 
     @property
+    def count(self) -> int:
+        """Days of the season."""
+        return len(self)
+
+    @property
     def that_close(self) -> int:
         """Days that close."""
         return int(np.count_nonzero(self.closes))
@@ -87,6 +92,17 @@ class Survival:
     notes: tuple[str, ...] = ()
 
     @property
+    def season(self) -> dict[str, str]:
+        """First and last date."""
+        days = self.mission.dates.range()
+        return {"from": date_code(days[0]), "to": date_code(days[-1])}
+
+    @property
+    def by_year(self) -> list[dict[str, Any]]:
+        """Days of each year that close, where the record tells years apart."""
+        return self.days.by_year() if self.several_years else []
+
+    @property
     def achieved(self) -> float:
         """Share of the season's days that close [-]."""
         return self.days.share
@@ -95,27 +111,3 @@ class Survival:
     def several_years(self) -> bool:
         """Whether the record tells years apart."""
         return not self.weather.typical and len(np.unique(self.days.year)) > 1
-
-    def to_dict(self) -> dict[str, Any]:
-        """Record, JSON-ready."""
-        weather, clear = self.weather, self.clear_sky_days
-        season = self.mission.dates.range()
-        return {
-            **weather.origin(),
-            "flight_altitude_m": self.mission.altitude_m,
-            "season": {"from": date_code(season[0]), "to": date_code(season[-1])},
-            "required": self.required,
-            "achieved": self.achieved,
-            "days": len(self.days),
-            "days_that_close": self.days.that_close,
-            "longest_gap_days": self.days.longest_gap_days,
-            "by_year": self.days.by_year() if self.several_years else [],
-            "clear_sky": {
-                "status": self.clear_sky_status.name,
-                "objective": self.clear_sky_objective,
-                "days_that_close": None if clear is None else clear.that_close,
-                "share": None if clear is None else clear.share,
-            },
-            "repairs": list(weather.repairs),
-            "notes": list(self.notes),
-        }

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -14,8 +13,7 @@ from missions.dates import date_code
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.balance.assessment import BalanceAssessment, balance_assessment
-from sizing.climb import ClimbPerformance, beside_constant
+from sizing.climb import beside_constant
 from sizing.day.light import SolarModel
 from sizing.design import Design, DesignVariables, Masses
 from sizing.limits import QUANTITIES, DesignInFlight
@@ -30,31 +28,54 @@ from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.program.whole_cells import WholeCells
 from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
-from sizing.results.conditions import battery_record, climbs_record, level_record, wind_record
-from sizing.results.notes import extrapolation_records, relaxation_records, source_records
+from sizing.results.conditions import BatteryCondition, ClimbOfDay, ModelError, battery_condition
+from sizing.results.design_result import DesignResult
 from sizing.results.parts import sized_data, sizing_record
-from sizing.results.propulsion import PartMasses, PowerBudget, part_masses, power_budget
 from sizing.results.qualities import BuiltDesign
-from sizing.results.records import NEGLIGIBLE, finite, finite_values, uncertainty_record
-from sizing.results.requirements import RequirementMargin, margin_records, requirement_margins
+from sizing.results.records import NEGLIGIBLE
+from sizing.results.requirements import RequirementMargin, requirement_margins
 from sizing.results.season import Survival
-from sizing.results.tables import Result, data_frame
+from sizing.results.tables import data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.checks import record_check, stall_margin_within_polar
 from sizing.validity.extrapolations import extrapolations, told, with_worth
 from sizing.validity.ranges import Extrapolation
-from solar.versions import software_record
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-T = TypeVar("T")
+class WorstScenario(NamedTuple):
+    """Scenario with the least excess time."""
+
+    latitude_deg: float
+    day_of_year: int
+    label: str
+
+
+class Reached(NamedTuple):
+    """What an optimum reaches in its worst scenario, by the simulator."""
+
+    excess_time_h: float
+    charge_margin_h: float
+    minimum_state_of_charge: float
+    total_mass_kg: float
+    model: str
+    correction: str
+
+
+class NearestDesign(NamedTuple):
+    """Design that comes closest to an infeasible requirement, and what it reaches."""
+
+    variables: dict[str, float]
+    total_mass_kg: float
+    excess_time_h: float
+    worst_scenario: str
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class SizingStudy(Result):
+class SizingStudy(DesignResult):
     """A sizing and what was asked about it.
 
     Attributes
@@ -108,13 +129,6 @@ class SizingStudy(Result):
     whole_cells: WholeCells | None = None
     without_climbs: SizingResult | None = None
     builds: tuple[BuiltDesign, ...] = ()
-
-    renderer = "sizing.results.sizing_summary"
-
-    wingspan_m = q.attribute_of_design(q.WINGSPAN)
-    battery_mass_kg = q.attribute_of_design(q.BATTERY_MASS)
-    module_area_m2 = q.attribute_of_design(q.MODULE_AREA)
-    total_mass_kg = q.attribute_of_design(q.TOTAL_MASS)
 
     @property
     def excess_time_h(self) -> float:
@@ -201,29 +215,79 @@ class SizingStudy(Result):
         return structure_assessment(self.aircraft, design)
 
     @cached_property
-    def part_masses(self) -> PartMasses | None:
-        """Masses of the optimum's propulsion that are estimated; None where there are none."""
-        return None if self.design is None else part_masses(self.aircraft, self.design)
-
-    @cached_property
-    def power_budget(self) -> PowerBudget | None:
-        """Where the optimum's power of level flight goes; None without one."""
-        design = self.result.design
-        return None if design is None else power_budget(self.aircraft, self.mission, design)
-
-    @cached_property
-    def climbs(self) -> ClimbPerformance | None:
-        """Optimum on a mission with climbs; None without one, or them."""
+    def climb(self) -> ClimbOfDay | None:
+        """Climbs of the optimum in its worst scenario; None without one, or them."""
         flown = self.result.simulated
         if flown is None or flown.mission.climb is None:
             return None
-        return beside_constant(self.aircraft, flown, flown.design, flown.day)
+        climbs = beside_constant(self.aircraft, flown, flown.design, flown.day)
+        return ClimbOfDay.of(climbs, self.mission, climbs.performance.worst_scenario())
 
-    @cached_property
-    def balance(self) -> BalanceAssessment | None:
-        """Balance of the optimum; None without one, or without ``airframe.balance``."""
-        design = self.result.design
-        return None if design is None else balance_assessment(self.aircraft, design)
+    @property
+    def battery_condition(self) -> BatteryCondition | None:
+        """Battery of the optimum, or else of the nearest design, in the mission's air."""
+        flown = self.result.simulated or self.result.nearest
+        mass_kg = None if flown is None else float(flown.design.variables.battery_mass_kg)
+        return battery_condition(self.aircraft, self.mission, mass_kg)
+
+    @property
+    def cells(self) -> dict[str, Any] | None:
+        """Designs of whole cells, the relaxed optimum and the loss; None where not asked for."""
+        whole = self.whole_cells
+        return None if whole is None else sizing_record(whole, self.aircraft)
+
+    @property
+    def worst_scenario(self) -> WorstScenario | None:
+        """Scenario of the optimum with the least excess time."""
+        flown = self.result.simulated
+        if flown is None:
+            return None
+        at, of = flown.worst_scenario(), flown.day.scenarios
+        place = float(of.latitude_deg[at]), int(of.day_of_year[at])
+        return WorstScenario(*place, of.label(at))
+
+    @property
+    def power_out_w(self) -> float | None:
+        """Load of the optimum [W]."""
+        flown = self.result.simulated
+        return None if flown is None else float(q.LOAD.of(flown)[flown.worst_scenario()])
+
+    @property
+    def simulated(self) -> Reached | None:
+        """What the optimum reaches in its worst scenario."""
+        return None if self.result.simulated is None else _reached(self.result.simulated)
+
+    @property
+    def as_assumed(self) -> Reached | None:
+        """The same without the mission's uncertainty margins; None where it has none."""
+        return None if self.without_margins is None else _reached(self.without_margins)
+
+    @property
+    def nearest(self) -> NearestDesign | None:
+        """Design that comes closest, of an infeasible sizing."""
+        flown = self.result.nearest
+        if flown is None:
+            return None
+        variables = {key: float(value) for key, value in flown.design.variables.chosen().items()}
+        at, mass_kg = flown.worst_scenario(), float(flown.design.total_mass_kg)
+        excess_h = float(flown.cycle.excess_time_h[at])
+        return NearestDesign(variables, mass_kg, excess_h, flown.day.scenarios.label(at))
+
+    @property
+    def range(self) -> dict[str, Any] | None:
+        """Days or latitudes that the optimum covers, for the objectives that have a range."""
+        if (found := self.coverage) is None:
+            return None
+        first, last = found.first, found.last
+        if self.objective is Objective.longest_season and first is not None and last is not None:
+            ends = {"from": date_code(int(first)), "to": date_code(int(last))}
+            return {**ends, "days": int(found.extent)}
+        return {"from_deg": first, "to_deg": last, "width_deg": found.extent}
+
+    @property
+    def uncertainty(self) -> ModelError | None:
+        """Excess time of the optimum under the error of the solar power model."""
+        return None if self.low is None or self.high is None else ModelError.of(self.low, self.high)
 
     @cached_property
     def extrapolations(self) -> tuple[Extrapolation, ...]:
@@ -241,44 +305,6 @@ class SizingStudy(Result):
             site = self.survival.weather.site
             notes += told([record_check(self.survival.mission, site.altitude_m)])
         return with_worth(notes, self.aircraft, lambda: flight)
-
-    def to_dict(self) -> dict[str, Any]:
-        """All of it, JSON-ready; what only an optimum has is null without one."""
-        result, infeasible = self.result, self.status is SizingStatus.infeasible
-        record = _result_record(result, self.aircraft, self.mission) | {
-            "quantities": self.quantities,
-            "margins": margin_records(self.margins),
-            **_design_record(result.design),
-            **_simulated_record(result.simulated),
-        }
-        low, high = (None, None) if result.simulated is None else (self.low, self.high)
-        parts = {
-            "power_budget": _of(self.power_budget, PowerBudget.to_dict),
-            "part_masses": _of(self.part_masses, PartMasses.to_dict),
-            "structure": _of(self.structure, StructureAssessment.to_dict),
-            "balance": _of(self.balance, BalanceAssessment.to_dict),
-            "model": self.solar.model,
-            "correction": self.solar.correction,
-            "wind": wind_record(self.mission),
-            "uncertainty": None if low is None or high is None else uncertainty_record(low, high),
-            "extrapolations": extrapolation_records(self.extrapolations),
-            **source_records(self.aircraft, self.mission),
-            "range": _of(self.coverage, _range_record),
-            "relaxations": _of(self.relaxations if infeasible else None, relaxation_records),
-            "sensitivities": _of(self.sensitivities, sensitivity_records),
-            "constraint_multipliers": _of(self.multipliers, lambda m: [dict(vars(o)) for o in m]),
-            "cross_check": _of(self.cross_check, lambda check: finite_values(vars(check))),
-            "with_margin": _of(self.with_margin, _margin_record),
-            "as_assumed": _of(self.without_margins, lambda p: q.worst_record(p, q.REACHED)),
-            "reliability": _of(self.reliability, lambda one: finite_values(one.to_dict())),
-            "weather": _of(self.survival, Survival.to_dict),
-            "whole_cells": _of(self.whole_cells, lambda o: sizing_record(o, self.aircraft)),
-            "climb": _of(self.climbs, lambda one: climbs_record(one, self.mission)),
-            "without_climbs": _of(self.without_climbs, level_record),
-            "builds": [one.to_dict() for one in self.builds] or None,
-        }
-        always = ("power_budget", "structure", "uncertainty")
-        return record | {k: one for k, one in parts.items() if one is not None or k in always}
 
     @cached_property
     def quantities(self) -> dict[str, float] | None:
@@ -302,7 +328,7 @@ class SizingStudy(Result):
         design, perf, quantities = self._optimum(), self.result.simulated, self.quantities
         assert perf is not None
         assert quantities is not None
-        known = design.variables._asdict() | quantities | q.worst_record(perf, [q.LOAD])
+        known = design.variables._asdict() | quantities | {q.LOAD.name: self.power_out_w}
         chosen = [one for one in q.CHOSEN_PROPULSION if known[one.name] is not None]
         return [(one, float(known[one.name])) for one in (*q.SIZED_TABLE, *chosen)]
 
@@ -340,113 +366,8 @@ class SizingStudy(Result):
         return data_frame(places | reached)
 
 
-def _margin_record(study: SizingStudy) -> dict[str, Any]:
-    """Design with a margin: what it is, and what it reaches with and without that error."""
-    result = study.result
-    flown = {"least_excess_time_h": result.simulated, q.EXCESS_TIME.name: study.without_margins}
-    reached = {
-        key: None if perf is None else finite(np.min(perf.cycle.excess_time_h))
-        for key, perf in flown.items()
-    }
-    return {
-        "status": result.status.name,
-        "solar_model_sigmas": study.mission.uncertainty_margins.solar_model_sigmas,
-        "objective_value": finite(result.objective_value),
-        **_design_record(result.design),
-        **reached,
-    }
-
-
-def _result_record(result: SizingResult, aircraft: Aircraft, mission: Mission) -> dict[str, Any]:
-    record: dict[str, Any] = {
-        "status": result.status.name,
-        "aircraft": aircraft.name,
-        "mission": mission.name,
-        "mission_is_default": False,  # a command without --mission says so
-        "objective": {
-            "name": result.objective.value,
-            "value": finite(result.objective_value),
-            "required_excess_time_h": result.required_excess_time_h,
-        },
-        "active_constraints": list(result.active_constraints),
-        "violated_requirements": [
-            {"requirement": v.requirement, "shortfall": v.shortfall, "text": v.text}
-            for v in result.violations
-        ],
-        "solver": {
-            "iterations": result.solver.iterations,
-            "time_s": result.solver.time_s,
-            "build_time_s": result.solver.build_time_s,
-            "solves": result.solver.solves,
-            "message": result.solver.message,
-        },
-        **software_record(),
-    }
-    flown = result.simulated or result.nearest
-    mass_kg = None if flown is None else float(flown.design.variables.battery_mass_kg)
-    condition = battery_record(aircraft, mission, mass_kg)
-    if condition is not None:
-        record["battery_condition"] = condition
-    record["nearest"] = None if result.nearest is None else _nearest_record(result.nearest)
-    return record
-
-
-def _nearest_record(perf: Performance) -> dict[str, Any]:
-    """Design that comes closest to an infeasible requirement, and what it reaches."""
-    return {
-        **{name: float(value) for name, value in perf.design.variables.chosen().items()},
-        **q.design_record(perf.design, [q.TOTAL_MASS]),
-        **q.worst_record(perf, [q.EXCESS_TIME]),
-        "worst_scenario": perf.day.scenarios.label(perf.worst_scenario()),
-    }
-
-
-def _design_record(design: Design | None) -> dict[str, Any]:
-    if design is None:
-        names = (one.name for one in q.SIZED)
-        return dict.fromkeys((*DesignVariables._fields, q.TOTAL_MASS.name, "masses_kg", *names))
-    return {
-        **design.variables._asdict(),
-        **q.design_record(design, [q.TOTAL_MASS]),
-        "masses_kg": design.masses._asdict(),
-        **q.design_record(design, q.SIZED),
-    }
-
-
-def _simulated_record(perf: Performance | None) -> dict[str, Any]:
-    if perf is None:
-        return {q.LOAD.name: None, "worst_scenario": None, "simulated": None}
-    worst, scenarios = perf.worst_scenario(), perf.day.scenarios
-    return {
-        **q.worst_record(perf, [q.LOAD]),
-        "worst_scenario": {
-            "latitude_deg": float(scenarios.latitude_deg[worst]),
-            "day_of_year": int(scenarios.day_of_year[worst]),
-            "label": scenarios.label(worst),
-        },
-        "simulated": {
-            **q.worst_record(perf, q.REACHED),
-            **q.design_record(perf.design, [q.TOTAL_MASS]),
-            "model": perf.solar.model,
-            "correction": perf.solar.correction,
-        },
-    }
-
-
-def _range_record(coverage: WidestRange) -> dict[str, Any]:
-    season = coverage.sizing.objective is Objective.longest_season
-    first, last = coverage.first, coverage.last
-    if season and first is not None and last is not None:
-        ends = {"from": date_code(int(first)), "to": date_code(int(last))}
-        return {**ends, "days": int(coverage.extent)}
-    return {"from_deg": first, "to_deg": last, "width_deg": coverage.extent}
-
-
-def sensitivity_records(rows: list[Sensitivity]) -> list[dict[str, Any]]:
-    """Sensitivities, JSON-ready, most important first."""
-    return [finite_values({**one.__dict__, "per_percent": one.per_percent}) for one in rows]
-
-
-def _of(one: T | None, record: Callable[[T], Any]) -> Any:
-    """Record of what there is; None of what there is not."""
-    return None if one is None else record(one)
+def _reached(flown: Performance) -> Reached:
+    at = flown.worst_scenario()
+    excess_h, margin_h, charge = (float(one.of(flown)[at]) for one in q.REACHED)
+    mass_kg, solar = float(flown.design.total_mass_kg), flown.solar
+    return Reached(excess_h, margin_h, charge, mass_kg, solar.model, solar.correction)

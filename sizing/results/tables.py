@@ -15,7 +15,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from sizing.parameters import unit_text
 from sizing.results.layout import Grid, paragraph, side_by_side
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 UNLIMITED = "unlimited"
 MISSING = "-"
+CLOCK = "clock"  # form of hours of a day
 _WIDTH = 80
 
 Emphasis = Literal["plain", "strong", "faint", "warning"]
@@ -46,10 +47,10 @@ class Column:
 
     ``name``: name in frames and CSV, with its unit: ``excess_time_h``. ``label``: heading for
     people; the name without underscores if left out. ``form``: format of numbers, such as ``.2f``;
-    ``.1%`` for shares; ``{:+.1f} kg`` where text surrounds them. ``missing``: what stands for a
-    value that does not exist. ``to_right``: whether its cells are aligned to the right; by default
-    numbers and the values of facts are. ``digits``: significant digits that numbers are rounded to
-    before they are formatted; all by default.
+    ``.1%`` for shares, ``clock`` for hours of a day; ``{:+.1f} kg`` where text surrounds them.
+    ``missing``: what stands for a value that does not exist. ``to_right``: whether its cells are
+    aligned to the right; by default numbers and the values of facts are. ``digits``: significant
+    digits that numbers are rounded to before they are formatted; all by default.
     """
 
     name: str
@@ -76,6 +77,8 @@ class Column:
             return "yes" if value else "no"
         if math.isinf(value):
             return UNLIMITED if value > 0 else f"-{UNLIMITED}"
+        if self.form == CLOCK:
+            return clock_label(value)
         if self.digits is not None:
             value = float(f"{value:.{self.digits}g}")
         if "{" in self.form:
@@ -258,23 +261,29 @@ class Summary:
 
 
 class Result:
-    """A result that describes itself: as text, in a notebook, and in one line.
+    """A result, which is plain numbers: others render and serialise it.
 
-    ``renderer`` is the module whose functions ``headline`` and ``summary`` know the result; a
-    result knows neither. One without a renderer has methods of its own.
+    :mod:`sizing.results.render` knows how it reads, :mod:`sizing.results.serialise` its record.
     """
-
-    renderer: ClassVar[str] = ""
 
     def headline(self) -> str:
         """Result in one line."""
-        return str(import_module(self.renderer).headline(self))
+        return str(import_module("sizing.results.render").headline(self))
 
     def summary(self) -> Summary:
-        """Result as people read it."""
-        rendered = import_module(self.renderer).summary(self)
+        """Result as it fits a screen."""
+        return self.at_level(1)
+
+    def at_level(self, level: int) -> Summary:
+        """Result as people read it: a summary at level 1, all of it at level 2."""
+        rendered = import_module("sizing.results.render").render(self, level)
         assert isinstance(rendered, Summary)
         return rendered
+
+    def to_dict(self) -> dict[str, Any]:
+        """Whole result, JSON-ready; null where a number is unlimited or not defined."""
+        record: dict[str, Any] = import_module("sizing.results.serialise").serialise(self)
+        return record
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.headline()}>"
@@ -284,6 +293,14 @@ class Result:
 
     def _repr_html_(self) -> str:
         return self.summary().to_html()
+
+
+def clock_label(clock_h: float | None) -> str:
+    """Hours as a clock reading; ``-`` where there is no such time."""
+    if clock_h is None or not math.isfinite(clock_h):
+        return MISSING
+    days, rest = divmod(round(clock_h * 60.0), 24 * 60)
+    return "24:00" if days == 1 and rest == 0 else f"{rest // 60:02d}:{rest % 60:02d}"
 
 
 def facts(title: str, rows: Iterable[tuple[str, str]], notes: Sequence[str] = ()) -> Table:

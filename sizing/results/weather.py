@@ -16,7 +16,7 @@ from sizing.aircraft import Aircraft
 from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
-from sizing.results.conditions import battery_line, battery_record_of_days, wind_rows
+from sizing.results.conditions import BatteryCondition, battery_condition_of_days
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import (
     check_subjects,
@@ -26,6 +26,9 @@ from sizing.results.records import (
     hours,
     percentiles,
 )
+from sizing.results.render import wind_rows
+from sizing.results.sentences import battery_line
+from sizing.results.serialise import serialise
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
 from sizing.results.weather_years import (
     YearInWeather,
@@ -226,7 +229,7 @@ class WeatherAnalysis(Result):
             "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
             "share_of_clear_sky_light": self.share_of_clear_light(),
             "wind_above_airspeed_share": self.wind_above_airspeed_share(),
-            "battery_condition": self._battery_record(),
+            "battery_condition": serialise(self.battery_condition),
             "extrapolations": extrapolation_records(self.extrapolations),
             "repairs": list(weather.repairs),
             "notes": list(self.notes),
@@ -234,9 +237,11 @@ class WeatherAnalysis(Result):
             "correction": done.solar.correction,
         }
 
-    def _battery_record(self) -> dict[str, Any] | None:
+    @property
+    def battery_condition(self) -> BatteryCondition | None:
+        """Battery in the mean air of the days; None where nothing there changes it."""
         done = self.performance
-        return battery_record_of_days(self.aircraft, done.air_of_days_c, done.mission.altitude_m)
+        return battery_condition_of_days(self.aircraft, done.air_of_days_c, done.mission.altitude_m)
 
     def share_of_clear_light(self) -> float:
         """Global light of the record over that of the clear sky, at flight altitude [-]."""
@@ -327,9 +332,8 @@ class WeatherAnalysis(Result):
         ]
         if run.closes.any():
             blocks.append(Table("windows of consecutive days that close", _WINDOW, self.windows))
-        battery = battery_line(self.aircraft, self._battery_record())
-        if battery is not None:
-            blocks.append(Line(battery))
+        if (condition := self.battery_condition) is not None:
+            blocks.append(battery_line(self.aircraft, condition))
         blocks += extrapolation_blocks(self.extrapolations)
         blocks += [Line(f"record: {text}", "faint") for text in self.weather.repairs]
         blocks += [Line(text, "faint") for text in self.notes]

@@ -199,7 +199,7 @@ class StructureAssessment:
         Battery in the spar and in the pod [kg].
     remarks : tuple of str
         What the criteria do not cover, or where a key is read otherwise than before.
-    envelope : FlightEnvelope or None
+    flight_envelope : FlightEnvelope or None
         Airspeeds and load factors of manoeuvres and gusts.
     """
 
@@ -221,16 +221,7 @@ class StructureAssessment:
     wing_battery_kg: float
     pod_battery_kg: float
     remarks: tuple[str, ...] = ()
-    envelope: FlightEnvelope | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
-        record = {**vars(self), "remarks": list(self.remarks), "text": self.headline()}
-        envelope = record.pop("envelope")
-        return record | {
-            "torsion": None if self.torsion is None else dict(vars(self.torsion)),
-            "flight_envelope": None if envelope is None else dict(vars(envelope)),
-        }
+    flight_envelope: FlightEnvelope | None = None
 
     def headline(self) -> str:
         """What sizes the structure, and under which load, in a line."""

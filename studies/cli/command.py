@@ -34,6 +34,7 @@ _SUBJECTS = {
         "--pareto",
         "--pdf",
         "--report",
+        "--verbose",
         "--json",
     ),
     "Figures": ("--figure-size", "--dpi", "--style", "--no-title"),

@@ -81,7 +81,13 @@ class Case:
     mission_is_default: bool = False
     solar: SolarModel = field(default_factory=SolarModel)
     as_json: bool = False
+    verbose: bool = False
     total_mass_kg: float | None = None
+
+    @property
+    def level(self) -> int:
+        """Level at which results are printed."""
+        return 2 if self.verbose else 1
 
     @property
     def aircraft(self) -> Aircraft:
@@ -259,7 +265,8 @@ def load(
     if aircraft_file is None or mission_file is None:
         raise _joined_errors(errors)
     solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
-    case = Case(aircraft_file, mission_file, is_default, solar, options.as_json)
+    shown = options.as_json, options.verbose
+    case = Case(aircraft_file, mission_file, is_default, solar, *shown)
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
         raise located_error(case.mission_file.document, ("wind", "hold_station"), message)

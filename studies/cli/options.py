@@ -52,6 +52,7 @@ class CaseOptions:
     model: str = "CAM"
     correction: str = "none"
     as_json: bool = False
+    verbose: bool = False
 
 
 def aircraft_argument(default: str | None = None) -> Any:
@@ -80,6 +81,11 @@ def json_option(text: str = "Print JSON instead of tables.") -> Any:
     return option("--json", is_flag=True, help=text)
 
 
+def verbose_option() -> Any:
+    """Option ``--verbose``."""
+    return option("--verbose", "-v", is_flag=True, help="Print all of the result, not a summary.")
+
+
 _MODEL_OPTIONS = {
     "model": option(
         "--model",
@@ -106,11 +112,13 @@ def case_options(
     *,
     with_models: bool = True,
     with_json: bool = True,
+    with_levels: bool = False,
 ) -> Any:
     """Options of a command on an aircraft and a mission: both, ``--set`` and, by default, more.
 
     ``aircraft``, ``mission``: what is meant where nothing is given. ``with_models``,
-    ``with_json``: whether the solar power model, and the form of the answer, can be chosen.
+    ``with_json``, ``with_levels``: whether the solar power model, the form of the answer, and how
+    much of it is printed can be chosen.
     """
     return group(
         CaseOptions,
@@ -126,6 +134,7 @@ def case_options(
             "repeated.",
         ),
         **({"as_json": json_option()} if with_json else {}),
+        **({"verbose": verbose_option()} if with_levels else {}),
     )
 
 

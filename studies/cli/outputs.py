@@ -69,7 +69,7 @@ def _print_result(case: Case, record: Any, shown: Shown | Callable[[], Shown]) -
         print_json(record)
         return
     result = shown if isinstance(shown, Result | Summary | Table) else shown()
-    show(_headed(result.summary() if isinstance(result, Result) else result, case))
+    show(_headed(result.at_level(case.level) if isinstance(result, Result) else result, case))
 
 
 def answer(record: Any, shown: Result, files: Iterable[str | None] = (), *, as_json: bool) -> None:

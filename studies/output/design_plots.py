@@ -13,7 +13,8 @@ from sizing.parameters import label, unit_text
 from sizing.program.objectives import Objective
 from sizing.results.analysis import Analysis
 from sizing.results.notes import extrapolation_caption
-from sizing.results.parts import cells_lines, cells_record
+from sizing.results.parts import cells_record
+from sizing.results.sentences import cells_lines
 from sizing.validity.ranges import Extrapolation
 from studies.output.figures.drawing import (
     CHARGE,
@@ -156,9 +157,9 @@ def plot_flight_envelope(analysis: Analysis, *, figure: Canvas = DEFAULT) -> Fig
         For another structure: its loads are not known.
     """
     structure = analysis.structure
-    if structure is None or structure.envelope is None:
+    if structure is None or structure.flight_envelope is None:
         raise ValueError(f"{analysis.aircraft.name} has no rib_wing: its loads are not known")
-    one = structure.envelope
+    one = structure.flight_envelope
     drawn, (axes,) = new_figure(
         canvas=figure,
         title=f"{analysis.aircraft.name}: flight envelope",

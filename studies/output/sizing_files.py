@@ -14,7 +14,8 @@ from sizing.program.objectives import Objective
 from sizing.program.ranges import WidestRange
 from sizing.results.analysis import Analysis, analyse
 from sizing.results.notes import extrapolation_caption
-from sizing.results.sizing_study import SizingStudy, sensitivity_records
+from sizing.results.serialise import serialise
+from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import data_frame
 from sizing.structures.rib_wing import RibWingStructure
 from studies.output import design_plots
@@ -83,7 +84,7 @@ def sizing_tables(study: SizingStudy) -> dict[str, bytes]:
         "masses.csv": csv_bytes(study.masses()),
     }
     if study.sensitivities:
-        records = sensitivity_records(study.sensitivities)
+        records = serialise(study.sensitivities)
         contents["sensitivities.csv"] = csv_bytes(data_frame(records))
     return contents
 

@@ -21,9 +21,8 @@ from sizing.day.metrics import Cycle
 from sizing.mass_budget import ImpossibleDesignError, design_of
 from sizing.parameters import with_parameter
 from sizing.performance import performance
-from sizing.results.conditions import battery_line, battery_record
-from sizing.results.notes import uncertainty_line
 from sizing.results.records import relative_change
+from sizing.results.sentences import battery_line, uncertainty_line
 from sizing.results.tables import Column, Table, facts
 from solar.systematic_errors import REPORTED_ERRORS
 from solar.types import BoolArray
@@ -61,11 +60,9 @@ def belief_section(subject: Subject) -> Section:
         blocks.append(
             Text(uncertainty_line(analysis.low, analysis.high, analysis.worst, subject.mission))
         )
-        condition = battery_line(
-            subject.aircraft, battery_record(subject.aircraft, subject.mission)
-        )
+        condition = analysis.battery_condition
         if condition is not None:
-            blocks.append(sentence(condition))
+            blocks.append(sentence(battery_line(subject.aircraft, condition)))
     blocks.append(Tables((_published_errors(),)))
     blocks.append(Items(_left_out(subject)))
     return Section("belief", "Confidence", blocks)

@@ -13,25 +13,21 @@ from sizing.program.cross_check import CrossCheck
 from sizing.program.objectives import Objective
 from sizing.program.sensitivity import ConstraintMultiplier, Sensitivity
 from sizing.results import quantities as q
-from sizing.results.conditions import wind_rows
-from sizing.results.parts import (
-    balance_lines,
-    balance_table,
-    cells_lines,
-    drag_table,
-    loss_line,
-    neighbour_table,
-)
-from sizing.results.qualities import build_table
 from sizing.results.records import with_unit
-from sizing.results.requirements import constraint_words, requirement_margins, requirement_table
-from sizing.results.sizing_summary import (
-    cross_check_line,
+from sizing.results.render import (
+    balance_table,
+    build_table,
+    drag_table,
     margin_table,
     multiplier_table,
+    neighbour_table,
+    requirement_table,
     sensitivity_table,
+    wind_rows,
 )
-from sizing.results.tables import Table, facts
+from sizing.results.requirements import constraint_words, requirement_margins
+from sizing.results.sentences import balance_lines, cells_lines, cross_check_line, loss_line
+from sizing.results.tables import facts
 from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text, sentence
 from studies.report.geometry import aircraft_drawing
 from studies.report.subject import Subject
@@ -120,6 +116,7 @@ def _fact(quantity: q.Quantity, of: Design | DesignInFlight) -> tuple[str, str]:
 def budget_section(subject: Subject) -> Section:
     """Where mass and power go."""
     flown, used = subject.analysis.performance, subject.analysis.power_budget
+    assert used is not None  # an analysis has a design
     masses = Bars(
         "mass budget", "kg", ".3f", _mass_rows(subject.aircraft, flown.design), "total mass"
     )
@@ -200,7 +197,8 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
         tables.append(neighbour_table(cells, objective))
     guarded = sizing.get("with_margin")
     if guarded is not None and guarded["status"] == "optimal":
-        tables.append(_with_margin(sizing, guarded, objective))
+        solar = SolarModel(sizing["model"], sizing["correction"])
+        tables.append(margin_table(objective, solar, sizing, guarded))
     if sizing.get("constraint_multipliers"):
         multipliers = [ConstraintMultiplier(**one) for one in sizing["constraint_multipliers"]]
         tables.append(multiplier_table(multipliers, objective))
@@ -222,18 +220,3 @@ def sizing_section(sizing: Mapping[str, Any]) -> Section:
     if sizing.get("builds"):
         blocks.append(Tables((build_table(sizing["builds"], objective),)))
     return Section("sizing", "Sizing", blocks)
-
-
-def _with_margin(
-    sizing: Mapping[str, Any], guarded: Mapping[str, Any], objective: Objective
-) -> Table:
-    """The optimum beside the one that keeps the requirement with one RMS error less sun."""
-    was = {
-        **sizing,
-        objective.variable: sizing["objective"]["value"],
-        q.EXCESS_TIME.name: sizing["simulated"][q.EXCESS_TIME.name],
-        "least_excess_time_h": sizing["uncertainty"]["excess_time_low_h"],
-    }
-    now = {**guarded, objective.variable: guarded["objective_value"]}
-    solar = SolarModel(sizing["model"], sizing["correction"])
-    return margin_table(objective, solar, was, now)

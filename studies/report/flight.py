@@ -12,8 +12,8 @@ from matplotlib.contour import ContourSet
 from missions.dates import DAYS_PER_YEAR, date_label
 from missions.mission.scenarios import latitude_label
 from sizing.results.analysis import Analysis
-from sizing.results.analysis_summary import flight_table, scenario_table
 from sizing.results.quantities import MINIMUM_CHARGE
+from sizing.results.render import flight_table, scenario_table
 from sizing.results.tables import Line, Summary, Table
 from studies.engine.run import compute
 from studies.maps.feasibility import prepare

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sizing.results import quantities as q
-from sizing.results.analysis_summary import landing
 from sizing.results.records import hours
+from sizing.results.sentences import landing
 from sizing.validity.ranges import where_error_is_known
 from studies.report.blocks import Fact
 from studies.report.subject import Subject

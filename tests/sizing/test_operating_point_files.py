@@ -16,6 +16,7 @@ from missions.library import load_mission
 from sizing.mass_budget import level_point, parametric_design
 from sizing.propulsion.operating_point import operating_point
 from sizing.results.propulsion import power_budget
+from sizing.results.serialise import serialise
 
 MISSION = load_mission("rafz-july")
 
@@ -116,7 +117,7 @@ def test_the_power_budget_adds_up(name: str) -> None:
     design = sizing.design_of(own, mission)
     budget = power_budget(own, mission, design)
     assert budget.bus_w == pytest.approx(design.nominal_load_w(mission), rel=1e-9)
-    assert budget.to_dict()["payload_w"] == 1.5
+    assert serialise(budget)["payload_w"] == 1.5
     assert (budget.point is not None) == (name == "parts")
     if name == "sky-sailor":
         # The losses of its constants, one after the other from the battery.

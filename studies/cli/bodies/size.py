@@ -13,6 +13,7 @@ from sizing.day.module_power import path_troubles
 from sizing.program.reliability import check_reliability
 from sizing.program.survival import check_survival
 from sizing.results import sizing
+from sizing.results.render import SUMMARY
 from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Line, Summary
 from sizing.results.weather_sizing import size_in_weather
@@ -71,7 +72,7 @@ def size(options: Size) -> None:
 
 def _summary(study: SizingStudy, options: Size) -> Summary:
     """Summary of a sizing, and what the other solar power models say of the optimum."""
-    found = study.summary()
+    found = study.at_level(SUMMARY + options.case.verbose)
     if not study.feasible or options.weather_file is not None:
         return found
     aircraft, mission = study.sized_aircraft(), study.sized_mission()

@@ -25,7 +25,7 @@ from studies.output.figures.options import FigureOptions
 class Analyse:
     """Analyse how long AIRCRAFT (name, file or folder) flies, there and then."""
 
-    case: CaseOptions = case_options()
+    case: CaseOptions = case_options(with_levels=True)
     place: PlaceOptions = place_options()
     mass_kg: float | None = mass_option()
     weather_file: str | None = weather_option(

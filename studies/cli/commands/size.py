@@ -33,7 +33,7 @@ def _renamed(_: click.Context, option: click.Parameter, given: bool) -> None:
 class Size:
     """Find the best design of AIRCRAFT (name, file or folder) for a mission."""
 
-    case: CaseOptions = case_options(mission=None)
+    case: CaseOptions = case_options(mission=None, with_levels=True)
     mass_kg: float | None = mass_option()
     objective: str = option(
         "--objective",

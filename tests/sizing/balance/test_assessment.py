@@ -77,7 +77,7 @@ def test_weighed_masses_replace_the_build_up() -> None:
     result = sizing.analyse(
         aircraft("atlantiksolar-design", TAIL, f"airframe.balance={{weighed: {weighed}}}"), MISSION
     )
-    assert "off the mass budget of 6.9" in " ".join(str(result.summary()).split())
+    assert "off the mass budget of 6.9" in " ".join(str(result.at_level(2)).split())
 
 
 def test_a_tail_of_the_structures_own_size_weighs_the_same() -> None:

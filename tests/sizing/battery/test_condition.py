@@ -26,7 +26,8 @@ from sizing.parameters import with_parameter
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.results.analysis import analyse
-from sizing.results.conditions import battery_line, battery_record
+from sizing.results.conditions import battery_condition
+from sizing.results.sentences import battery_line
 
 PLAIN = Battery(mass_kg=3.0, specific_energy_wh_per_kg=250.0)
 temperatures = st.floats(-60.0, 60.0)
@@ -218,14 +219,14 @@ def test_a_sizing_is_that_of_the_plain_keys_that_say_the_same() -> None:
 
 def test_the_line_says_temperature_age_and_what_is_left() -> None:
     craft = aircraft("atlantiksolar-as2", *IN_FLIGHT)
-    line = battery_line(craft, battery_record(craft, COLD))
+    line = battery_line(craft, battery_condition(craft, COLD))
     assert line.startswith(
         "battery at 10 °C, after 180 cycles and 12 months: 80 % of its capacity, heated with 3.0 W"
     )
-    text = analyse(craft, COLD).summary().to_text()
+    text = analyse(craft, COLD).at_level(2).to_text()
     assert "after 180 cycles" in text
-    record = battery_record(craft, COLD)
+    record = battery_condition(craft, COLD)._asdict()
     assert record["capacity_fraction"] == craft.battery.capacity_fraction(-5.0)
     plain = aircraft("atlantiksolar-as2")
-    assert battery_line(plain, battery_record(plain, COLD)) is None
+    assert battery_condition(plain, COLD) is None
     assert "battery_condition" not in analyse(aircraft("atlantiksolar-as2"), COLD).to_dict()

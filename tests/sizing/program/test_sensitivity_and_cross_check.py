@@ -22,7 +22,7 @@ from sizing.program.sensitivity import (
     sensitivities,
 )
 from sizing.program.size import size_aircraft
-from sizing.results.sizing_summary import cross_check_line
+from sizing.results.sentences import cross_check_line
 from studies.output.design_plots import plot_sensitivities
 
 pytestmark = pytest.mark.slow

@@ -68,7 +68,7 @@ def test_keys_of_a_record_and_columns_of_a_frame_are_those_of_their_groups(
 
 
 def test_quantities_of_a_design_have_the_words_of_the_catalogue_of_parameters() -> None:
-    for one in (*quantities.DESIGN_COLUMNS, *quantities.ANALYSED, quantities.STALL_SPEED):
+    for one in (*quantities.DESIGN_COLUMNS, *quantities.OF_AIRCRAFT, quantities.STALL_SPEED):
         known = parameter(one.name)
         assert (one.label, one.unit or "1", one.symbol) == (known.label, known.unit, known.symbol)
 

@@ -11,7 +11,8 @@ from propulsors import VOLTAGE, aircraft
 import sizing
 from missions.library import load_mission
 from sizing.mass_budget import parametric_design
-from sizing.results.requirements import requirement_margins, requirement_table
+from sizing.results.render import requirement_table
+from sizing.results.requirements import requirement_margins
 
 MISSION = load_mission("rafz-july", {"wind_m_per_s": 4.0})
 
@@ -99,7 +100,7 @@ def test_a_measured_aircraft_has_what_is_known_of_it() -> None:
 
 def test_a_sizing_tells_its_margins() -> None:
     study = sizing.size(DESIGN, MISSION)
-    assert "margins of the requirements" in str(study.summary())
+    assert "margins of the requirements" in str(study.at_level(2))
     record = {one["name"]: one for one in study.to_dict()["margins"]}
     assert record["excess_time_h"]["margin"] == pytest.approx(0.0, abs=0.05)
     assert "recommended" in requirement_table(study.margins).to_text()

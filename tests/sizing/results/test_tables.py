@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from sizing.results.layout import Grid
-from sizing.results.records import change_text, clock_label
+from sizing.results.records import change_text, clock_label, date_and_clock
 from sizing.results.tables import Column, Line, Summary, Table, facts
 
 COLUMNS = (Column("item"), Column("mass_kg", "mass", "kg", ".3f"))
@@ -45,7 +45,7 @@ def test_values_are_text_for_people() -> None:
 def test_hours_are_clock_readings_with_the_date_where_days_count() -> None:
     assert [clock_label(h) for h in (6.5, 0.0, 23.75, 24.0)] == ["06:30", "00:00", "23:45", "24:00"]
     # A quarter past one in the night after 21 June, day 172.
-    assert clock_label(25.25, first_day=172) == "22 Jun 01:15"
+    assert date_and_clock(25.25, 172) == "22 Jun 01:15"
     assert [clock_label(h) for h in (None, math.nan, math.inf)] == ["-", "-", "-"]
 
 

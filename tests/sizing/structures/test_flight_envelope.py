@@ -19,12 +19,12 @@ def analysed(**changes: object) -> sizing.Analysis:
 
 
 def envelope(**changes: object) -> FlightEnvelope:
-    return analysed(**changes).structure.envelope
+    return analysed(**changes).structure.flight_envelope
 
 
 def test_numbers_by_hand() -> None:
     flown = analysed()
-    one, mass_kg = flown.structure.envelope, flown.total_mass_kg
+    one, mass_kg = flown.structure.flight_envelope, flown.total_mass_kg
     area_m2 = 5.65**2 / 18.5
     # Lift at C_L max 1.4 carries the weight at the stall, in air of sea level.
     assert 0.5 * 1.225 * one.stall_speed_m_per_s**2 * area_m2 * 1.4 == pytest.approx(

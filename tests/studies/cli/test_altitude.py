@@ -94,7 +94,7 @@ def test_wrong_ceilings_are_refused(run: Run, arguments: list[str], message: str
 
 
 def test_analyse_uses_the_climb(run: Run, climb: str, tmp_path: Path) -> None:
-    printed = run("analyse", AS2, "-m", climb, "--plot", "c.png", "--csv", "c.csv").out
+    printed = run("analyse", AS2, "-m", climb, "-v", "--plot", "c.png", "--csv", "c.csv").out
     for text in ("highest altitude", "3536 m", "gliding in the evening", "gained by climbing"):
         assert text in printed
     outcome = run("analyse", AS2, "-m", climb, "--json")

@@ -56,7 +56,7 @@ def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], coun
 @pytest.mark.long
 def test_sizings_tell_of_their_designs(run: Run) -> None:
     asked = ("atlantiksolar-design", "--set", "design_space.wingspan_m={minimum: 9, maximum: 12}")
-    one = run("size", *asked, "--mission", "rafz-july", "--out", "sized").out
+    one = run("size", *asked, "--mission", "rafz-july", "--out", "sized", "-v").out
     assert one.count(HEAD) == one.count("outside the range of rib wing, 3 to 8 m") == 1
     cells = " ".join(run("map", *asked, *CELLS, "--resize", "min_mass").out.split())
     assert "wingspan 9 m (worst; 4 of 4 cells): outside the range of rib wing, 3 to 8 m" in cells
@@ -65,13 +65,13 @@ def test_sizings_tell_of_their_designs(run: Run) -> None:
     outside = [e["quantity"] for e in record["extrapolations"]]
     assert outside == ["wingspan_m", "structure_mass_ratio"]
     assert all(p["extrapolations"].startswith("rib_wing: wingspan_m 9") for p in record["points"])
-    again = run("analyse", "sized")
+    again = run("analyse", "sized", "-v")
     assert again.out.count("outside the range of rib wing, 3 to 8 m") == 1
 
 
 def test_the_nearest_design_is_told_where_it_flies(run: Run) -> None:
     asked = ("size", "atlantiksolar-design", "--mission", "rafz-july")
-    lacking = run(*asked, "--required-excess-time", "60")
+    lacking = run(*asked, "--required-excess-time", "60", "-v")
     assert lacking.code == 1
     assert lacking.out.count("wingspan 12 m: outside the range of rib wing, 3 to 8 m") == 1
     heavy = run(*asked, "--set", "mission.payload.mass_kg=4000")

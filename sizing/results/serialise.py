@@ -1,0 +1,202 @@
+"""Results as plain data for JSON: one function for all of them, and the keys of each.
+
+A class without an entry in :data:`RECORDS` is written with its fields. An entry lists keys and the
+paths to their values, ``key=path``, or ``key`` alone where the path is the same:
+
+* a path is of attributes; a method on it is called; a value behind None is None
+* a key with dots makes records within the record; ``key?`` leaves out None and an empty tuple
+* ``path:Name`` writes the value by the entry of that name
+* ``+`` stands for all fields, ``-key`` leaves one out, ``*path`` stands for all keys of a record
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from solar.versions import software_record
+
+RECORDS = {
+    # ---- What is analysed
+    "Analysis": """
+        *worst_scenario
+        climb.program_excess_time_h?=climb_check_h.program_excess_time_h
+        climb.one_minute_excess_time_h?=climb_check_h.one_minute_excess_time_h
+        aircraft=aircraft.name mission=mission.name total_mass_kg=design.total_mass_kg masses_kg
+        structure battery_energy_wh=design.battery_energy_wh propulsion_power_w=design.propulsion_power_w
+        airspeed_m_per_s=design.airspeed_m_per_s power_budget airspeed_above_wind limited_flight
+        relaxations extrapolations *software scenarios part_masses? varying_efficiency?
+        battery_condition? whole_cells?=cells drag_coefficients? balance? wind?
+        from_catalogues? reading_notes? flight?=calendar_flight
+        """,
+    "Scenario": """
+        *quantities model correction latitude_deg day_of_year date uncertainty climb?
+        """,
+    # ---- What is sized
+    "SizingStudy": """
+        status aircraft=aircraft.name mission=mission.name objective.name=objective.value
+        objective.value=result.objective_value
+        objective.required_excess_time_h=result.required_excess_time_h
+        active_constraints=result.active_constraints violated_requirements=result.violations
+        solver=result.solver *software battery_condition? nearest quantities margins
+        *result:Optimum power_out_w worst_scenario simulated power_budget part_masses? structure
+        balance? model=solar.model correction=solar.correction wind? uncertainty
+        extrapolations from_catalogues? reading_notes?
+        range? relaxations? sensitivities? constraint_multipliers?=multipliers
+        cross_check? with_margin?=with_margin:Guarded as_assumed? reliability? weather?=survival
+        whole_cells?=cells climb? without_climbs?=without_climbs:LevelFlight builds?
+        """,
+    "Optimum": """
+        wingspan_m=design.variables.wingspan_m aspect_ratio=design.variables.aspect_ratio
+        battery_mass_kg=design.variables.battery_mass_kg
+        module_area_m2=design.variables.module_area_m2
+        lift_coefficient=design.variables.lift_coefficient
+        payload_mass_kg=design.variables.payload_mass_kg
+        payload_power_w=design.variables.payload_power_w
+        propeller_diameter_m=design.variables.propeller_diameter_m
+        propeller_pitch_m=design.variables.propeller_pitch_m
+        gear_ratio=design.variables.gear_ratio
+        motor_speed_constant_rpm_per_v=design.variables.motor_speed_constant_rpm_per_v
+        total_mass_kg=design.total_mass_kg masses_kg=design.masses
+        wing_area_m2=design.wing_area_m2 airspeed_m_per_s=design.airspeed_m_per_s
+        propulsion_power_w=design.propulsion_power_w
+        """,
+    "Guarded": """
+        status solar_model_sigmas=mission.uncertainty_margins.solar_model_sigmas
+        objective_value=result.objective_value *result:Optimum
+        least_excess_time_h=simulated.excess_time_h excess_time_h=as_assumed.excess_time_h
+        """,
+    "LevelFlight": """
+        status objective_value wingspan_m=design.variables.wingspan_m
+        aspect_ratio=design.variables.aspect_ratio
+        battery_mass_kg=design.variables.battery_mass_kg
+        module_area_m2=design.variables.module_area_m2 total_mass_kg=design.total_mass_kg
+        """,
+    "BuiltDesign": """
+        build factor of_file objective_value wingspan_m=design.variables.wingspan_m
+        total_mass_kg=design.total_mass_kg battery_mass_kg=design.variables.battery_mass_kg
+        module_area_m2=design.variables.module_area_m2
+        """,
+    "NearestDesign": "*variables total_mass_kg excess_time_h worst_scenario",
+    "Relaxation": "+ text",
+    "Reliability": """
+        required achieved=achieved.value low=achieved.low high=achieved.high samples
+        nominal=nominal.value nominal_objective
+        """,
+    "Sensitivity": "+ per_percent",
+    "Survival": """
+        *weather.origin flight_altitude_m=mission.altitude_m season required achieved
+        days=days.count days_that_close=days.that_close longest_gap_days=days.longest_gap_days
+        by_year clear_sky.status=clear_sky_status clear_sky.objective=clear_sky_objective
+        clear_sky.days_that_close=clear_sky_days.that_close clear_sky.share=clear_sky_days.share
+        repairs=weather.repairs notes
+        """,
+    # ---- Parts of both
+    "BalanceAssessment": """
+        items horizontal_volume_for_static_margin=holding_volume mass_kg
+        centre_of_gravity_m=gravity_m neutral_point_m=found.x_m
+        aerodynamic_chord_m=wing.aerodynamic_chord_m
+        aerodynamic_chord_leading_edge_m=chord_leading_edge_m static_margin
+        downwash_slope=found.downwash lift_slope_per_rad=found.slope tail=planes
+        tail_lift_coefficient=level.tail_lift wing_lift_coefficient=level.wing_lift
+        trim_drag_coefficient=level.drag elevator_deg elevator_at_stall_deg elevator_limit_deg
+        directional_slope_per_rad=directional_slope rudder_sideslip_deg=sideslip_deg
+        rudder_crosswind_m_per_s=crosswind_m_per_s motor_out_rudder_share=motor_out
+        """,
+    "ClimbOfDay": """
+        ceiling_m held_up_to_m? maximum_altitude_m gliding_h stored_height_wh climb_energy_wh
+        constant_altitude_excess_time_h gain_in_excess_time_h dawn_altitude_m
+        """,
+    "DragShares": "+ parasitic total",
+    "Extrapolation": "+ text",
+    "PowerBudget": """
+        *every_w bus_w efficiencies assumed_efficiency=assumed
+        operating_point=point:OperatingPoint
+        """,
+    "OperatingPoint": "+ -reason",
+    "StructureAssessment": "+ text=headline",
+}
+
+
+def serialise(value: Any, entry: str = "") -> Any:
+    """Return a value as JSON has it: null for numbers that are infinite or not defined.
+
+    ``entry``: of :data:`RECORDS`; by default that of the value's class.
+    """
+    if value is None or (isinstance(value, bool | str) and not isinstance(value, Enum)):
+        return value
+    if isinstance(value, Enum):
+        return value.name
+    if isinstance(value, int):
+        return value
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, np.generic | np.ndarray):
+        return serialise(value.tolist())
+    if isinstance(value, Mapping):
+        return {getattr(key, "name", key): serialise(one) for key, one in value.items()}
+    if (name := entry or type(value).__name__) in RECORDS:
+        return _record(value, name)
+    if names := _names(value):
+        return {name: serialise(getattr(value, name)) for name in names}
+    return [serialise(one) for one in value]
+
+
+def _record(value: Any, entry: str) -> dict[str, Any]:
+    """Record of a value by its entry."""
+    record: dict[str, Any] = {}
+    for key, optional, path, of in _keys(entry):
+        if key == "+":
+            record |= {name: serialise(getattr(value, name)) for name in _names(value)}
+        elif key.startswith("-"):
+            del record[key[1:]]
+        elif key == "*":
+            of_all = path == "software"
+            record |= software_record() if of_all else serialise(_reach(value, path), of)
+        elif not (_is_nothing(found := _reach(value, path)) and optional):
+            *outer, last = key.split(".")
+            inside = record
+            for one in outer:
+                inside = inside.setdefault(one, {})
+            inside[last] = serialise(found, of)
+    return record
+
+
+@cache
+def _keys(entry: str) -> list[tuple[str, bool, str, str]]:
+    """Keys of an entry: key, whether it may be left out, path, and the entry of its value."""
+    keys = []
+    for word in RECORDS[entry].split():
+        key, _, path = word.partition("=")
+        if key.startswith("*"):
+            key, path = "*", key[1:]
+        path, _, of = path.partition(":")
+        keys.append((key.rstrip("?"), key.endswith("?"), path or key.rstrip("?"), of))
+    return keys
+
+
+def _reach(value: Any, path: str) -> Any:
+    """Value at the end of a path; None behind None."""
+    for name in path.split("."):
+        if value is None:
+            return None
+        value = getattr(value, name)
+        value = value() if callable(value) else value
+    return value
+
+
+def _is_nothing(value: Any) -> bool:
+    return value is None or (isinstance(value, tuple) and not value)
+
+
+def _names(value: Any) -> tuple[str, ...]:
+    """Names of the fields of a data class or a named tuple."""
+    if is_dataclass(value):
+        return tuple(one.name for one in fields(value))
+    return getattr(value, "_fields", ())

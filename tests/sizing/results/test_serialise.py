@@ -1,0 +1,87 @@
+"""Any result as data for JSON, and the keys of the table of records."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import missions
+import sizing
+from sizing.results import serialise as of
+from sizing.results.serialise import serialise
+
+
+class Colour(IntEnum):
+    red = 1
+
+
+class Place(NamedTuple):
+    x_m: float
+    y_m: float = 2.0
+
+
+@dataclass(frozen=True)
+class Outer:
+    inner: Place | None
+    word: str = "x"
+
+    def twice_m(self) -> float:
+        return 0.0 if self.inner is None else 2.0 * self.inner.x_m
+
+
+@pytest.mark.parametrize(
+    ("value", "written"),
+    [
+        *((one, None) for one in (None, math.nan, math.inf, np.float64("inf"))),
+        *((one, one) for one in (True, 3, 2.5, "word")),
+        (np.array([1.0, np.nan]), [1.0, None]),
+        (np.int64(4), 4),
+        (Colour.red, "red"),
+        ({"a": (1.0, Place(1.0))}, {"a": [1.0, {"x_m": 1.0, "y_m": 2.0}]}),
+        (Outer(Place(1.0)), {"inner": {"x_m": 1.0, "y_m": 2.0}, "word": "x"}),
+    ],
+)
+def test_values_become_data(value: Any, written: Any) -> None:
+    assert serialise(value) == written
+    assert type(serialise(value)) is type(written)
+
+
+@pytest.mark.parametrize(
+    ("entry", "written"),
+    [
+        ("+ -word -inner at.x_m=inner.x_m at.both=twice_m", {"at": {"x_m": 1.0, "both": 2.0}}),
+        ("*inner", {"x_m": 1.0, "y_m": 2.0}),
+        ("inner=inner:Short", {"inner": {"x_m": 1.0}}),
+    ],
+)
+def test_entries_name_keys_and_paths(
+    entry: str, written: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(of, "RECORDS", {"Entry": entry, "Short": "x_m"})
+    of._keys.cache_clear()
+    assert serialise(Outer(Place(1.0)), "Entry") == written
+
+
+@pytest.mark.parametrize(("key", "written"), [("x_m", {"x_m": None}), ("x_m?", {})])
+def test_what_is_behind_nothing_is_null_or_left_out(
+    key: str, written: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(of, "RECORDS", {"Entry": f"{key}=inner.x_m"})
+    of._keys.cache_clear()
+    assert serialise(Outer(None), "Entry") == written
+
+
+@pytest.mark.parametrize("options", [{}, {"required_excess_time_h": 48.0}])
+def test_a_sizing_with_and_without_a_design_has_the_same_keys_of_it(options: Any) -> None:
+    aircraft = sizing.load_aircraft("atlantiksolar-design")
+    record = sizing.size(aircraft, missions.load_mission("rafz-july"), **options).to_dict()
+    design = ("wingspan_m", "total_mass_kg", "masses_kg", "simulated", "power_budget")
+    none = record["status"] == "infeasible"
+    assert none == bool(options)
+    assert all((record[key] is None) == none for key in design)
+    assert bool(record["margins"]) != none
