@@ -28,8 +28,9 @@ RECORDS = {
         *worst_scenario
         climb.program_excess_time_h?=climb_check_h.program_excess_time_h
         climb.one_minute_excess_time_h?=climb_check_h.one_minute_excess_time_h
-        aircraft=aircraft.name mission=mission.name total_mass_kg=design.total_mass_kg masses_kg
-        structure battery_energy_wh=design.battery_energy_wh propulsion_power_w=design.propulsion_power_w
+        aircraft=aircraft.name mission=mission.name total_mass_kg=design.total_mass_kg
+        masses_kg structure battery_energy_wh=design.battery_energy_wh
+        propulsion_power_w=design.propulsion_power_w
         airspeed_m_per_s=design.airspeed_m_per_s power_budget airspeed_above_wind limited_flight
         relaxations extrapolations *software scenarios part_masses? varying_efficiency?
         battery_condition? whole_cells?=cells drag_coefficients? balance? wind?

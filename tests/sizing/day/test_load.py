@@ -183,13 +183,13 @@ def test_the_analysis_tells_what_the_efficiency_of_the_moment_changes() -> None:
         design = analysis.performance.design
         thrust_w = float(design.propulsion_power_w) * design.chain.efficiency * instant.load
         assert instant.efficiency == pytest.approx(thrust_w / exact_w(own, mission, *at), rel=1e-9)
-    assert "at the load of the moment" in str(analysis.summary())
+    assert "at the load of the moment" in str(analysis.at_level(2))
 
 
 def test_constants_have_no_efficiency_of_the_moment() -> None:
     analysis = sizing.analyse(sizing.load_aircraft("atlantiksolar-design"), MISSION)
     assert "varying_efficiency" not in analysis.to_dict()
-    assert "of the moment" not in str(analysis.summary())
+    assert "of the moment" not in str(analysis.at_level(2))
 
 
 def test_thermals_beyond_the_propeller_have_a_reason(tmp_path: Path) -> None:
@@ -213,7 +213,7 @@ def test_parts_beyond_their_limits_are_told() -> None:
         "maximum_current_a": 3.0,
         "mass_kg": 0.48,
     }
-    text = str(sizing.analyse(atlantiksolar(motor=motor), rough(0.0, 1.0)).summary())
+    text = str(sizing.analyse(atlantiksolar(motor=motor), rough(0.0, 1.0)).at_level(2))
     assert "Beyond the parts: motor current" in " ".join(text.split())
 
 

@@ -151,7 +151,7 @@ def test_wing_that_holds_the_cells_limits() -> None:
     # Two rows of 0.125 m with 2 mm between them are 0.252 m of chord, at an aspect ratio of 18.5.
     assert study.variables.wingspan_m == pytest.approx(18.5 * 0.252, abs=1e-4)
     assert "whole_cells" in study.result.active_constraints
-    assert "wing that holds the cells" in str(study.summary())
+    assert "wing that holds the cells" in " ".join(str(study).split())
 
 
 @pytest.mark.slow

@@ -122,7 +122,7 @@ def test_infeasible_answer_names_the_structure_and_its_keys() -> None:
         objective="min_mass",
     )
     assert study.status.name == "infeasible"
-    text = " ".join(str(study).split())
+    text = " ".join(str(study.at_level(2)).split())
     assert "its structure outgrows every mass" in text or "are structure" in text
     assert "spar caps sized by tip deflection" in text
     assert study.to_dict()["structure"]["spar_caps"]["tip_deflection"] > 0.9
