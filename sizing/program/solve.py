@@ -34,7 +34,7 @@ _PAYLOAD_SHARE = 0.1  # of mass or load: a smaller payload counts as this in the
 _FIRST_SLACK = 0.01  # where missed requirements start: inside their bounds
 
 _STEPS = 12  # of Newton, which doubles its digits each time; more is no neighbour
-_STILL = 1e-4  # of a step, in variables of order one: its square is what is left
+_STILL = 3e-3  # of a step, in variables of order one: about its square is what is left
 _REACH = 1.0  # likewise: sizes change by no more than a factor of e at once
 
 
