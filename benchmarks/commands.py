@@ -111,7 +111,7 @@ def _sizing() -> Any:
 
 def _map(count: int, days: Any, most_deg: float) -> Callable[[], Any]:
     def work() -> Any:
-        from studies.maps.feasibility import prepare
+        from studies.maps.study import prepare
 
         aircraft, mission = load_aircraft(_AS2), load_mission(_MISSION)
         latitudes = np.linspace(-most_deg, most_deg, count)
@@ -121,11 +121,11 @@ def _map(count: int, days: Any, most_deg: float) -> Callable[[], Any]:
 
 
 def _resized_map() -> Any:
-    from studies.maps.resized import prepare
+    from studies.maps.study import prepare
 
     grid = np.linspace(-70.0, 70.0, 15), np.arange(1, 366, 15)
     aircraft, mission = load_aircraft(_DESIGN), load_mission(_MISSION)
-    return _computed(prepare(aircraft, mission, "min_wingspan", *grid, SolarModel()).job)
+    return _computed(prepare(aircraft, mission, *grid, SolarModel(), objective="min_wingspan").job)
 
 
 def _sweep() -> Any:

@@ -6,7 +6,7 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any
 
@@ -16,7 +16,7 @@ from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
-from studies.maps.feasibility import map_block
+from studies.maps.study import prepare
 
 _AIRCRAFT, _MISSION = "atlantiksolar-as2", "rafz-july"
 _LATITUDES, _DAYS = np.linspace(-90.0, 90.0, 181), np.arange(1, 366)
@@ -26,9 +26,11 @@ def _row(work: str, ours_s: float) -> dict[str, Any]:
     return row("map", work, ours_s, None, None)
 
 
-def _map(latitudes: Any, days: Any) -> dict[str, Any]:
+def _map(latitudes: Any, days: Any, *, endurance: bool = False) -> Mapping[str, Any]:
+    """Columns of a map, computed in this process."""
     aircraft, mission = load_aircraft(_AIRCRAFT), load_mission(_MISSION)
-    return map_block(aircraft, mission, latitudes, days, SolarModel())
+    study = prepare(aircraft, mission, latitudes, days, SolarModel(), endurance=endurance)
+    return study.job.function(study.configuration, study.cells)
 
 
 def full_map() -> list[dict[str, Any]]:
@@ -41,9 +43,8 @@ def full_map() -> list[dict[str, Any]]:
 
 def map_endurance() -> list[dict[str, Any]]:
     """A ninth of the full map with the longest flight of every cell."""
-    aircraft, mission = load_aircraft(_AIRCRAFT), load_mission(_MISSION)
     begun = time.process_time()
-    part = map_block(aircraft, mission, _LATITUDES[::3], _DAYS[::3], SolarModel(), True)
+    part = _map(_LATITUDES[::3], _DAYS[::3], endurance=True)
     used = time.process_time() - begun
     ends = int(np.isfinite(part["endurance"]).sum())
     text = f"{part['status'].size} cells with endurance, finite in {ends}; processor time"

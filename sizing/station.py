@@ -14,6 +14,7 @@ import numpy as np
 from missions.dates import month_and_day
 from missions.files.errors import file_error
 from missions.mission import Mission, Scenarios
+from missions.winds.statistics import WindStatistics
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import Design
@@ -54,10 +55,7 @@ def station_keeping(
     scenarios: Scenarios | None = None,
 ) -> StationKeeping:
     """Share of the time in which an aircraft holds its place while it flies perpetually."""
-    refuse_one_airspeed(aircraft, "station keeping")
-    given = mission.wind_statistics
-    if given is None:
-        raise file_error(mission.name, "lacks wind: {percentile: ...}, for station keeping")
+    given = winds_of(aircraft, mission)
     # How fast it flies is looked for here.
     update = {"wind_statistics": given.model_copy(update={"hold_station": False})}
     mission = mission.model_copy(update=update)
@@ -70,6 +68,14 @@ def station_keeping(
     below = table.share_below(fastest, some.latitude_deg, mission.altitude_m, months)
     share = np.where(np.isfinite(fastest), below, 0.0)
     return StationKeeping(some, fastest, share, winds, at_end)
+
+
+def winds_of(aircraft: Aircraft, mission: Mission) -> WindStatistics:
+    """Return the mission's winds; refuse an aircraft that cannot hold its place against them."""
+    refuse_one_airspeed(aircraft, "station keeping")
+    if mission.wind_statistics is None:
+        raise file_error(mission.name, "lacks wind: {percentile: ...}, for station keeping")
+    return mission.wind_statistics
 
 
 def faster_flight(

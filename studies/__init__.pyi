@@ -6,11 +6,11 @@ from .exchange.files import export_design as export_design
 from .exchange.schema import file_schema as file_schema
 from .flight_logs.verification import Verification as Verification
 from .flight_logs.verification import verify as verify
-from .maps.feasibility import feasibility_map as feasibility_map
-from .maps.feasibility import season_length as season_length
 from .maps.plots import plot_map as plot_map
 from .maps.plots import plot_resized_map as plot_resized_map
-from .maps.resized import resized_map as resized_map
+from .maps.study import feasibility_map as feasibility_map
+from .maps.study import resized_map as resized_map
+from .maps.study import season_length as season_length
 from .models.comparison import Comparison as Comparison
 from .models.comparison import compare as compare
 from .models.component_efficiencies import component_efficiencies as component_efficiencies

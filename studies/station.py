@@ -19,16 +19,18 @@ from sizing.mass_budget import design_of
 from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.records import finite
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
-from sizing.station import FASTEST, station_keeping
+from sizing.station import FASTEST, station_keeping, winds_of
 from sizing.validity.checks import design_checks
 from sizing.validity.extrapolations import together, told
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
+from studies.engine.run import Progress
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
-from studies.output.gridded import Gridded, Labelled, attributes, extrapolation_attribute
+from studies.output.gridded import Gridded, Labelled, attributes, extrapolations_of
+from studies.study import Study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,35 +38,52 @@ if TYPE_CHECKING:
 
 LATITUDES_DEG = np.arange(-70.0, 71.0, 5.0)
 _MIDDLE = 15  # day of a month that stands for it
+_CELL_S = 1e-2  # roughly
 _DESCRIBED = {
     "share": ("1", "share of the time in which it holds its place"),
     "airspeed": ("m s-1", "fastest airspeed of perpetual flight"),
     "wind": ("m s-1", "wind speed, at the mission's percentile"),
+    "at_end": ("1", "whether the airspeed is the fastest that is considered"),
 }
+_CHOSEN = {"chosen_altitude": ("m", "altitude of the largest share")}
 
 
 @dataclass(frozen=True, repr=False)
 class Station(Result):
     """Share of the time in which an aircraft holds its place, by row and month.
 
-    ``over``: what the rows are, ``latitude`` [deg] or ``altitude`` [m]. Arrays have the shape
-    ``(row, month)``; ``airspeed_m_per_s`` is NaN where no day is perpetual. ``altitude_m``: that of
-    the largest share, where it is chosen by latitude and month.
+    ``over``: what the rows are, ``latitude`` [deg] or ``altitude`` [m]. ``cells``: arrays of the
+    shape ``(row, month)``; the airspeed is NaN where no day is perpetual; ``chosen_altitude`` is
+    that of the largest share, where it is chosen by latitude and month.
     """
 
     aircraft: Aircraft
     mission: Mission
     solar: SolarModel
     over: Literal["latitude", "altitude"]
-    rows: FloatArray
-    months: tuple[int, ...]
-    share: FloatArray
-    airspeed_m_per_s: FloatArray
-    wind_m_per_s: FloatArray
     source: str
     at_end: bool
-    altitude_m: FloatArray | None = None
-    extrapolations: tuple[Extrapolation, ...] = ()
+    cells: Gridded
+
+    @property
+    def rows(self) -> FloatArray:
+        """Latitudes [deg] or altitudes [m]."""
+        return self.cells[self.over].values
+
+    @property
+    def months(self) -> list[int]:
+        """Months of the columns."""
+        return list(map(int, self.cells["month"].values))
+
+    @property
+    def share(self) -> FloatArray:
+        """Share of the time on station."""
+        return self.cells["share"].values
+
+    @property
+    def airspeed_m_per_s(self) -> FloatArray:
+        """Fastest airspeed of perpetual flight [m/s], NaN where no day is perpetual."""
+        return self.cells["airspeed"].values
 
     def headline(self) -> str:
         """Best month and place in one line."""
@@ -85,11 +104,11 @@ class Station(Result):
         if self.at_end:
             text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
             notes.insert(0, Line(text, "faint"))
-        outside = extrapolation_blocks(self.extrapolations)
+        outside = extrapolation_blocks(extrapolations_of(self.cells))
         tables = [self.table()]
-        if self.altitude_m is not None:
-            title, altitude_km = "altitude of that share [km]", self.altitude_m / 1000.0
-            tables.append(self._by_month(title, altitude_km, ".1f"))
+        if "chosen_altitude" in self.cells:
+            altitude_km = self.cells["chosen_altitude"].values / 1000.0
+            tables.append(self._by_month("altitude of that share [km]", altitude_km, ".1f"))
         return Summary((Line(self.headline(), "strong"), *tables, *outside, *notes))
 
     def table(self) -> Table:
@@ -108,10 +127,21 @@ class Station(Result):
         value = float(self.rows[row])
         return latitude_label(value) if self.over == "latitude" else f"{value:.0f} m"
 
+    def _columns(self) -> dict[str, FloatArray]:
+        """Values of all cells, by their names in records and tables."""
+        names = {
+            "share": "share_on_station",
+            "airspeed": "airspeed_m_per_s",
+            "wind": "wind_m_per_s",
+            "chosen_altitude": "altitude_m",
+        }
+        return {name: self.cells[key].values for key, name in names.items() if key in self.cells}
+
     def to_dict(self) -> dict[str, Any]:
         """Everything, JSON-ready; null for no airspeed."""
         name = "latitudes_deg" if self.over == "latitude" else "altitudes_m"
-        speeds = [[finite(one) for one in row] for row in self.airspeed_m_per_s.tolist()]
+        rows = {key: one.tolist() for key, one in self._columns().items()}
+        rows["airspeed_m_per_s"] = [[finite(v) for v in row] for row in rows["airspeed_m_per_s"]]
         return {
             "aircraft": self.aircraft.name,
             "mission": self.mission.name,
@@ -119,55 +149,18 @@ class Station(Result):
             "correction": self.solar.correction,
             "winds": self.source,
             name: self.rows.tolist(),
-            "months": list(self.months),
-            "share_on_station": self.share.tolist(),
-            "airspeed_m_per_s": speeds,
-            "wind_m_per_s": self.wind_m_per_s.tolist(),
-            **({} if self.altitude_m is None else {"altitude_m": self.altitude_m.tolist()}),
+            "months": self.months,
+            **rows,
             "at_fastest_airspeed": self.at_end,
-            "extrapolations": extrapolation_records(self.extrapolations),
+            "extrapolations": extrapolation_records(extrapolations_of(self.cells)),
         }
 
     def to_frame(self) -> pd.DataFrame:
         """One row for each latitude or altitude and month."""
         rows, months = np.meshgrid(self.rows, self.months, indexing="ij")
         unit = "deg" if self.over == "latitude" else "m"
-        return data_frame(
-            {
-                f"{self.over}_{unit}": rows.ravel(),
-                "month": months.ravel(),
-                "share_on_station": self.share.ravel(),
-                "airspeed_m_per_s": self.airspeed_m_per_s.ravel(),
-                "wind_m_per_s": self.wind_m_per_s.ravel(),
-            }
-            | ({} if self.altitude_m is None else {"altitude_m": self.altitude_m.ravel()})
-        )
-
-    def gridded(self) -> Gridded:
-        """The same on a grid, for NetCDF files."""
-        dims = (self.over, "month")
-        values = [self.share, self.airspeed_m_per_s, self.wind_m_per_s]
-        described = dict(_DESCRIBED)
-        if self.altitude_m is not None:
-            values.append(self.altitude_m)
-            described["chosen_altitude"] = ("m", "altitude of the largest share")
-        units = "degrees_north" if self.over == "latitude" else "m"
-        about = {"units": units, "standard_name": self.over}
-        month = {"units": "1", "long_name": "month"}
-        return Gridded(
-            {
-                name: Labelled(dims, array, {"units": unit, "long_name": text})
-                for (name, (unit, text)), array in zip(described.items(), values, strict=True)
-            },
-            {
-                self.over: Labelled((self.over,), self.rows, about),
-                "month": Labelled(("month",), np.array(self.months), month),
-            },
-            attributes(
-                f"Station keeping of {self.aircraft.name}", self.aircraft, self.mission, self.solar
-            )
-            | extrapolation_attribute(self.extrapolations),
-        )
+        columns = {f"{self.over}_{unit}": rows, "month": months, **self._columns()}
+        return data_frame({name: values.ravel() for name, values in columns.items()})
 
 
 def station(
@@ -178,57 +171,118 @@ def station(
     altitudes_m: ArrayLike | None = None,
     model: ModelName = "CAM",
     correction: CorrectionName = "none",
+    workers: int | None = 1,
+    scheduler: str | None = None,
+    progress: Progress | None = None,
 ) -> Station:
     """Share of the time in which an aircraft holds its place, by latitude or altitude and month.
 
     With both, each latitude and month is flown at that altitude which has the largest share.
     """
-    solar = SolarModel(model, correction)
-    given = mission.wind_statistics
-    table = None if given is None else given.table(mission.longitude_deg)
-    months = tuple(range(1, 13)) if table is None else table.months
-    days = np.array([day_of_year(f"{month:02d}-{_MIDDLE}") for month in months])
+    study = prepare(aircraft, mission, latitudes, altitudes_m, SolarModel(model, correction))
+    return station_of(study, study.computed(workers, scheduler, progress))
 
-    by_altitude = altitudes_m is not None and latitudes is None
-    if by_altitude:
-        north = np.array(mission.latitudes()[:1])
-    else:
-        north = np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
+
+@dataclass(frozen=True)
+class _Configuration:
+    """What all cells have in common; ``altitudes_m``: to choose from, for rows of latitude.
+
+    ``chooses``: whether the user gave them.
+    """
+
+    aircraft: Aircraft
+    mission: Mission
+    solar: SolarModel
+    altitudes_m: tuple[float, ...] | None
+    chooses: bool
+
+
+def prepare(
+    aircraft: Aircraft,
+    mission: Mission,
+    latitudes: ArrayLike | None,
+    altitudes_m: ArrayLike | None,
+    solar: SolarModel,
+) -> Study:
+    """Check a study over latitude or altitude and month."""
+    months = np.array(winds_of(aircraft, mission).table(mission.longitude_deg).months)
     heights = np.asarray([mission.altitude_m] if altitudes_m is None else altitudes_m, float)
-    places = [mission if altitudes_m is None else mission.at_altitude(h) for h in heights.tolist()]
-    cells = Scenarios(np.repeat(north, len(days)), np.tile(days, len(north)))
-    found = [station_keeping(aircraft, there, solar, scenarios=cells) for there in places]
-
-    def stacked(name: str) -> FloatArray:
-        """Values of shape ``(altitude, latitude, month)``."""
-        return np.stack([getattr(one, name) for one in found]).reshape(-1, len(north), len(days))
-
-    share = stacked("share")
-    best = share.argmax(axis=0)[np.newaxis]
-
-    def shown(values: FloatArray) -> FloatArray:
-        """Values by row and month: every altitude's, or those of the largest share."""
-        return values[:, 0] if by_altitude else np.take_along_axis(values, best, axis=0)[0]
-
-    return Station(
-        *(aircraft, mission, solar),
-        over="altitude" if by_altitude else "latitude",
-        rows=heights if by_altitude else north,
-        months=months,
-        share=shown(share),
-        airspeed_m_per_s=shown(stacked("airspeed_m_per_s")),
-        wind_m_per_s=shown(stacked("wind_m_per_s")),
-        source="" if table is None else table.source,
-        at_end=bool(np.any(shown(stacked("at_end")))),
-        altitude_m=heights[best[0]] if altitudes_m is not None and not by_altitude else None,
-        extrapolations=_extrapolations(aircraft, places, solar),
+    over, rows = "latitude", np.asarray(LATITUDES_DEG if latitudes is None else latitudes, float)
+    choice: tuple[float, ...] | None = tuple(heights.tolist())
+    chooses = altitudes_m is not None
+    if altitudes_m is not None and latitudes is None:
+        over, rows, choice, chooses = "altitude", heights, None, False
+    cells = np.stack(np.meshgrid(rows, months, indexing="ij"), -1).reshape(-1, 2)
+    asked = _Configuration(aircraft, mission, solar, choice, chooses)
+    for there, where in _by_altitude(asked, cells).items():  # refuses what winds do not know
+        mission.at_altitude(there).scenario_winds_m_per_s(_scenarios(asked, cells[where]))
+    extrapolated = _extrapolations([mission.at_altitude(h) for h in heights.tolist()], asked)
+    units = "degrees_north" if over == "latitude" else "m"
+    month = {"units": "1", "long_name": "month"}
+    return Study(
+        _station_cells,
+        asked,
+        cells,
+        cell_s=_CELL_S * (1 if choice is None else len(choice)),
+        described=_DESCRIBED | (_CHOSEN if chooses else {}),
+        statuses=(),
+        coordinates={
+            over: Labelled((over,), rows, {"units": units, "standard_name": over}),
+            "month": Labelled(("month",), months, month),
+        },
+        attributes=attributes(f"Station keeping of {aircraft.name}", aircraft, mission, solar),
+        extrapolated=lambda columns: extrapolated,
     )
 
 
-def _extrapolations(
-    aircraft: Aircraft, places: Sequence[Mission], solar: SolarModel
-) -> tuple[Extrapolation, ...]:
+def _by_altitude(asked: _Configuration, cells: FloatArray) -> dict[float, BoolArray]:
+    """Cells that are flown at each altitude [m]."""
+    if asked.altitudes_m is None:
+        return {height: cells[:, 0] == height for height in np.unique(cells[:, 0]).tolist()}
+    return {height: np.ones(len(cells), bool) for height in asked.altitudes_m}
+
+
+def _scenarios(asked: _Configuration, cells: FloatArray) -> Scenarios:
+    """Middle of the month of each cell, at its latitude or the mission's first."""
+    days = [day_of_year(f"{int(month):02d}-{_MIDDLE}") for month in cells[:, 1]]
+    first = asked.mission.latitudes()[0]
+    north = np.full(len(cells), first) if asked.altitudes_m is None else cells[:, 0]
+    return Scenarios(north, np.array(days))
+
+
+def _station_cells(asked: _Configuration, cells: FloatArray) -> dict[str, FloatArray]:
+    """Columns of cells of latitude or altitude and month, at the altitude of the largest share."""
+    groups = _by_altitude(asked, cells)
+    flown = {name: np.full((len(groups), len(cells)), -1.0) for name in _DESCRIBED}
+    for row, (height, where) in enumerate(groups.items()):
+        mission, scenarios = asked.mission.at_altitude(height), _scenarios(asked, cells[where])
+        found = station_keeping(asked.aircraft, mission, asked.solar, scenarios=scenarios)
+        flown["share"][row, where], flown["at_end"][row, where] = found.share, found.at_end
+        flown["airspeed"][row, where] = found.airspeed_m_per_s
+        flown["wind"][row, where] = found.wind_m_per_s
+    best = flown["share"].argmax(axis=0)
+    columns = {name: values[best, np.arange(len(cells))] for name, values in flown.items()}
+    chosen_m = np.array(list(groups))[best]
+    return columns | (dict.fromkeys(_CHOSEN, chosen_m) if asked.chooses else {})
+
+
+def station_of(study: Study, data: Gridded) -> Station:
+    """Result of a study."""
+    asked: _Configuration = study.configuration
+    winds = winds_of(asked.aircraft, asked.mission).table(asked.mission.longitude_deg)
+    variables = dict(data.variables)
+    return Station(
+        *(asked.aircraft, asked.mission, asked.solar),
+        over="altitude" if asked.altitudes_m is None else "latitude",
+        source=winds.source,
+        at_end=bool(np.any(variables.pop("at_end").values == 1.0)),
+        cells=Gridded(variables, data.coordinates, data.attrs),
+    )
+
+
+def _extrapolations(places: Sequence[Mission], asked: _Configuration) -> tuple[Extrapolation, ...]:
     """What the design takes from outside the range of a model, at all altitudes."""
+    aircraft, solar = asked.aircraft, asked.solar
     calm = [one.in_wind(0.0) for one in places]  # the share says what the wind does
     each = [told(design_checks(aircraft, one, design_of(aircraft, one), solar)) for one in calm]
     return each[0] if len(each) == 1 else together(each, "altitudes")

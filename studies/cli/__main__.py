@@ -18,7 +18,7 @@ from solar.versions import DeprecatedKeyWarning
 from studies.cli.command import Command, write_examples
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
 from studies.cli.telling import tell_error
-from studies.engine.signals import Signals, interruptible
+from studies.signals import Signals, interruptible
 
 _SHOW_WARNING = warnings.showwarning
 

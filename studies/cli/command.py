@@ -104,7 +104,12 @@ class Command(click.Command):
         super().__init__(name, help=options.__doc__, callback=self._perform, params=params)
 
     def _perform(self, **given: Any) -> None:
-        options, body = _made(self._declared, given), self.loaded_body()
+        options = _made(self._declared, given)
+        if (given.get("workers") or 1) > 1 and not given.get("scheduler"):
+            from studies.engine.workers import fork_from
+
+            fork_from(self.module)  # while this process imports the same
+        body = self.loaded_body()
         written: dict[type[Any], dict[str, str | None]] = {OutputFile: {}, OutputFolder: {}}
         for one in self.params:
             if type(one.type) in written:
@@ -115,10 +120,15 @@ class Command(click.Command):
         except TooManyDotsError as error:  # of a figure whose height is that of its content
             raise click.BadParameter(str(error), param_hint="--dpi") from None
 
+    @property
+    def module(self) -> str:
+        """Module of what the command does."""
+        return f"{_BODIES}.{self.body.partition(':')[0]}"
+
     def loaded_body(self) -> Callable[[Any], None]:
         """Import what the command does, and all that it needs."""
-        module, _, function = self.body.partition(":")
-        body: Callable[[Any], None] = getattr(import_module(f"{_BODIES}.{module}"), function)
+        function = self.body.partition(":")[2]
+        body: Callable[[Any], None] = getattr(import_module(self.module), function)
         return body
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

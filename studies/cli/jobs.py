@@ -17,25 +17,27 @@ from studies.cli.options import EXIT_FAILED, WorkOptions
 from studies.cli.start import let_dask_in
 from studies.cli.telling import progress_of, tell_error
 from studies.engine.chunk_store import ChunkStore, parts_folder
-from studies.engine.run import Outcome, pool_of, run
-from studies.engine.signals import Stopped
-from studies.engine.workers import Job, WorkersUnavailableError
+from studies.engine.run import Job, pool_of, run
+from studies.engine.workers import WorkersUnavailableError
+from studies.output.gridded import Gridded
+from studies.signals import Stopped
+from studies.study import Study
 
 
 @contextmanager
 def completed(
-    job: Job, options: WorkOptions, target: str | os.PathLike[str] | None, unit: str
-) -> Iterator[Outcome]:
-    """Compute a job; inside the context its result is to be written and printed.
+    study: Study, options: WorkOptions, target: str | os.PathLike[str] | None
+) -> Iterator[Gridded]:
+    """Compute a study; inside the context its result is to be written and printed.
 
     After it the parts go. A signal ends the command with 128 plus its number and the way to go on;
     so does a disk that fills up, as an error. Where cells failed, standard error says so before and
     after the result, and the command ends with exit code 1; where all of them did there is no
     result.
 
-    ``target``: file of the result, beside which parts are kept; None keeps none. ``unit``: what the
-    cells are called in messages, in the plural. Returns columns, and the reasons of failed cells.
+    ``target``: file of the result, beside which parts are kept; None keeps none.
     """
+    job, unit = study.job, study.unit
     folder = None if target is None else parts_folder(target)
     if options.work_dir is not None:
         folder = Path(options.work_dir)
@@ -55,7 +57,7 @@ def completed(
                 tell_error(f"solar-uav: {trouble}")
             if outcome.all_failed:
                 sys.exit(EXIT_FAILED)
-            yield outcome
+            yield study.gridded(outcome)
         except KeyboardInterrupt as stopped:
             number = stopped.signum if isinstance(stopped, Stopped) else signal.SIGINT
             tell_error(f"stopped; {_kept(job, store)}")

@@ -12,37 +12,35 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
 import os
 import shutil
 import socket
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from missions.files.errors import printable
 from missions.files.writing import OutputError, make_folder, probe, writing_trouble
 
+# Result of one chunk: columns of one value per cell, among them why a cell failed, or nothing.
+Part: TypeAlias = dict[str, NDArray[Any]]
+FAILURE = "why it failed"  # no other column has a name with spaces
+
 _KEY = "[0-9a-f]" * 40
 _LOCK = ".solar-uav.lock"
-_FAILURES = "failures as JSON"  # no column has a name with spaces
 # Parts and the file made of them stand side by side for a moment, and the file twice.
 _COPIES = 3
 _PART_BYTES = 4096
-# What a part may have at most: messages of failed cells are the longest that it holds.
-_MOST_BYTES, _MOST_BYTES_A_VALUE = 1 << 20, 1 << 12
 
 
-@dataclass(frozen=True)
-class Part:
-    """Result of one chunk: columns of one value per cell, and messages of the cells that failed."""
-
-    columns: Mapping[str, Any]
-    failures: Mapping[int, str] = field(default_factory=dict)
+def joined(parts: Sequence[Part]) -> Part:
+    """Parts one after the other."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def parts_folder(target: str | os.PathLike[str]) -> Path | None:
@@ -94,30 +92,37 @@ class ChunkStore:
         """
         path = self.path(key)
         try:
-            # A pipe would never end, and a file of another's may fill the memory.
-            most = _MOST_BYTES + _MOST_BYTES_A_VALUE * cells * (len(blanks) + 1)
-            if not path.is_file() or path.stat().st_size > most:
+            if not path.is_file():  # a pipe would never end
                 return None
             head, _, body = path.read_bytes().partition(b"\n")
-            return _part_in(body, blanks, cells) if head == _head(key, body) else None
+            if head != _head(key, body):
+                return None
+            with np.load(io.BytesIO(body), allow_pickle=False) as archive:
+                part = dict(archive)
         except Exception:
             return None  # whatever breaks a file that cannot be read, or was made up
+        kinds = {name: np.asarray(blank).dtype for name, blank in {**blanks, FAILURE: ""}.items()}
+        fits = part.keys() == kinds.keys() and all(
+            part[name].shape == (cells,)
+            and (part[name].dtype == kind or part[name].dtype.kind == kind.kind == "U")
+            for name, kind in kinds.items()
+        )
+        return part if fits else None
 
     def write(self, key: str, part: Part) -> None:
         """Keep a part."""
-        buffer = io.BytesIO()
-        failures = np.array(json.dumps({str(k): v for k, v in part.failures.items()}))
+        buffer, scratch = io.BytesIO(), self._scratch(key)
         # The stub takes every keyword for the flag that may stand among them.
-        np.savez(buffer, **part.columns, **{_FAILURES: failures})  # type: ignore[arg-type]
+        np.savez(buffer, **part)  # type: ignore[arg-type]
         body = buffer.getvalue()
-        scratch = self._scratch(key)
         try:
             scratch.write_bytes(_head(key, body) + b"\n" + body)
             scratch.replace(self.path(key))
         except OSError as error:
-            with suppress(OSError):
-                scratch.unlink(missing_ok=True)
             raise OutputError(f"cannot write to {self.folder}: {writing_trouble(error)}") from error
+        finally:
+            with suppress(OSError):  # there if the writing was broken off
+                scratch.unlink(missing_ok=True)
 
     def remove_parts(self, keys: Iterable[str]) -> None:
         """Delete the parts of some chunks, and the folder if nothing else is in it.
@@ -138,26 +143,8 @@ class ChunkStore:
             self.folder.rmdir()
 
 
-def _part_in(body: bytes, blanks: Mapping[str, Any], cells: int) -> Part | None:
-    """Part that an archive holds; none if it has other columns, kinds or lengths."""
-    with np.load(io.BytesIO(body), allow_pickle=False) as archive:
-        if sorted(archive.files) != sorted([*blanks, _FAILURES]):
-            return None
-        columns = {name: archive[name] for name in blanks}
-        texts = json.loads(str(archive[_FAILURES]))
-    for name, column in columns.items():
-        kind = np.asarray(blanks[name]).dtype
-        alike = column.dtype.kind == "U" if kind.kind == "U" else column.dtype == kind
-        if not alike or column.shape != (cells,):
-            return None
-    failures = {int(cell): text for cell, text in texts.items()}
-    if not all(0 <= cell < cells and isinstance(text, str) for cell, text in failures.items()):
-        return None
-    return Part(columns, failures)
-
-
 def _head(key: str, body: bytes) -> bytes:
-    return f"solar-uav part 1 {key} {hashlib.sha256(body).hexdigest()}".encode()
+    return f"solar-uav part 2 {key} {hashlib.sha256(body).hexdigest()}".encode()
 
 
 @contextmanager
@@ -167,9 +154,9 @@ def _locked(path: Path) -> Iterator[None]:
 
     # A link in its place could lead to any file of the user's, which would be emptied.
     flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
-    if path.is_symlink() or (path.exists() and not path.is_file()):
-        raise OutputError(f"cannot write to {path.parent}: {path.name} in it is not a plain file")
     try:
+        if path.is_symlink() or (path.exists() and not path.is_file()):
+            raise OSError(f"{path.name} in it is not a plain file")
         file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
     except OSError as error:
         raise OutputError(f"cannot write to {path.parent}: {writing_trouble(error)}") from error
@@ -177,10 +164,9 @@ def _locked(path: Path) -> Iterator[None]:
         if not lock_descriptor(file.fileno(), blocking=False):
             holder = ""
             with suppress(OSError):  # Windows lets nobody else read what is locked
-                holder = file.read(200).decode(errors="replace").strip()
-            who = f" ({holder})" if holder else ""
+                holder = f" ({file.read(200).decode(errors='replace').strip()})"
             raise OutputError(
-                f"another run{who} works in {path.parent}: wait for it, or choose another place"
+                f"another run{holder} works in {path.parent}: wait for it, or choose another place"
             )
         file.truncate(0)
         file.write(f"process {os.getpid()} on {socket.gethostname()}".encode())

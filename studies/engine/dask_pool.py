@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Executor, Future
+from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
 from typing import Any, TypeVar
 
@@ -33,6 +33,8 @@ class DaskPool(Pool):
     ``tell``: called with what the user should know while the work waits.
     """
 
+    shares_disk = False
+
     def __init__(
         self, scheduler: str, workers: int | None = None, tell: Callable[[str], None] | None = None
     ) -> None:
@@ -43,10 +45,9 @@ class DaskPool(Pool):
             raise WorkersUnavailableError(
                 "--scheduler needs dask: pip install distributed (the extra 'cluster')"
             ) from None
-        self.deaths: tuple[type[BaseException], ...] = (distributed.KilledWorker,)
+        self.deaths, self.in_process = (distributed.KilledWorker,), False
         self._tell = tell or (lambda text: None)
         self._client: Any
-        self._executor: Executor
         self._local = scheduler == LOCAL_CLUSTER
         self._name = "the cluster of this machine" if self._local else f"the scheduler {scheduler}"
         self._remedy = "" if self._local else f"; start one with: dask worker {scheduler}"
@@ -58,11 +59,9 @@ class DaskPool(Pool):
         try:
             with for_children():
                 self._connect(distributed, scheduler, workers)
-                self._await_worker()
         except BaseException:  # a signal, too, leaves no process
             self.close(at_once=True)
             raise
-        self._executor = self._client.get_executor(pure=False)
         self._threads, self._looked_s = 1, -_LOOK_S
         self._last_seen_s, self._told = time.monotonic(), False
 
@@ -87,24 +86,6 @@ class DaskPool(Pool):
             ) from None
         self._opened.callback(_close, self._client)
 
-    def _await_worker(self) -> None:
-        if not self._client.nthreads():
-            self._tell(f"{self._name} has no worker; waiting {_CONNECT_S:.0f} s{self._remedy}")
-        try:
-            self._client.wait_for_workers(1, timeout=_CONNECT_S)
-        except (OSError, TimeoutError):
-            raise self._without_workers(_CONNECT_S) from None
-
-    def _without_workers(self, time_s: float) -> WorkersUnavailableError:
-        text = f"{self._name} has had no worker for {time_s:.0f} s{self._remedy}"
-        return WorkersUnavailableError(text)
-
-    def _lost(self) -> WorkersUnavailableError:
-        return WorkersUnavailableError(
-            f"{self._name} is gone, or has dropped the work; start it and its workers again, "
-            "or compute on this machine with --workers"
-        )
-
     def size(self, tasks_left: int) -> int:
         """Two for each thread of the cluster, so that none waits for the network."""
         self._look()
@@ -115,11 +96,12 @@ class DaskPool(Pool):
         self._look()
         without_s = time.monotonic() - self._last_seen_s
         if without_s > _WITHOUT_WORKERS_S:
-            raise self._without_workers(_WITHOUT_WORKERS_S)
+            text = f"{self._name} has had no worker for {_WITHOUT_WORKERS_S:.0f} s{self._remedy}"
+            raise WorkersUnavailableError(text)
         if without_s > _TOLD_AFTER_S and not self._told:
             self._told = True
             left_s = _WITHOUT_WORKERS_S - without_s
-            self._tell(f"{self._name} has no worker left; waiting {left_s:.0f} s{self._remedy}")
+            self._tell(f"{self._name} has no worker; waiting {left_s:.0f} s{self._remedy}")
 
     def _look(self) -> None:
         now = time.monotonic()
@@ -128,19 +110,19 @@ class DaskPool(Pool):
         self._looked_s = now
         # A scheduler that does not answer must not keep a signal waiting.
         with suppress(OSError, TimeoutError, AttributeError):  # without a connection
-            threads = self._client.nthreads(callback_timeout=_ANSWER_S)
-            self._threads = sum(threads.values())
+            self._threads = sum(self._client.nthreads(callback_timeout=_ANSWER_S).values())
             if self._threads:
-                self._last_seen_s, self._told = time.monotonic(), False
+                self._last_seen_s, self._told = now, False
 
     def submit(self, work: Callable[..., T], *task: Any) -> Future[T]:
         """Send the task to the scheduler."""
         try:
-            return self._executor.submit(work, *task)
+            future: Future[T] = self._client.get_executor(pure=False).submit(work, *task)
         except Exception:
             if self._client.status == "running":
                 raise
             raise self._lost() from None
+        return future
 
     def result(self, future: Future[T]) -> T:
         """Result of a task."""
@@ -149,14 +131,20 @@ class DaskPool(Pool):
         except CancelledError:
             raise self._lost() from None
 
+    def _lost(self) -> WorkersUnavailableError:
+        return WorkersUnavailableError(
+            f"{self._name} is gone, or has dropped the work; start it and its workers again, "
+            "or compute on this machine with --workers"
+        )
+
     def close(self, *, at_once: bool) -> None:
         """Leave the cluster, and end the one that was started here."""
         self._opened.close()
 
 
-def _close(one: Any) -> None:
+def _close(opened: Any) -> None:
     with suppress(OSError, TimeoutError):  # of a scheduler that is gone
-        one.close()
+        opened.close()
 
 
 @contextmanager

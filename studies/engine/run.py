@@ -1,60 +1,104 @@
 """Long computations in chunks of cells: in parallel, resumable, and not felled by one bad cell.
 
-A :class:`Job` is a function, a configuration and chunks of cells; :func:`run` has a pool of workers
-compute them. The chunks are part of the job and never depend on the workers, and a chunk is always
-computed as a whole, so that the result is the same to the last bit whoever computes it, in whatever
-order, in one run or in several.
+A :class:`Job` is a function, a configuration, cells, and which of them are computed together;
+:func:`run` has a pool of workers compute them. The chunks never depend on the workers, and a chunk
+is always computed as a whole, so that the result is the same to the last bit whoever computes it,
+in whatever order, in one run or in several.
 
 * A chunk whose function raises is computed again cell by cell; a cell that raises by itself is
   recorded as failed with its message.
 * Where a worker process dies, all chunks that were under way are tried again at the end, each with
   nothing else going on. One that a worker dies of even then is computed cell by cell, and a cell
-  that a worker dies of is recorded as failed. (Cells computed singly agree with those of a chunk as
-  far as the chunk's function does.)
-* With a store every finished chunk is kept, under a key made of function, configuration, code and
-  cells; what is there already is not computed again, unless cells of it failed.
+  that a worker dies of is recorded as failed.
+* With a store every finished chunk is kept, by the worker that computed it where it can, under a
+  key made of function, configuration, code and cells; what is there already is not computed again,
+  unless cells of it failed.
 * SIGINT and SIGTERM end the workers at once and raise :class:`Stopped`.
 """
 
 from __future__ import annotations
 
 import functools
-import itertools
+import hashlib
 import threading
-import time
-import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
+from importlib import resources
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
+from pydantic_core import to_json
 
 from solar._version import __version__
-from studies.engine.chunk_store import ChunkStore, Part
-from studies.engine.signals import Signals, interruptible
-from studies.engine.workers import (
-    Cell,
-    Columns,
-    Job,
-    LocalPool,
-    Pool,
-    WorkersUnavailableError,
-    code_digest,
-)
+from solar.types import FloatArray, IntArray
+from studies.engine.chunk_store import FAILURE, ChunkStore, Part, joined
+from studies.engine.workers import Pool, WorkersUnavailableError
+from studies.signals import Signals, interruptible
 
 Progress: TypeAlias = Callable[[int, int], None]
+ChunkFunction: TypeAlias = Callable[[Any, FloatArray], Mapping[str, Any]]
 
+_PACKAGES = ("solar", "missions", "sizing", "studies")
 _DIED = "the worker process died"
 _LOOK_S = 0.2
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """Columns over all cells, chunk after chunk; cells that failed, by number, with the reason."""
+class Job:
+    """What is to be computed.
 
-    columns: Columns
+    ``function``: function of a module, called with the configuration and an array of cells; returns
+    one value per cell for the columns that it knows. ``configuration``: what the function needs
+    besides: data classes, pydantic models, numbers and text, which pickle and can be written as
+    JSON. Never a solver: workers keep theirs. ``cells``: shape ``(cell, value)``. ``chunks``:
+    numbers of the cells that are computed together, each cell in one of them. ``blanks``: name of
+    every column, and the NumPy scalar that stands in it for a failed or unknown cell.
+    """
+
+    function: ChunkFunction
+    configuration: Any
+    cells: FloatArray
+    chunks: Sequence[IntArray]
+    blanks: Mapping[str, Any]
+
+    @property
+    def size_bytes(self) -> int:
+        """Size of all columns, estimated [bytes]."""
+        return len(self.cells) * sum(max(np.asarray(b).itemsize, 8) for b in self.blanks.values())
+
+    def keys(self) -> list[str]:
+        """Key of every chunk: changes with anything that may change its result."""
+        function = f"{self.function.__module__}.{self.function.__qualname__}"
+        common = [function, __version__, np.__version__, code_digest(), sorted(self.blanks)]
+        # Files that the configuration names count with their contents, not with their path alone.
+        context = {"contents": True}
+        head = to_json([*common, self.configuration], inf_nan_mode="strings", context=context)
+        chunks = (self.cells[chunk].tobytes() for chunk in self.chunks)
+        return [hashlib.sha256(head + chunk).hexdigest()[:40] for chunk in chunks]
+
+
+@functools.cache
+def code_digest() -> str:
+    """Digest of all files of the packages: a result belongs to the code that computed it."""
+    digest = hashlib.sha256()
+    for package in _PACKAGES:
+        root = Path(str(resources.files(package)))
+        for path in sorted(root.rglob("*")):
+            if path.is_file() and path.parent.name != "__pycache__":
+                digest.update(path.relative_to(root).as_posix().encode() + b"\0")
+                digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Columns over all cells; cells that failed, by number, with the reason."""
+
+    columns: dict[str, NDArray[Any]]
     failures: dict[int, str]
     computed_chunks: int
     kept_chunks: int
@@ -64,7 +108,7 @@ class Outcome:
         """Number of cells."""
         return len(next(iter(self.columns.values())))
 
-    def trouble(self, unit: str = "cells") -> str | None:
+    def trouble(self, unit: str) -> str | None:
         """How many cells failed and why the first did; none if none did."""
         if not self.failures:
             return None
@@ -77,63 +121,21 @@ class Outcome:
         return self.cells == len(self.failures)
 
 
-class ComputationError(RuntimeError):
-    """Every cell of a computation failed."""
-
-
-def compute(
-    job: Job,
-    workers: int | None = 1,
-    progress: Progress | None = None,
-    unit: str = "cells",
-    scheduler: str | None = None,
-) -> Outcome:
-    """Compute a job in memory, for callers in Python.
-
-    ``workers``: processes that compute: 1 starts none, None as many as there are cores where that
-    pays. ``progress``: called with the cells done and the cells in all. ``scheduler``: that of
-    dask, with the workers that were started for it, or ``local-cluster``. A warning tells how many
-    cells failed, if any did.
-    """
-    if workers is not None and workers < 1:
-        raise ValueError(f"workers must be at least 1, or None (got {workers})")
-    if scheduler not in (None, "local-cluster") and "://" not in scheduler:
-        raise ValueError(f"scheduler must be tcp://HOST:PORT or local-cluster (got {scheduler!r})")
-    outcome = run(job, pool_of(workers, scheduler), progress=progress)
-    trouble = outcome.trouble(unit)
-    if outcome.all_failed:
-        raise ComputationError(trouble)
-    if trouble is not None:
-        warnings.warn(trouble, RuntimeWarning, stacklevel=3)
-    return outcome
-
-
 def pool_of(
     workers: int | None = None,
     scheduler: str | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Pool:
-    """Pool that the options ``--workers`` and ``--scheduler`` ask for.
+    """Pool that the options ``--workers`` and ``--scheduler`` ask for, for one run.
 
     ``workers``: 1 for this process alone, more for so many processes; None for what pays. ``tell``:
-    called with what the user should know while the work waits. Returns for one run, which closes
-    it.
+    called with what the user should know while the work waits.
     """
     if scheduler is None:
-        return LocalPool(workers)
+        return Pool(workers)
     from studies.engine.dask_pool import DaskPool
 
     return DaskPool(scheduler, workers, tell)
-
-
-def pieces(count: int, each: int) -> list[slice]:
-    """Slices of at most ``each`` that cover ``count``, as even as possible.
-
-    ``each``: largest number in a slice; less than 1 counts as 1. Returns in order, without gaps.
-    """
-    number = -(-count // max(each, 1))
-    edges = np.linspace(0, count, number + 1).round().astype(int)
-    return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
 
 
 def run(
@@ -144,9 +146,8 @@ def run(
     ``progress``: called with the cells done and the cells in all; what was kept counts as done from
     the start. Returns columns over all cells, and the cells that failed.
     """
-    if not job.chunks:
-        raise ValueError("a job needs at least one chunk")
-    done = False
+    done, module = False, job.function.__module__
+    pool.imports = () if module == "__main__" else (module,)
     # Between tasks a signal waits, so that it breaks nothing off but the task that is under way.
     with interruptible(held=True) as signals:
         try:
@@ -164,73 +165,61 @@ class _Run:
     store: ChunkStore | None
     progress: Progress | None
     signals: Signals
-    parts: dict[int, Part] = field(default_factory=dict)
-    waiting: deque[int] = field(default_factory=deque)  # numbers of chunks
-    retry: list[int] = field(default_factory=list)  # under way when a worker died
-    flying: dict[Future[Part], int] = field(default_factory=dict)
+    parts: dict[int, Part] = field(default_factory=dict)  # by number of their chunk
     done: int = 0  # cells
 
-    @functools.cached_property
-    def keys(self) -> list[str]:
-        return self.job.keys()
-
     def outcome(self) -> Outcome:
-        kept = self._take_kept()
+        job, chunks = self.job, self.job.chunks
+        keys = job.keys() if self.store is not None else [None] * len(chunks)
+        for number, key in enumerate(keys):
+            self._take(number, self._kept_part(key, len(chunks[number])))
+        kept = len(self.parts)
         self._report_progress()
-        while self.waiting or self.flying:
-            while self.waiting and len(self.flying) < self.pool.size(
-                len(self.waiting) + len(self.flying)
-            ):
-                number = self.waiting.popleft()
-                self.flying[self._submitted(self.job.chunks[number])] = number
-            for future in self._finished(self.flying):
-                number = self.flying.pop(future)
+        waiting = deque(number for number in range(len(chunks)) if number not in self.parts)
+        retry: list[int] = []  # under way when a worker died
+        flying: dict[Future[Part], int] = {}
+        while waiting or flying:
+            while waiting and len(flying) < self.pool.size(len(waiting) + len(flying)):
+                number = waiting.popleft()
+                flying[self._submitted(chunks[number], keys[number])] = number
+            for future in self._finished(flying):
+                number = flying.pop(future)
                 part = self._part_of(future)
                 if part is None:
-                    self.retry.append(number)
-                else:
-                    self._keep(number, part)
-        for number in self.retry:
-            self._keep(number, self._alone(self.job.chunks[number]))
-        whole = _joined([self.parts[i] for i in range(len(self.parts))])
-        return Outcome(dict(whole.columns), dict(whole.failures), len(self.parts) - kept, kept)
+                    retry.append(number)
+                    continue
+                if not self.pool.shares_disk:
+                    self._keep(keys[number], part)
+                self._take(number, part)
+                self._report_progress()
+        for number in retry:
+            part = self._alone(chunks[number])
+            self._keep(keys[number], part)
+            self._take(number, part)
+            self._report_progress()
+        whole = joined([self.parts[number] for number in range(len(chunks))])
+        place = np.argsort(np.concatenate(chunks), kind="stable")
+        columns = {name: values[place] for name, values in whole.items()}
+        reasons = columns.pop(FAILURE)
+        failures = {int(i): str(reasons[i]) for i in np.flatnonzero(reasons != "")}
+        return Outcome(columns, failures, len(chunks) - kept, kept)
 
-    def _take_kept(self) -> int:
-        """Read the chunks that an earlier run has left; the others wait."""
-        for number, chunk in enumerate(self.job.chunks):
-            part = self._kept_part(number, len(chunk))
-            if part is None:
-                self.waiting.append(number)
-            else:
-                self.parts[number] = part
-                self.done += len(chunk)
-        return len(self.parts)
-
-    def _kept_part(self, number: int, cells: int) -> Part | None:
-        """Part of a chunk that an earlier run has left; none that failed or cannot be a result."""
-        if self.store is None:
+    def _kept_part(self, key: str | None, cells: int) -> Part | None:
+        """Part of a chunk that an earlier run has left; none if a cell failed."""
+        if self.store is None or key is None:
             return None
-        part = self.store.read(self.keys[number], self.job.blanks, cells)
-        if part is None or part.failures:
-            return None
-        try:
-            possible = self.job.possible is None or self.job.possible(part.columns)
-        except Exception:
-            return None  # nothing that was computed here
-        return part if possible else None
+        part = self.store.read(key, self.job.blanks, cells)
+        return None if part is None or np.any(part[FAILURE] != "") else part
 
-    def _submitted(self, cells: tuple[Cell, ...]) -> Future[Part]:
-        task = replace(self.job, chunks=(cells,), possible=None)  # which need not pickle
-        if not self.pool.in_process:
-            return self.pool.submit(compute_task, code_digest(), task)
-        self.signals.held, begun = False, time.perf_counter()
-        future: Future[Part] = Future()
+    def _submitted(self, chunk: IntArray, key: str | None = None) -> Future[Part]:
+        """Part of a chunk, kept by the worker that computes it if there is a key."""
+        task = replace(self.job, cells=self.job.cells[chunk], chunks=())
+        store, code = (self.store, None) if self.pool.shares_disk else (None, code_digest())
+        self.signals.held = not self.pool.in_process
         try:
-            future.set_result(compute_task(None, task))
+            return self.pool.submit(compute_task, task, store, key, code)
         finally:
             self.signals.held = True
-        self.pool.own_times_s.append(time.perf_counter() - begun)
-        return future
 
     def _finished(self, futures: Iterable[Future[Part]]) -> set[Future[Part]]:
         self.signals.check()
@@ -247,24 +236,26 @@ class _Run:
         except self.pool.deaths:
             return None
 
-    def _alone(self, cells: tuple[Cell, ...]) -> Part:
+    def _alone(self, chunk: IntArray) -> Part:
         """Compute cells with nothing else going on, one by one if a worker dies of them."""
-        future = self._submitted(cells)
+        future = self._submitted(chunk)
         while not self._finished([future]):
             pass
         part = self._part_of(future)
         if part is not None:
             return part
-        if len(cells) == 1:
-            return _failed_chunk(self.job.blanks, _DIED)
-        return _joined([self._alone((cell,)) for cell in cells])
+        if len(chunk) == 1:
+            return _failed(self.job, _DIED)
+        return joined([self._alone(chunk[i : i + 1]) for i in range(len(chunk))])
 
-    def _keep(self, number: int, part: Part) -> None:
-        if self.store is not None:
-            self.store.write(self.keys[number], part)
-        self.parts[number] = part
-        self.done += len(self.job.chunks[number])
-        self._report_progress()
+    def _keep(self, key: str | None, part: Part) -> None:
+        if self.store is not None and key is not None:
+            self.store.write(key, part)
+
+    def _take(self, number: int, part: Part | None) -> None:
+        if part is not None:
+            self.parts[number] = part
+            self.done += len(self.job.chunks[number])
 
     def _report_progress(self) -> None:
         if self.progress is not None:
@@ -278,10 +269,13 @@ class _Run:
 _ONE_AT_A_TIME = threading.Lock()
 
 
-def compute_task(code: str | None, job: Job) -> Part:
-    """Compute a job of one chunk; cells that raise are failures of the part.
+def compute_task(
+    job: Job, store: ChunkStore | None = None, key: str | None = None, code: str | None = None
+) -> Part:
+    """Compute the cells of a job as one chunk; cells that raise are failures of the part.
 
-    ``code``: digest of the driver's code; None within its process.
+    ``store``, ``key``: where the part is kept, if this process is to keep it. ``code``: digest of
+    the driver's code, where it may be another than that of this process.
     """
     if code is not None and code != code_digest():
         raise WorkersUnavailableError(
@@ -289,44 +283,35 @@ def compute_task(code: str | None, job: Job) -> Part:
             "install the same one everywhere"
         )
     with _ONE_AT_A_TIME:
-        return _computed_or_failed(job, job.cells)
+        part = _computed_or_failed(job, job.cells)
+    if store is not None and key is not None:
+        store.write(key, part)
+    return part
 
 
-def _computed_or_failed(job: Job, cells: tuple[Cell, ...]) -> Part:
+def _computed_or_failed(job: Job, cells: FloatArray) -> Part:
     try:
         return _computed(job, cells)
     except Exception as error:
         if len(cells) == 1:
-            return _failed_chunk(job.blanks, " ".join(f"{type(error).__name__}: {error}".split()))
-    return _joined([_computed_or_failed(job, (cell,)) for cell in cells])
+            return _failed(job, " ".join(f"{type(error).__name__}: {error}".split()))
+    return joined([_computed_or_failed(job, cells[i : i + 1]) for i in range(len(cells))])
 
 
-def _computed(job: Job, cells: tuple[Cell, ...]) -> Part:
+def _computed(job: Job, cells: FloatArray) -> Part:
     computed = job.function(job.configuration, cells)
-    if set(computed) != set(job.blanks):
+    if not set(computed) <= set(job.blanks):
         raise ValueError(f"columns {sorted(computed)} are not {sorted(job.blanks)}")
-    columns = {}
+    part = {FAILURE: np.zeros(len(cells), "U1")}
     for name, blank in job.blanks.items():
         kind = np.asarray(blank).dtype
-        column = np.asarray(computed[name], None if kind.kind == "U" else kind)
-        if column.shape != (len(cells),):
-            raise ValueError(f"column {name} has the shape {column.shape}, not ({len(cells)},)")
-        columns[name] = column
-    return Part(columns)
+        values = computed[name] if name in computed else np.full(len(cells), blank)
+        part[name] = np.asarray(values, None if kind.kind == "U" else kind)
+        if part[name].shape != (len(cells),):
+            raise ValueError(f"column {name} has the shape {part[name].shape}, not ({len(cells)},)")
+    return part
 
 
-def _failed_chunk(blanks: Mapping[str, Any], message: str) -> Part:
+def _failed(job: Job, message: str) -> Part:
     """Part of a cell that failed."""
-    return Part({name: np.asarray([blank]) for name, blank in blanks.items()}, {0: message})
-
-
-def _joined(parts: Sequence[Part]) -> Part:
-    """Parts one after the other, failures numbered on."""
-    names = parts[0].columns
-    columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in names}
-    failures: dict[int, str] = {}
-    start = 0
-    for part in parts:
-        failures |= {start + cell: text for cell, text in part.failures.items()}
-        start += len(part.columns[next(iter(names))])
-    return Part(columns, failures)
+    return {name: np.asarray([value]) for name, value in {**job.blanks, FAILURE: message}.items()}

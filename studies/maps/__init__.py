@@ -1,6 +1,6 @@
 """Maps over latitude and season: of a fixed aircraft, or sized anew in every cell.
 
-* ``feasibility``: of a fixed aircraft; ``resized``: the best design of each cell
+* ``study``: both kinds; ``cells``: those of a fixed aircraft
 * ``results``, ``plots``: what the terminal, JSON and figures show
 * ``season``: days of perpetual flight at one latitude
 """

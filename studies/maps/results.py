@@ -29,7 +29,7 @@ from sizing.results.quantities import (
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from solar.types import BoolArray, IntArray
-from studies.maps.feasibility import perpetual_cells
+from studies.maps.study import perpetual_cells
 from studies.output.gridded import (
     SIZED,
     TOO_WINDY,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -107,29 +107,6 @@ def to_netcdf_bytes(data: OnGrid) -> bytes:
     return buffer.getvalue()
 
 
-def can_be_result(
-    statuses: Iterable[IntEnum], computed: Collection[IntEnum]
-) -> Callable[[Mapping[str, Any]], bool]:
-    """Check of columns that an earlier run is said to have kept.
-
-    ``computed``: with which of them the excess time is a number. Returns whether columns can be
-    what a computation without failures gives.
-    """
-
-    def check(columns: Mapping[str, Any]) -> bool:
-        known = [one for one in statuses if one.name != "failed"]
-        status = np.asarray(columns["status"])
-        if not np.isin(status, known).all():
-            return False
-        if np.isnan(np.asarray(columns["excess_time"])[np.isin(status, list(computed))]).any():
-            return False
-        for text in np.unique(columns.get("extrapolations", ())):
-            from_text(str(text))  # raises for what is none
-        return True
-
-    return check
-
-
 def status_names(data: OnGrid) -> dict[int, str]:
     """Name of every flag of a dataset's status."""
     flags = data["status"].attrs
@@ -219,16 +196,6 @@ _REQUIREMENTS = {
     "motor_power": "propulsion: power too high",
 }
 
-# What stands where a sizing failed; every other number is NaN unless the sizing is optimal.
-BLANKS: dict[str, Any] = {
-    "status": np.int8(SizingStatus.failed),
-    **{one.variable: np.float64("nan") for one in (*DESIGN_COLUMNS, *REACHED, LOAD)},
-    "shortfall": np.float64("nan"),
-    "violated_requirement": np.str_(""),
-    "message": np.str_(""),
-    "extrapolations": np.str_(""),
-}
-
 # Variable -> unit, long name.
 DESCRIBED: dict[str, tuple[str, str]] = {
     **{one.variable: one.described for one in DESIGN_COLUMNS},
@@ -296,6 +263,8 @@ def variables(
     for name, (unit, text) in described.items():
         if name in columns and name != "status":
             labelled[name] = Labelled(dims, columns[name], {"units": unit, "long_name": text})
+    if "status" not in columns:
+        return labelled
     meanings = {
         "long_name": described["status"][1],
         "flag_values": np.array([flag.value for flag in flags], np.int8),

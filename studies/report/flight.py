@@ -15,9 +15,8 @@ from sizing.results.analysis import Analysis
 from sizing.results.quantities import MINIMUM_CHARGE
 from sizing.results.render import flight_table, scenario_table
 from sizing.results.tables import Line, Summary, Table
-from studies.engine.run import compute
-from studies.maps.feasibility import prepare
 from studies.maps.plots import plot_map
+from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
 from studies.output.cycle_plots import plot_cycle, plot_flight
 from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
@@ -131,8 +130,7 @@ def season_section(subject: Subject) -> Section:
     south, north = solar.flown_latitudes_deg(subject.mission)
     latitudes = np.unique(np.linspace(max(-farthest, south), min(farthest, north), rows))
     days = np.linspace(1, DAYS_PER_YEAR, columns).round().astype(int)
-    study = prepare(subject.aircraft, subject.mission, latitudes, days, solar)
-    data = study.gridded(compute(study.job))
+    data = prepare(subject.aircraft, subject.mission, latitudes, days, solar).computed()
     plot = plot_map(data, figure=page_options(_WIDTH_IN, 4.6))
     _ring_places(plot, scenarios.latitude_deg, scenarios.day_of_year)
     season = _season_text(subject)

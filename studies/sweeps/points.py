@@ -21,7 +21,6 @@ from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.day.module_power import path_troubles
 from sizing.design import DesignVariables, variables_of
-from sizing.design_space import DesignSpace, Range
 from sizing.limits import MASS_BUDGET, design_requirements
 from sizing.mass_budget import (
     ImpossibleDesignError,
@@ -31,7 +30,7 @@ from sizing.mass_budget import (
     operating_trouble,
     with_total_mass,
 )
-from sizing.parameters import MISSION_PREFIX, all_replaced
+from sizing.parameters import MISSION_PREFIX
 from sizing.performance import Performance, performance
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import (
@@ -40,6 +39,7 @@ from sizing.results.quantities import (
     LOAD,
     MAXIMUM_ALTITUDE,
     PAYLOAD_MASS,
+    PAYLOAD_POWER,
     REACHED,
     TOTAL_MASS,
 )
@@ -48,25 +48,11 @@ from sizing.validity.checks import flight_checks
 from sizing.validity.extrapolations import as_text, cell_texts, extrapolations
 from solar.schema import Record
 from solar.types import FloatArray
-from studies.engine.workers import Cell
 from studies.output import gridded
-from studies.sweeps.axes import DESIGN_KEYS, design_variable
+from studies.study import blanks_of
+from studies.sweeps.axes import design_variable
 
-_FLOWN = (*CHOSEN, TOTAL_MASS, PAYLOAD_MASS, *REACHED, ENDURANCE, LOAD)
-
-BLANKS: dict[str, Any] = {
-    "status": np.int8(Status.failed),
-    **{one.variable: np.float64("nan") for one in _FLOWN},
-    "worst_latitude": np.float64("nan"),
-    "worst_day": np.float64("nan"),
-    "violated_requirement": np.str_(""),
-    "message": np.str_(""),
-    "extrapolations": np.str_(""),
-}
-
-CLIMBING_BLANKS = BLANKS | {MAXIMUM_ALTITUDE.variable: np.float64("nan")}
-
-DESCRIBED = gridded.DESCRIBED | {
+_DESCRIBED = gridded.DESCRIBED | {
     ENDURANCE.variable: ("h", "longest flight in the worst scenario; infinite where perpetual"),
     MAXIMUM_ALTITUDE.variable: ("m", "highest altitude of the day in the worst scenario"),
     "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
@@ -75,8 +61,8 @@ DESCRIBED = gridded.DESCRIBED | {
     "message": ("1", "why there is no result"),
 }
 
-SIZED_BLANKS: dict[str, Any] = dict(gridded.BLANKS)
-SIZED_DESCRIBED = gridded.DESCRIBED | {"message": DESCRIBED["message"]}
+SIZED_DESCRIBED = gridded.DESCRIBED | {"message": _DESCRIBED["message"]}
+_OF_SIZINGS = (PAYLOAD_POWER.variable, "shortfall")
 
 
 @dataclass(frozen=True)
@@ -99,9 +85,21 @@ class SweepConfiguration:
     total_mass_kg: float | None = None
 
     @property
-    def blanks(self) -> dict[str, Any]:
-        """What stands where a point that is flown has no result."""
-        return CLIMBING_BLANKS if self.mission.get("climb") or varies_climb(self.keys) else BLANKS
+    def described(self) -> dict[str, tuple[str, str]]:
+        """Unit and long name of the columns of points."""
+        return (
+            SIZED_DESCRIBED
+            if self.objective is not None
+            else described_flights(
+                climbs=bool(self.mission.get("climb")) or varies_climb(self.keys)
+            )
+        )
+
+
+def described_flights(*, climbs: bool) -> dict[str, tuple[str, str]]:
+    """Unit and long name of the columns of points that are flown."""
+    lacking = _OF_SIZINGS if climbs else (*_OF_SIZINGS, MAXIMUM_ALTITUDE.variable)
+    return {name: one for name, one in _DESCRIBED.items() if name not in lacking}
 
 
 def varies_climb(keys: Iterable[str]) -> bool:
@@ -128,7 +126,7 @@ def plain_data(value: Any) -> Any:
 def _text(value: float) -> str:
     """Number as a file spells it: an integer passes for a real, but not the other way round."""
     whole = value == round(value) and abs(value) < 1e15
-    return str(int(value)) if whole else repr(value)
+    return str(int(value)) if whole else repr(float(value))
 
 
 def varied_files(
@@ -172,9 +170,9 @@ def _unflyable(solar: SolarModel, aircraft: Aircraft, mission: Mission) -> tuple
     return None if trouble is None else (gridded.TOO_WINDY, f"flight path: {trouble}")
 
 
-def _flyable(
+def flyable(
     configuration: SweepConfiguration,
-    cells: Sequence[Cell],
+    cells: FloatArray,
     rows: list[dict[str, Any]],
     statuses: type[Status] | type[SizingStatus],
 ) -> Iterator[tuple[list[int], Aircraft, Mission]]:
@@ -210,15 +208,14 @@ def _flyable(
             rows[number] = row
 
 
-def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
+def judge_points(configuration: SweepConfiguration, cells: FloatArray) -> dict[str, Any]:
     """Fly the designs of some points; points that differ in design variables alone are a batch.
 
     ``cells``: values of the varied keys at each point, in the order of ``configuration.keys`` and
-    their units. Returns values of all points by the names of the configuration's blanks, in the
-    units of :data:`DESCRIBED`.
+    their units. Returns values of all points, as the configuration describes them.
     """
     rows: list[dict[str, Any]] = [{} for _ in cells]
-    for numbers, aircraft, mission in _flyable(configuration, cells, rows, Status):
+    for numbers, aircraft, mission in flyable(configuration, cells, rows, Status):
         known_kg = configuration.total_mass_kg
         if isinstance(aircraft.airframe, MeasuredAirframe):
             if known_kg is not None:
@@ -259,7 +256,14 @@ def judge_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> di
                 if trouble := operating_trouble(aircraft, mission, own):
                     row |= {"violated_requirement": "operating_point", "message": trouble}
             rows[number] = row | ({"extrapolations": texts[place]} if flown else {})
-    blanks = configuration.blanks
+    return columns_of(configuration, rows)
+
+
+def columns_of(
+    configuration: SweepConfiguration, rows: Sequence[Mapping[str, Any]]
+) -> dict[str, Any]:
+    """Columns of rows by name; what a row lacks is blank."""
+    blanks = blanks_of(configuration.described)
     return {name: [row.get(name, blank) for row in rows] for name, blank in blanks.items()}
 
 
@@ -354,46 +358,3 @@ def _row_of_design(
 
 def _of_place(values: Value, place: tuple[int, ...]) -> float:
     return float(np.asarray(values)[place])
-
-
-def held(aircraft: Aircraft, variables: Mapping[str, float]) -> Aircraft:
-    """Aircraft whose design variables of these names cannot be chosen any more.
-
-    Bounds that coincide make the solver take a variable out of the problem.
-
-    ``variables``: values by the short names of design variables, such as ``wingspan_m``. Returns
-    with these values, and a design space that leaves no choice of them.
-    """
-    space: dict[str, Any] = {
-        name: Range.model_construct(minimum=value, maximum=value)
-        for name, value in variables.items()
-        if name != "aspect_ratio"
-    }
-    if "aspect_ratio" in variables:
-        space["aspect_ratio"] = None  # fixed at the airframe's
-    design_space: DesignSpace = aircraft.design_space.model_copy(update=space)
-    values = {DESIGN_KEYS[name]: value for name, value in variables.items()}
-    return all_replaced(aircraft, values).model_copy(update={"design_space": design_space})
-
-
-def size_points(configuration: SweepConfiguration, cells: Sequence[Cell]) -> dict[str, Any]:
-    """Size some points, with what is varied held.
-
-    ``cells``: values of the varied keys at each point, in the order of ``configuration.keys`` and
-    their units. Returns values of all points by the names of :data:`SIZED_BLANKS`, in the units of
-    :data:`SIZED_DESCRIBED`.
-    """
-    from studies.output.sized_columns import sizing_row  # the optimiser, for those who size
-
-    assert configuration.objective is not None
-    rows: list[dict[str, Any]] = [{} for _ in cells]
-    for numbers, aircraft, mission in _flyable(configuration, cells, rows, SizingStatus):
-        for number in numbers:
-            given = zip(map(design_variable, configuration.keys), cells[number], strict=True)
-            sized = held(aircraft, {name: value for name, value in given if name is not None})
-            sought = configuration.objective, configuration.solar
-            try:
-                rows[number] = sizing_row(sized, mission, *sought, of=aircraft)
-            except ImpossibleDesignError as error:
-                rows[number] = {"status": SizingStatus.infeasible, "message": str(error)}
-    return {name: [row.get(name, blank) for row in rows] for name, blank in SIZED_BLANKS.items()}

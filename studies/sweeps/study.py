@@ -8,9 +8,8 @@ variables are held and the others sized.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -35,18 +34,16 @@ from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
 from sizing.validity.own_models import check_own_models
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
-from studies.engine.run import Outcome, compute, pieces
-from studies.engine.workers import Job
-from studies.grid import VARIED, GridStudy, chunks_of
+from studies.engine.run import ChunkFunction
 from studies.output.gridded import (
     CLIMB,
     SIZED,
     Labelled,
     attributes,
-    can_be_result,
     resize_objective,
     told_of_cells,
 )
+from studies.study import VARIED, Study
 from studies.sweeps.axes import (
     DESIGN_KEYS,
     SAMPLE_NAMES,
@@ -59,13 +56,9 @@ from studies.sweeps.axes import (
     unit_of,
 )
 from studies.sweeps.points import (
-    DESCRIBED,
-    SIZED_BLANKS,
-    SIZED_DESCRIBED,
     SweepConfiguration,
     judge_points,
     plain_data,
-    size_points,
     varied_files,
     varies_climb,
 )
@@ -75,13 +68,12 @@ if TYPE_CHECKING:
 
 _WING = {WINGSPAN.name, ASPECT_RATIO.name}
 
-_CHUNK_S = 0.5
 _CHECKED_VALUES = 50
 # Design variables beyond these are no aircraft, and overflow on the way.
 _LEAST, _LARGEST = 1e-9, 1e12
 # Ends of this many other keys are combined to find one that makes a value right.
 _COMBINED_KEYS = 6
-# Times [s], roughly, that decide the size of chunks and nothing else.
+# Time of a point [s], roughly, by what it needs.
 _SCENARIO_S, _SCENARIO_ON_PATH_S, _AIRCRAFT_S, _SIZING_S = 3e-4, 1e-2, 3e-2, 0.25
 _CLIMB_S = 5e-2  # of the program of a day
 _ALTITUDE = f"{MISSION_PREFIX}altitude_m"
@@ -126,19 +118,8 @@ def sweep(
         Which points, see :func:`studies.sweeps.axes.points`.
     samples, seed : int, optional
         Number of drawn points, and where the drawing starts.
-    model : {"CAM", "CDM", "VM", "FM"}, optional
-        Solar power model.
-    correction : {"none", "report", "loiter"}, optional
-        Correction of the model's systematic error.
-    workers : int or None, optional
-        Processes that compute: 1 starts none, None as many as there are cores where that pays. The
-        result is the same to the last bit. A script that starts workers needs
-        ``if __name__ == "__main__":``.
-    scheduler : str, optional
-        Dask's scheduler that computes instead, ``tcp://HOST:PORT`` with its own workers, or
-        ``local-cluster`` with ``workers`` of this machine.
-    progress : callable, optional
-        Called with the points done and the points in all.
+    model, correction, workers, scheduler, progress
+        See :func:`studies.maps.study.feasibility_map`.
 
     Returns
     -------
@@ -168,7 +149,7 @@ def sweep(
         resize=resize,
         cover=cover,
     )
-    return dataset(study, compute(study.job, workers, progress, "points", scheduler))
+    return study.computed(workers, scheduler, progress).to_xarray()
 
 
 def prepare(
@@ -183,13 +164,12 @@ def prepare(
     resize: str | Objective | None = None,
     cover: bool | None = None,
     total_mass_kg: float | None = None,
-) -> GridStudy:
-    """Check a trade study and divide it into chunks.
+) -> Study:
+    """Check a trade study.
 
     ``samples``, ``seed``: number of drawn points, and where the drawing starts. ``cover``: whether
     the module area is the largest that the wing takes. ``total_mass_kg``: of every point that is
-    not sized, where it is known. Returns points in chunks, and how their
-    results become a dataset.
+    not sized, where it is known.
     """
     if sample not in SAMPLE_NAMES:
         raise ValueError(f"unknown sample {sample!r}; allowed: {', '.join(SAMPLE_NAMES)}")
@@ -215,26 +195,21 @@ def prepare(
         {axis.key: axis.names for axis in axes if axis.names},
         total_mass_kg,
     )
-    order = _order(axes, table)
-    each = _points_per_chunk(mission, axes, solar, objective)
-    chunks = chunks_of(table, [order[piece] for piece in pieces(len(order), each)])
-    flags: Iterable[IntEnum] = Status if objective is None else SizingStatus
-    with_result: tuple[IntEnum, ...] = ENDS if objective is None else SIZED
-    possible = can_be_result(flags, with_result)
-    job = Job(judge_points, configuration, chunks, configuration.blanks, possible)
-    if objective is not None:
-        job = Job(size_points, configuration, chunks, SIZED_BLANKS, possible)
     title = f"Trade study of {aircraft.name} on {mission.name}"
     about = attributes(title, aircraft, mission, solar)
     if varies_climb(configuration.keys) or (CLIMB in about and _ALTITUDE in configuration.keys):
         about[CLIMB] = "with climbs"
-    return GridStudy(
-        job,
-        order,
-        _coordinates(axes, sample, table, varied),
-        DESCRIBED if objective is None else SIZED_DESCRIBED,
-        flags,
-        {
+    sized = objective is not None
+    with_result = SIZED if sized else ENDS
+    return Study(
+        _function(sized=sized),
+        configuration,
+        table,
+        cell_s=_point_time_s(mission, axes, solar, objective),
+        described=configuration.described,
+        statuses=tuple(SizingStatus if sized else Status),
+        coordinates=_coordinates(axes, sample, table, varied),
+        attributes={
             **about,
             "vary": to_json({axis.key: list(axis.names or axis.values) for axis in axes}),
             "sample": sample,
@@ -243,8 +218,19 @@ def prepare(
             "objective": "" if objective is None else objective.value,
             "required_excess_time_h": mission.required_excess_time_h,
         },
-        lambda columns: told_of_cells(columns, with_result, "points"),
+        extrapolated=lambda columns: told_of_cells(columns, with_result, "points"),
+        order=_order(axes, table),
+        unit="points",
     )
+
+
+def _function(*, sized: bool) -> ChunkFunction:
+    """What computes points."""
+    if not sized:
+        return judge_points
+    from studies.sweeps.sized import size_points  # the optimiser, for those who size
+
+    return size_points
 
 
 # ---- Checks
@@ -391,7 +377,7 @@ def _covers(
     return parametric and bool(varied & _WING) and ("module_area_m2" not in varied)
 
 
-# ---- Points in chunks
+# ---- Points
 
 
 def _order(axes: Sequence[Axis], table: Any) -> Any:
@@ -402,19 +388,17 @@ def _order(axes: Sequence[Axis], table: Any) -> Any:
     return np.lexsort([np.arange(len(table)), *other[::-1]])
 
 
-def _points_per_chunk(
+def _point_time_s(
     mission: Mission, axes: Sequence[Axis], solar: SolarModel, resize: Objective | None
-) -> int:
+) -> float:
     scenarios = len(mission.scenarios())
     day_s = scenarios * _SCENARIO_ON_PATH_S if solar.needs_path else 0.0
     if resize is not None:
-        point_s = _SIZING_S + day_s
-    else:
-        batched = any(axis.design_variable is not None for axis in axes)
-        point_s = scenarios * _SCENARIO_S + (0.0 if batched else _AIRCRAFT_S + day_s)
-        if mission.climb is not None or varies_climb(axis.key for axis in axes):
-            point_s += scenarios * _CLIMB_S
-    return max(round(_CHUNK_S / point_s), 1)
+        return _SIZING_S + day_s
+    batched = any(axis.design_variable is not None for axis in axes)
+    climbs = mission.climb is not None or varies_climb(axis.key for axis in axes)
+    alone_s = 0.0 if batched else _AIRCRAFT_S + day_s
+    return scenarios * (_SCENARIO_S + climbs * _CLIMB_S) + alone_s
 
 
 # ---- Results
@@ -436,14 +420,6 @@ def _coordinates(
             ("sample",), words, {"long_name": "what differs from the file"}
         )
     return coordinates
-
-
-def dataset(study: GridStudy, outcome: Outcome) -> xr.Dataset:
-    """Result of a study; the message of a point that failed is the reason."""
-    messages = outcome.columns["message"].astype(object)
-    messages[list(outcome.failures)] = list(outcome.failures.values())
-    columns = outcome.columns | {"message": messages.astype(str)}
-    return study.dataset(replace(outcome, columns=columns))
 
 
 def feasible(data: xr.Dataset) -> xr.DataArray:

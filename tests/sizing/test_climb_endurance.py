@@ -21,7 +21,7 @@ from sizing.day.light import UNCORRECTED_CAM
 from sizing.performance import Performance, performance
 from sizing.results.analysis import analyse
 from sizing.uncertainty.propagation import Propagation
-from studies.maps.feasibility import feasibility_map
+from studies.maps.study import feasibility_map
 
 
 def mission(ceiling_m: float, **changes: Any) -> Mission:

@@ -16,7 +16,7 @@ from sizing.day.light import day_axis_h
 from sizing.day.module_power import modelled_power
 from sizing.library import load_aircraft
 from sizing.program.cells import size_cells
-from studies.maps.feasibility import feasibility_map
+from studies.maps.study import feasibility_map
 
 # Wind [m/s] by latitude and month at 60 % of the time: an own table near the ground.
 WINDS = {(40, 6): 2.0, (40, 7): 4.0, (50, 6): 6.0, (50, 7): 10.5}

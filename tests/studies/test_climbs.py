@@ -19,8 +19,8 @@ from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
 from sizing.uncertainty.propagation import Propagation, check_inputs
 from sizing.validity.extrapolations import extrapolations
 from studies.ceiling import perpetual_ceiling
-from studies.maps.feasibility import feasibility_map
 from studies.maps.results import seasons_table
+from studies.maps.study import feasibility_map
 from studies.models.comparison import compare
 from studies.models.solar_models import perpetual_by_model
 from studies.sweeps.results import points_record

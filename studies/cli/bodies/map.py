@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from studies.cli.commands.map import Map
 from studies.cli.files import (
-    Case,
     load,
     require_climb_power,
     require_climber,
@@ -15,14 +14,14 @@ from studies.cli.files import (
 )
 from studies.cli.jobs import completed
 from studies.cli.outputs import call, deliver, figure_of
-from studies.maps import feasibility, results
+from studies.maps import results
+from studies.maps.study import prepare
 from studies.output.formats import grid_format
 from studies.output.gridded import to_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from studies.grid import GridStudy
     from studies.output.gridded import OnGrid
 
 
@@ -36,11 +35,14 @@ def map_(options: Map) -> None:
     else:
         require_parametric(case, "--resize needs a parametric aircraft, this one is measured")
         require_climb_power(case)
-    study = _prepared(case, options)
+    study = prepare(
+        *(case.aircraft, case.mission, options.latitudes, options.days, case.solar),
+        endurance=options.endurance,
+        objective=options.objective,
+    )
     record = results.designs_record if resized else results.seasons_record
     table = results.designs_table if resized else results.seasons_table
-    with completed(study.job, options.work, options.out_file, "cells") as outcome:
-        data = study.gridded(outcome)
+    with completed(study, options.work, options.out_file) as data:
         deliver(
             case,
             case.named(record(data)),
@@ -51,16 +53,6 @@ def map_(options: Map) -> None:
             },
             next_step=call("report", "--out", "report.html"),
         )
-
-
-def _prepared(case: Case, options: Map) -> GridStudy:
-    """Cells ready to be computed."""
-    flown, cells = (case.aircraft, case.mission), (options.latitudes, options.days)
-    if options.objective is None:
-        return feasibility.prepare(*flown, *cells, case.solar, options.endurance)
-    from studies.maps import resized  # the optimiser takes a seventh of a second
-
-    return resized.prepare(*flown, options.objective, *cells, case.solar)
 
 
 def _drawn_map(data: OnGrid, options: Map) -> Figure:

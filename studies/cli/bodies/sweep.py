@@ -26,16 +26,17 @@ from studies.cli.outputs import call, figure_of, told
 from studies.cli.telling import tell_error
 from studies.output.formats import grid_format
 from studies.output.gridded import to_bytes
+from studies.study import blanks_of
 from studies.sweeps.axes import axis_names
-from studies.sweeps.points import BLANKS, CLIMBING_BLANKS, SIZED_BLANKS, varies_climb
-from studies.sweeps.study import dataset, prepare
+from studies.sweeps.points import SIZED_DESCRIBED, described_flights, varies_climb
+from studies.sweeps.study import prepare
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
     from sizing.results.tables import Summary
-    from studies.grid import GridStudy
+    from studies.study import Study
 
 
 def sweep(options: Sweep) -> None:
@@ -49,9 +50,8 @@ def sweep(options: Sweep) -> None:
         require_climber(case)
     else:
         require_climb_power(case)
-    prepared = _prepared(case, options)
-    with completed(prepared.job, options.work, out_file, "points") as outcome:
-        data = dataset(prepared, outcome)
+    with completed(_prepared(case, options), options.work, out_file) as points:
+        data = points.to_xarray()
         contents: dict[str | os.PathLike[str], bytes] = {}
         trouble = None
         record, summary = _record_and_summary(data, options)
@@ -72,7 +72,7 @@ def sweep(options: Sweep) -> None:
         sys.exit(EXIT_FAILED)
 
 
-def _prepared(case: Case, options: Sweep) -> GridStudy:
+def _prepared(case: Case, options: Sweep) -> Study:
     """Points ready to be computed; what is wrong with them is told by the option."""
     try:
         return prepare(
@@ -94,11 +94,10 @@ def _prepared(case: Case, options: Sweep) -> GridStudy:
 
 def _check_shown(options: Sweep, *, climbs: bool) -> None:
     """Refuse names that no result will have, before the work starts."""
-    of_flights = CLIMBING_BLANKS if climbs else BLANKS
-    blanks = of_flights if options.objective is None else SIZED_BLANKS
+    described = SIZED_DESCRIBED if options.objective else described_flights(climbs=climbs)
     varied = axis_names(options.axes)
     numbers = [n for n, axis in zip(varied, options.axes, strict=True) if not axis.names]
-    numbers += [*(n for n, blank in blanks.items() if isinstance(blank, float))]
+    numbers += [*(n for n, blank in blanks_of(described).items() if isinstance(blank, float))]
     texts = [n for n in varied if n not in numbers]
     _check_names("--pareto", options.pareto or (), numbers)
     sorted_by = () if options.sort is None else (options.sort.removeprefix("-"),)

@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from studies.cli.command import Command, Grid, option
-from studies.cli.options import CaseOptions, case_options, figure_options, grid_option, plot_option
+from studies.cli.options import (
+    CaseOptions,
+    WorkOptions,
+    case_options,
+    figure_options,
+    grid_option,
+    plot_option,
+    work_options,
+)
 from studies.output.figures.options import FigureOptions
 
 
@@ -33,6 +41,7 @@ class Station:
     out_file: str | None = grid_option("all cells")
     plot_file: str | None = plot_option("Draw them")
     figure: FigureOptions = figure_options()
+    work: WorkOptions = work_options()
 
 
 station = Command(

@@ -18,8 +18,7 @@ from sizing.results.analysis import analyse
 from sizing.results.notes import extrapolation_caption
 from sizing.results.sizing import size
 from sizing.validity.ranges import Extrapolation
-from studies.maps.feasibility import feasibility_map
-from studies.maps.resized import resized_map
+from studies.maps.study import feasibility_map, resized_map
 from studies.output.gridded import extrapolations_of
 
 # Perpetual there on the longest day, by less than the assumptions are worth.

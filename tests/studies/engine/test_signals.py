@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from studies.engine import run as engine
-from studies.engine.signals import Stopped, interruptible
-from studies.engine.workers import Job, LocalPool
+from studies.engine.run import Job
+from studies.engine.workers import Pool
+from studies.signals import Stopped, interruptible
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 
@@ -23,7 +24,7 @@ WAIT_S = 30.0  # never reached where all is well
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Signals are repeated soon; afterwards all handlers are those of before."""
-    monkeypatch.setattr("studies.engine.signals._REPEAT_S", 0.01)
+    monkeypatch.setattr("studies.signals._REPEAT_S", 0.01)
     # Python leaves an interrupt ignored that a background job of a shell was started with.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
@@ -82,7 +83,7 @@ def test_a_signal_amid_the_start_of_a_native_module_waits_for_its_end() -> None:
     code = (
         "import os, signal, sys, threading\n"
         "from importlib.machinery import ExtensionFileLoader\n"
-        "from studies.engine.signals import Stopped, interruptible\n"
+        "from studies.signals import Stopped, interruptible\n"
         "count = 0\n"
         "def starts(frame):\n"
         "    while frame is not None:\n"
@@ -184,6 +185,6 @@ def stubborn(settings: None, cells: object) -> None:
 
 
 def test_a_chunk_that_swallows_the_signal_is_interrupted_all_the_same() -> None:
-    job = Job(stubborn, None, (((1.0,),),), {"a": np.float64(0)})
+    job = Job(stubborn, None, np.ones((1, 1)), [np.arange(1)], {"a": np.float64(0)})
     with pytest.raises(Stopped):
-        engine.run(job, LocalPool(1))
+        engine.run(job, Pool(1))

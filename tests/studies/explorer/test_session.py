@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from map_blocks import map_block
 from numpy.testing import assert_allclose
 
 from missions.files.overrides import with_overrides
@@ -20,7 +21,6 @@ from studies.explorer.fields import DAY, LATITUDE, Field
 from studies.explorer.season import COARSE_STEP_H, DAYS, LATITUDES_DEG
 from studies.explorer.session import Session
 from studies.explorer.settings import RefusedError
-from studies.maps.feasibility import map_block
 
 MOVED = {
     LATITUDE: 52.5,

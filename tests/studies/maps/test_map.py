@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from command_line import Run
 from figure_checks import heading
+from map_blocks import map_block
 from matplotlib.contour import ContourSet
 
 from missions.files.overrides import with_values
@@ -19,7 +20,7 @@ from sizing.day.light import SolarModel, solar_day
 from sizing.day.metrics import Status
 from sizing.library import load_aircraft
 from sizing.performance import performance
-from studies.maps import feasibility as study
+from studies.maps import study
 from studies.maps.plots import plot_map
 from studies.output.gridded import to_netcdf_bytes
 from studies.output.season_scale import LEVELS_H
@@ -37,30 +38,30 @@ def data() -> xr.Dataset:
 
 def test_parts_of_a_map_are_the_map_to_the_last_digit() -> None:
     latitudes, days = np.linspace(-90.0, 90.0, 13), np.arange(1, 366, 26)
-    whole = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    whole = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     assert whole["status"].shape == (13, len(days))
     for cuts in ([1, 2, 7], list(range(1, 13))):
         parts = [
-            study.map_block(AS2, JULY, some, days, SolarModel(), True)
+            map_block(AS2, JULY, some, days, SolarModel(), True)
             for some in np.split(latitudes, cuts)
         ]
         for name, values in whole.items():
             joined = np.concatenate([part[name] for part in parts])
             np.testing.assert_array_equal(joined, values, name)
     for i, j in ((0, 0), (4, 5), (9, 3), (12, 6)):
-        cell = study.map_block(AS2, JULY, latitudes[[i]], days[[j]], SolarModel(), True)
+        cell = map_block(AS2, JULY, latitudes[[i]], days[[j]], SolarModel(), True)
         for name, values in whole.items():
             np.testing.assert_array_equal(cell[name], values[i : i + 1, j : j + 1], name)
 
 
 def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     latitudes, days = np.linspace(-66.0, 66.0, 9), np.arange(1, 366, 30)
-    whole = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
-    monkeypatch.setattr(study, "_CELLS_AT_ONCE", 50)
+    whole = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    monkeypatch.setattr("studies.maps.cells._CELLS_AT_ONCE", 50)
     monkeypatch.setattr("sizing.day.cycle.CELLS_AT_ONCE", 7)
     monkeypatch.setattr("sizing.day.flight.Flights.at_once", 100)
     monkeypatch.setattr("solar.horizontal_models._POINTS_AT_ONCE", 333)
-    again = study.map_block(AS2, JULY, latitudes, days, SolarModel(), True)
+    again = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     for name, values in whole.items():
         np.testing.assert_array_equal(again[name], values, name)
 
@@ -76,7 +77,7 @@ def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.Monke
 def test_cells_are_those_of_single_analyses(plane: str, thermal: float, model: Any) -> None:
     aircraft, solar = load_aircraft(plane), SolarModel(model)
     rough = with_values(JULY, {"turbulence.thermal": thermal})
-    found = study.map_block(aircraft, rough, LATITUDES, DAYS, solar)
+    found = map_block(aircraft, rough, LATITUDES, DAYS, solar)
     for (i, latitude), (j, day) in product(enumerate(LATITUDES), enumerate(DAYS)):
         scenario = Scenarios(np.array([latitude]), np.array([day]))
         lit = solar_day(aircraft, rough, solar, scenarios=scenario)
@@ -91,7 +92,7 @@ def test_cells_are_those_of_single_analyses(plane: str, thermal: float, model: A
 
 
 def test_models_with_attitude_are_mapped_too() -> None:
-    found = study.map_block(AS2, JULY, np.array([47.6]), np.array([172, 196]), SolarModel("FM"))
+    found = map_block(AS2, JULY, np.array([47.6]), np.array([172, 196]), SolarModel("FM"))
     lit = solar_day(AS2, JULY, SolarModel("FM"))  # 15 July
     cycle = performance(AS2, JULY, SolarModel("FM"), day=lit).cycle
     assert found["excess_time"][0, 1] == cycle.excess_time_h[0]

@@ -24,12 +24,13 @@ from sizing.day.metrics import Status
 from sizing.library import load_aircraft
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
-from studies.engine.run import ComputationError, compute
-from studies.grid import Grid, MapConfiguration, chunks_of
-from studies.maps import feasibility
+from studies.maps import cells as map_cells
+from studies.maps.cells import MapConfiguration
 from studies.maps.plots import plot_map, plot_resized_map
-from studies.maps.resized import _resized_chunk, resized_map
+from studies.maps.sized import sized_cells
+from studies.maps.study import feasibility_map, prepare, resized_map
 from studies.output.gridded import SizingStatus, to_netcdf_bytes
+from studies.study import ComputationError
 
 pytestmark = pytest.mark.slow
 
@@ -40,32 +41,17 @@ JULY = load_mission("rafz-july")
 SMALL = ["atlantiksolar-as2", "--latitudes", "40:50:2", "--days", "1:361:40"]
 
 
-@pytest.mark.parametrize("cell_s", [1e-6, 0.004, 0.03, 10.0])
-def test_chunks_hold_every_cell_once_and_are_rectangles(cell_s: float) -> None:
-    latitudes, days = np.linspace(-70, 70, 15), np.arange(1, 362, 20)
-    grid = Grid.of(latitudes, days, slow=False)
-    chunks = chunks_of(grid.cells(), grid.chunks(cell_s))
-    cells = [cell for chunk in chunks for cell in chunk]
-    assert sorted(cells) == [(lat, day) for lat in latitudes for day in days]
-    for chunk in chunks:
-        assert len(chunk) == len({lat for lat, _ in chunk}) * len({day for _, day in chunk})
-        assert len(chunk) <= max(0.5 / cell_s, 1.0) + 1.0
-
-
-def test_map_of_chunks_is_that_of_one_block(monkeypatch: pytest.MonkeyPatch) -> None:
-    latitudes, days = np.linspace(-80, 80, 9), np.arange(1, 362, 4)
-    whole = feasibility.prepare(AS2, JULY, latitudes, days, SolarModel())
+def test_map_of_chunks_is_that_of_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    where = {"latitudes": np.linspace(-80, 80, 9), "days": np.arange(1, 362, 4)}
+    whole = prepare(AS2, JULY, *where.values(), SolarModel())
     assert len(whole.job.chunks) == 1
-    # In chunks of five rows, by two processes.
-    monkeypatch.setattr("studies.grid._CELL_S", 1e-3)
-    small = feasibility.prepare(AS2, JULY, latitudes, days, SolarModel())
-    assert len(small.job.chunks) > 1
-    pooled, alone = (small.dataset(compute(small.job, workers)) for workers in (2, 1))
-    xr.testing.assert_identical(pooled, alone)
-    # The fixed point is settled to 1e-11 of the battery, in whatever block a cell stands.
-    one = whole.dataset(compute(whole.job))
-    xr.testing.assert_allclose(alone, one, rtol=1e-7, atol=1e-9)
-    assert alone.attrs == one.attrs
+    one = feasibility_map(AS2, JULY, **where)
+    monkeypatch.setattr("studies.maps.study._CELL_S", 1e-3)
+    small = prepare(AS2, JULY, *where.values(), SolarModel())
+    assert len(small.job.chunks) > 4
+    np.testing.assert_array_equal(np.concatenate(small.job.chunks), np.arange(len(small.cells)))
+    for workers in (1, 2):
+        xr.testing.assert_identical(feasibility_map(AS2, JULY, **where, workers=workers), one)
 
 
 def test_kept_parts_are_used_again(run: Run, tmp_path: Path, monkeypatch: Any) -> None:
@@ -75,7 +61,7 @@ def test_kept_parts_are_used_again(run: Run, tmp_path: Path, monkeypatch: Any) -
     def refuse(*arguments: Any) -> None:
         raise AssertionError("computed again")
 
-    monkeypatch.setattr(feasibility, "map_block", refuse)
+    monkeypatch.setattr(map_cells, "_cells", refuse)
     first = xr.load_dataset(tmp_path / "map.nc", engine="h5netcdf")
     # Another file, the same work.
     answer = run("map", *SMALL, "--out", "again.nc", "--work", "map.nc.parts")
@@ -84,19 +70,19 @@ def test_kept_parts_are_used_again(run: Run, tmp_path: Path, monkeypatch: Any) -
     assert not (tmp_path / "map.nc.parts").exists()
 
 
-map_block = feasibility.map_block
+cells_of = map_cells._cells
 
 
-def failing(aircraft: Any, mission: Any, latitudes: Any, days: Any, *rest: Any) -> Any:
-    if 44.0 in latitudes and 81 in days:
+def failing(configuration: Any, cells: Any) -> Any:
+    if [44.0, 81.0] in cells.tolist():
         raise FloatingPointError("not today")
-    return map_block(aircraft, mission, latitudes, days, *rest)
+    return cells_of(configuration, cells)
 
 
 def test_cells_that_fail_have_a_flag_and_are_tried_again(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(feasibility, "map_block", failing)
+    monkeypatch.setattr(map_cells, "_cells", failing)
     answer = run("map", *SMALL, "--out", "map.nc", "--workers", "1", "--json")
     assert answer.code == 1
     said = "1 of 60 cells failed; the first: FloatingPointError: not today"
@@ -134,7 +120,7 @@ def test_cells_that_fail_have_a_flag_and_are_tried_again(
 def test_where_every_cell_fails_there_is_no_file(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(feasibility, "map_block", failing)
+    monkeypatch.setattr(map_cells, "_cells", failing)
     cell = ("--latitudes", "44", "--days", "81", "--workers", "1")
     answer = run("map", "atlantiksolar-as2", *cell, "--out", "map.nc")
     assert answer.code == 1
@@ -144,7 +130,7 @@ def test_where_every_cell_fails_there_is_no_file(
 
 def command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
     """Start the command as it is installed: worker processes import that script again."""
-    root = str(Path(feasibility.__file__).parents[2])
+    root = str(Path(map_cells.__file__).parents[2])
     return subprocess.Popen(
         [str(Path(sys.executable).with_name("solar-uav")), *arguments],
         stdout=subprocess.PIPE,
@@ -225,9 +211,9 @@ def sized() -> xr.Dataset:
 def test_a_worker_sizes_the_next_chunk_with_an_equal_aircraft() -> None:
     """Each task brings its own copy of the aircraft; the worker keeps the programs of the last."""
     asked = MapConfiguration(DESIGN, JULY, SolarModel(), objective=Objective.min_wingspan)
-    once = _resized_chunk(asked, [(0.0, 172.0)])
+    once = sized_cells(asked, np.array([[0.0, 172.0]]))
     # What was derived while it was used in this process travels along.
-    again = _resized_chunk(pickle.loads(pickle.dumps(asked)), [(0.0, 172.0)])
+    again = sized_cells(pickle.loads(pickle.dumps(asked)), np.array([[0.0, 172.0]]))
     assert once["status"].tolist() == again["status"].tolist() == [SizingStatus.cross_checked]
     assert once["wingspan"].tolist() == again["wingspan"].tolist()
 
@@ -300,7 +286,7 @@ def test_figure_of_best_designs_hatches_what_has_none(sized: xr.Dataset) -> None
 def test_maps_in_python_are_those_of_the_command(run: Run, tmp_path: Path) -> None:
     where = {"latitudes": [40.0, 47.0], "days": [100, 172]}
     grid = ["--latitudes", "40:47:7", "--days", "100:172:72"]
-    found = feasibility.feasibility_map(AS2, JULY, model="CDM", correction="report", **where)
+    found = feasibility_map(AS2, JULY, model="CDM", correction="report", **where)
     asked = ["atlantiksolar-as2", *grid, "--model", "CDM", "--correction", "report"]
     assert run("map", *asked, "--out", "m.nc").code == 0
     xr.testing.assert_equal(found, xr.load_dataset(tmp_path / "m.nc", engine="h5netcdf"))
@@ -333,7 +319,7 @@ RESIZED = [
 @pytest.mark.parametrize(
     ("make", "options", "words"),
     [
-        *[(feasibility.feasibility_map, *case) for case in BOTH],
+        *[(feasibility_map, *case) for case in BOTH],
         *[(resized_map, *case) for case in (*BOTH, *RESIZED)],
     ],
 )
@@ -349,18 +335,18 @@ def test_python_names_what_a_model_needs() -> None:
     bare = JULY.model_copy(update={"flight_path": None})
     for options in ({"model": "FM"}, {"correction": "loiter"}):
         with pytest.raises(ValueError, match="needs a flight_path on the mission rafz-july"):
-            feasibility.feasibility_map(AS2, bare, latitudes=[0.0], days=[1], **options)
+            feasibility_map(AS2, bare, latitudes=[0.0], days=[1], **options)
 
 
 def test_python_warns_of_failed_cells_and_raises_where_all_failed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(feasibility, "map_block", failing)
+    monkeypatch.setattr(map_cells, "_cells", failing)
     with pytest.warns(RuntimeWarning, match="1 of 2 cells failed; the first: FloatingPointError"):
-        data = feasibility.feasibility_map(AS2, JULY, latitudes=[40.0, 44.0], days=[81])
+        data = feasibility_map(AS2, JULY, latitudes=[40.0, 44.0], days=[81])
     assert data["status"].values[:, 0].tolist()[1] == Status.failed
     with pytest.raises(ComputationError, match="1 of 1 cells failed"):
-        feasibility.feasibility_map(AS2, JULY, latitudes=[44.0], days=[81])
+        feasibility_map(AS2, JULY, latitudes=[44.0], days=[81])
 
 
 @pytest.mark.parametrize(

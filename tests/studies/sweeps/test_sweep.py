@@ -28,14 +28,14 @@ from sizing.performance import performance
 from sizing.program.objectives import Objective
 from sizing.program.size import size_aircraft
 from sizing.results.tables import Table
-from studies.engine.run import compute
-from studies.maps import feasibility
+from studies.maps.study import prepare as prepare_map
 from studies.output.gridded import SizingStatus, to_table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
-from studies.sweeps.points import held, judge_points, plain_data
+from studies.sweeps.points import judge_points, plain_data
 from studies.sweeps.results import pareto_front, points_summary
-from studies.sweeps.study import dataset, prepare, sweep
+from studies.sweeps.sized import held
+from studies.sweeps.study import prepare, sweep
 
 AS2 = load_aircraft("atlantiksolar-as2")
 DESIGN = load_aircraft("atlantiksolar-design")
@@ -46,8 +46,7 @@ SUMMER = load_mission("central-europe-summer")
 def study(aircraft: Aircraft, mission: Mission, *texts: str, **options: Any) -> xr.Dataset:
     axes = [parse_axis(text) for text in texts]
     solar = SolarModel(options.pop("model", "CAM"))
-    prepared = prepare(aircraft, mission, axes, solar, **options)
-    return dataset(prepared, compute(prepared.job))
+    return prepare(aircraft, mission, axes, solar, **options).computed().to_xarray()
 
 
 # ---- axes and points
@@ -537,7 +536,7 @@ def own_airfoil(file: Path) -> Aircraft:
 
 
 def keys_of_map(craft: Aircraft) -> Any:
-    return feasibility.prepare(craft, JULY, [47.6], [196], SolarModel()).job.keys()
+    return prepare_map(craft, JULY, [47.6], [196], SolarModel()).job.keys()
 
 
 def test_points_and_cells_belong_to_the_table_that_was_read(tmp_path: Path) -> None:
@@ -546,20 +545,20 @@ def test_points_and_cells_belong_to_the_table_that_was_read(tmp_path: Path) -> N
     file.write_text(text)
     first = own_airfoil(file)
     axes = [parse_axis("battery.mass_kg=2:3:1")]
-    job = prepare(first, JULY, axes, SolarModel("CAM")).job
+    study = prepare(first, JULY, axes, SolarModel("CAM"))
     cells = keys_of_map(first)
     assert cells == keys_of_map(own_airfoil(file))
-    excess = compute(job).columns["excess_time"]
+    excess = study.computed()["excess_time"].values
     file.write_text(with_double_drag(text))
     # The record holds what it has read; the file as it is now makes another aircraft.
-    assert compute(job).columns["excess_time"].tolist() == excess.tolist()
-    other = prepare(own_airfoil(file), JULY, axes, SolarModel("CAM")).job
-    assert not set(job.keys()) & set(other.keys())
+    assert study.computed()["excess_time"].values.tolist() == excess.tolist()
+    other = prepare(own_airfoil(file), JULY, axes, SolarModel("CAM"))
+    assert not set(study.job.keys()) & set(other.job.keys())
     assert cells != keys_of_map(own_airfoil(file))
-    assert (compute(other).columns["excess_time"] < excess).all()
+    assert (other.computed()["excess_time"].values < excess).all()
     # Nor does a worker need the file.
     file.unlink()
-    assert compute(job).columns["excess_time"].tolist() == excess.tolist()
+    assert study.computed()["excess_time"].values.tolist() == excess.tolist()
 
 
 def shipped_polar(name: str) -> str:

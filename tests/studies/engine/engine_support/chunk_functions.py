@@ -4,14 +4,14 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from studies.engine.workers import Cell, Job
+from solar.types import FloatArray
+from studies.engine.run import Job
 
 BLANKS = {"root": np.float64("nan"), "number": np.int64(-1), "name": np.str_("")}
 
@@ -28,7 +28,7 @@ class Settings:
     log: str = ""  # a folder that tells which cells were computed
 
 
-def work(settings: Settings, cells: Sequence[Cell]) -> dict[str, Any]:
+def work(settings: Settings, cells: FloatArray) -> dict[str, Any]:
     numbers = [int(cell[0]) for cell in cells]
     if settings.log:
         name = f"{numbers[0]}-{len(numbers)}-{os.getpid()}-{threading.get_ident()}-{time.time_ns()}"
@@ -50,18 +50,18 @@ def work(settings: Settings, cells: Sequence[Cell]) -> dict[str, Any]:
     }
 
 
-def threads(settings: Settings, cells: Sequence[Cell]) -> dict[str, Any]:
+def threads(settings: Settings, cells: FloatArray) -> dict[str, Any]:
     """Whether the linear algebra was told to use one thread before NumPy was imported."""
     return {"root": [float(os.environ["OPENBLAS_NUM_THREADS"])] * len(cells)}
 
 
-def interruptible(settings: Settings, cells: Sequence[Cell]) -> dict[str, Any]:
+def interruptible(settings: Settings, cells: FloatArray) -> dict[str, Any]:
     """Whether Ctrl-C could have reached this process since it began."""
     blocked = signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
     return {"root": [float(not blocked)] * len(cells)}
 
 
 def job(settings: Settings, cells: int = 20, each: int = 4) -> Job:
-    numbers = [(float(n),) for n in range(cells)]
-    chunks = tuple(tuple(numbers[i : i + each]) for i in range(0, cells, each))
-    return Job(work, settings, chunks, BLANKS)
+    numbers = np.arange(cells)
+    chunks = np.split(numbers, range(each, cells, each))
+    return Job(work, settings, numbers[:, np.newaxis] + 0.0, chunks, BLANKS)

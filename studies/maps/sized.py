@@ -1,0 +1,125 @@
+"""Cells of a map that is sized anew in each: the best design, and why there is none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from missions.flight_path import largest_wind_m_per_s
+from missions.mission import Mission, Scenarios
+from sizing.aircraft import Aircraft
+from sizing.day.light import SolarModel, solar_day
+from sizing.day.module_power import on_path, path_troubles
+from sizing.design import DesignVariables
+from sizing.mass_budget import parametric_design
+from sizing.performance import Performance, performance_of_designs
+from sizing.program import cells as cell_sizing
+from sizing.program.cells import CellSizings
+from sizing.program.objectives import SizingStatus
+from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
+from sizing.validity.checks import (
+    charge_rate_check,
+    charge_rate_is_open,
+    correction_check,
+    design_checks,
+)
+from sizing.validity.extrapolations import cell_texts
+from solar.types import FloatArray
+from studies.maps.cells import MapConfiguration, scenarios_of
+from studies.output.gridded import SIZED, TOO_WINDY
+from studies.study import merged
+
+
+def sized_cells(configuration: MapConfiguration, cells: FloatArray) -> dict[str, NDArray[Any]]:
+    """Best design of an aircraft in every cell, as columns of :data:`.gridded.DESCRIBED`.
+
+    A cell is the mission with the cell's latitude [deg] and day of year instead of its own.
+    """
+    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
+    scenarios = scenarios_of(cells)
+    troubles = path_troubles(aircraft, mission, scenarios) if solar.needs_path else []
+    windy = np.array([trouble is not None for trouble in troubles], bool)
+    if windy.any():
+        calm = sized_cells(configuration, cells[~windy]) if not windy.all() else {}
+        path = on_path(aircraft, mission).flight_path
+        assert path is not None
+        over_limit = mission.winds_on_path_m_per_s(scenarios) / largest_wind_m_per_s(path)
+        return merged(
+            ~windy,
+            calm,
+            {
+                "status": np.full(windy.sum(), SizingStatus.infeasible, np.int8),
+                "violated_requirement": np.full(windy.sum(), TOO_WINDY),
+                "shortfall": over_limit[windy] - 1.0,
+                "message": [f"flight path: {text}" for text in troubles if text is not None],
+            },
+        )
+    goal = configuration.objective
+    assert goal is not None
+    sizings = cell_sizing.size_cells(aircraft, mission, scenarios, goal, solar)
+    outside = _extrapolations_of_cells(aircraft, mission, scenarios, solar, sizings)
+    columns = _columns_of(sizings) | {"extrapolations": np.array(outside)}
+    night = scenarios.in_polar_night()
+    lit = {name: values[~night] for name, values in columns.items()}
+    return merged(~night, lit, {name: np.full(night.sum(), one) for name, one in _NIGHT.items()})
+
+
+def sized_flight(configuration: MapConfiguration, cell: FloatArray) -> Performance | None:
+    """Fly the best design of a single cell, shape ``(1, 2)``; None where there is no design."""
+    aircraft, mission, solar = configuration.aircraft, configuration.mission, configuration.solar
+    scenario, goal = scenarios_of(cell), configuration.objective
+    assert goal is not None
+    sizings = cell_sizing.size_cells(aircraft, mission, scenario, goal, solar)
+    if sizings.status[0] not in SIZED:
+        return None
+    values = (None if v is None else np.ravel(v)[0] for v in sizings.variables)
+    day = solar_day(aircraft, mission, solar, scenarios=scenario)
+    return performance_of_designs(aircraft, mission, DesignVariables(*values), solar, day=day)
+
+
+def _columns_of(sizings: CellSizings) -> dict[str, Any]:
+    known = sizings.variables._asdict() | vars(sizings)
+    return {
+        "status": sizings.status.astype(np.int8),
+        **{one.variable: known[one.name] for one in (*DESIGN_COLUMNS, *REACHED)},
+        LOAD.variable: sizings.load_w,
+        "shortfall": sizings.shortfall,
+        "violated_requirement": sizings.requirement.astype(str),
+        "message": np.where(
+            sizings.status == SizingStatus.not_converged,
+            "the solver did not converge",
+            sizings.message.astype(str),
+        ),
+    }
+
+
+def _extrapolations_of_cells(
+    aircraft: Aircraft,
+    mission: Mission,
+    scenarios: Scenarios,
+    solar: SolarModel,
+    sizings: CellSizings,
+) -> list[str]:
+    """What the design of every cell takes from outside the range of a model."""
+    sized = np.isin(sizings.status, SIZED)
+    design = parametric_design(aircraft, mission, sizings.variables, sizings.total_mass_kg)
+    checks = [
+        *design_checks(aircraft, mission, design, solar),
+        *correction_check(scenarios, solar, mission),
+    ]
+    if charge_rate_is_open(aircraft):
+        day = solar_day(aircraft, mission, solar, scenarios=scenarios)
+        peak_w = np.max(day.specific_power_w_per_m2, axis=-1) * sizings.variables.module_area_m2
+        checks += charge_rate_check(aircraft, mission, design, peak_w)
+    texts = cell_texts(checks, len(scenarios))
+    return [text if there else "" for text, there in zip(texts, sized, strict=True)]
+
+
+# There is nothing to solve without any sun; the whole of the day's energy is missing.
+_NIGHT: dict[str, Any] = {
+    "status": np.int8(SizingStatus.infeasible),
+    "violated_requirement": "sun",
+    "message": "polar night: the sun never rises",
+}

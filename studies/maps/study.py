@@ -1,0 +1,321 @@
+"""Maps over latitude and season: of a fixed aircraft, or sized anew in every cell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from missions.dates import DAYS_PER_YEAR, days_of_year
+from missions.mission import Mission
+from sizing.aircraft import Aircraft, MeasuredAirframe
+from sizing.day.light import SolarModel
+from sizing.day.metrics import CYCLE_ENDS, ENDS, FLOWN, Status
+from sizing.program.objectives import Objective, SizingStatus
+from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
+from sizing.validity.checks import charge_rate_is_open
+from sizing.validity.extrapolations import with_worth
+from sizing.validity.own_models import check_own_models
+from sizing.validity.ranges import Extrapolation
+from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
+from solar.types import FloatArray
+from studies.maps.cells import (
+    MapConfiguration,
+    extrapolations_of_cells,
+    fixed_cells,
+    scenarios_of,
+)
+from studies.output.gridded import (
+    DESCRIBED,
+    SIZED,
+    Labelled,
+    OnGrid,
+    attributes,
+    resize_objective,
+    told_of_cells,
+)
+from studies.study import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Of a map for which no other grid is requested, and of one whose cells take milliseconds.
+LATITUDES_DEG, DAYS = np.arange(-70.0, 71.0), np.arange(1, 366)
+SLOW_LATITUDES_DEG, SLOW_DAYS = LATITUDES_DEG[::2], DAYS[::4]
+
+# Time of a cell [s], roughly, and what is added to it.
+_CELL_S, _CELL_ON_PATH_S = 2.5e-5, 1e-2
+_ENDURANCE_S = 2e-4
+_CLIMB_S = 5e-2  # of the program of a day
+_SIZING_S = 4.5e-3
+
+# Variable -> unit, long name.
+_DESCRIBED = {one.variable: one.described for one in MAP}
+_ENDURANCE = {ENDURANCE.variable: ENDURANCE.described}
+_CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
+_WIND = {"wind": ("m s-1", "wind speed, at the mission's percentile")}
+_HIGHEST = {MAXIMUM_ALTITUDE.variable: MAXIMUM_ALTITUDE.described}
+_STATUS = {"status": ("1", "how the repeated day ends")}
+
+
+def feasibility_map(
+    aircraft: Aircraft,
+    mission: Mission,
+    *,
+    latitudes: ArrayLike | None = None,
+    days: ArrayLike | None = None,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    endurance: bool = False,
+    workers: int | None = 1,
+    scheduler: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Metrics of the repeated day in every cell of latitude and day.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What flies.
+    mission : Mission
+        In which air and with which load; its own latitudes and dates play no part.
+    latitudes : array_like, optional
+        Latitudes [deg], north positive, ascending; by default from 70 south to 70 north, each
+        degree, or each second one where a cell takes milliseconds.
+    days : array_like, optional
+        Days of year from 1 to 365, or dates (``["06-21"]``, a ``DatetimeIndex``), ascending; by
+        default each, or each fourth one where a cell takes milliseconds.
+    model : {"CAM", "CDM", "VM", "FM"}, optional
+        Solar power model.
+    correction : {"none", "report", "loiter"}, optional
+        Correction of the model's systematic error.
+    endurance : bool, optional
+        Also search the longest flight of every cell that is not perpetual (some twenty times the
+        work of a cell's other metrics).
+    workers : int or None, optional
+        Processes that compute: 1 starts none, None as many as there are cores where that pays. The
+        result is the same to the last bit. A script that starts workers needs
+        ``if __name__ == "__main__":``.
+    scheduler : str, optional
+        Dask's scheduler that computes instead, ``tcp://HOST:PORT`` with its own workers, or
+        ``local-cluster`` with ``workers`` of this machine.
+    progress : callable, optional
+        Called with the cells done and the cells in all.
+
+    Returns
+    -------
+    xarray.Dataset
+        On the dimensions ``latitude`` and ``day``, with CF attributes. Undefined values are NaN,
+        and ``status`` (:class:`~sizing.day.metrics.Status`) tells why. Cells that could not be
+        computed have the status ``failed``; the attribute ``failed_cells`` lists them, and a
+        warning counts them.
+
+    Raises
+    ------
+    ValueError
+        If a name or a number is out of what is allowed.
+    ComputationError
+        If every cell failed.
+    """
+    solar = SolarModel(model, correction)
+    study = prepare(aircraft, mission, latitudes, days, solar, endurance=endurance)
+    return study.computed(workers, scheduler, progress).to_xarray()
+
+
+def resized_map(
+    aircraft: Aircraft,
+    mission: Mission,
+    objective: str | Objective,
+    *,
+    latitudes: ArrayLike | None = None,
+    days: ArrayLike | None = None,
+    required_excess_time_h: float | None = None,
+    model: ModelName = "CAM",
+    correction: CorrectionName = "none",
+    workers: int | None = 1,
+    scheduler: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Best design in every cell of latitude and day.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        Parametric aircraft whose design variables are chosen.
+    mission : Mission
+        In which air and with which payload; its own latitudes and dates play no part.
+    objective : str or Objective
+        ``min_wingspan``, ``min_mass``, ``max_excess_time``, ``max_payload_mass`` or
+        ``max_payload_power``.
+    required_excess_time_h : float, optional
+        Excess time that every design must have [h]; by default the mission's.
+    latitudes, days, model, correction, workers, scheduler, progress
+        See :func:`feasibility_map`; by default each second latitude and each fourth day.
+
+    Returns
+    -------
+    xarray.Dataset
+        On the dimensions ``latitude`` and ``day``, with CF attributes. Numbers of cells without a
+        design are NaN; ``status`` (:class:`sizing.program.objectives.SizingStatus`),
+        ``violated_requirement`` and ``message`` tell why. Cells that could not be computed have
+        the status ``failed``; the attribute ``failed_cells`` lists them, and a warning counts them.
+
+    Raises
+    ------
+    ValueError
+        If a name or a number is out of what is allowed, or the aircraft is measured.
+    ComputationError
+        If every cell failed.
+    """
+    if required_excess_time_h is not None:
+        if not 0.0 <= required_excess_time_h < math.inf:
+            raise ValueError(f"required_excess_time_h must be >= 0 (got {required_excess_time_h})")
+        update = {"required_excess_time_h": float(required_excess_time_h)}
+        mission = mission.model_copy(update=update)
+    solar = SolarModel(model, correction)
+    study = prepare(aircraft, mission, latitudes, days, solar, objective=objective)
+    return study.computed(workers, scheduler, progress).to_xarray()
+
+
+def prepare(
+    aircraft: Aircraft,
+    mission: Mission,
+    latitudes: ArrayLike | None,
+    days: ArrayLike | None,
+    solar: SolarModel,
+    *,
+    endurance: bool = False,
+    objective: str | Objective | None = None,
+) -> Study:
+    """Check a map, of best designs if there is an objective for them."""
+    goal = None if objective is None else resize_objective(objective)
+    if goal is not None and isinstance(aircraft.airframe, MeasuredAirframe):
+        raise ValueError(f"sizing needs a parametric aircraft, {aircraft.name} is measured")
+    check_own_models(aircraft, mission)
+    climbs = mission.climb is not None
+    slow = goal is not None or solar.needs_path or endurance or climbs
+    north_deg, days = _grid(latitudes, days, slow=slow)
+    cells = np.array(np.meshgrid(north_deg, days, indexing="ij"), float).reshape(2, -1).T
+    if goal is not None or solar.needs_path or mission.holds_station:
+        _check_winds(mission, cells)
+    coordinates = {
+        "latitude": Labelled(
+            *(("latitude",), north_deg),
+            {"units": "degrees_north", "standard_name": "latitude"},
+        ),
+        "day": Labelled(("day",), days, {"long_name": "day of year", "units": "1"}),
+    }
+    configuration = MapConfiguration(aircraft, mission, solar, endurance, goal)
+    cell_s = _cell_time_s(aircraft, mission, solar)
+    if goal is not None:
+        # The optimiser takes a seventh of a second to import.
+        from studies.maps.sized import sized_cells
+
+        return Study(
+            sized_cells,
+            configuration,
+            cells,
+            cell_s=cell_s + _SIZING_S,
+            described=DESCRIBED,
+            statuses=tuple(SizingStatus),
+            coordinates=coordinates,
+            attributes={
+                **attributes(f"Best designs of {aircraft.name}", aircraft, mission, solar),
+                "objective": goal.value,
+                "required_excess_time_h": mission.required_excess_time_h,
+            },
+            extrapolated=lambda columns: _extrapolations_of_designs(configuration, cells, columns),
+        )
+    described = _DESCRIBED | (_ENDURANCE if endurance else {})
+    described |= _HIGHEST if climbs else {}
+    described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
+    described |= {} if mission.wind_statistics is None else _WIND
+    ends: tuple[IntEnum, ...] = ENDS if mission.flight is not None else CYCLE_ENDS
+    if solar.needs_path and mission.wind_statistics is not None:
+        ends = (*ends, Status.infeasible)
+    return Study(
+        fixed_cells,
+        configuration,
+        cells,
+        cell_s=cell_s + endurance * _ENDURANCE_S + climbs * _CLIMB_S,
+        described=described | _STATUS,
+        statuses=(Status.failed, *ends),
+        coordinates=coordinates,
+        attributes=attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),
+        extrapolated=lambda columns: extrapolations_of_cells(configuration, cells, columns),
+    )
+
+
+def _grid(
+    latitudes: ArrayLike | None, days: ArrayLike | None, *, slow: bool
+) -> tuple[FloatArray, NDArray[np.int_]]:
+    """Latitudes [deg], north positive, and days of year, which may be dates; checked.
+
+    ``slow``: whether cells take so long that there are fewer of them where None are given.
+    """
+    if latitudes is None:
+        latitudes = SLOW_LATITUDES_DEG if slow else LATITUDES_DEG
+    if days is None:
+        days = SLOW_DAYS if slow else DAYS
+    north_deg = np.atleast_1d(np.asarray(latitudes, float))
+    date = np.asarray(days_of_year(days), float)
+    for name, values, low, high in (
+        ("latitudes", north_deg, -90.0, 90.0),
+        ("days", date, 1.0, float(DAYS_PER_YEAR)),
+    ):
+        good = values.ndim == 1 and len(values) and values[0] >= low and values[-1] <= high
+        if not (good and np.all(np.diff(values) > 0.0)):
+            raise ValueError(f"{name} must ascend within {low:g} to {high:g}")
+    if np.any(date != np.round(date)):
+        raise ValueError("days must be whole numbers")
+    return north_deg, date.astype(int)
+
+
+def _check_winds(mission: Mission, cells: FloatArray) -> None:
+    """Refuse cells whose wind the mission's table does not know, where it matters."""
+    if mission.wind_statistics is not None:
+        mission.scenario_winds_m_per_s(scenarios_of(cells))
+
+
+def _cell_time_s(aircraft: Aircraft, mission: Mission, solar: SolarModel) -> float:
+    """Time that the solar power of a cell takes on one core, roughly [s].
+
+    ``solar``: model and correction; those that follow the flight path take longer.
+    """
+    if not solar.needs_path:
+        return _CELL_S
+    option = f"model {solar.model}" if solar.model in ATTITUDE_MODELS else "correction loiter"
+    if aircraft.modules.geometry is None:
+        raise ValueError(f"{option} needs modules.geometry on the aircraft {aircraft.name}")
+    if mission.flight_path is None:
+        raise ValueError(f"{option} needs a flight_path on the mission {mission.name}")
+    return _CELL_ON_PATH_S
+
+
+def _extrapolations_of_designs(
+    configuration: MapConfiguration, cells: FloatArray, columns: Mapping[str, NDArray[Any]]
+) -> tuple[Extrapolation, ...]:
+    """What the designs of all cells take from outside, its worth that of the lightest one."""
+    from studies.maps.sized import sized_flight
+
+    mass_kg = np.where(np.isin(columns["status"], SIZED), columns["total_mass"], np.inf)
+    lightest = cells[[int(np.argmin(mass_kg))]]
+    return with_worth(
+        told_of_cells(columns, SIZED, "cells"),
+        configuration.aircraft,
+        lambda: sized_flight(configuration, lightest),
+    )
+
+
+def season_length(data: xr.Dataset) -> xr.DataArray:
+    """Number of the map's days on which each latitude is flown perpetually, or to a landing."""
+    return data["status"].isin(FLOWN).sum("day")
+
+
+def perpetual_cells(data: OnGrid) -> NDArray[np.bool_]:
+    """Mark the cells of a map that are flown perpetually, or to a landing: ``(latitude, day)``."""
+    return np.isin(data["status"].to_numpy(), FLOWN)
