@@ -260,6 +260,7 @@ def test_the_mission_beside_an_aircraft_is_the_one_to_size_for(run: Run) -> None
     assert run("analyse", "heron.yaml").err == told
 
 
+@pytest.mark.slow
 def test_the_answer_to_a_range_is_the_second_line(run: Run) -> None:
     season = run("size", DESIGN, "-m", "rafz-july", "--objective", "longest_season").out
     assert season.splitlines()[1].startswith("season: ")
@@ -371,9 +372,9 @@ def test_brackets_and_dollars_in_a_name(run: Run, command: tuple[str, ...]) -> N
     outcome = run(*command, "--set", "name='[/]a[red]'")
     assert (outcome.code, outcome.err) == (0, "")
     assert "[/]a[red]" in outcome.out
-    folder = ("--plot", "a.png") if command[0] == "analyse" else ("--out", "a")
-    outcome = run(*command, "--set", "name='$x^{2$'", *folder)
-    assert (outcome.code, outcome.err) == (0, "")
+    if command[0] == "analyse":
+        outcome = run(*command, "--set", "name='$x^{2$'", "--plot", "a.png")
+        assert (outcome.code, outcome.err) == (0, "")
 
 
 @pytest.mark.parametrize("name", ["", "a\nb", 5000 * "a"])

@@ -69,6 +69,7 @@ def test_sizings_tell_of_their_designs(run: Run) -> None:
     assert again.out.count("outside the range of rib wing, 3 to 8 m") == 1
 
 
+@pytest.mark.slow
 def test_the_nearest_design_is_told_where_it_flies(run: Run) -> None:
     asked = ("size", "atlantiksolar-design", "--mission", "rafz-july")
     lacking = run(*asked, "--required-excess-time", "60", "-v")
