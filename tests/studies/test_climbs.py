@@ -138,6 +138,7 @@ def test_models_are_compared_on_flights_with_climbs() -> None:
 # ---- Ceiling
 
 
+@pytest.mark.slow
 def test_highest_floor_is_where_climbs_end_perpetual_flight() -> None:
     flown = mission(14000.0)
     found = highest_perpetual_altitude(AS2, flown, step_m=4000.0)
