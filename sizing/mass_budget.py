@@ -35,6 +35,7 @@ from sizing.design import (
     variables_of,
 )
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
+from sizing.roots import lightest_mass_kg
 from sizing.smooth import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
 from solar.types import BoolArray, FloatArray, IntArray
@@ -188,7 +189,7 @@ def closed_design(
     """Design whose mass budget adds up, for variables that may be arrays.
 
     The lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
-    infinite. See :func:`lightest_mass_kg`.
+    infinite. See :func:`sizing.roots.lightest_mass_kg`.
 
     Parameters
     ----------
@@ -267,52 +268,29 @@ def _settled(closed: Callable[[Propulsion | None], Design], chain: Propulsion) -
 _ROUNDS, _SETTLED = 30, 1e-10
 # In these an estimated mass of a gear is found with usual efficiencies, well within a gram.
 _MASS_ROUNDS = 3
-# Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
-# closes, a long step might pass the lightest solution and find a heavier one.
-_STEEPEST = 0.8
 
 
-def lightest_mass_kg(
-    budget_kg: Callable[[FloatArray, IntArray], FloatArray],
-    start_kg: FloatArray,
-    *,
-    relative_tolerance: float = 1e-13,
-) -> FloatArray:
-    """Lightest masses that equal the budgets which they lead to.
+# Of flights whose airspeed nobody measured, and of first guesses that cannot fly: lift coefficient
+# of level flight (Noth 2008, Design of solar powered airplanes for continuous flight) and wing
+# loading [kg/m2], in the middle of what has been built.
+_LIFT_COEFFICIENT, _WING_LOADING = 0.8, 4.0
 
-    Steps to the budget itself climb from below to the lightest solution. Where a budget is convex
-    in the mass it assumes, which it nearly always is, a step along the secant of the last two never
-    passes that solution either, and is longer. Where it is not, or is steep, steps are plain ones.
-    Only designs that have not settled are iterated on.
 
-    ``budget_kg``: budget [kg] for assumed masses [kg] of some designs, given by their indices.
-    ``start_kg``: masses below all solutions, such as that of a part [kg]. ``relative_tolerance``:
-    largest change of the mass in the last iteration, relative to it [-]. Infinite where there is
-    none [kg].
-    """
-    mass = np.array(start_kg, float)
-    before, budget_before, slope_before = np.full((3, mass.size), np.nan)
-    climbing = np.arange(mass.size)
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for _ in range(2000):
-            assumed = mass[climbing]
-            budget = budget_kg(assumed, climbing)
-            budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
-            still = np.abs(budget - assumed) <= relative_tolerance * assumed
-            slope = (budget - budget_before[climbing]) / (assumed - before[climbing])
-            convex = slope >= slope_before[climbing]
-            # No two secants yet, or ones that lead nowhere: the plain step.
-            sound = convex & (slope > 0.0) & (slope <= _STEEPEST) & (budget > assumed)
-            longer = np.where(sound, 1.0 / (1.0 - slope), 1.0)
-            before[climbing], budget_before[climbing] = assumed, budget
-            slope_before[climbing] = slope
-            settled = still | np.isinf(budget)
-            mass[climbing] = np.where(settled, budget, assumed + longer * (budget - assumed))
-            climbing = climbing[~settled]
-            if climbing.size == 0:
-                break
-        mass[climbing] = np.inf
-    return mass
+def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
+    """Airspeed of level flight of an aircraft as its file describes it, or about that [m/s]."""
+    loading = _WING_LOADING
+    if isinstance(aircraft.airframe, MeasuredAirframe):
+        design = measured_design(aircraft, mission)
+        loading = float(design.total_mass_kg / design.wing_area_m2)
+    else:
+        if (parts := aircraft.propulsion_by_parts) is not None:
+            aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
+        design = closed_design(aircraft, mission, variables_of(aircraft))
+    known = design.airspeed_m_per_s
+    if known is not None and np.isfinite(known):
+        return float(known)
+    weight, density = 2.0 * loading * GRAVITY_M_PER_S2, design.conditions.density_kg_per_m3
+    return float(np.sqrt(weight / (density * _LIFT_COEFFICIENT)))
 
 
 def design_of(aircraft: Aircraft, mission: Mission) -> Design:

@@ -198,3 +198,51 @@ def _zero(a: FloatArray, b: FloatArray, value_a: FloatArray, value_b: FloatArray
     level = value_a == value_b
     slope = np.where(level, -1.0, value_b - value_a)
     return np.where(level, -np.inf, a - value_a * (b - a) / slope)
+
+
+# Up to this slope of the budget a step follows the secant; beyond, next to the largest design that
+# closes, a long step might pass the lightest solution and find a heavier one.
+_STEEPEST = 0.8
+
+
+def lightest_mass_kg(
+    budget_kg: Callable[[FloatArray, IntArray], FloatArray],
+    start_kg: FloatArray,
+    *,
+    relative_tolerance: float = 1e-13,
+) -> FloatArray:
+    """Lightest masses that equal the budgets which they lead to.
+
+    Steps to the budget itself climb from below to the lightest solution. Where a budget is convex
+    in the mass it assumes, which it nearly always is, a step along the secant of the last two never
+    passes that solution either, and is longer. Where it is not, or is steep, steps are plain ones.
+    Only designs that have not settled are iterated on.
+
+    ``budget_kg``: budget [kg] for assumed masses [kg] of some designs, given by their indices.
+    ``start_kg``: masses below all solutions, such as that of a part [kg]. ``relative_tolerance``:
+    largest change of the mass in the last iteration, relative to it [-]. Infinite where there is
+    none [kg].
+    """
+    mass = np.array(start_kg, float)
+    before, budget_before, slope_before = np.full((3, mass.size), np.nan)
+    climbing = np.arange(mass.size)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        for _ in range(2000):
+            assumed = mass[climbing]
+            budget = budget_kg(assumed, climbing)
+            budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
+            still = np.abs(budget - assumed) <= relative_tolerance * assumed
+            slope = (budget - budget_before[climbing]) / (assumed - before[climbing])
+            convex = slope >= slope_before[climbing]
+            # No two secants yet, or ones that lead nowhere: the plain step.
+            sound = convex & (slope > 0.0) & (slope <= _STEEPEST) & (budget > assumed)
+            longer = np.where(sound, 1.0 / (1.0 - slope), 1.0)
+            before[climbing], budget_before[climbing] = assumed, budget
+            slope_before[climbing] = slope
+            settled = still | np.isinf(budget)
+            mass[climbing] = np.where(settled, budget, assumed + longer * (budget - assumed))
+            climbing = climbing[~settled]
+            if climbing.size == 0:
+                break
+        mass[climbing] = np.inf
+    return mass

@@ -19,7 +19,6 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.module_power import (
     FASTER,
     Cooling,
-    airspeed_in_flight,
     balances_heat,
     convection_in_flight,
     convection_of,
@@ -28,6 +27,7 @@ from sizing.day.module_power import (
     surroundings,
 )
 from sizing.design import Design
+from sizing.mass_budget import airspeed_in_flight
 from solar.names import ATTITUDE_MODELS, CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
 from solar.sun import declination, sun_times
 from solar.systematic_errors import correction

@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from missions.air import GRAVITY_M_PER_S2, plate_convection_w_per_m2k
+from missions.air import plate_convection_w_per_m2k
 from missions.flight_path import at_airspeed, path_trouble
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path
 from missions.mission import Mission, Scenarios
-from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.design import Design, variables_of
-from sizing.mass_budget import closed_design, first_chain, measured_design
+from sizing.aircraft import Aircraft
+from sizing.design import Design
+from sizing.mass_budget import airspeed_in_flight
 from solar.clearsky import pressure_ratio
 from solar.heat_balance import (
     EARTH_ALBEDO,
@@ -29,12 +29,6 @@ from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
 from solar.types import FloatArray
-
-# Of flights whose airspeed nobody measured, and of first guesses that cannot fly: lift coefficient
-# of level flight (Noth 2008, Design of solar powered airplanes for continuous flight) and wing
-# loading [kg/m2], in the middle of what has been built.
-_LIFT_COEFFICIENT, _WING_LOADING = 0.8, 4.0
-
 
 # Flow, over the own one, in which the power of models without a single temperature is known.
 FASTER = 2.0
@@ -137,24 +131,6 @@ def convection_in_flight(
     chord = aircraft.airframe.wingspan_m / aircraft.airframe.aspect_ratio
     transition = aircraft.modules.thermal.transition_reynolds
     return float(plate_convection_w_per_m2k(mission.air_state(), speed, chord, transition))
-
-
-def airspeed_in_flight(aircraft: Aircraft, mission: Mission) -> float:
-    """Airspeed of level flight of an aircraft as its file describes it, or about that [m/s]."""
-    airframe, loading = aircraft.airframe, _WING_LOADING
-    if isinstance(airframe, MeasuredAirframe):
-        design = measured_design(aircraft, mission)
-        area_m2 = airframe.wingspan_m**2 / airframe.aspect_ratio
-        loading = float(design.total_mass_kg) / area_m2
-    else:
-        if (parts := aircraft.propulsion_by_parts) is not None:
-            aircraft = aircraft.with_airframe(propulsion=first_chain(parts))
-        design = closed_design(aircraft, mission, variables_of(aircraft))
-    known = design.airspeed_m_per_s
-    if known is not None and np.isfinite(known):
-        return float(known)
-    weight = 2.0 * loading * GRAVITY_M_PER_S2
-    return float(np.sqrt(weight / (mission.air_state().density_kg_per_m3 * _LIFT_COEFFICIENT)))
 
 
 # A path is flown that much faster than the wind by a design that is slower than that: no path

@@ -30,7 +30,7 @@ from sizing.day.load import DesignLoads, part_load_of
 from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
 from sizing.design import Design, FlightConditions, variables_of
-from sizing.mass_budget import design_of, lightest_mass_kg, measured_design, parametric_design
+from sizing.mass_budget import design_of, measured_design, parametric_design
 from sizing.parameters import with_parameter
 from sizing.performance import flown_cycle
 from sizing.program.climbing_flights import ClimbFlights
@@ -38,6 +38,7 @@ from sizing.program.schedule import best_climbs, flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.part_load import PROPORTIONAL, AnyPartLoad
+from sizing.roots import lightest_mass_kg
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import told, worst_of

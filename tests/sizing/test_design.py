@@ -18,12 +18,12 @@ from sizing.mass_budget import (
     closed_design,
     constant_power_w,
     design_of,
-    lightest_mass_kg,
     measured_design,
     parametric_design,
     with_total_mass,
 )
 from sizing.performance import performance_of_designs
+from sizing.roots import lightest_mass_kg
 from solar.types import FloatArray, IntArray
 
 
