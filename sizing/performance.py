@@ -16,22 +16,13 @@ from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, blocks
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle, simulate_flight
-from sizing.day.flight import (
-    Course,
-    Flights,
-)
+from sizing.day.flight import Course, Flights
 from sizing.day.heights import FlightLevels, flight_levels
-from sizing.day.launch import (
-    Endurance,
-    longest_flight,
-)
+from sizing.day.launch import Endurance, longest_flight
 from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.day.load import DesignLoads
 from sizing.day.march import ChargingDay
-from sizing.day.metrics import (
-    Cycle,
-    joined,
-)
+from sizing.day.metrics import Cycle, joined
 from sizing.design import Design, DesignVariables, picked
 from sizing.mass_budget import closed_design, design_of
 from solar.types import BoolArray, FloatArray

@@ -10,12 +10,7 @@ from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 
 from missions.air import thin_air_share
 from sizing.battery.charge_limit import ChargeLimit, NoChargeLimit
-from sizing.battery.condition import (
-    HEATED_PACK,
-    Ageing,
-    BatteryTemperature,
-    InternalResistance,
-)
+from sizing.battery.condition import HEATED_PACK, Ageing, BatteryTemperature, InternalResistance
 from sizing.battery.pack import BatteryPack, packed
 from sizing.battery.voltage import BatteryVoltage
 from sizing.catalogues.choice import Kind, OfCatalogue, known_entry

@@ -11,11 +11,7 @@ import numpy as np
 from missions.dates import date_code
 from sizing.day.launch import Endurance
 from sizing.day.light import SolarDay, SolarModel
-from sizing.day.metrics import (
-    FLOWN,
-    Cycle,
-    Status,
-)
+from sizing.day.metrics import FLOWN, Cycle, Status
 from sizing.design import DesignVariables
 from sizing.performance import Performance
 from sizing.program.objectives import Objective

@@ -23,11 +23,7 @@ from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
-from sizing.day.metrics import (
-    ENDS,
-    FLOWN,
-    Status,
-)
+from sizing.day.metrics import ENDS, FLOWN, Status
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN

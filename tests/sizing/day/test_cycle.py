@@ -21,10 +21,7 @@ from sizing.battery.charge_limit import (
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
 from sizing.day.light import day_axis_h
-from sizing.day.metrics import (
-    Status,
-    equal_power,
-)
+from sizing.day.metrics import Status, equal_power
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
 from solar.types import FloatArray

@@ -7,14 +7,7 @@ import pytest
 
 from missions.library import load_mission
 from missions.mission.load import UncertaintyMargins
-from sizing.day.light import (
-    DEFAULT_STEP_H,
-    SolarDay,
-    SolarModel,
-    Sunlight,
-    day_axis_h,
-    solar_day,
-)
+from sizing.day.light import DEFAULT_STEP_H, SolarDay, SolarModel, Sunlight, day_axis_h, solar_day
 from sizing.day.light_at_instants import power_on_calendar
 from sizing.library import load_aircraft
 from sizing.performance import performance

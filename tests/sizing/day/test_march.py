@@ -18,12 +18,7 @@ from sizing.battery.charge_limit import (
     RuleChargeLimit,
     TableChargeLimit,
 )
-from sizing.day.balance import (
-    PowerBalance,
-    crossing_fraction,
-    positive_part_wh,
-    ramp_fraction,
-)
+from sizing.day.balance import PowerBalance, crossing_fraction, positive_part_wh, ramp_fraction
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
 from sizing.day.march import ChargingDay
