@@ -22,6 +22,7 @@ from sizing.aircraft import Aircraft
 from sizing.design import NO_FLIGHT_W, Design, FlightConditions
 from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.shafts import power_of_shafts_w, shares_of_limits
+from sizing.smooth import Value
 from solar.types import BoolArray, FloatArray, IntArray
 
 # Thrust power over that of level flight: steps of 4^(1/6) from a quarter to eight times.
@@ -29,6 +30,37 @@ _LEAST, _RATIO = 0.25, 4.0 ** (1.0 / 6.0)
 _LOADS = _LEAST * _RATIO ** np.arange(16)
 # How finely the limits are looked for, and levels of the exact propeller.
 _FINE, _LEVELS = 241, 6
+
+
+@dataclass(frozen=True)
+class ConstantChain:
+    """Propulsion of constant efficiencies at some levels; as :class:`ClimbChain`."""
+
+    level_w: FloatArray
+    thrust_w: FloatArray
+
+    @classmethod
+    def of(cls, flown: list[Design], efficiency: Value) -> ConstantChain:
+        """Chain of designs at some levels."""
+        shape = np.shape(flown[0].propulsion_power_w)
+        behind = (1,) * (len(shape) - np.ndim(efficiency) if np.ndim(efficiency) else 0)
+        share = np.broadcast_to(np.reshape(efficiency, np.shape(efficiency) + behind), shape)
+        powers = [np.broadcast_to(one.propulsion_power_w, shape).ravel() for one in flown]
+        level_w = np.where(np.isfinite(powers).all(axis=0), powers, NO_FLIGHT_W)
+        return cls(level_w, level_w * share.ravel())
+
+    @property
+    def count(self) -> int:
+        """Number of designs."""
+        return int(self.level_w.shape[1])
+
+    def power_w(self, row: IntArray, load: FloatArray) -> FloatArray:
+        """Electric power of thrust powers over that of level flight [W]; both broadcast."""
+        return np.asarray(self.level_w.ravel()[row] * load)
+
+    def most_w(self, row: IntArray) -> FloatArray:
+        """No limit of its own [W]."""
+        return np.full(np.shape(row), np.inf)
 
 
 @dataclass(frozen=True)
@@ -51,11 +83,13 @@ class ClimbChain:
 
     @classmethod
     def of(
-        cls, aircraft: Aircraft, missions: list[Mission], flown: list[Design]
-    ) -> ClimbChain | None:
-        """Chain of designs at the levels of some missions; None for constant efficiencies."""
-        if (parts := aircraft.propulsion_by_parts) is None:
-            return None
+        cls,
+        parts: OperatingPointPropulsion,
+        aircraft: Aircraft,
+        missions: list[Mission],
+        flown: list[Design],
+    ) -> ClimbChain:
+        """Chain of designs at the levels of some missions."""
         shape = np.shape(flown[0].propulsion_power_w)
         with np.errstate(invalid="ignore"):
             thrust = [one.thrust_power_w for one in flown]

@@ -13,11 +13,11 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.day.chain_at_heights import ClimbChain
+from sizing.day.chain_at_heights import ClimbChain, ConstantChain
 from sizing.day.light import Light, SolarDay
 from sizing.day.load import load_shape
 from sizing.day.module_power import convection_of
-from sizing.design import NO_FLIGHT_W, Design
+from sizing.design import Design
 from sizing.held_station import against_wind
 from sizing.mass_budget import (
     ImpossibleDesignError,
@@ -54,21 +54,17 @@ class ClimbLimits(NamedTuple):
 class FlightLevels:
     """Flights of aircraft of some mass between the lowest altitude and the ceiling.
 
-    One element is one aircraft in one scenario. ``altitude_m``, of shape ``(level,)``;
-    ``propulsion_power_w``, of shape ``(level, element)``: electric propulsion power of level flight
-    in calm air [W]. ``light``: of every level; ``module_area_m2`` and ``scenario`` of every element
-    say how much of which.
+    One element is one aircraft in one scenario. ``altitude_m`` and ``light``: of every level;
+    ``module_area_m2`` and ``scenario`` of every element say how much of which.
     ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-]. Of
     every element: ``nominal_factor`` is that without thermals, ``constant_power_w`` of avionics
     and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, whether it ``flies``
     at all levels, its weight, and ``reach_m``, the height above the lowest altitude that it may
     climb to: that of the ceiling, or of where the wind takes all its power. ``chain``: propulsion
-    of every ``design`` whose efficiency is that of the moment; None where it is the constant
-    ``efficiency``.
+    of every ``design`` at all levels.
     """
 
     altitude_m: FloatArray
-    propulsion_power_w: FloatArray
     light: tuple[Light, ...]
     module_area_m2: FloatArray
     scenario: IntArray
@@ -81,7 +77,7 @@ class FlightLevels:
     design: IntArray
     weight_n: FloatArray
     reach_m: FloatArray
-    chain: ClimbChain | None = None
+    chain: ConstantChain | ClimbChain
     convection_w_per_m2k: FloatArray | None = None
 
     def cooling_factor(self, level: int, some: slice = slice(None)) -> FloatArray | None:
@@ -95,33 +91,23 @@ class FlightLevels:
     @cached_property
     def _rows(self) -> IntArray:
         """Rows of the chain's tables, ``(level, element)``."""
-        assert self.chain is not None
         levels = np.arange(len(self.altitude_m))[:, np.newaxis]
         return np.asarray(levels * self.chain.count + self.design)
 
-    def _motor_w(self, level: Any, load: FloatArray, element: Any = slice(None)) -> FloatArray:
-        """Propulsion power at levels and thrust powers over that of level flight there [W]."""
-        if self.chain is None:
-            return np.asarray(self.propulsion_power_w[level, element] * load)
-        return self.chain.power_w(self._rows[level, element], load)
-
-    @cached_property
-    def _thrust_w(self) -> FloatArray:
-        """Thrust power of level flight [W], ``(level, element)``."""
-        if self.chain is None:
-            return self.propulsion_power_w * self.efficiency
-        return self.chain.thrust_w[:, self.design]
+    @property
+    def level_power_w(self) -> FloatArray:
+        """Electric propulsion power of level flight in calm air [W], ``(level, element)``."""
+        return self.chain.power_w(self._rows, np.ones(self._rows.shape))
 
     @cached_property
     def nominal_load_w(self) -> FloatArray:
         """Load at the lowest altitude without thermals [W]."""
-        return np.asarray(self._motor_w(0, self.nominal_factor) + self.constant_power_w)
+        motor_w = self.chain.power_w(self._rows[0], self.nominal_factor)
+        return np.asarray(motor_w + self.constant_power_w)
 
     @cached_property
     def most_power_w(self) -> FloatArray:
         """Electric power that the propulsion gives at all levels [W]."""
-        if self.chain is None:
-            return self.maximum_power_w
         most_w = self.chain.most_w(self._rows).min(axis=0)
         return np.asarray(np.minimum(self.maximum_power_w, most_w))
 
@@ -159,7 +145,8 @@ class FlightLevels:
         factor = self.turbulence_factor[self.scenario]
 
         def motor_w(level: IntArray) -> FloatArray:
-            return self._motor_w(level, factor + climb_w / self._thrust_w[level, element], element)
+            load = factor + climb_w / self.chain.thrust_w[level, self.design[:, np.newaxis]]
+            return self.chain.power_w(self._rows[level, element], load)
 
         load_w = between(motor_w) + self.constant_power_w[:, np.newaxis]
         solar_w = between(self._light_at) * self.module_area_m2[:, np.newaxis]
@@ -177,7 +164,7 @@ class FlightLevels:
     def at_heights(self, element: int, height_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Solar power, ``(height, time)``, and power of level flight of an element at heights."""
         some, levels = slice(element, element + 1), len(self.altitude_m)
-        power_w = self._motor_w(slice(None), np.ones(levels), element)
+        power_w = self.level_power_w[:, element]
         every = np.zeros((1, self._specific_power_w_per_m2.shape[-1]), int)
         light = np.concatenate([self._light_at(every + n, some) for n in range(levels)])
         below, upper = self._place(height_m)
@@ -188,7 +175,7 @@ class FlightLevels:
 
     def select(self, some: slice | IntArray | BoolArray) -> FlightLevels:
         """Flights of a part of the elements."""
-        rows: dict[str, Any] = {"propulsion_power_w": self.propulsion_power_w[:, some]}
+        rows: dict[str, Any] = {}
         if self.convection_w_per_m2k is not None:
             rows["convection_w_per_m2k"] = self.convection_w_per_m2k[:, some]
         rows |= {name: getattr(self, name)[some] for name in _OF_EACH}
@@ -261,12 +248,12 @@ def flight_levels(
     weight_n = each(np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2)
     power_w = np.stack([each(d.propulsion_power_w) for d in flown])
     flies = np.isfinite(power_w).all(axis=0) & np.isfinite(weight_n) & held[0]
+    parts = aircraft.propulsion_by_parts
     limits, own = climb_limits(aircraft, design), np.shape(flown[0].propulsion_power_w)
     most_w = each(limits.maximum_power_w)
     thrust = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)
     return FlightLevels(
         altitude_m=altitudes,
-        propulsion_power_w=np.where(flies, power_w, NO_FLIGHT_W),
         light=day.levels,
         module_area_m2=each(design.variables.module_area_m2),
         scenario=np.broadcast_to(scenarios, shape).ravel(),
@@ -279,7 +266,9 @@ def flight_levels(
         design=np.asarray(each(np.arange(max(math.prod(own), 1)).reshape(own)), int),
         weight_n=np.where(flies, weight_n, 0.0),
         reach_m=_reach_m(altitudes - altitudes[0], power_w, held, most_w),
-        chain=ClimbChain.of(aircraft, missions, flown),
+        chain=ConstantChain.of(flown, limits.efficiency)
+        if parts is None
+        else ClimbChain.of(parts, aircraft, missions, flown),
         convection_w_per_m2k=_convection(day, missions, slow, each),
     )
 
