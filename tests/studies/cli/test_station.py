@@ -182,6 +182,7 @@ def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(
     assert f"{analysed['excess_time_h']:.2f} h" in text.replace("−", "-")
 
 
+@pytest.mark.slow
 def test_an_aircraft_climbs_in_the_winds_that_it_holds(run: Run) -> None:
     unheld = run("analyse", DESIGN, *HOLDING, *CEILING)  # the jet stream at 12 km
     assert unheld.code == 0
