@@ -35,10 +35,10 @@ from sizing.design import (
     variables_of,
 )
 from sizing.propulsion.chain import OperatingPointPropulsion, Propulsion
-from sizing.roots import lightest_mass_kg
+from sizing.roots import LightestMass
 from sizing.smooth import Value
 from solar.modules import STC_IRRADIANCE_W_PER_M2
-from solar.types import BoolArray, FloatArray, IntArray
+from solar.types import BoolArray
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
@@ -189,7 +189,7 @@ def closed_design(
     """Design whose mass budget adds up, for variables that may be arrays.
 
     The lightest solution; where there is none (the aircraft cannot carry itself) mass and power are
-    infinite. See :func:`sizing.roots.lightest_mass_kg`.
+    infinite. See :class:`sizing.roots.LightestMass`.
 
     Parameters
     ----------
@@ -215,16 +215,14 @@ def closed_design(
     conditions = FlightConditions.of(mission, aircraft)
 
     def closed(chain: Propulsion | None) -> Design:
-        def budget_kg(assumed_kg: FloatArray, designs: IntArray) -> FloatArray:
-            some = flat.mapped(itemgetter(designs))
-            own = chain and chain.mapped(lambda one: np.ravel(one)[designs])
-            closing = parametric_design(aircraft, conditions, some, assumed_kg, own)
-            return np.asarray(closing.masses.total_kg, float)
-
-        start_kg = np.array(flat.battery_mass_kg)
-        mass = lightest_mass_kg(budget_kg, start_kg, relative_tolerance=relative_tolerance)
-        with np.errstate(over="ignore", invalid="ignore"):
-            total = mass.reshape(np.shape(arrays.wingspan_m))
+        search = LightestMass(np.asarray(flat.battery_mass_kg), relative_tolerance)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            while search.open.size:
+                some = flat.mapped(itemgetter(search.open))
+                own = chain and chain.mapped(lambda one: np.ravel(one)[search.open])
+                closing = parametric_design(aircraft, conditions, some, search.assumed_kg, own)
+                search.take(np.asarray(closing.masses.total_kg, float))
+            total = search.mass_kg.reshape(np.shape(arrays.wingspan_m))
             return parametric_design(aircraft, conditions, arrays, total)
 
     propulsion = aircraft.propulsion_by_parts

@@ -205,44 +205,49 @@ def _zero(a: FloatArray, b: FloatArray, value_a: FloatArray, value_b: FloatArray
 _STEEPEST = 0.8
 
 
-def lightest_mass_kg(
-    budget_kg: Callable[[FloatArray, IntArray], FloatArray],
-    start_kg: FloatArray,
-    *,
-    relative_tolerance: float = 1e-13,
-) -> FloatArray:
-    """Lightest masses that equal the budgets which they lead to.
+class LightestMass:
+    """Search for the lightest masses that equal the budgets which they lead to.
 
-    Steps to the budget itself climb from below to the lightest solution. Where a budget is convex
-    in the mass it assumes, which it nearly always is, a step along the secant of the last two never
-    passes that solution either, and is longer. Where it is not, or is steep, steps are plain ones.
-    Only designs that have not settled are iterated on.
+    As long as some are ``open``, :meth:`take` the budgets of their ``assumed_kg``. Steps to the
+    budget itself climb from below to the lightest solution. Where a budget is convex in the mass it
+    assumes, which it nearly always is, a step along the secant of the last two never passes that
+    solution either, and is longer. Where it is not, or is steep, steps are plain ones.
 
-    ``budget_kg``: budget [kg] for assumed masses [kg] of some designs, given by their indices.
     ``start_kg``: masses below all solutions, such as that of a part [kg]. ``relative_tolerance``:
-    largest change of the mass in the last iteration, relative to it [-]. Infinite where there is
-    none [kg].
+    largest change of the mass in the last iteration, relative to it [-]. ``mass_kg`` is infinite
+    where there is none. ``open``: indices of the designs that have not settled.
     """
-    mass = np.array(start_kg, float)
-    before, budget_before, slope_before = np.full((3, mass.size), np.nan)
-    climbing = np.arange(mass.size)
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for _ in range(2000):
-            assumed = mass[climbing]
-            budget = budget_kg(assumed, climbing)
-            budget = np.where(np.isfinite(budget) & (budget < 1e9), budget, np.inf)
-            still = np.abs(budget - assumed) <= relative_tolerance * assumed
-            slope = (budget - budget_before[climbing]) / (assumed - before[climbing])
-            convex = slope >= slope_before[climbing]
+
+    def __init__(self, start_kg: FloatArray, relative_tolerance: float = 1e-13) -> None:
+        self.mass_kg = np.array(start_kg, float)
+        self.open: IntArray = np.arange(self.mass_kg.size)
+        self._tolerance, self._rounds_left = relative_tolerance, 2000
+        self._before = np.full((3, self.mass_kg.size), np.nan)  # mass, budget, slope
+
+    @property
+    def assumed_kg(self) -> FloatArray:
+        """Masses of open designs to compute the budgets of [kg]."""
+        return self.mass_kg[self.open]
+
+    def take(self, budget_kg: FloatArray) -> None:
+        """Step by the budgets of the open designs [kg]."""
+        assumed, (before, budget_before, slope_before) = (
+            self.assumed_kg,
+            self._before[:, self.open],
+        )
+        budget = np.where(np.isfinite(budget_kg) & (budget_kg < 1e9), budget_kg, np.inf)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            still = np.abs(budget - assumed) <= self._tolerance * assumed
+            slope = (budget - budget_before) / (assumed - before)
+            convex = slope >= slope_before
             # No two secants yet, or ones that lead nowhere: the plain step.
             sound = convex & (slope > 0.0) & (slope <= _STEEPEST) & (budget > assumed)
             longer = np.where(sound, 1.0 / (1.0 - slope), 1.0)
-            before[climbing], budget_before[climbing] = assumed, budget
-            slope_before[climbing] = slope
             settled = still | np.isinf(budget)
-            mass[climbing] = np.where(settled, budget, assumed + longer * (budget - assumed))
-            climbing = climbing[~settled]
-            if climbing.size == 0:
-                break
-        mass[climbing] = np.inf
-    return mass
+            step = np.where(settled, budget, assumed + longer * (budget - assumed))
+        self._before[:, self.open] = assumed, budget, slope
+        self.mass_kg[self.open] = step
+        self.open = self.open[~settled]
+        self._rounds_left -= 1
+        if not self._rounds_left:
+            self.mass_kg[self.open], self.open = np.inf, self.open[:0]

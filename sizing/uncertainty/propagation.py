@@ -38,7 +38,7 @@ from sizing.program.schedule import best_climbs, flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
 from sizing.propulsion.nearby import NearbyPropulsion
 from sizing.propulsion.part_load import PROPORTIONAL, AnyPartLoad
-from sizing.roots import lightest_mass_kg
+from sizing.roots import LightestMass
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import told, worst_of
@@ -538,14 +538,14 @@ def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
     variables = variables_of(aircraft)
     conditions = FlightConditions.of(mission, aircraft)
 
-    def budget_kg(assumed_kg: FloatArray, draws: IntArray) -> FloatArray:
-        # What is drawn is an array of all draws: it cannot be taken apart.
-        every = np.ones(count)
-        every[draws] = assumed_kg
-        closing = parametric_design(aircraft, conditions, variables, every)
-        return np.broadcast_to(np.asarray(closing.masses.total_kg, float), (count,))[draws]
-
     start_kg = np.broadcast_to(np.asarray(variables.battery_mass_kg, float), (count,))
-    mass = lightest_mass_kg(budget_kg, start_kg, relative_tolerance=_TOLERANCE)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return parametric_design(aircraft, conditions, variables, mass)
+    search = LightestMass(start_kg, _TOLERANCE)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        while search.open.size:
+            # What is drawn is an array of all draws: it cannot be taken apart.
+            every = np.ones(count)
+            every[search.open] = search.assumed_kg
+            closing = parametric_design(aircraft, conditions, variables, every)
+            total_kg = np.asarray(closing.masses.total_kg, float)
+            search.take(np.broadcast_to(total_kg, (count,))[search.open])
+        return parametric_design(aircraft, conditions, variables, search.mass_kg)
