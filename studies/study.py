@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from sizing.validity.ranges import Extrapolation
 from solar.types import BoolArray, FloatArray, IntArray
 from studies.engine.run import ChunkFunction, Job, Outcome, Progress, pool_of, run
+from studies.engine.workers import Pool
 from studies.output.gridded import Gridded, Labelled, extrapolation_attribute, variables
 
 VARIED = "varied"  # a coordinate that no cell has a value of
@@ -42,11 +43,11 @@ class Study:
 
     ``function``, ``configuration``, ``cells``: see :class:`studies.engine.run.Job`; of cells on a
     grid the last coordinate changes first. ``cell_s``: time of a cell on one core, roughly [s]: it
-    decides the size of chunks and nothing else. ``described``: unit and long name of every column.
-    ``statuses``: what ``status`` may be, ``failed`` among them. ``coordinates``: on a dimension
-    each, or all on one. ``attributes``: of the result. ``extrapolated``: what the columns take from
-    outside the range of a model. ``order``: numbers of the cells in the order in which they are
-    computed. ``unit``: what cells are called, in the plural.
+    decides the size of chunks, and whether processes pay. ``described``: unit and long name of
+    every column. ``statuses``: what ``status`` may be, ``failed`` among them. ``coordinates``: on a
+    dimension each, or all on one. ``attributes``: of the result. ``extrapolated``: what the columns
+    take from outside the range of a model. ``order``: numbers of the cells in the order in which
+    they are computed. ``unit``: what cells are called, in the plural.
     """
 
     function: ChunkFunction
@@ -71,6 +72,23 @@ class Study:
         blanks = blanks_of(self.described)
         return Job(self.function, self.configuration, self.cells, chunks, blanks)
 
+    def pool(
+        self,
+        workers: int | None,
+        scheduler: str | None,
+        tell: Callable[[str], None] | None = None,
+    ) -> Pool:
+        """Who computes the study, see :func:`studies.engine.run.pool_of`."""
+        return pool_of(workers, scheduler, tell, self.cell_s * len(self.cells))
+
+    def trouble(self, outcome: Outcome) -> str | None:
+        """How many cells failed and why the first did; none if none did."""
+        if not outcome.failures:
+            return None
+        first = outcome.failures[min(outcome.failures)]
+        failed = f"{len(outcome.failures)} of {len(self.cells)} {self.unit} failed"
+        return f"{failed}; the first: {first}"
+
     def computed(
         self,
         workers: int | None = 1,
@@ -89,9 +107,9 @@ class Study:
         if scheduler not in (None, "local-cluster") and "://" not in scheduler:
             text = f"scheduler must be tcp://HOST:PORT or local-cluster (got {scheduler!r})"
             raise ValueError(text)
-        outcome = run(self.job, pool_of(workers, scheduler), progress=progress)
-        trouble = outcome.trouble(self.unit)
-        if outcome.all_failed:
+        outcome = run(self.job, self.pool(workers, scheduler), progress=progress)
+        trouble = self.trouble(outcome)
+        if len(outcome.failures) == len(self.cells):
             raise ComputationError(trouble)
         if trouble is not None:
             warnings.warn(trouble, RuntimeWarning, stacklevel=3)

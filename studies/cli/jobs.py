@@ -16,8 +16,8 @@ from missions.files.writing import OutputError
 from studies.cli.options import EXIT_FAILED, WorkOptions
 from studies.cli.start import let_dask_in
 from studies.cli.telling import progress_of, tell_error
-from studies.engine.chunk_store import ChunkStore, parts_folder
-from studies.engine.run import Job, pool_of, run
+from studies.engine.chunk_store import ChunkStore
+from studies.engine.run import Job, run
 from studies.engine.workers import WorkersUnavailableError
 from studies.output.gridded import Gridded
 from studies.signals import Stopped
@@ -37,7 +37,7 @@ def completed(
 
     ``target``: file of the result, beside which parts are kept; None keeps none.
     """
-    job, unit = study.job, study.unit
+    job = study.job
     folder = None if target is None else parts_folder(target)
     if options.work_dir is not None:
         folder = Path(options.work_dir)
@@ -49,13 +49,13 @@ def completed(
         try:
             if options.scheduler is not None:
                 let_dask_in()
-            pool = pool_of(options.workers, options.scheduler, _tell)
-            with progress_of(unit) as progress:
+            pool = study.pool(options.workers, options.scheduler, _tell)
+            with progress_of(study.unit) as progress:
                 outcome = run(job, pool, store, progress)
-            trouble = outcome.trouble(unit)
+            trouble = study.trouble(outcome)
             if trouble is not None:
                 tell_error(f"solar-uav: {trouble}")
-            if outcome.all_failed:
+            if len(outcome.failures) == len(study.cells):
                 sys.exit(EXIT_FAILED)
             yield study.gridded(outcome)
         except KeyboardInterrupt as stopped:
@@ -83,3 +83,11 @@ def _kept(job: Job, store: ChunkStore | None) -> str:
     count = sum(store.path(key).is_file() for key in keys)
     command = shlex.join(["solar-uav", *sys.argv[1:]])
     return f"{count} of {len(job.chunks)} chunks are kept in {store.folder}; to go on:\n  {command}"
+
+
+def parts_folder(target: str | os.PathLike[str]) -> Path | None:
+    """Folder for the parts of a result file; none for a device or a pipe, which none stands by."""
+    path = Path(target)
+    if path.exists() and not path.is_file():
+        return None
+    return path.with_name(path.name + ".parts")

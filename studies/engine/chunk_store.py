@@ -43,14 +43,6 @@ def joined(parts: Sequence[Part]) -> Part:
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def parts_folder(target: str | os.PathLike[str]) -> Path | None:
-    """Folder for the parts of a result file; none for a device or a pipe, which none stands by."""
-    path = Path(target)
-    if path.exists() and not path.is_file():
-        return None
-    return path.with_name(path.name + ".parts")
-
-
 @dataclass(frozen=True)
 class ChunkStore:
     """Folder of parts; use it inside :meth:`opened`."""

@@ -86,7 +86,8 @@ class DaskPool(Pool):
             ) from None
         self._opened.callback(_close, self._client)
 
-    def size(self, tasks_left: int) -> int:
+    @property
+    def size(self) -> int:
         """Two for each thread of the cluster, so that none waits for the network."""
         self._look()
         return max(2 * self._threads, 1)

@@ -1,9 +1,8 @@
 """Long computations in chunks of cells: in parallel, resumable, and not felled by one bad cell.
 
 A :class:`Job` is a function, a configuration, cells, and which of them are computed together;
-:func:`run` has a pool of workers compute them. The chunks never depend on the workers, and a chunk
-is always computed as a whole, so that the result is the same to the last bit whoever computes it,
-in whatever order, in one run or in several.
+:func:`run` has a pool compute them. Chunks never depend on the workers and are always computed as a
+whole, so that the result is the same to the last bit whoever computes it, in one run or in several.
 
 * A chunk whose function raises is computed again cell by cell; a cell that raises by itself is
   recorded as failed with its message.
@@ -103,36 +102,21 @@ class Outcome:
     computed_chunks: int
     kept_chunks: int
 
-    @property
-    def cells(self) -> int:
-        """Number of cells."""
-        return len(next(iter(self.columns.values())))
-
-    def trouble(self, unit: str) -> str | None:
-        """How many cells failed and why the first did; none if none did."""
-        if not self.failures:
-            return None
-        first = self.failures[min(self.failures)]
-        return f"{len(self.failures)} of {self.cells} {unit} failed; the first: {first}"
-
-    @property
-    def all_failed(self) -> bool:
-        """Whether there is no result at all."""
-        return self.cells == len(self.failures)
-
 
 def pool_of(
     workers: int | None = None,
     scheduler: str | None = None,
     tell: Callable[[str], None] | None = None,
+    work_s: float = 0.0,
 ) -> Pool:
     """Pool that the options ``--workers`` and ``--scheduler`` ask for, for one run.
 
     ``workers``: 1 for this process alone, more for so many processes; None for what pays. ``tell``:
-    called with what the user should know while the work waits.
+    called with what the user should know while the work waits. ``work_s``: time of the work on one
+    core, roughly [s].
     """
     if scheduler is None:
-        return Pool(workers)
+        return Pool(workers, work_s)
     from studies.engine.dask_pool import DaskPool
 
     return DaskPool(scheduler, workers, tell)
@@ -179,7 +163,7 @@ class _Run:
         retry: list[int] = []  # under way when a worker died
         flying: dict[Future[Part], int] = {}
         while waiting or flying:
-            while waiting and len(flying) < self.pool.size(len(waiting) + len(flying)):
+            while waiting and len(flying) < self.pool.size:
                 number = waiting.popleft()
                 flying[self._submitted(chunks[number], keys[number])] = number
             for future in self._finished(flying):

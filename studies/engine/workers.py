@@ -13,18 +13,16 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
-from statistics import fmean
 from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-# Processes are started when the work left would take this process longer [s]: each of them may
-# spend a second on imports.
+# Processes are started when the work would take this process longer [s]: each of them may spend a
+# second on imports.
 _PAYS_S = 3.0
 _STARTS = 3  # that may fail one after the other
 # One process for each core is enough: threads of the linear algebra would only get in each other's
@@ -53,40 +51,37 @@ def available_cores() -> int:
 class Pool:
     """The present process for 1 worker, else so many processes of this machine.
 
-    For None it is this process, and as many others as there are cores as soon as the work left is
-    seen to be worth their start: small computations never wait for them.
+    For None they are as many as there are cores if the work is worth their start, or 1: small
+    computations never wait for processes. ``work_s``: time that it takes on one core, roughly [s].
 
-    ``deaths``: errors that say that a worker died. ``in_process``: whether this process computes
-    the next task itself. ``shares_disk``: whether workers can keep what they have computed.
-    ``imports``: modules that the tasks need.
+    ``deaths``: errors that say that a worker died. ``in_process``: whether tasks are computed here.
+    ``shares_disk``: whether workers can keep what they have computed. ``imports``: modules that the
+    tasks need.
     """
 
     deaths: tuple[type[BaseException], ...] = (BrokenExecutor,)
     shares_disk = True
     imports: tuple[str, ...] = ()
 
-    def __init__(self, workers: int | None = None) -> None:
-        self._most = available_cores() if workers is None else workers
-        self.in_process = workers is None or self._most == 1
-        self._own_times_s: list[float] = []  # of the tasks that this process has computed
+    def __init__(self, workers: int | None = None, work_s: float = 0.0) -> None:
+        if workers is None:
+            workers = available_cores() if work_s > _PAYS_S else 1
+        self._workers, self.in_process = workers, workers == 1
         self._executor: Executor | None = None
         self._started: Future[int] | None = None
         self._failed_starts = 0
         self._others = set(multiprocessing.active_children())
 
-    def size(self, tasks_left: int) -> int:
-        """How many tasks the pool takes at once, told how many there are."""
-        warm_s = self._own_times_s[1:]  # the first task also imports what it needs
-        if self.in_process and self._most > 1 and warm_s:
-            self.in_process = tasks_left * fmean(warm_s) <= _PAYS_S
-        return 1 if self.in_process else self._most + 1  # none waits for its next one
+    @property
+    def size(self) -> int:
+        """How many tasks the pool takes at once."""
+        return 1 if self.in_process else self._workers + 1  # none waits for its next one
 
     def submit(self, work: Callable[..., T], *task: Any) -> Future[T]:
         """Give out a task, or compute it here; ``work`` is importable by name."""
         if self.in_process:
-            future, begun = Future[T](), time.perf_counter()
+            future = Future[T]()
             future.set_result(work(*task))
-            self._own_times_s.append(time.perf_counter() - begun)
             return future
         with for_children():
             if self._executor is not None:
@@ -106,7 +101,7 @@ class Pool:
             )
         fork_from(*self.imports)
         context = multiprocessing.get_context(_METHOD)
-        self._executor = ProcessPoolExecutor(self._most, context, _prepare_worker)
+        self._executor = ProcessPoolExecutor(self._workers, context, _prepare_worker)
         self._started = self._executor.submit(os.getpid)
         return self._executor
 

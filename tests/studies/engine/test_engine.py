@@ -18,9 +18,10 @@ import numpy as np
 import pytest
 
 from missions.files.writing import OutputError, check_writable_file
+from studies.cli.jobs import parts_folder
 from studies.engine import chunk_store
 from studies.engine import run as engine
-from studies.engine.chunk_store import FAILURE, ChunkStore, parts_folder
+from studies.engine.chunk_store import FAILURE, ChunkStore
 from studies.engine.dask_pool import DaskPool
 from studies.engine.run import Job, Outcome
 from studies.engine.workers import Pool, WorkersUnavailableError
@@ -79,13 +80,10 @@ def test_small_work_starts_no_process(functions: Any, tmp_path: Path) -> None:
 def test_long_work_starts_processes_and_agrees(
     functions: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("studies.engine.workers._PAYS_S", 0.0)
     monkeypatch.setattr("studies.engine.workers.available_cores", lambda: 2)
     job = functions.job(functions.Settings(log=str(tmp_path)))
-    assert_identical(run(job), run(job, Pool()))
-    pids = {path.name.split("-")[2] for path in tmp_path.iterdir()}
-    assert len(pids) > 1
-    assert str(os.getpid()) in pids
+    assert_identical(run(job, Pool(None, work_s=1000.0)), run(functions.job(functions.Settings())))
+    assert str(os.getpid()) not in {path.name.split("-")[2] for path in tmp_path.iterdir()}
 
 
 def test_workers_use_one_thread_and_the_environment_is_restored(functions: Any) -> None:
