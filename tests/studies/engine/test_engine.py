@@ -19,7 +19,7 @@ import pytest
 
 from missions.files.writing import OutputError, check_writable_file
 from studies.cli.jobs import parts_folder
-from studies.engine import chunk_store
+from studies.engine import chunk_store, workers
 from studies.engine import run as engine
 from studies.engine.chunk_store import FAILURE, ChunkStore
 from studies.engine.dask_pool import DaskPool
@@ -63,13 +63,16 @@ def assert_identical(one: Outcome, other: Outcome) -> None:
 # ---- the same result whoever computes it
 
 
-@pytest.mark.parametrize("workers", [2, 3])
-def test_processes_agree_with_this_process_to_the_last_bit(functions: Any, workers: int) -> None:
+@pytest.mark.parametrize("method", sorted({workers._METHOD, "spawn"}))
+def test_processes_agree_with_this_process_to_the_last_bit(
+    functions: Any, monkeypatch: pytest.MonkeyPatch, method: str
+) -> None:
+    monkeypatch.setattr(workers, "_METHOD", method)  # that of macOS and Windows, too
     job = functions.job(functions.Settings())
     alone = run(job)
     assert alone.columns["number"].tolist() == list(range(20))
     assert alone.columns["name"][10] == "cell 10"
-    assert_identical(alone, run(job, Pool(workers)))
+    assert_identical(alone, run(job, Pool(2)))
 
 
 def test_small_work_starts_no_process(functions: Any, tmp_path: Path) -> None:
@@ -425,6 +428,7 @@ from pathlib import Path
 
 import chunk_functions
 from studies.engine import run as engine
+from studies.engine import workers
 from studies.engine.chunk_store import ChunkStore
 from studies.engine.run import pool_of
 from studies.signals import Stopped
