@@ -316,11 +316,13 @@ class Sunlight:
     @cached_property
     def _levels(self) -> list[Sunlight]:
         """Sunlight of the same scenarios at the higher levels of the climbs."""
-        step_h, higher = float(self.time_h[1]), self.mission.climb_levels_m[1:]
-        airs = map(self.mission.at_altitude, higher)
-        return [
-            Sunlight(self.aircraft, air, self.scenarios, step_h=step_h, lowest=self) for air in airs
-        ]
+        higher = map(self.mission.at_altitude, self.mission.climb_levels_m[1:])
+        return [self._sunlight_at(there) for there in higher]
+
+    def _sunlight_at(self, there: Mission) -> Sunlight:
+        """Sunlight of the same scenarios at another altitude."""
+        step_h = float(self.time_h[1])
+        return Sunlight(self.aircraft, there, self.scenarios, step_h=step_h, lowest=self)
 
 
 def solar_day(

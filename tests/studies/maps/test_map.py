@@ -59,6 +59,7 @@ def test_map_does_not_depend_on_the_size_of_its_blocks(monkeypatch: pytest.Monke
     whole = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     monkeypatch.setattr("studies.maps.cells._CELLS_AT_ONCE", 50)
     monkeypatch.setattr("sizing.day.cycle.CELLS_AT_ONCE", 7)
+    monkeypatch.setattr("sizing.day.flight._AT_ONCE", 100)
     monkeypatch.setattr("solar.horizontal_models._POINTS_AT_ONCE", 333)
     again = map_block(AS2, JULY, latitudes, days, SolarModel(), True)
     for name, values in whole.items():
