@@ -69,8 +69,8 @@ copybutton_line_continuation_character = "\\"
 sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",
-    # One takes a minute, its figure is on the page that shows the study; one needs OpenMDAO.
-    "filename_pattern": r"(?<!span_for_a_season)(?<!openmdao_component)\.py$",
+    # Two take a minute, their figures are on the pages that show the studies; one needs OpenMDAO.
+    "filename_pattern": r"(?<!climb_gain)(?<!span_for_a_season)(?<!openmdao_component)\.py$",
     "within_subsection_order": "ExampleTitleSortKey",
     # As a user runs them: python examples/NAME.py figure.png
     "reset_argv": "example_figures.figure_file",

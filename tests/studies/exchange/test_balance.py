@@ -67,6 +67,7 @@ def test_views_show_both_booms_and_the_taper() -> None:
     assert svg.count('class="fin"') == 2 * plain.count('class="fin"') == 2
 
 
+@pytest.mark.slow
 def test_a_report_has_drag_and_balance(run: Run, tmp_path: Path) -> None:
     target = tmp_path / "twin.html"
     assert run("report", "twin-boom-design", "--out", str(target)).code == 0
@@ -75,6 +76,7 @@ def test_a_report_has_drag_and_balance(run: Run, tmp_path: Path) -> None:
         assert words in text
 
 
+@pytest.mark.slow
 def test_a_sized_aircraft_tells_its_margin(run: Run, tmp_path: Path) -> None:
     """The sizing moves no mass: the analysis says what is left of the margin."""
     folder = str(tmp_path / "sized")
