@@ -1,7 +1,12 @@
-"""A day: what it does to battery and height.
+"""A day: what it does to battery and height. One march, and what is flown by it.
 
-* ``light``: specific power of the modules; ``load``: what the aircraft draws
-* ``battery``: batteries of a batch; ``march``: their charge along any time axis, exact in a step
-* ``cycle``: a day that repeats itself; ``flight``: from a launch to an empty battery
-* ``record``: days of a weather record, charge carried over; ``replay``: a flight by the clock
+* ``light``, ``light_at_instants``, ``module_power``: specific power of the modules
+* ``load``: what the aircraft draws; ``heights``, ``chain_at_heights``: both along heights
+* ``battery``: batteries of a batch, the charge limit; ``balance``: exact integrals of an interval
+* ``march``: the charge along any time axis, nights as one step; ``metrics``: the excess time
+
+* ``cycle``: a day that repeats itself, a flight to a landing; ``flight``, ``launch``: from a launch
+  until the battery is empty, and the best launch
+* ``record``, ``record_days``, ``carried``: days of a weather record, the charge carried over;
+  ``replay``: a flight by the clock
 """

@@ -177,6 +177,21 @@ def test_energy_account_closes(case: Case) -> None:
         assert np.all(value >= -1e-9 * turnover), term
 
 
+@pytest.mark.parametrize("limit", LIMITS)
+def test_a_thousand_random_cycles_conserve_energy_but_for_rounding(limit: ChargeLimit) -> None:
+    rng = np.random.default_rng(9)
+    time, shape = np.linspace(0.0, 24.0, 97), (1000, 97)
+    solar = 100.0 * np.maximum(rng.normal(0.3, 1.0, shape), 0.0)
+    load = 100.0 * rng.uniform(0.0, 1.0, (1000, 1)) * rng.uniform(0.5, 1.0, shape)
+    energy = 10.0 ** rng.uniform(-1.0, 4.5, 1000)
+    battery = Battery(mass_kg=1.0, specific_energy_wh_per_kg=1.0, charge_limit=limit)
+    a = simulate_cycle(time, solar, load, Store.of(battery, energy)).energy_budget
+    outgo = a.load_wh + a.stored_wh + a.charge_loss_wh + a.discharge_loss_wh + a.curtailed_wh
+    # Rounding of sums over 96 intervals.
+    wrong = np.abs(a.solar_wh + a.unserved_wh - outgo)
+    assert np.max(wrong / (a.solar_wh + a.load_wh + energy)) < 1e-12
+
+
 @settings(max_examples=80, deadline=None)
 @given(case=cases())
 def test_stored_energy_stays_within_the_battery(case: Case) -> None:
