@@ -349,13 +349,15 @@ def size_aircraft(
     start: DesignVariables | None = None,
     explain: bool = True,
     stop_at_merit: float = math.inf,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
 ) -> SizingResult:
     """Find the best design of a parametric aircraft for a mission, or say why there is none.
 
     ``required_excess_time_h``: of every scenario, instead of the mission's own. ``day``: light in
     the scenarios, where it is known already. ``start``: first guess, for instance the optimum of a
     similar mission. ``explain``: whether to find out why a search fails, and to make sure that it
-    had to. ``stop_at_merit``: objective, the larger the better, that will do.
+    had to. ``stop_at_merit``: objective, the larger the better, that will do. ``bounds``: of
+    variables, in their unit, instead of those of the design space; equal ones hold.
     """
     if not isinstance(aircraft.airframe, ParametricAirframe):
         raise TypeError(f"{aircraft.name} is a measured aircraft: it has no mass budget to size")
@@ -365,7 +367,9 @@ def size_aircraft(
     if required_excess_time_h is not None:
         required_h = required_excess_time_h
     light = solar_day(aircraft, mission, solar) if day is None else day
-    task = SizingTask(aircraft, mission, objective, solar, light, required_h)
+    task = SizingTask(
+        *(aircraft, mission, objective, solar, light, required_h), bounds=bounds or {}
+    )
     search = searched(task, start, stop_at_merit)
     if explain and search.best is None and aircraft.propulsion_by_parts is not None:
         _check_parts(searched(task.with_values(beyond_limits=True), start))

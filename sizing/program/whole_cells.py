@@ -14,16 +14,17 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from missions.files.texts import texts_as_read
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.chosen_parts import put_parts_in
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
-from sizing.design_space import DesignSpace, Limit, Range
+from sizing.design_space import Limit
 from sizing.layout.cells import Wing
 from sizing.layout.strings import Strings
+from sizing.parameters import all_replaced
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
@@ -40,6 +41,9 @@ _STRIDES = 20
 _SAME = 1e-6
 _ROW_ROOM = 1e-6  # the solver meets its rows to about 1e-8
 _TENTH_OF_A_MM, _LONGEST_M = 1e-4, 1e4  # of lengths that are tried
+
+
+Bounds = dict[str, tuple[float, float]]
 
 
 class Numbers(NamedTuple):
@@ -67,32 +71,6 @@ class Neighbour:
     wingspan_m: float | None
     total_mass_kg: float | None
     reason: str = ""
-
-
-@dataclass(frozen=True)
-class Found:
-    """A neighbour with its sizing."""
-
-    numbers: Numbers
-    neighbour: Neighbour
-    result: SizingResult | None
-
-    @property
-    def rank(self) -> tuple[float, float]:
-        """Objective and mass, the smaller the better."""
-        mass_kg = self.neighbour.total_mass_kg
-        if self.result is None or mass_kg is None:
-            return math.inf, math.inf
-        return -self.result.merit, mass_kg
-
-    def beats(self, other: Found | None) -> bool:
-        """Whether it is a design that is better, or as good and lighter."""
-        if self.result is None or other is None:
-            return self.result is not None
-        (own, own_kg), (its, its_kg) = self.rank, other.rank
-        if math.isclose(own, its, rel_tol=_SAME):
-            return own_kg < its_kg * (1.0 - _SAME)
-        return own < its
 
 
 @dataclass(frozen=True)
@@ -168,7 +146,7 @@ class _Search:
         self.layout, self.pack, self.sizing = layout, pack, sizing
         # Loss of voltage per kelvin where strings have none of their own, and the battery's ends.
         self.electric = aircraft.modules.temperature_coefficient_per_k, aircraft.battery.ends_v
-        self.known: dict[Numbers, Found] = {}
+        self.known: dict[Numbers, tuple[Neighbour, SizingResult | None]] = {}
 
     def run(self) -> tuple[SizingResult, WholeCells]:
         """Best of the designs around the relaxed optimum."""
@@ -194,32 +172,43 @@ class _Search:
                 best = self._best_of(self._ring(middle, radius))
         stride = max(middle.per_half // _STRIDES, 1)
         while best is not None and stride:
-            better = self._best_of(self._ring(best.numbers, 1, stride))
-            if better is not None and better.beats(best):
+            better = self._best_of(self._ring(best, 1, stride))
+            if better is not None and self._beats(better, best):
                 best = better
             else:
                 stride //= 2
         # Numbers between those that can be laid and strung have none but a reason.
-        middle = middle if best is None else best.numbers
+        middle = best or middle
         for more in (-1, 0, 1):
             self._best_of([Numbers(max(middle.per_half + more, 1), middle.parallel)])
         # The best first, then in the order in which they were tried.
-        ranked = sorted(self.known.values(), key=lambda one: one.rank)
-        tried = tuple(one.neighbour for one in ranked)
-        if best is None or best.result is None:
-            near = self.known[middle].neighbour
+        tried = tuple(self.known[one][0] for one in sorted(self.known, key=self._rank))
+        near, result = self.known[middle]
+        if result is None:
             text = (
                 f"no design of whole cells among {len(tried)} next to the relaxed optimum; with "
                 f"{near.cells} solar cells and {near.battery_cells} battery cells: {near.reason}"
             )
             missed = Violation("whole_cells", 1.0, text)
-            nearest = relaxed.simulated
-            failed = relaxed.without_design(SizingStatus.infeasible, nearest, missed)
+            failed = relaxed.without_design(SizingStatus.infeasible, relaxed.simulated, missed)
             return failed, WholeCells(None, relaxed, None, tried)
-        limiting = _limiting(best.result, self.aircraft.design_space)
-        result = replace(best.result, active_constraints=limiting)
-        laid = self._put_in(result, best.numbers)
-        return result, WholeCells(laid, relaxed, best.neighbour, tried)
+        result = replace(result, active_constraints=self._limiting(result))
+        return result, WholeCells(self._put_in(result, middle), relaxed, near, tried)
+
+    def _rank(self, numbers: Numbers) -> tuple[float, float]:
+        """Objective and mass of a design, the smaller the better; infinite where there is none."""
+        neighbour, result = self.known[numbers]
+        mass_kg = neighbour.total_mass_kg
+        return (
+            (math.inf, math.inf) if result is None or mass_kg is None else (-result.merit, mass_kg)
+        )
+
+    def _beats(self, one: Numbers, other: Numbers) -> bool:
+        """Whether a design is better than another, or as good and lighter."""
+        (own, own_kg), (its, its_kg) = self._rank(one), self._rank(other)
+        if math.isclose(own, its, rel_tol=_SAME):
+            return own_kg < its_kg * (1.0 - _SAME)
+        return own < its
 
     def _ring(self, middle: Numbers, radius: int, stride: int = 1) -> Iterator[Numbers]:
         """Numbers at a distance of some steps; of the solar cells those that can be laid."""
@@ -230,14 +219,14 @@ class _Search:
             if max(abs(a), abs(b)) == radius and 0 <= place < len(self.halves) and parallel > 0:
                 yield Numbers(self.halves[place], parallel)
 
-    def _best_of(self, numbers: Iterable[Numbers]) -> Found | None:
-        """Best of some designs, each of which is sized once."""
-        best: Found | None = None
+    def _best_of(self, numbers: Iterable[Numbers]) -> Numbers | None:
+        """Best of some designs, each of which is sized once; None where none is feasible."""
+        best: Numbers | None = None
         for one in dict.fromkeys(numbers):
             if one not in self.known:
                 self.known[one] = self._sized(one)
-            if self.known[one].beats(best):
-                best = self.known[one]
+            if self.known[one][1] is not None and (best is None or self._beats(one, best)):
+                best = one
         return best
 
     def _halves(self, middle: int) -> list[int]:
@@ -252,18 +241,19 @@ class _Search:
 
     # ---- One design
 
-    def _sized(self, numbers: Numbers) -> Found:
+    def _sized(self, numbers: Numbers) -> tuple[Neighbour, SizingResult | None]:
         """Design of some numbers of cells, with all else free, from the relaxed optimum on."""
         cells = 2 * numbers.per_half + self.layout.tail_count
         strings, reason = self._strings(cells)
         mppts = None if strings is None else strings.mppts(cells)
         best: SizingResult | None = None
         for wing in () if reason else self._wings(numbers.per_half):
-            held = self._held(numbers, cells, mppts, wing)
-            if isinstance(held, str):
-                reason = held
+            bounds = self._bounds(numbers, cells, wing)
+            if isinstance(bounds, str):
+                reason = bounds
                 continue
-            result = self.sizing(held, start=self.start)
+            held = self._with_chord(self._with_mppts(mppts or 0, cells), wing)
+            result = self.sizing(held, bounds=bounds, start=self.start)
             if result.design is None:
                 reason = _why(result)
             elif best is None or result.merit > best.merit:
@@ -280,7 +270,7 @@ class _Search:
             total_mass_kg=None if design is None else float(design.total_mass_kg),
             reason="" if best is not None else reason,
         )
-        return Found(numbers, neighbour, best)
+        return neighbour, best
 
     def _strings(self, cells: int) -> tuple[Strings | None, str]:
         """Strings of so many cells; why there are none."""
@@ -314,32 +304,31 @@ class _Search:
             if math.isfinite(deep_m):
                 yield Wing(span_m(partial(Wing, chord_m=deep_m)), deep_m * (1.0 + _ROW_ROOM))
 
-    def _held(self, numbers: Numbers, cells: int, mppts: int | None, wing: Wing) -> Aircraft | str:
-        """Aircraft whose design space holds these cells and no others; why there is none."""
-        space = self.aircraft.design_space
-        held: dict[str, Any] = {}
+    def _bounds(self, numbers: Numbers, cells: int, wing: Wing) -> Bounds | str:
+        """Bounds that hold these cells and no others; why there are none."""
+        space, held = self.aircraft.design_space, Bounds()
         for name, value, text in (
             ("module_area_m2", cells * self.layout.area_of_a_cell_m2, "module area {:.4g} m²"),
             ("battery_mass_kg", self._battery_kg(numbers.parallel), "battery of {:.4g} kg"),
         ):
-            ends = getattr(space, name)
+            ends, held[name] = getattr(space, name), (value, value)
             if not ends.minimum <= value <= ends.maximum:
                 return f"{text.format(value)} is outside design_space.{name}"
-            held[name] = Range.model_construct(minimum=value, maximum=value)
-        span = space.wingspan_m
-        if wing.wingspan_m > span.maximum:
+        least_m, most_m = max(space.wingspan_m.minimum, wing.wingspan_m), space.wingspan_m.maximum
+        if least_m > most_m:
             return (
                 f"the cells need a wingspan of {wing.wingspan_m:.4g} m, "
-                f"design_space.wingspan_m ends at {span.maximum:g} m"
+                f"design_space.wingspan_m ends at {most_m:g} m"
             )
-        least_m = max(span.minimum, wing.wingspan_m)
-        held["wingspan_m"] = Range.model_construct(minimum=least_m, maximum=span.maximum)
-        if space.aspect_ratio is not None:
-            known = space.limits.get("chord_m", Limit.model_construct(minimum=None, maximum=None))
-            chord = known.model_copy(update={"minimum": max(known.minimum or 0.0, wing.chord_m)})
-            held["limits"] = space.limits | {"chord_m": chord}
-        own = {"design_space": space.model_copy(update=held)}
-        return self._with_mppts(mppts or 0, cells).model_copy(update=own)
+        return held | {"wingspan_m": (least_m, most_m)}
+
+    def _with_chord(self, aircraft: Aircraft, wing: Wing) -> Aircraft:
+        """Aircraft whose chord is at least that of a wing, where its aspect ratio is free."""
+        if (space := aircraft.design_space).aspect_ratio is None:
+            return aircraft
+        known = space.limits.get("chord_m", Limit.model_construct(minimum=None, maximum=None))
+        chord = known.model_copy(update={"minimum": max(known.minimum or 0.0, wing.chord_m)})
+        return all_replaced(aircraft, {"design_space.limits.chord_m": chord})
 
     def _with_mppts(self, mppts: float, cells: float) -> Aircraft:
         """Aircraft without cells whose MPPTs weigh what so many weigh, where the layout says it."""
@@ -355,6 +344,17 @@ class _Search:
         """Mass of a battery with so many cells in parallel [kg]."""
         pack = self.pack.model_copy(update={"cells_in_parallel": parallel})
         return pack.mass_kg(self.aircraft.battery.cell_mass_fraction)
+
+    def _limiting(self, result: SizingResult) -> tuple[str, ...]:
+        """What limits a design; the wing that its cells need by its own name."""
+        assert result.design is not None
+        space, by_cells = self.aircraft.design_space, []
+        if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + _ROW_ROOM):
+            by_cells.append("wingspan_m at its minimum")
+        if space.aspect_ratio is not None:
+            by_cells.append("chord_m_minimum")
+        names = result.active_constraints
+        return tuple(dict.fromkeys("whole_cells" if one in by_cells else one for one in names))
 
     def _put_in(self, result: SizingResult, numbers: Numbers) -> Aircraft:
         """Aircraft of a design, its cells laid on its wing and checked as a file is."""
@@ -376,19 +376,6 @@ class _Search:
         put_parts_in(data, self.aircraft, result.design)
         with texts_as_read(self.aircraft.texts_read):
             return Aircraft.model_validate(data)
-
-
-def _limiting(result: SizingResult, space: DesignSpace) -> tuple[str, ...]:
-    """What limits a design, without the bounds that hold its cells; their wing by its own name."""
-    assert result.design is not None
-    held = ("module_area_m2 at its", "battery_mass_kg at its")
-    by_cells = []
-    if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + _ROW_ROOM):
-        by_cells.append("wingspan_m at its minimum")
-    if space.aspect_ratio is not None:
-        by_cells.append("chord_m_minimum")
-    names = (name for name in result.active_constraints if not name.startswith(held))
-    return tuple(dict.fromkeys("whole_cells" if one in by_cells else one for one in names))
 
 
 def _why(result: SizingResult) -> str:
