@@ -390,7 +390,6 @@ uncertainty_margins: {clearness_minimum: 0.9}
 # ---- relaxations
 
 
-@pytest.mark.xfail(reason="airframe.structure.build is told 0.3 % of an hour short", strict=False)
 def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not() -> None:
     plane = aircraft("design_space.wingspan_m.maximum=5.0", *SMALL_WINGS[1:])
     hard = mission("central-europe-summer", dates={"from": "05-01", "to": "10-05"})
@@ -407,11 +406,8 @@ def test_each_relaxation_makes_the_mission_feasible_and_a_little_less_does_not()
         towards = -back if relaxation.direction == "at least" else back
         for value, feasible in ((relaxation.value, True), (relaxation.value + towards, False)):
             better, eased = with_parameter(plane, hard, key, value)
-            again = size_aircraft(
-                better, eased, Objective.max_excess_time, required_excess_time_h=0.0
-            )
-            reached = again.objective_value is not None and again.objective_value >= 0.995
-            assert reached is feasible, (key, value, again.objective_value)
+            again = size_aircraft(better, eased, Objective.min_mass, required_excess_time_h=1.0)
+            assert again.feasible is feasible, (key, value)
 
 
 def test_wider_bound_and_other_latitude_are_told_where_they_help() -> None:
