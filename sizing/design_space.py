@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, Strict, model_validator
 
@@ -51,6 +51,7 @@ LimitedQuantity = Literal[
     "climb_discharge_rate_per_h",
 ]
 LimitEnd = Literal["minimum", "maximum"]
+ENDS: tuple[LimitEnd, LimitEnd] = ("minimum", "maximum")
 # Limits that have a key of their own.
 _NAMED_LIMITS: dict[str, tuple[LimitedQuantity, LimitEnd]] = {
     "maximum_wing_loading_kg_per_m2": ("wing_loading_kg_per_m2", "maximum"),
@@ -58,6 +59,15 @@ _NAMED_LIMITS: dict[str, tuple[LimitedQuantity, LimitEnd]] = {
     "minimum_climb_rate_m_per_s": ("climb_rate_m_per_s", "minimum"),
     "maximum_climb_discharge_rate_per_h": ("climb_discharge_rate_per_h", "maximum"),
 }
+
+
+class LimitRow(NamedTuple):
+    """An end of what a quantity of the design may have, and the key it is given by."""
+
+    quantity: LimitedQuantity
+    end: LimitEnd
+    value: float
+    key: str
 
 
 class Limit(Record):
@@ -116,39 +126,20 @@ class DesignSpace(Record):
         others = (getattr(self, name) for name in type(self).model_fields if name != "limits")
         return hash((*others, frozenset(self.limits.items())))
 
-    def all_limits(self) -> dict[LimitedQuantity, Limit]:
-        """Every limit on a quantity of the design, whichever key it was given by."""
-        named = {
-            quantity: Limit(**{end: getattr(self, key)})
-            for key, (quantity, end) in _NAMED_LIMITS.items()
-            if getattr(self, key) is not None
-        }
-        return named | self.limits
+    def limit_rows(self) -> dict[str, LimitRow]:
+        """Every limit on a quantity of the design, by the name of its row."""
+        given = [(*place, getattr(self, key), key) for key, place in _NAMED_LIMITS.items()]
+        given += [
+            (quantity, end, getattr(limit, end), f"limits.{quantity}.{end}")
+            for quantity, limit in self.limits.items()
+            for end in ENDS
+        ]
+        rows = (LimitRow(*one) for one in given if one[2] is not None)
+        return {f"{row.quantity}_{row.end}": row for row in rows}
 
     def own_requirements(self, it: Any) -> list[Any]:
         """Requirements of the user's own on a design in flight; a file has none."""
         return []
-
-    def key_of_limit(self, quantity: LimitedQuantity, end: LimitEnd) -> str:
-        """Key by which a limit was given.
-
-        Parameters
-        ----------
-        quantity : str
-            Quantity of the design that is limited.
-        end : {"minimum", "maximum"}
-            Which of its limits.
-
-        Returns
-        -------
-        str
-            Key of its own, such as ``minimum_stall_margin``, if that one is given; else
-            ``limits.<quantity>.<end>``, whether or not it is given.
-        """
-        for key, place in _NAMED_LIMITS.items():
-            if place == (quantity, end) and getattr(self, key) is not None:
-                return key
-        return f"limits.{quantity}.{end}"
 
     @model_validator(mode="after")
     def _check_mass(self) -> DesignSpace:

@@ -178,15 +178,12 @@ def design_requirements(aircraft: Aircraft, design: Design) -> list[Requirement]
             "airspeed stays {missed} below the wind",
         ),
     ]
-    for name, limit in aircraft.design_space.all_limits().items():
-        value = QUANTITIES[name](it)
-        of = "" if unit(name) == "1" else f" {unit(name)}"
-        if limit.minimum is not None:
-            text = f"{label(name)} falls short of its minimum {limit.minimum:g}{of} by {{missed}}"
-            rows.append(Requirement(f"{name}_minimum", value / limit.minimum - 1.0, text))
-        if limit.maximum is not None:
-            text = f"{label(name)} exceeds its maximum {limit.maximum:g}{of} by {{missed}}"
-            rows.append(Requirement(f"{name}_maximum", 1.0 - value / limit.maximum, text))
+    for name, limit in aircraft.design_space.limit_rows().items():
+        least, ratio = limit.end == "minimum", QUANTITIES[limit.quantity](it) / limit.value
+        of = "" if unit(limit.quantity) == "1" else f" {unit(limit.quantity)}"
+        missed = "falls short of its minimum" if least else "exceeds its maximum"
+        text = f"{label(limit.quantity)} {missed} {limit.value:g}{of} by {{missed}}"
+        rows.append(Requirement(name, ratio - 1.0 if least else 1.0 - ratio, text))
     margins = _propulsion_margins(it)
     rows += [Requirement(name, one, _OF_PROPULSION[name]) for name, one in margins.items()]
     return [*rows, *aircraft.design_space.own_requirements(it)]

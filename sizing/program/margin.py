@@ -17,12 +17,11 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarDay, SolarModel, solar_day
 from sizing.design_space import LimitedQuantity
-from sizing.parameters import MISSION_PREFIX, all_replaced, value_at, with_parameter
+from sizing.parameters import MISSION_PREFIX, all_replaced, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, Violation
 from sizing.program.size import size_aircraft
-from sizing.program.variables import limit_rows
 
 # Limits on the battery, by the power of the factor on it with which they grow.
 _OF_BATTERY: dict[LimitedQuantity, float] = {
@@ -77,15 +76,14 @@ class MarginSearch:
 
     def sized(self, income: float, storage: float) -> SizingResult:
         """Best design with a factor on the sun and one on the battery, flown without them."""
-        space, margins = self.aircraft.design_space, self.mission.uncertainty_margins
+        margins = self.mission.uncertainty_margins
         # Limits know nothing of the factor, which is no margin of a file: it may exceed 1.
         limits = {
-            f"design_space.{space.key_of_limit(*limit)}": storage ** _OF_BATTERY[limit[0]]
-            for limit in limit_rows(self.aircraft).values()
-            if limit[0] in _OF_BATTERY
+            f"design_space.{row.key}": row.value * storage ** _OF_BATTERY[row.quantity]
+            for row in self.aircraft.design_space.limit_rows().values()
+            if row.quantity in _OF_BATTERY
         }
-        values = {key: by * value_at(self.aircraft, key) for key, by in limits.items()}
-        limited = all_replaced(self.aircraft, values)
+        limited = all_replaced(self.aircraft, limits)
         capacity = f"{MISSION_PREFIX}uncertainty_margins.battery_capacity"
         result = size_aircraft(
             *with_parameter(limited, self.mission, capacity, storage * margins.battery_capacity),

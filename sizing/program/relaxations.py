@@ -26,7 +26,7 @@ from sizing.program.reasons import PERCENT, least_mission
 from sizing.program.result import SizingResult
 from sizing.program.size import Search, searched, size_aircraft
 from sizing.program.task import SizingTask
-from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables, limit_rows
+from sizing.program.variables import TOTAL_MASS, WIND, Role, chosen_variables
 from sizing.relaxed_flight import Direction, Relaxation, rounded
 from sizing.roots import bisected
 
@@ -94,12 +94,12 @@ class _Relaxations:
 
     def freed(self) -> Iterator[_Freed]:
         """Technology and payload; bounds that are reached; limits and wind in the way."""
-        space, limits = self.aircraft.design_space, limit_rows(self.aircraft)
+        limits = self.aircraft.design_space.limit_rows()
         reached = self.start.chosen() | {TOTAL_MASS: float(self.nearest.design.total_mass_kg)}
         for v in chosen_variables(self.aircraft, eased=True):
             key = v.name
             if v.role is Role.limit:
-                key = f"design_space.{space.key_of_limit(*limits[v.name])}"
+                key = f"design_space.{limits[v.name].key}"
             elif v.role is Role.payload:
                 key = parameter(v.name).key
             elif v.role is Role.design:
@@ -113,7 +113,7 @@ class _Relaxations:
             elif v.role is Role.payload and self.objective.variable != v.name and present:
                 yield _Freed(v.name, key, present, (0.0, present))
             elif v.role is Role.limit and v.name in self.in_the_way:
-                furthest = v.minimum if limits[v.name][1] == "minimum" else v.maximum
+                furthest = v.minimum if limits[v.name].end == "minimum" else v.maximum
             elif v.role is Role.technology and parameter(key).relaxable == "up":
                 furthest = max(parameter(key).maximum / present, 1.0)
             elif v.role is Role.technology:
@@ -161,8 +161,8 @@ class _Relaxations:
             )
             if reached_h(rounded(less, direction)) is not None:
                 value = rounded(less, direction)
-        limit = limit_rows(self.aircraft).get(freed.name)
-        unit = parameter(freed.key if limit is None else limit[0]).unit
+        limit = self.aircraft.design_space.limit_rows().get(freed.name)
+        unit = parameter(freed.key if limit is None else limit.quantity).unit
         return Relaxation(freed.key, unit, present, direction, value, reached_h(value) or 0.0)
 
     def _reached_h(

@@ -51,7 +51,6 @@ from sizing.program.variables import (
     Role,
     chosen_variables,
     eased_row,
-    limit_rows,
 )
 from sizing.propulsion.chain import Propulsion, chain_of_numbers
 from solar.types import FloatArray
@@ -283,7 +282,7 @@ def limits_of_parts(aircraft: Aircraft) -> tuple[str, ...]:
 @lru_cache(maxsize=_PROGRAMS_KEPT)
 def build_program(aircraft: Aircraft, form: Form) -> Program:
     """Program of an aircraft in some form, unless one of its kind was built before."""
-    return _program(kind_of(aircraft), tuple(limit_rows(aircraft)), form)
+    return _program(kind_of(aircraft), tuple(aircraft.design_space.limit_rows()), form)
 
 
 @lru_cache(maxsize=_PROGRAMS_KEPT)
@@ -382,11 +381,11 @@ def _design_symbols(
         airs.append(air._replace(wind_m_per_s=values.get(WIND, air.wind_m_per_s)))
     chain, rows = _parts_symbols(kind, x, relative, data)
     design = parametric_design(flown, airs[0], variables, values[TOTAL_MASS], chain)
-    bounds = limit_rows(kind)
+    bounds = kind.design_space.limit_rows()
     for one in design_requirements(flown, design):
         value = one.value
         if one.name in bounds and one.name in values:
-            value = eased_row(value, bounds[one.name][1], values[one.name])
+            value = eased_row(value, bounds[one.name].end, values[one.name])
         rows.append((Constraint(one.name, equation=one.name == MASS_BUDGET), value))
     if OWN in values:
         space: Any = kind.design_space

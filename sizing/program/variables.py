@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from sizing.aircraft import Aircraft, ParametricAirframe
-from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd, Range
+from sizing.design_space import DesignSpace, LimitEnd, Range
 from sizing.parameters import catalogue, is_doubled, parameter_value, unit
 from solar.types import FloatArray
 
@@ -119,21 +119,9 @@ def chosen_variables(aircraft: Aircraft, *, eased: bool = False) -> tuple[Variab
         and parameter_value(aircraft, None, key)
         and not is_doubled(aircraft, key)
     ]
-    always += [Variable(name, "1", 1e-3, 1e3, Role.limit) for name in limit_rows(aircraft)]
+    always += [Variable(name, "1", 1e-3, 1e3, Role.limit) for name in space.limit_rows()]
     always.append(Variable(WIND, unit(WIND), 0.0, math.inf, Role.wind, linear=True, least=10.0))
     return tuple(always)
-
-
-def limit_rows(aircraft: Aircraft) -> dict[str, tuple[LimitedQuantity, LimitEnd]]:
-    """Limits of the design space, quantity and end, by the names of their rows and variables."""
-    ends: tuple[LimitEnd, ...] = ("minimum", "maximum")
-    limits = aircraft.design_space.all_limits()
-    return {
-        f"{quantity}_{end}": (quantity, end)
-        for quantity, limit in limits.items()
-        for end in ends
-        if getattr(limit, end) is not None
-    }
 
 
 def eased_row(value: Any, end: LimitEnd, relative: Any) -> Any:

@@ -9,7 +9,7 @@ empty battery.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
 from sizing.design import Design, bus_voltage_v
-from sizing.design_space import DesignSpace, LimitedQuantity, LimitEnd
+from sizing.design_space import DesignSpace
 from sizing.limits import QUANTITIES, DesignInFlight
 from sizing.mass_budget import parametric_design
 from sizing.parameters import catalogue, label, unit, unit_text
@@ -88,9 +88,8 @@ def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
     quantity, _, end = plain.rpartition("_")
     if end in _ENDS and quantity in catalogue():
         key = f"limits.{quantity}.{end}"
-        if aircraft is not None:
-            limited, side = cast(LimitedQuantity, quantity), cast(LimitEnd, end)
-            key = aircraft.design_space.key_of_limit(limited, side)
+        if aircraft is not None and (row := aircraft.design_space.limit_rows().get(plain)):
+            key = row.key
         return Words(f"{label(quantity)} at its {end}", where, f"design_space.{key}")
     return Words(plain, where)
 
@@ -187,14 +186,12 @@ def _of_parametric(
     covered = float(design.variables.module_area_m2 / design.wing_area_m2)
     most = aircraft.parametric.maximum_module_coverage
     yield _at_most("module_coverage", "modules over wing area", covered, most, "")
-    limits = aircraft.design_space.all_limits()
+    limits = aircraft.design_space.limit_rows()
     for name, limit in limits.items():
-        value, of = float(QUANTITIES[name](it)), unit_text(unit(name))
-        if limit.minimum is not None:
-            yield _at_least(f"{name}_minimum", label(name), value, limit.minimum, of)
-        if limit.maximum is not None:
-            yield _at_most(f"{name}_maximum", label(name), value, limit.maximum, of)
-    if "stall_margin" not in limits:
+        value, of = float(QUANTITIES[limit.quantity](it)), unit_text(unit(limit.quantity))
+        margin = _at_least if limit.end == "minimum" else _at_most
+        yield margin(name, label(limit.quantity), value, limit.value, of)
+    if not any(limit.quantity == "stall_margin" for limit in limits.values()):
         least = RECOMMENDED_STALL_MARGIN
         one = _at_least("stall_margin", label("stall_margin"), float(it.stall_margin), least, "")
         yield one._replace(recommended=True)
