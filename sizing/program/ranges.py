@@ -26,7 +26,7 @@ from solar.types import FloatArray, IntArray
 
 DAYS = np.arange(1, 366)
 LATITUDES_DEG = np.arange(-90.0, 90.5, 1.0)
-_SHIFTS = (0, -1, 1, -2, 2, -3, 3, -4, 4, -5)  # of a run that is longer by one
+_SHIFTS = sorted(range(-5, 5), key=abs)  # of a run that is longer by one
 _SAMPLES = 30  # members that are sized on their own where the easiest of a design has none
 
 Run = tuple[int, int]  # first member and length, past the year's end as well

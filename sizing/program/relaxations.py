@@ -36,8 +36,7 @@ _LEAST_RELATIVE = {
 }
 _LEAST_OTHER = 1e-3
 _WIDER = 4.0  # bounds of the design space are moved by no more than this factor
-_AT_BOUND = 0.995
-_BISECTED = 1e-3  # of the value: a tenth of the 1 % that is told
+_BISECTED = PERCENT / 10.0  # of the value, of which one per cent is told
 _AS_GIVEN = dict.fromkeys(("payload_mass_kg", "payload_power_w"))  # payload of a mission
 _STEP_DEG, _REACH_DEG = 0.25, 60.0
 
@@ -95,7 +94,6 @@ class _Relaxations:
     def freed(self) -> Iterator[_Freed]:
         """Technology and payload; bounds that are reached; limits and wind in the way."""
         limits = self.aircraft.design_space.limit_rows()
-        reached = self.start.chosen() | {TOTAL_MASS: float(self.nearest.design.total_mass_kg)}
         for v in chosen_variables(self.aircraft, eased=True):
             key = v.name
             if v.role is Role.limit:
@@ -108,7 +106,7 @@ class _Relaxations:
             present, furthest = parameter_value(self.aircraft, self.mission, key) or 0.0, 1.0
             if v.role is Role.design and key in catalogue() and present:
                 always = v.name == Objective.min_wingspan.variable
-                if always or reached[v.name] >= _AT_BOUND * present:
+                if always or f"{v.name} at its maximum" in self.in_the_way:
                     yield _Freed(v.name, key, present, (present, _WIDER * present))
             elif v.role is Role.payload and self.objective.variable != v.name and present:
                 yield _Freed(v.name, key, present, (0.0, present))

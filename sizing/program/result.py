@@ -97,21 +97,7 @@ class SizingResult:
     def without_design(
         self, status: SizingStatus, nearest: Performance | None, *violations: Violation
     ) -> SizingResult:
-        """The same without a design.
-
-        Parameters
-        ----------
-        status : SizingStatus
-            How it ends.
-        nearest : Performance or None
-            Design that comes closest, simulated.
-        *violations : Violation
-            What that one misses.
-
-        Returns
-        -------
-        SizingResult
-        """
+        """The same without a design; ``nearest`` misses what the violations tell."""
         return replace(
             self,
             status=status,

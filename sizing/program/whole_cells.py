@@ -37,9 +37,9 @@ _RINGS = 4  # around the rounded optimum that are tried before the search gives 
 _AROUND = 200
 # Of many cells the search begins with longer steps, this part of them, and halves the steps.
 _STRIDES = 20
-# Objectives that differ by less are equal: the lighter design is then the better one.
+# What differs by less is equal: the solver meets its rows to about 1e-8. Of equal objectives the
+# lighter design is the better one.
 _SAME = 1e-6
-_ROW_ROOM = 1e-6  # the solver meets its rows to about 1e-8
 _TENTH_OF_A_MM, _LONGEST_M = 1e-4, 1e4  # of lengths that are tried
 
 
@@ -302,7 +302,7 @@ class _Search:
         rows = max(self.layout.rows_that_fit(bay, wing), 1)
         for deep_m in (chord_m(rows), chord_m(rows + 1)):
             if math.isfinite(deep_m):
-                yield Wing(span_m(partial(Wing, chord_m=deep_m)), deep_m * (1.0 + _ROW_ROOM))
+                yield Wing(span_m(partial(Wing, chord_m=deep_m)), deep_m * (1.0 + _SAME))
 
     def _bounds(self, numbers: Numbers, cells: int, wing: Wing) -> Bounds | str:
         """Bounds that hold these cells and no others; why there are none."""
@@ -349,7 +349,7 @@ class _Search:
         """What limits a design; the wing that its cells need by its own name."""
         assert result.design is not None
         space, by_cells = self.aircraft.design_space, []
-        if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + _ROW_ROOM):
+        if result.design.variables.wingspan_m > space.wingspan_m.minimum * (1.0 + _SAME):
             by_cells.append("wingspan_m at its minimum")
         if space.aspect_ratio is not None:
             by_cells.append("chord_m_minimum")
