@@ -54,17 +54,7 @@ RECORDS = {
         whole_cells?=cells climb? without_climbs?=without_climbs:LevelFlight builds?
         """,
     "Optimum": """
-        wingspan_m=design.variables.wingspan_m aspect_ratio=design.variables.aspect_ratio
-        battery_mass_kg=design.variables.battery_mass_kg
-        module_area_m2=design.variables.module_area_m2
-        lift_coefficient=design.variables.lift_coefficient
-        payload_mass_kg=design.variables.payload_mass_kg
-        payload_power_w=design.variables.payload_power_w
-        propeller_diameter_m=design.variables.propeller_diameter_m
-        propeller_pitch_m=design.variables.propeller_pitch_m
-        gear_ratio=design.variables.gear_ratio
-        motor_speed_constant_rpm_per_v=design.variables.motor_speed_constant_rpm_per_v
-        total_mass_kg=design.total_mass_kg masses_kg=design.masses
+        *design.variables:DesignVariables total_mass_kg=design.total_mass_kg masses_kg=design.masses
         wing_area_m2=design.wing_area_m2 airspeed_m_per_s=design.airspeed_m_per_s
         propulsion_power_w=design.propulsion_power_w
         """,
@@ -97,6 +87,40 @@ RECORDS = {
         by_year clear_sky.status=clear_sky_status clear_sky.objective=clear_sky_objective
         clear_sky.days_that_close=clear_sky_days.that_close clear_sky.share=clear_sky_days.share
         repairs=weather.repairs notes
+        """,
+    # ---- Draws
+    "UncertaintyAnalysis": """
+        aircraft=aircraft.name mission=mission.name climb?=mission.climb.record model=solar.model
+        correction=solar.correction samples seed probability_perpetual
+        required_excess_time_h=required_h probability_required nominal_excess_time_h *percentiles
+        extrapolations sobol inputs=spreads
+        """,
+    # ---- Models side by side
+    "Comparison": """
+        aircraft=aircraft.name mission=mission.name climb?=mission.climb.record summary=headline
+        reference.model=reference.solar.model reference.correction=reference.solar.correction
+        objective.name=objective.value objective.required_excess_time_h=required_excess_time_h
+        cases=compared_cases notes extrapolations *software
+        """,
+    "ComparedCase": """
+        model=case.solar.model correction=case.solar.correction
+        solar_power_rms_relative=case.solar.rms_relative *case.prediction
+        solar_energy_above_reference season design=case.built
+        """,
+    "Prediction": """
+        status worst_scenario.latitude_deg=latitude_deg worst_scenario.day_of_year=day_of_year
+        worst_scenario.label=scenario excess_time_h excess_time_low_h excess_time_high_h
+        minimum_state_of_charge charge_margin_h endurance_h solar_energy_wh mean_solar_energy_wh
+        maximum_altitude_m?
+        """,
+    "Built": """
+        status=sizing.status *design.variables:DesignVariables
+        total_mass_kg=design.total_mass_kg promised_excess_time_h violated_requirements judged
+        """,
+    "DesignVariables": """
+        wingspan_m aspect_ratio battery_mass_kg module_area_m2 lift_coefficient payload_mass_kg
+        payload_power_w propeller_diameter_m propeller_pitch_m gear_ratio
+        motor_speed_constant_rpm_per_v
         """,
     # ---- Parts of both
     "BalanceAssessment": """
@@ -152,6 +176,8 @@ def serialise(value: Any, entry: str = "") -> Any:
 def _record(value: Any, entry: str) -> dict[str, Any]:
     """Record of a value by its entry."""
     record: dict[str, Any] = {}
+    if value is None:
+        return {key: None for key, *_ in _keys(entry)}
     for key, optional, path, of in _keys(entry):
         if key == "+":
             record |= {name: serialise(getattr(value, name)) for name in _names(value)}
@@ -159,13 +185,19 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
             del record[key[1:]]
         elif key == "*":
             of_all = path == "software"
-            record |= software_record() if of_all else serialise(_reach(value, path), of)
+            record |= software_record() if of_all else _spliced(_reach(value, path), of)
         elif not (_is_nothing(found := _reach(value, path)) and optional):
             *outer, last = key.split(".")
             inside = record
             for one in outer:
                 inside = inside.setdefault(one, {})
             inside[last] = serialise(found, of)
+    return record
+
+
+def _spliced(value: Any, entry: str) -> dict[str, Any]:
+    """Record among the keys of another; nulls by an entry where there is no value."""
+    record: dict[str, Any] = _record(value, entry) if entry else serialise(value)
     return record
 
 

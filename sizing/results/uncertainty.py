@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
-from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.notes import extrapolation_blocks
 from sizing.results.quantities import DRAWN, ENDURANCE, EXCESS_TIME, MINIMUM_CHARGE, Quantity
-from sizing.results.records import check_subjects, finite, finite_values, hours, percentiles
+from sizing.results.records import check_subjects, hours, percentiles
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
 from sizing.uncertainty.inputs import Proportion, UncertainInputs, sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
@@ -38,6 +38,15 @@ class SobolIndex:
 
     first: float
     total: float
+
+
+class DrawnInput(NamedTuple):
+    """An uncertain input, with the percentiles of its draws."""
+
+    key: str
+    nominal: float
+    distribution: str
+    percentiles: dict[str, float]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -103,34 +112,23 @@ class UncertaintyAnalysis(Result):
             f"{100 * self.probability_perpetual.value:.1f} % of {self.samples} draws"
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Whole analysis, JSON-ready."""
-        return {
-            "aircraft": self.aircraft.name,
-            "mission": self.mission.name,
-            "mission_is_default": False,
-            **({} if self.mission.climb is None else {"climb": self.mission.climb.record}),
-            "model": self.solar.model,
-            "correction": self.solar.correction,
-            "samples": self.samples,
-            "seed": self.seed,
-            "probability_perpetual": vars(self.probability_perpetual),
-            "required_excess_time_h": self.required_h,
-            "probability_required": vars(self.probability_required),
-            "nominal_excess_time_h": finite(self.nominal_excess_time_h),
-            **{one.name: _percentiles(values) for one, values in self._scattered().items()},
-            "extrapolations": extrapolation_records(self.extrapolations),
-            "sobol": {key: vars(index) for key, index in self.sobol.items()},
-            "inputs": [
-                {
-                    "key": one.key,
-                    "nominal": one.nominal,
-                    "distribution": one.distribution.distribution,
-                    "percentiles": _percentiles(self.values[one.key]),
-                }
-                for one in self.inputs.inputs
-            ],
-        }
+    @property
+    def percentiles(self) -> dict[Quantity, dict[str, float]]:
+        """P90, P50 and P10 of excess time, state of charge and endurance."""
+        return {one: _percentiles(values) for one, values in self._scattered().items()}
+
+    @property
+    def spreads(self) -> tuple[DrawnInput, ...]:
+        """Inputs with the percentiles of their draws."""
+        return tuple(
+            DrawnInput(
+                one.key,
+                one.nominal,
+                one.distribution.distribution,
+                _percentiles(self.values[one.key]),
+            )
+            for one in self.inputs.inputs
+        )
 
     def to_frame(self) -> pd.DataFrame:
         """A row a draw: its inputs, excess time, least state of charge, mass and power."""
@@ -324,11 +322,11 @@ def _sobol_indices(
 _LEAST_LOBE = 0.1  # of all draws
 
 
-def _percentiles(values: FloatArray) -> dict[str, float | None]:
-    """P90, P50 and P10, each a draw that occurred; null where infinite."""
-    return finite_values(percentiles(values, "inverted_cdf"))
+def _percentiles(values: FloatArray) -> dict[str, float]:
+    """P90, P50 and P10, each a draw that occurred."""
+    return percentiles(values, "inverted_cdf")
 
 
 def _three(quantity: Quantity, values: dict[Quantity, FloatArray]) -> str:
-    found = percentiles(values[quantity], "inverted_cdf").values()
+    found = _percentiles(values[quantity]).values()
     return ", ".join(quantity.fact(one)[1] for one in found)

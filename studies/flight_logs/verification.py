@@ -19,6 +19,7 @@ from missions.logs.plausible import utc_text
 from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
+from sizing.results.render import ALL
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.names import ModelName
 from solar.types import BoolArray, FloatArray
@@ -63,6 +64,7 @@ _WHOLE_WATTS = tuple(
     replace(column, form=column.form.replace(".2f", ".0f" if column.unit == "W" else ".1f"))
     for column in _ERRORS
 )
+_FEW = 3  # notes of a summary
 _DECIMALS = 5  # of hours: a twentieth of a second
 
 
@@ -112,18 +114,20 @@ class Verification(Result):
             f"{len(self.samples.time_s)} of {len(self.log)} samples with the sun up"
         )
 
-    def summary(self) -> Summary:
-        """Errors of every window and day, estimates, residuals, what is left out, notes."""
+    def at_level(self, level: int) -> Summary:
+        """Errors and estimates, then those of all models, residuals and what is left out."""
         blocks: list[Any] = [Line(self.headline(), "strong")]
         units = zip(("clock", "heading"), self.applied, ("min", "deg"), strict=True)
         if taken := [f"{name} offset of {by:g} {unit}" for name, by, unit in units if by]:
             blocks.append(f"compared without a {' and a '.join(taken)}, as asked for")
-        blocks += self.tables()
+        blocks += self.tables() if level >= ALL else [self.overview(), self.estimates_table()]
         if options := [" ".join(one.apply) for one in self.estimates if one.apply]:
             blocks += ["to apply an estimate, add its option:", *options]
         if self.excluded.any():
             blocks.append(f"{self.excluded.sum()} samples are left out of errors and residuals")
-        blocks += [f"- {note}" for note in self.notes]
+        blocks += [f"- {note}" for note in (self.notes if level >= ALL else self.notes[:_FEW])]
+        if level < ALL:
+            return Summary(tuple(blocks))
         definition = (
             "errors are modelled minus measured, % of the mean measured power; RMS and maximum "
             "after a moving average over so many seconds to either side as filter says; estimated: "
@@ -131,8 +135,19 @@ class Verification(Result):
         )
         return Summary((*blocks, Line(definition, "faint")))
 
-    def tables(self) -> list[Table]:
-        """Errors of every window and day, estimates, residuals, what is left out."""
+    def overview(self) -> Table:
+        """Errors of the most detailed model in every window and on every day."""
+        columns = (Column("period"), *_ERRORS[1:])
+        rows = [
+            (section.label, *_error_cells(section.errors[self.best_model]))
+            for section in (*self.windows, *self.days)
+            if self.best_model in section.errors
+        ]
+        title = f"errors of {self.best_model}, modelled minus measured, % of the mean measured"
+        return Table(title, columns, tuple(rows))
+
+    def estimates_table(self) -> Table:
+        """Clock, heading and powers, as the log has them."""
         correlated, misfit = [], []
         if self.correlation is not None:
             text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
@@ -140,8 +155,12 @@ class Verification(Result):
         if None not in self.rms_w:
             text = "RMS error of {} {:.1f} W as logged, {:.1f} W with clock, heading and factor"
             misfit = [text.format(self.best_model, *self.rms_w)]
+        return estimates_table(self.estimates, misfit, correlated)
+
+    def tables(self) -> list[Table]:
+        """Errors of every window and day, estimates, residuals, what is left out."""
         tables = [_error_table(section) for section in (*self.windows, *self.days)]
-        tables.append(estimates_table(self.estimates, misfit, correlated))
+        tables.append(self.estimates_table())
         tables += residual_tables(self.residuals, self.best_model)
         tables += [] if self.trackers is None else [self.trackers.table()]
         return [*tables, left_out_table(self.left_out)] if self.left_out else tables
@@ -252,17 +271,19 @@ def _errors_record(errors: ModelErrors) -> dict[str, float | None]:
     return record
 
 
+def _error_cells(errors: ModelErrors) -> tuple[float | None, ...]:
+    """Errors in watts and in per cent."""
+    record = _errors_record(errors).items()
+    percent = (100.0 if key.endswith("relative") else 1.0 for key, _ in record)
+    return tuple(None if v is None else by * v for by, (_, v) in zip(percent, record, strict=True))
+
+
 def _error_table(section: Section) -> Table:
     """Errors of all models in a window or on a day."""
     name = f"{section.label} ({section.clock})"
     if not section.errors:
         return Table(f"{name}: all samples are excluded", _ERRORS, ())
-    rows = []
-    for model, errors in section.errors.items():
-        record = _errors_record(errors).items()
-        percent = (100.0 if key.endswith("relative") else 1.0 for key, _ in record)
-        cells = (None if v is None else by * v for by, (_, v) in zip(percent, record, strict=True))
-        rows.append((model, *cells))
+    rows = [(model, *_error_cells(errors)) for model, errors in section.errors.items()]
     measured = next(iter(section.errors.values())).measured_mean_w
     title = (
         f"{name}: {measured:.2f} W measured, {section.samples} samples, "

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,14 +22,14 @@ from sizing.performance import performance, performance_of_designs
 from sizing.program.objectives import RESIZE_NAMES, Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
-from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.notes import extrapolation_blocks
 from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
+from sizing.results.render import ALL
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import extrapolations, together, told, worst_of
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
-from solar.versions import software_record
 from studies.maps.season import perpetual_flags, season_of
 from studies.models.prediction import Built, Case, predict, season_record
 from studies.models.solar_models import (
@@ -44,6 +44,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Progress = Callable[[int, int], None]
+
+
+class ComparedCase(NamedTuple):
+    """A case, its mean solar energy above that of the reference [-], and its seasons."""
+
+    case: Case
+    solar_energy_above_reference: float | None
+    season: dict[str, Any]
 
 
 @dataclass(frozen=True, repr=False)
@@ -110,8 +118,8 @@ class Comparison(Result):
         text = f"Sized with {by}, {name} has {case.built.result(self.objective)}"
         return f"{text}{joined} {outcome}{aside}."
 
-    def summary(self) -> Summary:
-        """Tables of the cases, the headline, and what the reader should know."""
+    def at_level(self, level: int) -> Summary:
+        """Predictions, the headline and what is outside of models; then designs and notes."""
         reference = self.reference.solar
         worst = dict.fromkeys(case.prediction.scenario for case in self.cases)
         lines = [
@@ -127,7 +135,11 @@ class Comparison(Result):
         title += model_label(reference)
         notes = (Line(f"- {line}", "faint") for line in lines)
         outside = extrapolation_blocks(self.extrapolations)
-        return Summary((Line(title, "strong"), *self.tables(), self.headline(), *outside, *notes))
+        tables: Sequence[Table] = self.tables()
+        if level < ALL:
+            tables = [replace(tables[0], title="", sections=())]
+            notes = (Line(text, "faint") for text in self.notes)
+        return Summary((Line(title, "strong"), *tables, self.headline(), *outside, *notes))
 
     def perpetual_line(self) -> str:
         """How many of the models and corrections say that the flight is not perpetual."""
@@ -203,37 +215,24 @@ class Comparison(Result):
         value = case.built.value(self.objective)
         return (*row, value, prediction.excess_time_h, prediction.endurance_cell)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Whole comparison, JSON-ready; infinite numbers are null, and the status says why."""
-        solar = self.reference.solar
-        return {
-            "aircraft": self.aircraft.name,
-            "mission": self.mission.name,
-            **({} if self.mission.climb is None else {"climb": self.mission.climb.record}),
-            "summary": self.headline(),
-            "reference": {"model": solar.model, "correction": solar.correction},
-            "objective": {
-                "name": self.objective.value,
-                "required_excess_time_h": self.required_excess_time_h,
-            },
-            "cases": [self._case_record(case) for case in self.cases],
-            "notes": list(self.notes),
-            "extrapolations": extrapolation_records(self.extrapolations),
-            **software_record(),
-        }
-
-    def _case_record(self, case: Case) -> dict[str, Any]:
-        seasons = zip(self.mission.latitudes(), case.seasons, strict=True)
-        return {
-            "model": case.solar.model,
-            "correction": case.solar.correction,
-            "solar_power_rms_relative": case.solar.rms_relative,
-            **case.prediction.to_dict(),
-            "solar_energy_above_reference": self.solar_energy_above_reference(case),
-            "season": season_record(case.season)
-            | {"latitudes": [{"latitude_deg": lat} | season_record(s) for lat, s in seasons]},
-            "design": None if case.built is None else case.built.to_dict(),
-        }
+    @property
+    def compared_cases(self) -> tuple[ComparedCase, ...]:
+        """Cases beside the reference, with the season of every latitude."""
+        latitudes = self.mission.latitudes()
+        return tuple(
+            ComparedCase(
+                case,
+                self.solar_energy_above_reference(case),
+                season_record(case.season)
+                | {
+                    "latitudes": [
+                        {"latitude_deg": lat} | season_record(one)
+                        for lat, one in zip(latitudes, case.seasons, strict=True)
+                    ]
+                },
+            )
+            for case in self.cases
+        )
 
     def to_frame(self) -> pd.DataFrame:
         """One row for each case: keys of the record's cases, nested ones joined by underscores."""

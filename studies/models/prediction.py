@@ -12,12 +12,10 @@ from missions.dates import date_code
 from sizing.day.launch import Endurance
 from sizing.day.light import SolarDay, SolarModel
 from sizing.day.metrics import FLOWN, Cycle, Status
-from sizing.design import DesignVariables
+from sizing.design import Design
 from sizing.performance import Performance
 from sizing.program.objectives import Objective
 from sizing.program.result import SizingResult, SizingStatus, objective_value
-from sizing.results.quantities import TOTAL_MASS
-from sizing.results.records import finite, finite_values
 from studies.maps.season import Season
 
 # Excess time that is missing by less than is printed is not missing [h].
@@ -103,20 +101,6 @@ class Prediction:
         nights = "1 night" if self.nights == 1 else f"{self.nights} nights"
         return f"its battery lasts {nights}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """All but what only the outcome needs, JSON-ready; null where a number is infinite."""
-        numbers = finite_values({k: v for k, v in vars(self).items() if isinstance(v, float)})
-        latitude_deg = numbers.pop("latitude_deg")
-        return {
-            "status": self.status.name,
-            "worst_scenario": {
-                "latitude_deg": latitude_deg,
-                "day_of_year": self.day_of_year,
-                "label": self.scenario,
-            },
-            **numbers,
-        }
-
 
 @dataclass(frozen=True)
 class Built:
@@ -142,19 +126,20 @@ class Built:
         noun, form = _RESULTS[objective]
         return f"{noun} of {value:{form}} {objective.unit}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Design and its outcome, JSON-ready; null where there is none."""
-        sizing, design = self.sizing, self.sizing.design
-        names = DesignVariables._fields
-        promised = self.value(Objective.max_excess_time)
-        return {
-            "status": sizing.status.name,
-            **(dict.fromkeys(names) if design is None else design.variables._asdict()),
-            TOTAL_MASS.name: None if design is None else design.total_mass_kg,
-            "promised_excess_time_h": None if promised is None else finite(promised),
-            "violated_requirements": [v.text for v in sizing.violations],
-            "judged": None if self.judged is None else self.judged.to_dict(),
-        }
+    @property
+    def design(self) -> Design | None:
+        """Design of the sizing."""
+        return self.sizing.design
+
+    @property
+    def promised_excess_time_h(self) -> float | None:
+        """Excess time by the model that it was sized with [h]."""
+        return self.value(Objective.max_excess_time)
+
+    @property
+    def violated_requirements(self) -> tuple[str, ...]:
+        """What no design meets, in words."""
+        return tuple(one.text for one in self.sizing.violations)
 
 
 _RESULTS = {

@@ -13,7 +13,7 @@ from missions.dates import DAYS_PER_YEAR, date_label
 from missions.mission.scenarios import latitude_label
 from sizing.results.analysis import Analysis
 from sizing.results.quantities import MINIMUM_CHARGE
-from sizing.results.render import flight_table, scenario_table
+from sizing.results.render import ALL, flight_table, scenario_table
 from sizing.results.tables import Line, Summary, Table
 from studies.maps.plots import plot_map
 from studies.maps.study import prepare
@@ -276,7 +276,7 @@ def verification_section(subject: Subject) -> Section | None:
         return None
     from studies.flight_logs.plots import figures  # a fifth of a second, with pandas
 
-    blocks = summary_blocks(verification.summary(), title="errors")
+    blocks = summary_blocks(verification.at_level(ALL), title="errors")
     some = figures(verification, figure=page_options(_WIDTH_IN + 0.4))
     drawings = (
         _page_figure(

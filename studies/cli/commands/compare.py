@@ -54,7 +54,7 @@ class Names(ParamType["tuple[str, ...]"]):
 class Compare:
     """Compare what the solar power models say of AIRCRAFT, and what each would have built."""
 
-    case: CaseOptions = case_options(with_models=False)
+    case: CaseOptions = case_options(with_models=False, with_levels=True)
     models: tuple[ModelName, ...] | None = option(
         "--models",
         type=Names(MODEL_NAMES),

@@ -27,7 +27,7 @@ _LONGEST_FILTER_S = 86_400.0
 class Verify:
     """Compare the solar power models with the flight LOG (table, ULog, DataFlash) of AIRCRAFT."""
 
-    case: CaseOptions = case_options(mission="rafz-28h", with_models=False)
+    case: CaseOptions = case_options(mission="rafz-28h", with_models=False, with_levels=True)
     log: LogOptions = log_options()
     windows: tuple[Window, ...] = option(
         "--window",

@@ -428,7 +428,7 @@ def test_dead_modules_are_seen_beside_the_other_mppts() -> None:
     each = result.trackers.each
     assert [one.modules[0] for one in each] == ["left front", "centre front", "right front"]
     assert [one.ratio for one in each] == pytest.approx([1.0, 1.0, 0.5], abs=1e-6)
-    assert "power of the MPPTs; their modules by name" in str(result)
+    assert "power of the MPPTs; their modules by name" in str(result.at_level(2))
     assert len(plots.residual_figure(result).axes) == 5
 
 
@@ -593,7 +593,8 @@ def test_figures_show_what_is_left_out(log_file: Path) -> None:
 def test_result_prints_itself_and_reads_its_own_log(log_file: Path) -> None:
     result = verify(aircraft(), log_file, windows=["5.71:5.79"])
     assert result.mission == "rafz-28h"
-    text = " ".join(str(result).split())  # the path may be wider than a line
+    assert len(str(result).splitlines()) <= 25
+    text = " ".join(str(result.at_level(2)).split())  # the path may be wider than a line
     assert text.startswith(f"atlantiksolar-as2 against {log_file}")
     for part in ("5.71 to 5.79 h (solar time)", "2015-07-01 (UTC)", "battery full", "left out"):
         assert part in text
@@ -640,7 +641,8 @@ def test_text_fits_80_columns_for_large_and_small_aircraft() -> None:
         },
     )
     for one in (result, replace(result, windows=(large,))):
-        assert max(len(line) for line in str(one).splitlines()) <= 80
+        for level in (1, 2):
+            assert max(map(len, one.at_level(level).to_text().splitlines())) <= 80
 
 
 def test_a_log_in_the_folder_of_results_is_not_overwritten(tmp_path: Path) -> None:

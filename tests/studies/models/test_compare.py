@@ -161,7 +161,9 @@ def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -
     assert shown.startswith(f"{DESIGN} on {SUMMER}: 3 models, evaluated by corrected FM ")
     assert told in shown
     assert repr(designs) == f"<Comparison: {designs.headline()}>"
-    assert max(map(len, str(designs).splitlines())) <= 80
+    lines, every = (designs.at_level(n).to_text().splitlines() for n in (1, 2))
+    assert max(map(len, every)) <= 80
+    assert len(lines) <= 25 < len(every)
     frame = designs.to_frame()
     assert frame["model"].tolist() == ["CDM", "CAM", "FM"]
     assert frame["design_judged_excess_time_h"].tolist() == [
@@ -310,7 +312,7 @@ def test_payload_is_compared_in_table_headline_and_figure(
     run: Run, tmp_path: Path, objective: str, name: str, unit: str
 ) -> None:
     options = ["--models", "CAM", "--corrections", "none", "--objective", objective]
-    options += ["-m", "rafz-july", "--required-excess-time", "1", "--out", "c"]
+    options += ["-m", "rafz-july", "--required-excess-time", "1", "--out", "c", "-v"]
     outcome = run("compare", DESIGN, *options)
     assert (outcome.code, outcome.err) == (0, "")
     record = json.loads((tmp_path / "c" / "results.json").read_text())
