@@ -64,7 +64,6 @@ _WHOLE_WATTS = tuple(
     replace(column, form=column.form.replace(".2f", ".0f" if column.unit == "W" else ".1f"))
     for column in _ERRORS
 )
-_FEW = 3  # notes of a summary
 _DECIMALS = 5  # of hours: a twentieth of a second
 
 
@@ -120,14 +119,14 @@ class Verification(Result):
         units = zip(("clock", "heading"), self.applied, ("min", "deg"), strict=True)
         if taken := [f"{name} offset of {by:g} {unit}" for name, by, unit in units if by]:
             blocks.append(f"compared without a {' and a '.join(taken)}, as asked for")
-        blocks += self.tables() if level >= ALL else [self.overview(), self.estimates_table()]
+        blocks += self.tables() if level >= ALL else [self.overview(), self.estimates_table(level)]
         if options := [" ".join(one.apply) for one in self.estimates if one.apply]:
             blocks += ["to apply an estimate, add its option:", *options]
         if self.excluded.any():
             blocks.append(f"{self.excluded.sum()} samples are left out of errors and residuals")
-        blocks += [f"- {note}" for note in (self.notes if level >= ALL else self.notes[:_FEW])]
         if level < ALL:
             return Summary(tuple(blocks))
+        blocks += [f"- {note}" for note in self.notes]
         definition = (
             "errors are modelled minus measured, % of the mean measured power; RMS and maximum "
             "after a moving average over so many seconds to either side as filter says; estimated: "
@@ -146,10 +145,10 @@ class Verification(Result):
         title = f"errors of {self.best_model}, modelled minus measured, % of the mean measured"
         return Table(title, columns, tuple(rows))
 
-    def estimates_table(self) -> Table:
+    def estimates_table(self, level: int = ALL) -> Table:
         """Clock, heading and powers, as the log has them."""
         correlated, misfit = [], []
-        if self.correlation is not None:
+        if self.correlation is not None and level >= ALL:
             text = f"correlation of clock and heading {self.correlation:+.2f}: where one is wrong, "
             correlated = [f"{text}so is the other; roll and pitch are taken to be right to 0.5 deg"]
         if None not in self.rms_w:
