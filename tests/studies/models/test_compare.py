@@ -152,8 +152,10 @@ def test_models_that_deny_perpetual_flight_are_counted(designs: study.Comparison
     assert [by_model[c.solar] for c in designs.cases] == [
         c.prediction.perpetual for c in designs.cases
     ]
-    assert solar_models.perpetual_line([True, False, False]).startswith("2 of 3 pairs")
-    assert solar_models.perpetual_line([True, True]).startswith("All 2 pairs")
+    assert solar_models.perpetual_line([True, False, False], designs.mission).startswith(
+        "2 of 3 pairs"
+    )
+    assert solar_models.perpetual_line([True, True], designs.mission).startswith("All 2 pairs")
 
 
 def test_result_prints_itself_and_gives_its_numbers(designs: study.Comparison) -> None:
