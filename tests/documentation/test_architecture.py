@@ -51,7 +51,13 @@ def functions_entered(call: Callable[[], object]) -> list[str]:
 def test_way_of_an_analysis_is_walked_in_this_order() -> None:
     aircraft = sizing.load_aircraft("atlantiksolar-design")
     mission = missions.load_mission("rafz-july")
-    entered = functions_entered(lambda: str(sizing.analyse(aircraft, mission)))
+
+    def asked() -> None:
+        analysis = sizing.analyse(aircraft, mission)
+        assert str(analysis)
+        assert analysis.to_dict()
+
+    entered = functions_entered(asked)
     way = PAGE.partition("## The way of an analysis")[2].partition("## The way of a sizing")[0]
     named = [f"{module}:{name}" for module, name in re.findall(r"`([a-z_.]+):([A-Za-z_.]+)`", way)]
     functions = [name for name in named if name.rpartition(":")[2].rpartition(".")[2].islower()]
