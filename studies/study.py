@@ -47,7 +47,8 @@ class Study:
     every column. ``statuses``: what ``status`` may be, ``failed`` among them. ``coordinates``: on a
     dimension each, or all on one. ``attributes``: of the result. ``extrapolated``: what the columns
     take from outside the range of a model. ``order``: numbers of the cells in the order in which
-    they are computed. ``unit``: what cells are called, in the plural.
+    they are computed. ``unit``: what cells are called, in the plural. ``together``: cells that a
+    chunk has at least, where they are quicker computed together.
     """
 
     function: ChunkFunction
@@ -61,6 +62,7 @@ class Study:
     extrapolated: Callable[[Mapping[str, NDArray[Any]]], Sequence[Extrapolation]]
     order: IntArray | None = None
     unit: str = "cells"
+    together: int = 1
 
     @cached_property
     def job(self) -> Job:
@@ -68,7 +70,8 @@ class Study:
         count = len(self.cells)
         chunk_s = min(max(count * self.cell_s / _CHUNKS, _LEAST_CHUNK_S), _CHUNK_S)
         order = np.arange(count) if self.order is None else self.order
-        chunks = [order[some] for some in pieces(count, round(chunk_s / self.cell_s))]
+        each = max(round(chunk_s / self.cell_s), self.together)
+        chunks = [order[some] for some in pieces(count, each)]
         blanks = blanks_of(self.described)
         return Job(self.function, self.configuration, self.cells, chunks, blanks)
 

@@ -51,7 +51,8 @@ SLOW_LATITUDES_DEG, SLOW_DAYS = LATITUDES_DEG[::2], DAYS[::4]
 _CELL_S, _CELL_ON_PATH_S = 2.5e-5, 1e-2
 _ENDURANCE_S = 2e-4
 _CLIMB_S = 5e-2  # of the program of a day
-_SIZING_S = 4.5e-3
+_SIZING_S = 2e-2
+_SIZED_TOGETHER = 96  # each starts from its neighbours, and all fly in one batch
 
 # Variable -> unit, long name.
 _DESCRIBED = {one.variable: one.described for one in MAP}
@@ -220,6 +221,7 @@ def prepare(
             configuration,
             cells,
             cell_s=cell_s + _SIZING_S,
+            together=_SIZED_TOGETHER,
             described=DESCRIBED,
             statuses=tuple(SizingStatus),
             coordinates=coordinates,
