@@ -21,9 +21,9 @@ import functools
 import hashlib
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -130,16 +130,32 @@ def run(
     ``progress``: called with the cells done and the cells in all; what was kept counts as done from
     the start. Returns columns over all cells, and the cells that failed.
     """
-    done, module = False, job.function.__module__
+    module = job.function.__module__
     pool.imports = () if module == "__main__" else (module,)
+    cells = [len(chunk) for chunk in job.chunks]
+    finished = False
     # Between tasks a signal waits, so that it breaks nothing off but the task that is under way.
     with interruptible(held=True) as signals:
         try:
-            outcome = _Run(job, pool, store, progress, signals).outcome()
-            done = True
+            work = _Run(job, pool, store, signals)
+            parts = work.kept()
+            done, kept = sum(cells[number] for number in parts), len(parts)
+            if progress is not None:
+                progress(done, len(job.cells))
+            for number, part in work.computed([n for n in range(len(cells)) if n not in parts]):
+                parts[number] = part
+                done += cells[number]
+                if progress is not None:
+                    progress(done, len(job.cells))
+            finished = True
         finally:
-            pool.close(at_once=not done)
-    return outcome
+            pool.close(at_once=not finished)
+    whole = joined([parts[number] for number in range(len(cells))])
+    place = np.argsort(np.concatenate(job.chunks), kind="stable")
+    columns = {name: values[place] for name, values in whole.items()}
+    reasons = columns.pop(FAILURE)
+    failures = {int(i): str(reasons[i]) for i in np.flatnonzero(reasons != "")}
+    return Outcome(columns, failures, len(cells) - kept, kept)
 
 
 @dataclass
@@ -147,25 +163,30 @@ class _Run:
     job: Job
     pool: Pool
     store: ChunkStore | None
-    progress: Progress | None
     signals: Signals
-    parts: dict[int, Part] = field(default_factory=dict)  # by number of their chunk
-    done: int = 0  # cells
 
-    def outcome(self) -> Outcome:
-        job, chunks = self.job, self.job.chunks
-        keys = job.keys() if self.store is not None else [None] * len(chunks)
-        for number, key in enumerate(keys):
-            self._take(number, self._kept_part(key, len(chunks[number])))
-        kept = len(self.parts)
-        self._report_progress()
-        waiting = deque(number for number in range(len(chunks)) if number not in self.parts)
-        retry: list[int] = []  # under way when a worker died
+    @functools.cached_property
+    def keys(self) -> Sequence[str | None]:
+        return [None] * len(self.job.chunks) if self.store is None else self.job.keys()
+
+    def kept(self) -> dict[int, Part]:
+        """Parts that an earlier run has left, by the number of their chunk; none with failures."""
+        parts: dict[int, Part] = {}
+        for number, key in enumerate(self.keys):
+            if self.store is not None and key is not None:
+                part = self.store.read(key, self.job.blanks, len(self.job.chunks[number]))
+                if part is not None and not np.any(part[FAILURE] != ""):
+                    parts[number] = part
+        return parts
+
+    def computed(self, numbers: Sequence[int]) -> Iterator[tuple[int, Part]]:
+        """Numbers of chunks with their parts, as soon as they are kept."""
+        waiting, retry = deque(numbers), []
         flying: dict[Future[Part], int] = {}
         while waiting or flying:
             while waiting and len(flying) < self.pool.size:
                 number = waiting.popleft()
-                flying[self._submitted(chunks[number], keys[number])] = number
+                flying[self._submitted(self.job.chunks[number], self.keys[number])] = number
             for future in self._finished(flying):
                 number = flying.pop(future)
                 part = self._part_of(future)
@@ -173,27 +194,17 @@ class _Run:
                     retry.append(number)
                     continue
                 if not self.pool.shares_disk:
-                    self._keep(keys[number], part)
-                self._take(number, part)
-                self._report_progress()
+                    self._keep(number, part)
+                yield number, part
         for number in retry:
-            part = self._alone(chunks[number])
-            self._keep(keys[number], part)
-            self._take(number, part)
-            self._report_progress()
-        whole = joined([self.parts[number] for number in range(len(chunks))])
-        place = np.argsort(np.concatenate(chunks), kind="stable")
-        columns = {name: values[place] for name, values in whole.items()}
-        reasons = columns.pop(FAILURE)
-        failures = {int(i): str(reasons[i]) for i in np.flatnonzero(reasons != "")}
-        return Outcome(columns, failures, len(chunks) - kept, kept)
+            part = self._alone(self.job.chunks[number])
+            self._keep(number, part)
+            yield number, part
 
-    def _kept_part(self, key: str | None, cells: int) -> Part | None:
-        """Part of a chunk that an earlier run has left; none if a cell failed."""
-        if self.store is None or key is None:
-            return None
-        part = self.store.read(key, self.job.blanks, cells)
-        return None if part is None or np.any(part[FAILURE] != "") else part
+    def _keep(self, number: int, part: Part) -> None:
+        key = self.keys[number]
+        if self.store is not None and key is not None:
+            self.store.write(key, part)
 
     def _submitted(self, chunk: IntArray, key: str | None = None) -> Future[Part]:
         """Part of a chunk, kept by the worker that computes it if there is a key."""
@@ -231,19 +242,6 @@ class _Run:
         if len(chunk) == 1:
             return _failed(self.job, _DIED)
         return joined([self._alone(chunk[i : i + 1]) for i in range(len(chunk))])
-
-    def _keep(self, key: str | None, part: Part) -> None:
-        if self.store is not None and key is not None:
-            self.store.write(key, part)
-
-    def _take(self, number: int, part: Part | None) -> None:
-        if part is not None:
-            self.parts[number] = part
-            self.done += len(self.job.chunks[number])
-
-    def _report_progress(self) -> None:
-        if self.progress is not None:
-            self.progress(self.done, len(self.job.cells))
 
 
 # ---- In a worker, or here
