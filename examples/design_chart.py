@@ -14,7 +14,7 @@ import numpy as np
 import missions
 import sizing
 import studies
-from studies.sweeps.study import feasible
+from studies.output.gridded import feasible
 
 
 def main() -> None:

@@ -29,12 +29,12 @@ from sizing.results.quantities import (
 from sizing.results.records import finite
 from sizing.results.tables import Column, Table
 from solar.types import BoolArray, IntArray
-from studies.maps.study import perpetual_cells
 from studies.output.gridded import (
     SIZED,
     TOO_WINDY,
     OnGrid,
     extrapolations_of,
+    feasible,
     flown_caption,
     status_names,
 )
@@ -49,7 +49,7 @@ def seasons_record(data: OnGrid) -> dict[str, Any]:
     # Of models that need a path in winds, with which it may be too strong for the path.
     windy = Status.infeasible in status_names(data)
     return _places(data) | {
-        "perpetual_days": perpetual_cells(data).sum(axis=1).tolist(),
+        "perpetual_days": feasible(data).sum(axis=1).tolist(),
         "failed_days": _days_of(data, Status.failed),
         **({"too_windy_days": _days_of(data, Status.infeasible)} if windy else {}),
         **_endurances(data),
@@ -76,7 +76,7 @@ def seasons_table(data: OnGrid) -> Table:
         Column("season", _flown(data)),
         Column("largest_excess_time_h", "largest excess time", "h", ".2f"),
     )
-    seasons = (season_text(days, perpetual) for perpetual in perpetual_cells(data))
+    seasons = (season_text(days, perpetual) for perpetual in feasible(data))
     rows: list[tuple[Any, ...]] = list(zip(seasons, most, strict=True))
     if len(days) == _DAYS:  # else a number of mapped days says little
         columns = (columns[0], Column("perpetual_days", "days"), columns[1])

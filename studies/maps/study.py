@@ -33,7 +33,6 @@ from studies.output.gridded import (
     DESCRIBED,
     SIZED,
     Labelled,
-    OnGrid,
     attributes,
     resize_objective,
     told_of_cells,
@@ -316,8 +315,3 @@ def _extrapolations_of_designs(
 def season_length(data: xr.Dataset) -> xr.DataArray:
     """Number of the map's days on which each latitude is flown perpetually, or to a landing."""
     return data["status"].isin(FLOWN).sum("day")
-
-
-def perpetual_cells(data: OnGrid) -> NDArray[np.bool_]:
-    """Mark the cells of a map that are flown perpetually, or to a landing: ``(latitude, day)``."""
-    return np.isin(data["status"].to_numpy(), FLOWN)

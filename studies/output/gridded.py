@@ -21,6 +21,7 @@ from missions.files.writing import to_json
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
+from sizing.day.metrics import FLOWN
 from sizing.parameters import label
 from sizing.program.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
@@ -322,6 +323,12 @@ def told_of_cells(
     known = np.isin(columns["status"], described)
     texts = np.asarray(columns["extrapolations"])[known]
     return together([from_text(str(text)) for text in texts.ravel()], what)
+
+
+def feasible(data: OnGrid) -> NDArray[np.bool_]:
+    """Mark the cells or points that fly perpetually, or to a landing, or that were sized."""
+    good = SIZED if data.attrs.get("objective") else FLOWN
+    return np.isin(data["status"].to_numpy(), good)
 
 
 def failed_count(data: OnGrid) -> int:

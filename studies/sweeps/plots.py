@@ -47,13 +47,13 @@ from studies.output.gridded import (
     SIZED,
     extrapolations_of,
     failed_count,
+    feasible,
     flown_caption,
     reasons_without_result,
     to_table,
 )
 from studies.sweeps.axes import axis_label, unit_label
 from studies.sweeps.results import MORE_IS_BETTER, pareto_table
-from studies.sweeps.study import feasible
 
 MAXIMUM_PANELS = 12
 # How lines mark points without a result, by reason.
@@ -122,9 +122,9 @@ def _plotted_variables(data: xr.Dataset) -> tuple[str, str]:
     return Objective(objective).column, Objective(objective).beside
 
 
-def _drawable(data: xr.Dataset) -> xr.DataArray:
+def _drawable(data: xr.Dataset) -> NDArray[np.bool_]:
     """Mark the points that have a result, good or bad."""
-    return data["status"].isin(SIZED if data.attrs["objective"] else ENDS)
+    return np.isin(data["status"].to_numpy(), SIZED if data.attrs["objective"] else ENDS)
 
 
 # ---- Grids
@@ -136,7 +136,7 @@ def _line_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     figure, panels = new_figure(
         2, canvas=canvas, **_title_and_notes(data), size_in=(7.0, 5.4), sharex=True
     )
-    shown = _drawable(data).to_numpy()
+    shown = _drawable(data)
     x = _axis_positions(data, name)
     style = "o" if _has_names(data, name) else "o-"  # nothing lies between two names
     for axes, variable, colour in zip(
@@ -247,8 +247,8 @@ def _draw_contours(
     x, y = (_axis_positions(data, name) for name in names)
     values = _shown_values(flat, variable)
     mesh = draw_cells(axes, x, y, values, norm)
-    good = feasible(flat).to_numpy()
-    limited = ~good & _drawable(flat).to_numpy()
+    good = feasible(flat)
+    limited = ~good & _drawable(flat)
     # A battery that is never full would not be fuller if it were larger.
     by_night = limited & (flat["charge_margin"].to_numpy() > 0.0)
     why = np.where(by_night, 2, np.where(limited, 1, 0))
@@ -283,8 +283,8 @@ def _mark_extrapolated(axes: Axes, x: Any, y: Any, outside: NDArray[np.bool_]) -
 def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     """Each point as a line over the varied keys and the first variable, coloured by the latter."""
     variable = _plotted_variables(data)[0]
-    table = to_table(data).assign(good=np.asarray(feasible(data)).ravel())
-    table = table[np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])]
+    table = to_table(data).assign(good=feasible(data).ravel())
+    table = table[_drawable(data).ravel() & np.isfinite(table[variable])]
     if table.empty:
         raise ValueError("no point has a result: there is nothing to draw")
     names = [n for n in (str(name) for name in data.coords) if n in table.columns]
@@ -334,7 +334,7 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
         raise ValueError(f"{odd[0]} has names: this chart is one of less and more of numbers")
     variable = _plotted_variables(data)[0]
     table = to_table(data)
-    table["drawable"] = np.asarray(_drawable(data)).ravel() & np.isfinite(table[variable])
+    table["drawable"] = _drawable(data).ravel() & np.isfinite(table[variable])
     base = table[table["varied"] == ""].iloc[0]
     if not base["drawable"]:
         raise ValueError(f"the files' own point has no result to start from ({base['status']})")

@@ -18,9 +18,14 @@ from sizing.results.notes import extrapolation_blocks, extrapolation_records
 from sizing.results.quantities import BATTERY_MASS, BELOW_ZERO, PAYLOAD_MASS, WINGSPAN
 from sizing.results.records import finite_values
 from sizing.results.tables import Column, Line, Summary, Table
-from studies.output.gridded import CLIMB, extrapolations_of, reasons_without_result, to_table
+from studies.output.gridded import (
+    CLIMB,
+    extrapolations_of,
+    feasible,
+    reasons_without_result,
+    to_table,
+)
 from studies.sweeps.axes import unit_label, without_unit
-from studies.sweeps.study import feasible
 
 _ROWS = 15
 # Results that are the same as a varied key.
@@ -177,7 +182,7 @@ def best_first(data: xr.Dataset) -> tuple[pd.DataFrame, str]:
     """
     objective = data.attrs["objective"]
     column = Objective(objective).column if objective else "excess_time"
-    table = to_table(data).assign(_better=np.asarray(feasible(data)).ravel())
+    table = to_table(data).assign(_better=feasible(data).ravel())
     upwards = column not in MORE_IS_BETTER
     table = table.sort_values(["_better", column], ascending=[False, upwards], kind="stable")
     words = {True: "least", False: "largest"}[upwards]
@@ -237,7 +242,7 @@ def pareto_table(data: xr.Dataset, x: str, y: str) -> pd.DataFrame:
     first, in the order of ``x``; with the columns ``pareto_front`` and ``point``, the names of the
     front's points: A, B, C, ...
     """
-    table = to_table(data)[np.asarray(feasible(data)).ravel()].copy()
+    table = to_table(data)[feasible(data).ravel()].copy()
     allowed = [str(n) for n in table.columns if pd.api.types.is_numeric_dtype(table[n])]
     signs = []
     for name in (x, y):

@@ -23,7 +23,7 @@ from missions.files.yaml import Document
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
-from sizing.day.metrics import ENDS, FLOWN, Status
+from sizing.day.metrics import ENDS, Status
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
@@ -416,10 +416,3 @@ def _coordinates(
             ("sample",), words, {"long_name": "what differs from the file"}
         )
     return coordinates
-
-
-def feasible(data: xr.Dataset) -> xr.DataArray:
-    """Mark the points that can fly perpetually, or that were sized."""
-    if data.attrs["objective"]:
-        return data["status"].isin(SIZED)
-    return data["status"].isin(FLOWN)
