@@ -373,7 +373,22 @@ def size_aircraft(
     search = searched(task, start, stop_at_merit)
     if explain and search.best is None and aircraft.propulsion_by_parts is not None:
         _check_parts(searched(task.with_values(beyond_limits=True), start))
-    return _explained(search) if explain and search.best is None else _result(search)
+    result = _explained(search) if explain and search.best is None else _result(search)
+    if result.simulated is not None and mission.holds_station:
+        _check_held(task, result.simulated)
+    return result
+
+
+def _check_held(task: SizingTask, flown: Performance) -> None:
+    """Refuse parts that cannot hold the wind: a search knows them near the own airspeed alone."""
+    loads_w = np.asarray(flown.nominal_load_w)
+    if task.aircraft.propulsion_by_parts is not None and np.any(loads_w > NO_FLIGHT_W / 2.0):
+        wind, mission = np.max(task.winds_m_per_s), task.mission
+        raise ImpossibleDesignError(
+            f"the propulsion of {task.aircraft.name} cannot hold the wind of {wind:.3g} m/s on "
+            f"{mission.name} at {mission.altitude_m:g} m, though its rated power would: give it "
+            "other parts, or ask for less wind"
+        )
 
 
 def _check_parts(search: Search) -> None:
