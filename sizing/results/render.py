@@ -394,9 +394,9 @@ def _sizing(study: SizingStudy, level: int) -> list[Any]:
 def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
     flown = study.result.simulated
     assert flown is not None
-    clear = " under a clear sky" if study.survival is not None else ""
+    clear = "clear-sky " if study.survival is not None else ""
     excess, charge = (one.fact(one.of(flown)[flown.worst_scenario()]) for one in q.ENOUGH)
-    where = f"{q.EXCESS_TIME.label}{clear}, {flown.day.scenarios.label(flown.worst_scenario())}"
+    where = f"{clear}{q.EXCESS_TIME.label}, {flown.day.scenarios.label(flown.worst_scenario())}"
     values, flight, objective = dict(study.design_values()), study.mission.flight, study.objective
     rows = _facts_of(values, level)
     if objective.variable not in (*(one.name for one in values), "worst_excess_time_h"):

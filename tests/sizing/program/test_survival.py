@@ -161,7 +161,7 @@ def test_record_and_text(most):
     assert record["by_year"] == []
     text = " ".join(str(most).split())
     assert "days that close, 10 Jun to 9 Jul: 27 of 30, 90.0 % (required 90 %)" in text
-    assert "excess time under a clear sky" in text
+    assert "clear-sky excess time" in text
     assert "days_that_close" in most.result.active_constraints
 
 
