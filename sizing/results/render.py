@@ -57,14 +57,25 @@ def headline(result: Any) -> str:
     return str(_HEADLINES[type(result).__name__](result))
 
 
+_SCREEN, _GAPS = 80, 2 + 5 + 2  # characters of a line, and those between two columns of facts
+
+
 def _in_columns(
-    rows: Sequence[tuple[str, str]], masses_kg: Mapping[str, float] | None, level: int
-) -> Any:
-    """Facts in two columns, or with all of them and the mass budget beside them."""
+    rows: list[tuple[str, str]], masses_kg: Mapping[str, float] | None, level: int
+) -> list[Any]:
+    """Facts in two columns, what is too long for them below; or with the mass budget beside."""
     if level >= ALL:
-        return facts("", rows) if masses_kg is None else (facts("", rows), mass_table(masses_kg))
-    half = (len(rows) + 1) // 2
-    return facts("", rows[:half]), facts("", rows[half:])
+        return [facts("", rows) if masses_kg is None else (facts("", rows), mass_table(masses_kg))]
+    lines: list[Any] = []
+    while True:
+        half = (len(rows) + 1) // 2
+        halves = rows[:half], rows[half:]
+        widths = (max(map(len, cells)) for some in halves for cells in zip(*some, strict=True))
+        if sum(widths) + _GAPS <= _SCREEN:
+            return [tuple(facts("", some) for some in halves), *lines]
+        longest = max(rows, key=lambda row: len("".join(row)))
+        rows = [row for row in rows if row is not longest]
+        lines.append(": ".join(longest))
 
 
 def _facts_of(values: Mapping[q.Quantity, Any], level: int) -> list[tuple[str, str]]:
@@ -81,8 +92,8 @@ def wind_rows(mission: Mission) -> list[tuple[str, str]]:
     heights_m = mission.climb_levels_m if wind.hold_station else [mission.altitude_m]
     speeds = [mission.at_altitude(one).scenario_winds_m_per_s() for one in heights_m]
     ends = dict.fromkeys(f"{w:.1f}" for w in (np.min(speeds), np.max(speeds)))
-    everywhere = " at all heights" if len(heights_m) > 1 else ""
-    words = f"wind, percentile {wind.percentile:g}{everywhere}"
+    everywhere = ", at all heights" if len(heights_m) > 1 else ""
+    words = f"wind, {wind.percentile:g} % of the time at most{everywhere}"
     return [(words, f"{' to '.join(ends)} m/s")]
 
 
@@ -155,7 +166,7 @@ def _analysis(analysis: Analysis, level: int) -> list[Any]:
         f"{f', worst of {scenarios} scenarios' if several else ''}: {_status(analysis)}"
     )
     blocks: list[Any] = [Line(title, "strong"), say.answer(analysis)]
-    blocks.append(_in_columns(_analysis_facts(analysis, level), analysis.masses_kg, level))
+    blocks += _in_columns(_analysis_facts(analysis, level), analysis.masses_kg, level)
     if level >= ALL:
         blocks += _analysis_parts(analysis)
         if several:
@@ -383,7 +394,7 @@ def _sizing(study: SizingStudy, level: int) -> list[Any]:
     if at_bounds:
         words = "; ".join(str(constraint_words(name, study.aircraft)) for name in at_bounds)
         blocks.append(Line(f"at the end of the design space: {words}", "warning"))
-    blocks.append(_in_columns(_sizing_facts(study, level), study.masses_kg, level))
+    blocks += _in_columns(_sizing_facts(study, level), study.masses_kg, level)
     blocks += _limits(study, level, at_bounds)
     blocks += _requested(study, level)
     if level >= ALL:

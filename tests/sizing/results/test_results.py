@@ -203,7 +203,7 @@ def test_reasons_name_the_scenario_that_limits_and_the_wind_is_told() -> None:
     assert len(none.result.violations) >= 2
     assert all("40° N, 21 Dec" in one.text for one in none.result.violations)
     assert none.to_dict()["nearest"]["worst_scenario"] == "40° N, 21 Dec"
-    assert "wind, percentile 95: " in " ".join(str(none).split())
+    assert "wind, 95 % of the time at most: " in " ".join(str(none).split())
 
 
 @pytest.mark.parametrize(
