@@ -26,7 +26,7 @@ from sizing.results.records import (
     hours,
     percentiles,
 )
-from sizing.results.render import wind_rows
+from sizing.results.render import ALL, wind_rows
 from sizing.results.sentences import battery_line
 from sizing.results.serialise import serialise
 from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
@@ -293,8 +293,8 @@ class WeatherAnalysis(Result):
         ]
         return data_frame(rows)
 
-    def summary(self) -> Summary:
-        """What the terminal shows."""
+    def at_level(self, level: int) -> Summary:
+        """Days that close, then by month and year, and windows of days."""
         run, clear = self.performance.recorded, self.performance.clear
         days, solar = len(run.closes), self.performance.solar
         dawn_h = run.dawn_h + run.axis.midnight_h
@@ -327,15 +327,17 @@ class WeatherAnalysis(Result):
         blocks: list[Any] = [
             Line(self.headline(), "strong"),
             facts("", rows),
-            *([year_table(self.years)] if year_to_year(self.years) else []),
-            self._months(),
         ]
-        if run.closes.any():
+        if level >= ALL:
+            blocks += [year_table(self.years)] if year_to_year(self.years) else []
+            blocks.append(self._months())
+        if run.closes.any() and level >= ALL:
             blocks.append(Table("windows of consecutive days that close", _WINDOW, self.windows))
         if (condition := self.battery_condition) is not None:
             blocks.append(battery_line(self.aircraft, condition))
         blocks += extrapolation_blocks(self.extrapolations)
-        blocks += [Line(f"record: {text}", "faint") for text in self.weather.repairs]
+        if level >= ALL:
+            blocks += [Line(f"record: {text}", "faint") for text in self.weather.repairs]
         blocks += [Line(text, "faint") for text in self.notes]
         kind = "typical year, months of several years" if self.weather.typical else "one record"
         blocks.append(

@@ -265,7 +265,7 @@ def weather_section(subject: Subject) -> Section | None:
         "of launches still airborne, and days that close in every month.",
         key="weather",
     )
-    first, *others = summary_blocks(weather.summary(), title="flight through the record")
+    first, *others = summary_blocks(weather.at_level(ALL), title="flight through the record")
     return Section("weather", "Weather", [first, drawing, *others])
 
 

@@ -49,7 +49,7 @@ def test_the_record_is_json_and_agrees_with_the_frame(analysis):
 
 
 def test_the_text_says_what_counts(analysis):
-    text = str(analysis)
+    text = str(analysis.at_level(2))
     assert "39 of 40 days close" in text.split("month by month")[0].replace("\n", " ")
     assert "2 rows filled between their neighbours" in text
     assert max(map(len, text.split("\n"))) <= 80
