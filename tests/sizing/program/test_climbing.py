@@ -66,8 +66,8 @@ def test_what_is_sized_flies_as_analysed() -> None:
     again = sizing.analyse(study.sized_aircraft(), study.sized_mission())
     # The analysis has the best schedule of this design, the sizing one that is enough.
     assert 1.0 <= again.excess_time_h < 1.1
-    assert study.climbs is not None
-    assert study.climbs.altitude_m.max() == pytest.approx(3536.0, abs=5.0)
+    assert study.climb is not None
+    assert study.climb.maximum_altitude_m == pytest.approx(3536.0, abs=5.0)
     level = study.without_climbs
     assert level is not None
     assert level.objective_value is not None
