@@ -34,6 +34,7 @@ from studies.report.subject import Subject
 from studies.report.three_view import three_view
 
 _WIDE, _NARROW = 940.0, 350.0
+_HELD = ("flown, to hold its place", "as fast as the wind at least")
 
 
 def aircraft_section(subject: Subject) -> Section:
@@ -86,7 +87,7 @@ def _design_tables(subject: Subject) -> Iterator[Any]:
             _fact(q.AIR_DENSITY, flown),
             *([_fact(q.REYNOLDS_NUMBER, flown)] if speed_known else []),
             *(_fact(one, flown) for one in q.MODELLED_FLIGHT if modelled),
-            *(wind_rows(mission) if mission.holds_station else []),
+            *([*wind_rows(mission), _HELD] if mission.holds_station else []),
         ],
     )
     share = 100.0 * aircraft.battery.mass_kg / design.total_mass_kg

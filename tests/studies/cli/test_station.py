@@ -178,7 +178,7 @@ def test_studies_of_an_aircraft_that_holds_its_place_fly_as_its_analysis(
     page = tmp_path / "r.html"
     assert run("report", DESIGN, *HOLDING, "--out", str(page)).code == 0
     text = page.read_text(encoding="utf-8")
-    assert "to hold its place" in text
+    assert "flown, to hold its place" in text
     assert f"{analysed['excess_time_h']:.2f} h" in text.replace("−", "-")
 
 
