@@ -194,10 +194,7 @@ MINIMUM_CHARGE = _quantity(
     meaning="minimum state of charge of the repeated day",
 )
 # Where a negative one is shown.
-BELOW_ZERO = (
-    "An excess time below 0 is the time of the day without enough power, one above 0 the margin: "
-    "it jumps at 0."
-)
+BELOW_ZERO = "An excess time below 0 is the time of the day without enough power."
 ENDURANCE = _quantity(
     *("endurance_h", "endurance_h", "endurance"),
     unit="h",

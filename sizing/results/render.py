@@ -113,7 +113,7 @@ def _beyond_models(result: Analysis | SizingStudy, level: int) -> list[Any]:
         return []
     if level < ALL:
         labels = ", ".join(dict.fromkeys(one.label for one in outside))
-        text = labels if len(outside) > 1 else outside[0].text
+        text = labels if len(outside) > 1 else outside[0].text.partition("; ")[0]
         return [Line(f"{HEADING} {text}", "warning")]
     return [Line(HEADING, "warning"), *(f"  {one.text}" for one in outside)]
 

@@ -115,8 +115,9 @@ RECORDS = {
         """,
     "Built": """
         status=sizing.status *design.variables:DesignVariables
-        total_mass_kg=design.total_mass_kg promised_excess_time_h violated_requirements judged
-        """,
+        total_mass_kg=design.total_mass_kg promised_excess_time_h violated_requirements
+        """
+    + "judged",
     "DesignVariables": """
         wingspan_m aspect_ratio battery_mass_kg module_area_m2 lift_coefficient payload_mass_kg
         payload_power_w propeller_diameter_m propeller_pitch_m gear_ratio

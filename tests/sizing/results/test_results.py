@@ -49,6 +49,25 @@ def test_an_analysis_prints_itself(analysis: Analysis) -> None:
     assert "<table>" in analysis._repr_html_()
 
 
+@pytest.mark.parametrize(
+    ("aircraft", "mission", "changes"),
+    [
+        ("atlantiksolar-as2", "rafz-81h", {}),
+        ("atlantiksolar-design", "central-europe-summer", {"dates.to": "12-21"}),
+        ("stratosphere-design", "stratosphere-mission", {}),
+        ("twin-boom-design", "rafz-july", {"dates": {"on": "10-15"}}),
+    ],
+)
+def test_an_analysis_prints_itself_in_15_lines_of_80_columns(
+    aircraft: str, mission: str, changes: dict[str, Any]
+) -> None:
+    where = missions.load_mission(mission, changes)
+    result = sizing.analyse(sizing.load_aircraft(aircraft), where)
+    lines, every = (result.at_level(level).to_text().splitlines() for level in (1, 2))
+    assert len(lines) <= 15 < len(every)
+    assert max(map(len, lines + every)) <= 80
+
+
 def test_an_analysis_has_the_same_numbers_as_frame_and_dictionary(analysis: Analysis) -> None:
     frame, record = analysis.to_frame(), analysis.to_dict()
     json.dumps(record, allow_nan=False)
