@@ -173,10 +173,9 @@ def _energy_missed(
     path = day.path(store, max(1.0 - night_soc, 0.0))
     fullest = int(np.argmax(path))
     returned = float(path[fullest] - path[: fullest + 1].min())
-    missed = {
-        "battery_capacity": night_soc - 1.0,
-        "energy_balance": min(night_soc, 1.0) - returned,
-    }
+    missed = {"battery_capacity": night_soc - 1.0}
+    if returned < min(night_soc, 1.0) - LACKING:  # a larger battery would be no fuller
+        missed["energy_balance"] = night_soc - returned
     missed = {name: short for name, short in missed.items() if short > LACKING}
     if not missed:  # over many days
         lack = LACKING if solution is None else max(float(solution.lack.max()), LACKING)
