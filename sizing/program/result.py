@@ -97,7 +97,21 @@ class SizingResult:
     def without_design(
         self, status: SizingStatus, nearest: Performance | None, *violations: Violation
     ) -> SizingResult:
-        """The same without a design; ``nearest`` misses what the violations tell."""
+        """Return the same without a design.
+
+        Parameters
+        ----------
+        status : SizingStatus
+            Why there is none.
+        nearest : Performance or None
+            Flight of the design that comes nearest.
+        *violations : Violation
+            What that design misses.
+
+        Returns
+        -------
+        SizingResult
+        """
         return replace(
             self,
             status=status,
