@@ -49,7 +49,7 @@ def test_analysis_of_a_file_with_cells_tells_them(run: Run) -> None:
     voltage = (
         "battery.voltage={cells_in_series: 6, state_of_charge: [0, 1], cell_voltage_v: [3, 4.2]}"
     )
-    outcome = run("analyse", "atlantiksolar-design", *CELLS, "--set", voltage)
+    outcome = run("analyse", "atlantiksolar-design", *CELLS, "--set", voltage, "-v")
     assert outcome.code == 0
     text = " ".join(outcome.out.split())
     assert "solar cells: 88, each half of the wing 2 rows of 22" in text
