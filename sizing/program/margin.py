@@ -20,7 +20,7 @@ from sizing.design_space import LimitedQuantity
 from sizing.parameters import MISSION_PREFIX, all_replaced, with_parameter
 from sizing.performance import performance_of_designs
 from sizing.program.objectives import Objective
-from sizing.program.result import SizingResult, SizingStatus, Violation
+from sizing.program.result import SizingResult, SizingStatus, SolverReport, Violation
 from sizing.program.size import size_aircraft
 
 # Limits on the battery, by the power of the factor on it with which they grow.
@@ -113,7 +113,7 @@ class MarginSearch:
         with the surplus ``below``, and the largest that is tried. ``step``: to the first one; it
         doubles until one is enough. ``tolerance``: of the margin, or of an accepted surplus.
         """
-        short, enough, work = ends[0], math.inf, self.plain.solver
+        short, enough, work = ends[0], math.inf, SolverReport()
         points, tried = [(short, -math.inf), (short, below)], list[Trial]()
         while (short < ends[1]) if math.isinf(enough) else (enough - short > tolerance):
             margin, farthest = (short + enough) / 2.0, enough

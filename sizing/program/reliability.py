@@ -150,6 +150,8 @@ class ReliableSizing(MarginSearch):
         trial = self._judged(nominal, hours)
         if trial.surplus < 0.0:
             trial = self._searched(hours, trial.surplus) or trial
+            work = nominal.solver + trial.result.solver
+            trial = trial._replace(result=replace(trial.result, solver=work))
         # Draws that have not chosen it; those of the search have not chosen the nominal design.
         fresh = np.random.default_rng(_VERIFICATION_SEED)
         shares = fresh.random((len(self._shares), VERIFICATION_SAMPLES))

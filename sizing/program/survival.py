@@ -1,8 +1,9 @@
 """Sizing for a share of the days of a season, as a weather record has them.
 
-The program finds the best design of repeated clear days with any factor on their solar energy; a
-judge flies it through all days of the record, and the factor is bisected to the largest with which
-enough of the season's days close. Where that leaves no design, the battery has the factor as well.
+The program finds the best design of repeated clear days with any factor on their solar energy, and
+some power of it on the battery; a judge flies it through all days of the record, and the factor is
+bisected to the largest with which enough of the season's days close. How dark days are best met, by
+modules or by the battery, depends on how they follow each other: the best of a few powers is taken.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ DAYS_THAT_CLOSE = "days_that_close"
 # Of the logarithm of what is taken off the sun: from twice a clear sky to a twentieth of it.
 _ENDS, _STEP = (-0.7, 3.0), 0.7
 _TOLERANCE = 1e-3  # of solar energy: some 0.05 % of a wingspan
-_STEPS = 12  # that it takes, about
+_POWERS = (0.0, 0.25, 0.5, 1.0)  # of the sun's factor on the battery
+_STEPS = 12 * len(_POWERS)  # that it takes, about
 
 
 def check_survival(objective: Objective, survive: float) -> None:
@@ -77,15 +79,16 @@ class SurvivalSizing(MarginSearch):
     def run(self) -> tuple[SizingResult, SizingResult, SizingResult | None]:
         """Outcome, sizing under a clear sky, and whose days are told: none without any design."""
         season, clear = int(np.count_nonzero(self.season)), self.plain
-        found = self._searched(0.0)
-        if found is None or found.surplus < 0.0:  # dark days that only a larger battery outlasts
-            other = self._searched(1.0)
-            if found is None or (other is not None and other.reached > found.reached):
-                found = other
+        tried = [one for power in _POWERS if (one := self._searched(power)) is not None]
+        work = sum((one.result.solver for one in tried), clear.solver)
+        enough = [one for one in tried if one.surplus >= 0.0]
+        found = max(enough, key=lambda one: one.result.merit, default=None)
+        found = found or max(tried, key=lambda one: one.reached, default=None)
         self._done = max(self._done, _STEPS)
         self._tell(self._done)
         if found is None:
             return clear, clear, None
+        found = found._replace(result=replace(found.result, solver=work))
         text = (
             f"{self.needed} of the season's {season} days are out of reach: the best design that "
             f"was found closes {found.reached:.0f}, a share of {found.reached / season:.3g}"
