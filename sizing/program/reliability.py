@@ -12,7 +12,7 @@ Choi, K. K., Park, Y. H. 1999, J. Mech. Des. 121:557).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from statistics import NormalDist
 from typing import NamedTuple
