@@ -82,7 +82,8 @@ once and solves them one after the other, with the requirements penalised: an in
 some times a feasible one, while IPOPT searches the peer's collocation for a feasible point until it
 stops. AeroSandbox has a limit of 150 iterations and 1 s for each cell, which determines most of its
 time in infeasible ones; without it some of them took up to 30 s. Its program is built once; its
-user could penalise requirements too. Our time includes sun, simulation and cross-check of every cell.""",
+user could penalise requirements too. Our time includes sun, simulation and cross-check of every
+cell.""",
     "its feasible cells": """Only the feasible cells of that map, which do not depend on the choice
 of a limit.""",
     "sizing, with simulation": """A whole call of `size_aircraft` for nine scenarios and the spar
