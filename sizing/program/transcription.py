@@ -137,7 +137,7 @@ IPOPT: dict[str, Any] = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.mu_strategy": "adaptive",
-    "ipopt.mu_max": 1e-2,
+    "ipopt.mu_max": 1e-1,
     "ipopt.tol": 1e-7,
     "ipopt.acceptable_tol": 1e-5,
     "ipopt.max_iter": 300,
