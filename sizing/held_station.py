@@ -28,24 +28,15 @@ def refuse_one_airspeed(aircraft: Aircraft, what: str) -> None:
         )
 
 
-def power_against_wind_w(
+def held_flight(
     aircraft: Aircraft, mission: Mission, design: Design, wind_m_per_s: FloatArray
-) -> FloatArray:
-    """Electric power of flight as fast as the wind, or at the design's airspeed if that is faster.
+) -> Design:
+    """Designs that fly as fast as the wind, or at their own airspeed if that is faster.
 
-    Infinite where it exceeds the rated power. ``wind_m_per_s`` broadcasts against the designs.
+    Of infinite power where it exceeds the rated power. The wind broadcasts against the designs.
     """
-    return flight_against_wind(aircraft, mission, design, wind_m_per_s)[0]
-
-
-def flight_against_wind(
-    aircraft: Aircraft, mission: Mission, design: Design, wind_m_per_s: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """As :func:`power_against_wind_w`, with the thrust power [W] and the airspeed [m/s]."""
-    flown, able = against_wind(aircraft, mission, design, wind_m_per_s, design.rated_power_w)
-    with np.errstate(invalid="ignore"):
-        power_w = np.where(able, flown.propulsion_power_w, np.inf)
-        return power_w, np.asarray(flown.thrust_power_w), np.asarray(flown.airspeed_m_per_s)
+    flight, able = against_wind(aircraft, mission, design, wind_m_per_s, design.rated_power_w)
+    return flight._replace(propulsion_power_w=np.where(able, flight.propulsion_power_w, np.inf))
 
 
 def against_wind(

@@ -20,7 +20,7 @@ from sizing.day.flight import Course, Flights
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import Endurance, longest_flight
 from sizing.day.light import DEFAULT_STEP_H, UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
-from sizing.day.load import DesignLoads
+from sizing.day.load import Load
 from sizing.day.march import ChargingDay
 from sizing.day.metrics import Cycle, joined
 from sizing.design import Design, DesignVariables, picked
@@ -291,19 +291,21 @@ def performance_of_designs(
 
 
 def flown_cycle(
-    loads: DesignLoads, store: Store, *, keep_trajectory: bool = True
-) -> tuple[Cycle, FloatArray, FloatArray]:
-    """Cycle, load and nominal load [W].
-
-    Of a mission with a flight from launch to landing the cycle is that flight's.
-    """
-    load_w, nominal_w, day = loads.load_w(), loads.nominal_w(), loads.day
-    window_h = loads.mission.flight_window_h(day.scenarios)
-    powers = day.time_h, loads.solar_w, load_w, store
-    options: dict[str, Any] = {"nominal_load_w": nominal_w, "keep_trajectory": keep_trajectory}
+    mission: Mission,
+    day: SolarDay,
+    solar_w: FloatArray,
+    load: Load,
+    store: Store,
+    *,
+    keep_trajectory: bool = True,
+) -> Cycle:
+    """Cycle of a batch; that of a mission's flight from launch to landing, where it has one."""
+    window_h = mission.flight_window_h(day.scenarios)
+    powers = day.time_h, solar_w, load.power_w, store
+    options: dict[str, Any] = {"nominal_load_w": load.nominal_w, "keep_trajectory": keep_trajectory}
     if window_h is None:
-        return simulate_cycle(*powers, **options), load_w, nominal_w
-    return simulate_flight(*powers, window_h, **options), load_w, nominal_w
+        return simulate_cycle(*powers, **options)
+    return simulate_flight(*powers, window_h, **options)
 
 
 def fly(
@@ -317,18 +319,21 @@ def fly(
     paired: bool = False,
 ) -> Performance:
     """Simulate every design of a batch in every scenario, or ``paired``: each in its own."""
-    loads = DesignLoads.of(aircraft, mission, design, day, paired=paired)
+    solar_w = day.module_power_w(design, mission, paired=paired)
     energy_wh = np.asarray(design.battery_energy_wh)
     store = Store.of(aircraft.battery, energy_wh if paired else energy_wh[..., np.newaxis])
     if mission.climb is not None:
         from sizing.program.schedule import best_climbs  # likewise
 
         levels = flight_levels(aircraft, mission, design, day, paired=paired)
-        batch = loads.solar_w.shape[:-1]
+        batch = solar_w.shape[:-1]
         climbs = best_climbs(day.time_h, levels, store.flat(batch))
         return performance_along(design, mission, solar, day, store, levels, climbs, batch)
-    cycle, load_w, nominal = flown_cycle(loads, store, keep_trajectory=keep_trajectory)
-    return Performance(design, mission, solar, day, loads.solar_w, load_w, nominal, store, cycle)
+    load = Load.of(aircraft, mission, design, day, paired=paired)
+    cycle = flown_cycle(mission, day, solar_w, load, store, keep_trajectory=keep_trajectory)
+    shape = np.broadcast_shapes(load.power_w.shape, solar_w.shape)
+    load_w = np.broadcast_to(load.power_w, shape)
+    return Performance(design, mission, solar, day, solar_w, load_w, load.nominal_w, store, cycle)
 
 
 def performance_along(

@@ -18,7 +18,7 @@ from missions.winds.statistics import WindStatistics
 from sizing.aircraft import Aircraft
 from sizing.day.light import UNCORRECTED_CAM, SolarDay, SolarModel, solar_day
 from sizing.design import Design
-from sizing.held_station import power_against_wind_w, refuse_one_airspeed
+from sizing.held_station import held_flight, refuse_one_airspeed
 from sizing.mass_budget import design_of
 from sizing.performance import fly
 from solar.types import BoolArray, FloatArray
@@ -88,7 +88,7 @@ def faster_flight(
     """
     ratio = np.linspace(1.0, FASTEST, _SPEEDS)
     airspeed = np.asarray(design.airspeed_m_per_s, float) * ratio
-    power = power_against_wind_w(aircraft, mission, design, airspeed)
+    power = np.asarray(held_flight(aircraft, mission, design, airspeed).propulsion_power_w)
     least = np.minimum.accumulate(power[::-1])[::-1]
     return airspeed, least
 

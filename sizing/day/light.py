@@ -174,29 +174,19 @@ class SolarDay:
             sunset_h=np.asarray(self.sunset_h)[some],
         )
 
-    def power_of(self, design: Design, mission: Mission, *, paired: bool = False) -> FloatArray:
-        """Specific power of designs, whose modules the flow of each of them cools.
+    def module_power_w(
+        self, design: Design, mission: Mission, *, paired: bool = False
+    ) -> FloatArray:
+        """Power of designs' modules, cooled by the flow of each, the scenarios and time last [W].
 
-        Parameters
-        ----------
-        design : Design
-            One, or a batch.
-        mission : Mission
-            With the air.
-        paired : bool
-            Whether every design flies in its own scenario, else in all of them.
-
-        Returns
-        -------
-        ndarray
-            With the scenarios and the time as last axes [W/m2].
+        ``paired``: every design flies in its own scenario, else in all of them.
         """
-        cooling = self.levels[0].cooling
-        if cooling is None:
-            return self.specific_power_w_per_m2
-        flow = convection_of(design, mission, cooling.transition_reynolds, cooling.convection)
-        flow = flow[..., np.newaxis] if paired else flow[..., np.newaxis, np.newaxis]
-        return self.specific_power_w_per_m2 * cooling.factor(flow)
+        axes = (..., np.newaxis) if paired else (..., np.newaxis, np.newaxis)
+        cooling, power = self.levels[0].cooling, self.specific_power_w_per_m2
+        if cooling is not None:
+            flow = convection_of(design, mission, cooling.transition_reynolds, cooling.convection)
+            power = power * cooling.factor(flow[axes])
+        return np.asarray(np.asarray(design.variables.module_area_m2)[axes] * power)
 
 
 def day_axis_h(step_h: float = DEFAULT_STEP_H) -> FloatArray:

@@ -22,11 +22,11 @@ from sizing.day.battery import Store
 from sizing.day.carried import carried_over, dawns_of
 from sizing.day.flight import Flights
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
-from sizing.day.load import ConstantInAir, LoadInAir
 from sizing.day.march import ChargingDay
 from sizing.day.record_days import DayAxis, WeatherDays, temperatures_c
 from sizing.design import Design
 from sizing.mass_budget import design_of
+from solar.clearsky import Irradiance
 from solar.sun import HOURS_PER_DAY
 from solar.types import BoolArray, FloatArray
 
@@ -104,20 +104,19 @@ def weather_performance(
     """
     days = WeatherDays.of(aircraft, mission, weather, solar, step_s=step_s)
     design = design_of(aircraft, mission)
-    parts = LoadInAir.of(aircraft, mission, design, days.ambient_c, days.wind_m_per_s)
-    recorded, clear = (flown_through(days, design, parts, clear=one) for one in (False, True))
+    load_w = days.load_w(design)
+    recorded, clear = (
+        flown_through(days, design, load_w, sky) for sky in (days.light.recorded, days.light.clear)
+    )
     return WeatherPerformance(weather, mission, design, solar, days.light, recorded, clear)
 
 
 def flown_through(
-    record: WeatherDays, design: Design, parts: LoadInAir | ConstantInAir, *, clear: bool = False
+    record: WeatherDays, design: Design, load_w: FloatArray, sky: Irradiance
 ) -> WeatherRun:
-    """Run of a design along the record, with the efficiency of the moment.
-
-    ``clear``: under the clear sky in place of the record's light.
-    """
+    """Run of a design along the record under a sky, that of the record or a clear one."""
     axis, store = record.axis, record.store(design.battery_energy_wh)
-    solar_w, load_w = record.powers_w(design, parts, clear=clear)
+    solar_w = record.aircraft.modules.area_m2 * record.specific_power_w_per_m2(sky)
     energy_wh, days = store.battery_energy_wh, np.arange(len(axis))
     day = ChargingDay.of(PowerBalance.of(axis.time_h, (solar_w - load_w).T))
     carried = carried_over(day, store, energy_wh[0])

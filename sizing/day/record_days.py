@@ -16,9 +16,9 @@ from sizing.aircraft import Aircraft
 from sizing.day.battery import Store
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.light_at_instants import Lit, power_in_light
-from sizing.day.load import ConstantInAir, LoadInAir, load_shape
+from sizing.day.load import load_shape, power_in_air_w
 from sizing.day.module_power import own_surroundings
-from sizing.design import NO_FLIGHT_W, Design
+from sizing.design import Design
 from solar.clearsky import Irradiance
 from solar.sun import HOURS_PER_DAY, declination, sun_times
 from solar.types import FloatArray, IntArray
@@ -147,16 +147,13 @@ class WeatherDays:
         power = power_in_light(self.aircraft, self.mission, self.solar, sunlit, around)
         return np.asarray(power[self.axis.nodes])
 
-    def powers_w(
-        self, design: Design, parts: LoadInAir | ConstantInAir, *, clear: bool = False
-    ) -> tuple[FloatArray, FloatArray]:
-        """Solar power and load of a design along the record, with the efficiency of the moment."""
-        sky = self.light.clear if clear else self.light.recorded
-        solar_w = self.aircraft.modules.area_m2 * self.specific_power_w_per_m2(sky)
-        other_w = float(design.constant_power_w) + self.more_heater_w
-        level_w = np.where(np.isfinite(parts.level_w), parts.level_w, NO_FLIGHT_W)
-        ratio = parts.at(_profile(self.mission, self.axis), self.ambient_c[self.axis.nodes])
-        return solar_w, np.atleast_1d(level_w)[:, np.newaxis] * ratio + other_w
+    def load_w(self, design: Design) -> FloatArray:
+        """Load of a design along the record, with the efficiency of the moment [W]."""
+        range_c = float(np.min(self.ambient_c)), float(np.max(self.ambient_c))
+        air_c, wind = self.ambient_c[self.axis.nodes], self.wind_m_per_s
+        shape = load_of_days(self.mission, self.axis)
+        load_w = power_in_air_w(self.aircraft, self.mission, design, shape, air_c, range_c, wind)
+        return load_w + (float(design.constant_power_w) + self.more_heater_w)
 
     def store(self, battery_energy_wh: float) -> Store:
         """Battery of each day, of an energy at full charge in the mission's air [Wh]."""
@@ -172,11 +169,12 @@ def temperatures_c(mission: Mission, light: RecordedLight) -> tuple[FloatArray, 
     return ambient, ambient + (mission.module_temperature_c() - assumed_c)
 
 
-def _profile(mission: Mission, axis: DayAxis) -> FloatArray:
+def load_of_days(mission: Mission, axis: DayAxis) -> FloatArray:
     """Thrust power at the nodes over that of level flight in their air [-], ``(day, node)``."""
     times = sun_times(mission.latitudes()[0], declination(axis.day_of_year + 0.5))
     clock_h = axis.time_h + axis.midnight_h[:, np.newaxis]
-    return load_shape(mission, clock_h, times.sunrise_h, times.sunset_h)
+    shape = load_shape(mission, clock_h, times.sunrise_h, times.sunset_h)
+    return np.broadcast_to(shape, clock_h.shape)
 
 
 def _wind_m_per_s(mission: Mission, axis: DayAxis, air_c: FloatArray) -> FloatArray | None:
@@ -184,7 +182,7 @@ def _wind_m_per_s(mission: Mission, axis: DayAxis, air_c: FloatArray) -> FloatAr
 
     With the wind ``v`` in air of the density ``rho`` the lift coefficient is that at
     ``v (rho / rho_0)^0.5`` in the mission's, and the power that at this airspeed times
-    ``(rho_0 / rho)^0.5``, which :class:`~sizing.day.load.LoadInAir` has.
+    ``(rho_0 / rho)^0.5``, which :func:`~sizing.day.load.power_in_air_w` has.
     """
     if not mission.holds_station:
         return None

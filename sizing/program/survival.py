@@ -20,7 +20,6 @@ from missions.files.errors import file_error
 from missions.mission import Mission
 from missions.weather.light import NODE_STEP_S
 from missions.weather.record import Weather
-from sizing.day.load import LoadInAir
 from sizing.day.record import flown_through
 from sizing.day.record_days import WeatherDays
 from sizing.mass_budget import design_of
@@ -151,5 +150,4 @@ class SurvivalSizing(MarginSearch):
         aircraft, mission = with_design(self.aircraft, self.mission, result.design)
         days = replace(self.days, aircraft=aircraft, mission=mission)
         design = design_of(aircraft, mission)
-        parts = LoadInAir.of(aircraft, mission, design, days.ambient_c, days.wind_m_per_s)
-        return flown_through(days, design, parts).closes
+        return flown_through(days, design, days.load_w(design), days.light.recorded).closes

@@ -204,7 +204,8 @@ def varying_efficiency(aircraft: Aircraft, flown: Performance) -> VaryingEfficie
     )
     charge = flown.cycle.energy_wh[at] / float(np.ravel(flown.store.battery_energy_wh)[0])
     bus_v = aircraft.battery.nominal_voltage_v
-    load = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)[0]
+    shape = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)
+    load = np.broadcast_to(shape, (1, len(day.time_h)))[0]
     own, flight = flight_of(aircraft, mission, design)
 
     def instant(node: int) -> Instant:

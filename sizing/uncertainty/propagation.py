@@ -26,7 +26,7 @@ from sizing.day.battery import Store
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import longest_flight
 from sizing.day.light import Light, SolarDay, SolarModel, solar_day
-from sizing.day.load import DesignLoads, part_load_of
+from sizing.day.load import Load, part_load_of
 from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
 from sizing.design import Design, FlightConditions, variables_of
@@ -437,13 +437,10 @@ class Propagation:
     def _cycle_of(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray, FloatArray]:
         """Cycle of every draw in a scenario, solar power and load [W], ``(sample, time)``."""
         solar_w, day = self._solar_of_draws(case, scenario), self.day.at([scenario])
-        loads = DesignLoads(
-            *(case.design, case.mission, day, case.part_load), paired=True, own_solar_w=solar_w
-        )
-        if case.mission.holds_station:
-            loads = loads.against_wind(case.aircraft)
-        cycle, load_w, _ = flown_cycle(loads, case.store, keep_trajectory=False)
-        return cycle, solar_w, load_w
+        design, mission, part_load = case.design, case.mission, case.part_load
+        load = Load.of(case.aircraft, mission, design, day, paired=True, part_load=part_load)
+        cycle = flown_cycle(mission, day, solar_w, load, case.store, keep_trajectory=False)
+        return cycle, solar_w, load.power_w
 
     def _solar_of_draws(self, case: _Case, scenario: int) -> FloatArray:
         """Solar power of every draw in a scenario [W], shape ``(sample, time)``."""

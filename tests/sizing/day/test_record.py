@@ -12,11 +12,11 @@ from missions.weather.record import Site, run_lengths
 from missions.weather.site import mission_at_site
 from missions.winds.table import COLUMNS
 from sizing.day.light import SolarModel
-from sizing.day.load import ConstantInAir
-from sizing.day.record import flown_through, weather_performance
-from sizing.day.record_days import DayAxis, WeatherDays, _profile
+from sizing.day.record import weather_performance
+from sizing.day.record_days import DayAxis, WeatherDays, load_of_days
 from sizing.day.replay import calendar_run
 from sizing.design import FlightConditions
+from sizing.held_station import held_flight
 from sizing.library import load_aircraft
 from sizing.mass_budget import level_flight
 from sizing.performance import performance, perpetual_days
@@ -119,7 +119,7 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
         faster = np.sqrt(warm_k[day, node] / own_air.temperature_k)
         assert speed * np.sqrt(mean_k / own_air.temperature_k) == pytest.approx(11.0, rel=1e-9)
         there = air_at(warm_k[day, node], own_air.pressure_pa)
-        load = _profile(mission, run.axis)[day, node]
+        load = load_of_days(mission, run.axis)[day, node]
         thrust_w = level_w * level.efficiency * faster * load
         exact_w = chain.bus_power_w(thrust_w, speed * faster, there, volts)
         # Polynomials of load and temperature: 1e-4.
@@ -127,9 +127,10 @@ def test_a_held_place_is_flown_with_the_efficiency_of_the_moment(windy_file):
         assert run.load_w[day, node] == pytest.approx(expected, rel=2e-4)
     # With the efficiency of each airspeed alone it would be up to 3 % off.
     days = WeatherDays.of(twin, mission, replace(record, temperature_c=air_c))
-    by_constants = ConstantInAir.of(twin, mission, design, days.wind_m_per_s)
-    constant = flown_through(days, design, by_constants)
-    assert np.abs(constant.load_w / run.load_w - 1.0).max() > 0.02
+    held_w = held_flight(twin, mission, design, days.wind_m_per_s).propulsion_power_w
+    ratio = load_of_days(mission, run.axis) * np.sqrt(warm_k / own_air.temperature_k)
+    constant_w = held_w[:, np.newaxis] * ratio + design.constant_power_w
+    assert np.abs(constant_w / run.load_w - 1.0).max() > 0.02
 
 
 def test_a_wind_too_strong_for_the_propulsion_closes_no_day(tmp_path):
