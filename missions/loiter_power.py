@@ -47,14 +47,14 @@ class FlownModules(NamedTuple):
 class Daylight(NamedTuple):
     """Sun and light over a day, or along a record.
 
-    ``latitude_deg``: one for all times. ``day_of_year``: fractional, one for all times or one each;
-    for a repeated day that of its noon, ``day + 0.5``. ``time_solar_h``: local solar time, shape
-    ``(time,)``. ``altitude_m``, ``clearness``, ``sky``: clear-sky model, where it is asked, and the
-    factor on it. ``irradiance``: light of each time, in place of the clear sky. ``albedo``: share
-    of the light that comes back from below [-].
+    ``latitude_deg``: one for all times of a path. ``day_of_year``: fractional, one for all times or
+    one each; for a repeated day that of its noon, ``day + 0.5``. ``time_solar_h``: local solar
+    time, shape ``(time,)``. ``altitude_m``, ``clearness``, ``sky``: clear-sky model, where it is
+    asked, and the factor on it. ``irradiance``: light of each time, in place of the clear sky.
+    ``albedo``: share of the light that comes back from below [-].
     """
 
-    latitude_deg: float
+    latitude_deg: float | FloatArray
     day_of_year: ArrayLike
     time_solar_h: ArrayLike
     altitude_m: float = 0.0

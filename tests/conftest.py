@@ -34,11 +34,10 @@ def _full_model_computed_once() -> Iterator[None]:
     Tests of the model itself call it where it is defined.
     """
     with pytest.MonkeyPatch.context() as context:
-        from sizing.day import light_at_instants, module_power
+        from sizing.day import module_power
 
         once = computed_once(module_power.mean_power_on_path)
         context.setattr(module_power, "mean_power_on_path", once)
-        context.setattr(light_at_instants, "mean_power_on_path", once)
         yield
 
 

@@ -18,7 +18,7 @@ from missions.mission import Mission, Scenarios
 from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import day_axis_h
-from sizing.day.module_power import modelled_power
+from sizing.day.module_power import modelled_power, own_surroundings
 from sizing.results.tables import Column, Table
 from solar.names import ModelName
 from solar.systematic_errors import REPORTED_ERRORS
@@ -84,7 +84,9 @@ def transferred_errors(
 def _energy(
     aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
 ) -> FloatArray:
-    power = modelled_power(aircraft, mission, model, scenarios, time_h)
+    power = modelled_power(
+        aircraft, mission, model, scenarios, time_h, own_surroundings(aircraft, mission)
+    )
     return np.asarray(np.trapezoid(power, time_h, axis=-1))
 
 

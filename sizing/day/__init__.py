@@ -1,6 +1,6 @@
 """A day: what it does to battery and height. One march, and what is flown by it.
 
-* ``light``, ``light_at_instants``, ``module_power``: specific power of the modules
+* ``light``, ``module_power``: specific power of the modules
 * ``load``: what the aircraft draws; ``heights``, ``chain_at_heights``: both along heights
 * ``battery``: batteries of a batch, the charge limit; ``balance``: exact integrals of an interval
 * ``march``: the charge along any time axis, nights as one step; ``metrics``: the excess time

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -14,9 +14,9 @@ from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.chain_at_heights import ClimbChain, ConstantChain
-from sizing.day.light import Light, SolarDay
+from sizing.day.light import SolarDay
 from sizing.day.load import load_shape
-from sizing.day.module_power import convection_of
+from sizing.day.module_power import Cooling, convection_of
 from sizing.design import Design
 from sizing.held_station import against_wind
 from sizing.mass_budget import (
@@ -28,11 +28,8 @@ from sizing.mass_budget import (
 from sizing.propulsion.part_load import load_range
 from solar.types import BoolArray, FloatArray, IntArray
 
-# Fields of the levels that every element has one of.
-_OF_EACH = (
-    *("module_area_m2", "scenario", "nominal_factor", "constant_power_w"),
-    *("efficiency", "maximum_power_w", "flies", "design", "weight_n", "reach_m"),
-)
+# What is the same for all elements.
+_SHARED = ("altitude_m", "power_w_per_m2", "cooling", "turbulence_factor", "chain")
 
 
 class ClimbLimitError(ValueError):
@@ -54,8 +51,9 @@ class ClimbLimits(NamedTuple):
 class FlightLevels:
     """Flights of aircraft of some mass between the lowest altitude and the ceiling.
 
-    One element is one aircraft in one scenario. ``altitude_m`` and ``light``: of every level;
-    ``module_area_m2`` and ``scenario`` of every element say how much of which.
+    One element is one aircraft in one scenario. ``altitude_m``, ``power_w_per_m2`` and ``cooling``:
+    of every level, the light as a day has it; ``module_area_m2``, ``scenario`` and
+    ``convection_w_per_m2k``, of shape ``(element, level)``, say how much of which.
     ``turbulence_factor``, of shape ``(scenario, time)``: factor on the propulsion power [-]. Of
     every element: ``nominal_factor`` is that without thermals, ``constant_power_w`` of avionics
     and payload [W], ``efficiency`` and ``maximum_power_w`` of the propulsion, whether it ``flies``
@@ -65,7 +63,8 @@ class FlightLevels:
     """
 
     altitude_m: FloatArray
-    light: tuple[Light, ...]
+    power_w_per_m2: FloatArray
+    cooling: Cooling | None
     module_area_m2: FloatArray
     scenario: IntArray
     turbulence_factor: FloatArray
@@ -78,15 +77,7 @@ class FlightLevels:
     weight_n: FloatArray
     reach_m: FloatArray
     chain: ConstantChain | ClimbChain
-    convection_w_per_m2k: FloatArray | None = None
-
-    def cooling_factor(self, level: int, some: slice = slice(None)) -> FloatArray | None:
-        """Factor on the specific power by elements' own flow, ``(element, time)``; None: 1."""
-        if (cooling := self.light[level].cooling) is None:
-            return None
-        assert self.convection_w_per_m2k is not None
-        own = cooling.with_arrays([one[self.scenario[some]] for one in cooling.arrays()])
-        return own.factor(self.convection_w_per_m2k[level, some, np.newaxis])
+    convection_w_per_m2k: FloatArray
 
     @cached_property
     def _rows(self) -> IntArray:
@@ -110,11 +101,6 @@ class FlightLevels:
         """Electric power that the propulsion gives at all levels [W]."""
         most_w = self.chain.most_w(self._rows).min(axis=0)
         return np.asarray(np.minimum(self.maximum_power_w, most_w))
-
-    @cached_property
-    def _specific_power_w_per_m2(self) -> FloatArray:
-        """Light of all levels, ``(level, scenario, time)``."""
-        return np.stack([one.power_w_per_m2 for one in self.light])
 
     def _place(self, height_m: FloatArray) -> tuple[IntArray, FloatArray]:
         """Level below heights above the lowest altitude [m], and the share of the next one."""
@@ -149,24 +135,23 @@ class FlightLevels:
             return self.chain.power_w(self._rows[level, element], load)
 
         load_w = between(motor_w) + self.constant_power_w[:, np.newaxis]
-        solar_w = between(self._light_at) * self.module_area_m2[:, np.newaxis]
-        return solar_w, load_w
+        solar_w = between(lambda level: self._light_at(level, element))
+        return solar_w * self.module_area_m2[:, np.newaxis], load_w
 
-    def _light_at(self, level: IntArray, some: slice = slice(None)) -> FloatArray:
-        """Specific power of some elements at a level of every time."""
-        light = self._specific_power_w_per_m2
-        power = light[level, self.scenario[some, np.newaxis], np.arange(light.shape[-1])]
-        for number in np.unique(level).tolist() if self.light[0].cooling else ():
-            if (factor := self.cooling_factor(number, some)) is not None:
-                power = np.where(level == number, power * factor, power)
+    def _light_at(self, level: IntArray, element: IntArray) -> FloatArray:
+        """Specific power of elements at a level of every time; both broadcast."""
+        times = np.arange(self.power_w_per_m2.shape[-1])
+        place = level, self.scenario[element], times
+        power = self.power_w_per_m2[place]
+        if self.cooling is not None:
+            flow = self.convection_w_per_m2k[element, level]
+            power = power * self.cooling.mapped(lambda values: values[place]).factor(flow)
         return np.asarray(power)
 
     def at_heights(self, element: int, height_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Solar power, ``(height, time)``, and power of level flight of an element at heights."""
-        some, levels = slice(element, element + 1), len(self.altitude_m)
-        power_w = self.level_power_w[:, element]
-        every = np.zeros((1, self._specific_power_w_per_m2.shape[-1]), int)
-        light = np.concatenate([self._light_at(every + n, some) for n in range(levels)])
+        levels = np.arange(len(self.altitude_m))[:, np.newaxis]
+        power_w, light = self.level_power_w[:, element], self._light_at(levels, np.array(element))
         below, upper = self._place(height_m)
         power_w = (1.0 - upper) * power_w[below] + upper * power_w[below + 1]
         share = upper[:, np.newaxis]
@@ -175,11 +160,8 @@ class FlightLevels:
 
     def select(self, some: slice | IntArray | BoolArray) -> FlightLevels:
         """Flights of a part of the elements."""
-        rows: dict[str, Any] = {}
-        if self.convection_w_per_m2k is not None:
-            rows["convection_w_per_m2k"] = self.convection_w_per_m2k[:, some]
-        rows |= {name: getattr(self, name)[some] for name in _OF_EACH}
-        return replace(self, **rows)
+        rows = (field.name for field in fields(self) if field.name not in _SHARED)
+        return replace(self, **{name: getattr(self, name)[some] for name in rows})
 
 
 def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
@@ -254,7 +236,8 @@ def flight_levels(
     thrust = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)
     return FlightLevels(
         altitude_m=altitudes,
-        light=day.levels,
+        power_w_per_m2=day.power_w_per_m2,
+        cooling=day.cooling,
         module_area_m2=each(design.variables.module_area_m2),
         scenario=np.broadcast_to(scenarios, shape).ravel(),
         turbulence_factor=np.broadcast_to(thrust, day.specific_power_w_per_m2.shape),
@@ -269,7 +252,7 @@ def flight_levels(
         chain=ConstantChain.of(flown, limits.efficiency)
         if parts is None
         else ClimbChain.of(parts, aircraft, missions, flown),
-        convection_w_per_m2k=_convection(day, missions, slow, each),
+        convection_w_per_m2k=_convection(day.cooling, missions, slow, each),
     )
 
 
@@ -329,21 +312,17 @@ def _reach_m(
 
 
 def _convection(
-    day: SolarDay,
+    cooling: Cooling | None,
     missions: Sequence[Mission],
-    flown: Sequence[Design],
+    designs: Sequence[Design],
     each: Callable[[object], FloatArray],
-) -> FloatArray | None:
-    """Convection of every element at all levels; None of a day without it."""
-    if not day.is_cooled:
-        return None
-    known = [
-        0.0
-        if (cooling := light.cooling) is None
-        else convection_of(one, there, cooling.transition_reynolds, cooling.convection)
-        for light, one, there in zip(day.levels, flown, missions, strict=True)
-    ]
-    return np.stack([each(one) for one in known])
+) -> FloatArray:
+    """Convection of every element at all levels, ``(element, level)``; zero where none cools."""
+    if cooling is None:
+        return np.zeros((len(each(0.0)), len(missions)))
+    flights = zip(designs, missions, cooling.convection.tolist(), strict=True)
+    transition = cooling.transition_reynolds
+    return np.stack([each(convection_of(*one[:2], transition, one[2])) for one in flights], axis=-1)
 
 
 def _same_aircraft_at(aircraft: Aircraft, there: Mission, design: Design) -> Design:

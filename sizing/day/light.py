@@ -6,14 +6,15 @@ mission's uncertainty margin is taken off.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from missions.files.errors import file_error
+from missions.loiter_power import Daylight
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.module_power import (
@@ -22,8 +23,9 @@ from sizing.day.module_power import (
     balances_heat,
     convection_in_flight,
     convection_of,
-    joined_cooling,
-    power_in_surroundings,
+    modelled_power,
+    own_surroundings,
+    specific_power,
     surroundings,
 )
 from sizing.design import Design
@@ -78,100 +80,74 @@ class SolarModel:
 UNCORRECTED_CAM = SolarModel()
 
 
-class Light(NamedTuple):
-    """Specific power at one altitude [W/m2], time last, and how a flow that cools changes it.
-
-    The power is that of the aircraft's own flow; ``cooling``: how it changes with that of another
-    design, where the modules balance their heat.
-    """
-
-    power_w_per_m2: FloatArray
-    cooling: Cooling | None = None
-
-    def at(self, some: Any) -> Light:
-        """Light of a part of the scenarios or times."""
-        cooling = joined_cooling([self.cooling], lambda parts: parts[0][some])
-        return Light(self.power_w_per_m2[some], cooling)
-
-
 @dataclass(frozen=True)
 class SolarDay:
     """Specific power over the day in each scenario: all that a design needs of the sun.
 
-    ``levels``: light at the levels of a mission with climbs
+    ``power_w_per_m2``: of shape ``(level, scenario, time)``, at the levels of a mission with climbs
     (:attr:`missions.mission.Mission.climb_levels_m`), the lowest one first; at the mission's
-    altitude alone without climbs. Its arrays have the shape ``(scenario, time)``. ``sunrise_h`` and
+    altitude alone without climbs. It is that of the aircraft's own flow; ``cooling``: how it
+    changes with that of another design, where the modules balance their heat. ``sunrise_h`` and
     ``sunset_h`` are those of the geometric sun [solar h].
     """
 
     scenarios: Scenarios
     time_h: FloatArray
-    levels: tuple[Light, ...]
+    power_w_per_m2: FloatArray
     sunrise_h: FloatArray
     sunset_h: FloatArray
+    cooling: Cooling | None = None
 
     @classmethod
     def joined(cls, days: Sequence[SolarDay]) -> SolarDay:
         """Scenarios of several days with the same time axis, one day after the other."""
+        coolings = [day.cooling for day in days if day.cooling is not None]
         return cls(
             Scenarios(
                 np.concatenate([d.scenarios.latitude_deg for d in days]),
                 np.concatenate([d.scenarios.day_of_year for d in days]),
             ),
             days[0].time_h,
-            tuple(
-                Light(
-                    np.concatenate([one.power_w_per_m2 for one in level]),
-                    joined_cooling([one.cooling for one in level], np.concatenate),
-                )
-                for level in zip(*(d.levels for d in days), strict=True)
-            ),
+            np.concatenate([d.power_w_per_m2 for d in days], axis=1),
             np.concatenate([d.sunrise_h for d in days]),
             np.concatenate([d.sunset_h for d in days]),
+            Cooling.joined(coolings, axis=1) if coolings else None,
         )
 
     @property
     def specific_power_w_per_m2(self) -> FloatArray:
         """Power at the lowest level, ``(scenario, time)``."""
-        return self.levels[0].power_w_per_m2
+        return np.asarray(self.power_w_per_m2[0])
 
-    @property
-    def is_cooled(self) -> bool:
-        """Whether the flow of a design changes the power."""
-        return any(level.cooling is not None for level in self.levels)
-
-    def with_powers(self, powers_w_per_m2: Iterable[FloatArray]) -> SolarDay:
-        """Same day with other powers at all of its levels."""
-        pairs = zip(self.levels, powers_w_per_m2, strict=True)
-        levels = tuple(level._replace(power_w_per_m2=power) for level, power in pairs)
-        return replace(self, levels=levels)
+    def _mapped(self, function: Callable[[FloatArray], FloatArray]) -> SolarDay:
+        """Same day with a function of all its arrays of light."""
+        cooling = None if self.cooling is None else self.cooling.mapped(function)
+        return replace(self, power_w_per_m2=function(self.power_w_per_m2), cooling=cooling)
 
     def scaled(self, factor: float | FloatArray) -> SolarDay:
         """Same day with all power multiplied by a factor, or one of shape ``(scenario, 1)``."""
-        return self.with_powers(level.power_w_per_m2 * factor for level in self.levels)
+        return replace(self, power_w_per_m2=self.power_w_per_m2 * factor)
 
     def less(self, other: SolarDay) -> SolarDay:
         """Same day with the power of another one taken off."""
-        pairs = zip(self.levels, other.levels, strict=True)
-        return self.with_powers(a.power_w_per_m2 - b.power_w_per_m2 for a, b in pairs)
+        return replace(self, power_w_per_m2=self.power_w_per_m2 - other.power_w_per_m2)
 
     def over_days(self, count: int) -> SolarDay:
         """Same day, repeated; its nodes of time go on over the midnights."""
         steps = len(self.time_h) - 1
-        at = np.arange(count * steps + 1) % steps
+        nodes = np.arange(count * steps + 1) % steps
         time_h = np.concatenate([self.time_h[:-1] + 24.0 * k for k in range(count)])
-        levels = tuple(level.at((..., at)) for level in self.levels)
-        return replace(self, levels=levels, time_h=np.append(time_h, 24.0 * count))
+        repeated = self._mapped(lambda values: values[..., nodes])
+        return replace(repeated, time_h=np.append(time_h, 24.0 * count))
 
     def at(self, indices: ArrayLike) -> SolarDay:
         """Same day in some of its scenarios."""
-        some, of = np.asarray(indices, int), self.scenarios
+        rows, of = np.asarray(indices, int), self.scenarios
         return replace(
-            self,
-            levels=tuple(level.at(some) for level in self.levels),
-            scenarios=Scenarios(of.latitude_deg[some], of.day_of_year[some]),
-            sunrise_h=np.asarray(self.sunrise_h)[some],
-            sunset_h=np.asarray(self.sunset_h)[some],
+            self._mapped(lambda values: values[:, rows]),
+            scenarios=Scenarios(of.latitude_deg[rows], of.day_of_year[rows]),
+            sunrise_h=np.asarray(self.sunrise_h)[rows],
+            sunset_h=np.asarray(self.sunset_h)[rows],
         )
 
     def module_power_w(
@@ -182,10 +158,11 @@ class SolarDay:
         ``paired``: every design flies in its own scenario, else in all of them.
         """
         axes = (..., np.newaxis) if paired else (..., np.newaxis, np.newaxis)
-        cooling, power = self.levels[0].cooling, self.specific_power_w_per_m2
-        if cooling is not None:
-            flow = convection_of(design, mission, cooling.transition_reynolds, cooling.convection)
-            power = power * cooling.factor(flow[axes])
+        power = self.specific_power_w_per_m2
+        if self.cooling is not None:
+            floor = self.cooling.mapped(lambda values: values[0])
+            flow = convection_of(design, mission, floor.transition_reynolds, floor.convection[0])
+            power = power * floor.factor(flow[axes])
         return np.asarray(np.asarray(design.variables.module_area_m2)[axes] * power)
 
 
@@ -251,8 +228,8 @@ class Sunlight:
 
     def _in_flow(self, model: ModelName, convection: float | None) -> FloatArray:
         around = None if convection is None else surroundings(self.mission, convection)
-        given = (self.aircraft, self.mission, model, self.scenarios, self.time_h)
-        return power_in_surroundings(*given, around)
+        axes = self.scenarios, self.time_h
+        return modelled_power(self.aircraft, self.mission, model, *axes, around)
 
     def _cooling_of(self, model: ModelName) -> Cooling | None:
         """How the power changes with the flow; of VM and FM in the proportions of CAM."""
@@ -296,11 +273,23 @@ class Sunlight:
         factor = self.mission.pessimistic_power_factor(solar.model, solar.correction)
         corrected = power if factor == 1.0 else power * factor
         times = sun_times(self.scenarios.latitude_deg, declination(self.scenarios.noon_day))
-        levels = [Light(corrected, self._cooling_of(solar.model))]
+        cooling = self._cooling_of(solar.model)
+        day = SolarDay(
+            self.scenarios,
+            self.time_h,
+            corrected[np.newaxis],
+            times.sunrise_h,
+            times.sunset_h,
+            None if cooling is None else cooling.mapped(lambda values: values[np.newaxis]),
+        )
         if self.mission.climb is not None:
-            levels += [level.day(solar).levels[0] for level in self._levels]
-        around = (times.sunrise_h, times.sunset_h)
-        day = SolarDay(self.scenarios, self.time_h, tuple(levels), *around)
+            days = [day, *(level.day(solar) for level in self._levels)]
+            coolings = [each.cooling for each in days if each.cooling is not None]
+            day = replace(
+                day,
+                power_w_per_m2=np.concatenate([each.power_w_per_m2 for each in days]),
+                cooling=Cooling.joined(coolings, axis=0) if coolings else None,
+            )
         return day if self.mission.flight is None else day.over_days(self.mission.days_of_light)
 
     @cached_property
@@ -345,3 +334,31 @@ def solar_day(
         path, or the step is not between 1 s and 1 h.
     """
     return Sunlight(aircraft, mission, scenarios, step_h=step_h, design=design).day(solar)
+
+
+def power_at_instants(
+    aircraft: Aircraft,
+    mission: Mission,
+    solar: SolarModel,
+    light: Daylight,
+    air_c: FloatArray | None = None,
+    module_c: FloatArray | None = None,
+) -> FloatArray:
+    """Specific power at a mission's single latitude while the date advances, corrected.
+
+    Under the clear sky, or in the light of a weather record: the mission's own clearness then plays
+    no part, its margin of the model's error does. The loiter ratio is that of each instant's day
+    under the clear sky. Returns electric power per area of module [W/m2].
+    """
+    if solar.needs_path and mission.wind_statistics is not None:
+        message = "needs one wind from day to day: give wind_m_per_s in place of wind"
+        raise file_error(mission.name, f"{solar.label} on a flight path {message}")
+    around = own_surroundings(aircraft, mission)
+    power = specific_power(aircraft, mission, solar.model, light, around, air_c, module_c)
+    if solar.correction == "loiter":
+        dates = np.floor(np.asarray(light.day_of_year, float)).astype(int)
+        days, place = np.unique(dates, return_inverse=True)
+        scenarios = Scenarios(np.full(len(days), mission.latitudes()[0]), (days - 1) % 365 + 1)
+        ratio = Sunlight(aircraft, mission, scenarios).loiter_ratio(solar.model)
+        power = power * ratio[place, 0]
+    return power * mission.pessimistic_power_factor(solar.model, solar.correction)

@@ -5,7 +5,7 @@ And the air around them: what cools modules, and what another flow makes of thei
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.design import Design
 from sizing.mass_budget import airspeed_in_flight
-from solar.clearsky import pressure_ratio
+from solar.clearsky import Irradiance, pressure_ratio
 from solar.heat_balance import (
     EARTH_ALBEDO,
     STEFAN_BOLTZMANN,
@@ -28,6 +28,7 @@ from solar.heat_balance import (
 from solar.horizontal_models import HORIZONTAL_MODELS, horizontal_specific_power, in_surroundings
 from solar.modules import SolarCell
 from solar.names import ATTITUDE_MODELS, ModelName
+from solar.sun import cos_zenith, declination, hour_angle
 from solar.types import FloatArray
 
 # Flow, over the own one, in which the power of models without a single temperature is known.
@@ -39,12 +40,12 @@ class Cooling(NamedTuple):
 
     The power that warmth takes, relative to the known power, is ``d`` with ``d (h + g + s d) = q``
     in a convection ``h``: radiation carries away ``g + s d`` for each part of it, as the fourth
-    power of the temperature does nearly. ``convection``: that of the known power [W/(m2 K)].
-    ``lost``: ``d`` there. ``heat``, ``radiation``, ``growth``: ``q``, ``g`` and ``s``; all arrays
-    of the shape of the power. ``transition_reynolds``: of the modules' flow.
+    power of the temperature does nearly. ``convection``: that of the known power, of every level
+    [W/(m2 K)]. ``lost``: ``d`` there. ``heat``, ``radiation``, ``growth``: ``q``, ``g`` and ``s``;
+    all arrays of the shape of the power. ``transition_reynolds``: of the modules' flow.
     """
 
-    convection: float
+    convection: FloatArray
     lost: FloatArray
     heat: FloatArray
     radiation: FloatArray
@@ -71,16 +72,24 @@ class Cooling(NamedTuple):
         growth = 6.0 * radiating * per_lost
         electric = power / (left * cell.mppt_efficiency)
         radiation = 4.0 * radiating * kelvin - 2.0 * growth * lost - per_k * electric / faces
-        convection = float(np.asarray(around.convection))
+        convection = np.ravel(around.convection)
         brought = lost * (convection + radiation + growth * lost)
         return cls(convection, lost, brought, radiation, growth, heat.transition_reynolds)
 
-    def arrays(self) -> tuple[FloatArray, ...]:
-        """Arrays of the shape of the power."""
-        return self[1:5]
+    @classmethod
+    def joined(cls, parts: Sequence[Cooling], axis: int) -> Cooling:
+        """Cooling of several levels, the first axis, or of several days, the second."""
+        first, arrays = parts[0], zip(*(part[1:5] for part in parts), strict=True)
+        levels = [part.convection for part in parts]
+        convection = first.convection if axis else np.concatenate(levels)
+        joined = [np.concatenate(values, axis=axis) for values in arrays]
+        return first._replace(convection=convection)._with(joined)
 
-    def with_arrays(self, arrays: Sequence[FloatArray]) -> Cooling:
-        """Same flow with other arrays."""
+    def mapped(self, function: Callable[[FloatArray], FloatArray]) -> Cooling:
+        """Same flow with a function of all arrays of the shape of the power."""
+        return self._with(map(function, self[1:5]))
+
+    def _with(self, arrays: Iterable[FloatArray]) -> Cooling:
         lost, heat, radiation, growth = arrays
         return self._replace(lost=lost, heat=heat, radiation=radiation, growth=growth)
 
@@ -89,8 +98,8 @@ class Cooling(NamedTuple):
         known = self.factor(FASTER * self.convection) - 1.0
         ratio = np.where(known > _LEAST_LOST, (faster - 1.0) / np.maximum(known, _LEAST_LOST), 1.0)
         ratio = np.maximum(ratio, _LEAST_LOST)
-        lost, heat, radiation, growth = self.arrays()
-        return self.with_arrays((ratio * lost, ratio * heat, radiation, growth / ratio))
+        lost, heat, growth = ratio * self.lost, ratio * self.heat, self.growth / ratio
+        return self._replace(lost=lost, heat=heat, growth=growth)
 
     def factor(self, convection: ArrayLike) -> FloatArray:
         """Factor on the known power in another flow [W/(m2 K)]."""
@@ -189,21 +198,6 @@ def surroundings(mission: Mission, convection: float) -> Surroundings:
     )
 
 
-def modelled_power(
-    aircraft: Aircraft, mission: Mission, model: ModelName, scenarios: Scenarios, time_h: FloatArray
-) -> FloatArray:
-    """Specific power of a model, uncorrected, over scenarios and time.
-
-    CDM and CAM see one horizontal surface
-    (:func:`solar.horizontal_models.horizontal_specific_power`); VM and
-    FM are averaged over the mission's flight path (:mod:`missions.loiter_power`).
-
-    Returns electric power per area of module [W/m2].
-    """
-    around = own_surroundings(aircraft, mission)
-    return power_in_surroundings(aircraft, mission, model, scenarios, time_h, around)
-
-
 def own_surroundings(aircraft: Aircraft, mission: Mission) -> Surroundings | None:
     """Surroundings of modules in the aircraft's own flow, where they balance their heat."""
     if not balances_heat(mission):
@@ -211,7 +205,7 @@ def own_surroundings(aircraft: Aircraft, mission: Mission) -> Surroundings | Non
     return surroundings(mission, convection_in_flight(aircraft, mission))
 
 
-def power_in_surroundings(
+def modelled_power(
     aircraft: Aircraft,
     mission: Mission,
     model: ModelName,
@@ -219,20 +213,26 @@ def power_in_surroundings(
     time_h: FloatArray,
     around: Surroundings | None,
 ) -> FloatArray:
-    """Specific power of a model whose modules are in some surroundings; none: as told."""
+    """Specific power of a model, uncorrected, over scenarios and time [W/m2].
+
+    CDM and CAM see one horizontal surface, VM and FM are averaged over the mission's flight path.
+    ``around``: surroundings of the modules; without them they have the mission's temperature.
+    """
     latitude_deg, day = scenarios.latitude_deg, scenarios.noon_day
     if model not in ATTITUDE_MODELS:
         # In memory the time comes first: the simulator marches over it, all scenarios at once.
-        column = time_h[:, np.newaxis]
-        return specific_power(aircraft, mission, model, latitude_deg, day, column, around).T
-    flown = [mission] * len(scenarios)
+        light = clear_daylight(mission, latitude_deg, day, time_h[:, np.newaxis])
+        return specific_power(aircraft, mission, model, light, around).T
+    windy = [mission] * len(scenarios)
     if mission.wind_statistics is not None:
-        flown = [mission.in_wind(w) for w in mission.scenario_winds_m_per_s(scenarios).tolist()]
-    flown = _on_paths(aircraft, mission, flown)
+        windy = [mission.in_wind(w) for w in mission.scenario_winds_m_per_s(scenarios).tolist()]
+    windy = _on_paths(aircraft, mission, windy)
     return np.stack(
         [
-            specific_power(aircraft, one, model, float(latitude), noon, time_h, around)
-            for one, latitude, noon in zip(flown, latitude_deg, day, strict=True)
+            specific_power(
+                aircraft, there, model, clear_daylight(there, float(latitude), noon, time_h), around
+            )
+            for there, latitude, noon in zip(windy, latitude_deg, day, strict=True)
         ]
     )
 
@@ -249,54 +249,67 @@ def flown_modules(aircraft: Aircraft, mission: Mission, model: ModelName) -> Flo
     return FlownModules(modules.geometry, modules, path, mission.wind, modules.shading)
 
 
+def clear_daylight(
+    mission: Mission,
+    latitude_deg: float | FloatArray,
+    day_of_year: ArrayLike,
+    time_solar_h: FloatArray,
+) -> Daylight:
+    """Light of a mission's clear sky."""
+    return Daylight(
+        latitude_deg,
+        day_of_year,
+        time_solar_h,
+        mission.altitude_m,
+        mission.pessimistic_clearness,
+        mission.sky,
+        albedo=mission.air.albedo or 0.0,
+    )
+
+
 def specific_power(
     aircraft: Aircraft,
     mission: Mission,
     model: ModelName,
-    latitude_deg: float | FloatArray,
-    day_of_year: ArrayLike,
-    time_solar_h: FloatArray,
+    light: Daylight,
     around: Surroundings | None,
+    air_c: ArrayLike | None = None,
+    module_c: ArrayLike | None = None,
 ) -> FloatArray:
-    """Uncorrected power by any model [W/m2]; VM and FM take a single latitude."""
+    """Uncorrected power by any model [W/m2]; VM and FM take a single latitude.
+
+    ``air_c``, ``module_c``: temperature of the air and, without surroundings, of the modules; those
+    of the mission by default, one at each time of a light that is no clear sky's.
+    """
     modules = aircraft.modules
-    if model not in ATTITUDE_MODELS:
-        return horizontal_specific_power(
-            latitude_deg,
-            day_of_year,
-            time_solar_h,
-            cell=modules,
-            module_temperature_c=mission.module_temperature_c(),
-            altitude_m=mission.altitude_m,
-            clearness=mission.pessimistic_clearness,
-            sky=mission.sky,
-            model=model if around is None else in_surroundings(HORIZONTAL_MODELS[model], around),
+    air_c = float(mission.air_state().temperature_c) if air_c is None else np.asarray(air_c)
+    module_c = mission.module_temperature_c() if module_c is None else np.asarray(module_c)
+    if model in ATTITUDE_MODELS:
+        return mean_power_on_path(
+            model,
+            flown_modules(aircraft, mission, model),
+            light,
+            ambient_temperature_c=air_c,
+            module_temperature_c=module_c,
+            surroundings=around,
         )
-    return mean_power_on_path(
-        model,
-        flown_modules(aircraft, mission, model),
-        Daylight(
-            float(latitude_deg),
-            day_of_year,
-            time_solar_h,
-            mission.altitude_m,
-            mission.pessimistic_clearness,
-            mission.sky,
-            albedo=mission.air.albedo or 0.0,
-        ),
-        ambient_temperature_c=float(mission.air_state().temperature_c),
-        module_temperature_c=mission.module_temperature_c(),
-        surroundings=around,
-    )
-
-
-def joined_cooling(
-    parts: Sequence[Cooling | None], join: Callable[[Sequence[FloatArray]], FloatArray]
-) -> Cooling | None:
-    """Cooling of joined or cut days."""
-    known = [part for part in parts if part is not None]
-    if not known:
-        return None
-    return known[0].with_arrays(
-        [join(one) for one in zip(*(k.arrays() for k in known), strict=True)]
-    )
+    convert = HORIZONTAL_MODELS[model]
+    if light.irradiance is None:
+        return horizontal_specific_power(
+            *light[:3],
+            cell=modules,
+            module_temperature_c=module_c,
+            altitude_m=light.altitude_m,
+            clearness=light.clearness,
+            sky=light.sky,
+            model=model if around is None else in_surroundings(convert, around),
+        )
+    hour = hour_angle(np.asarray(light.time_solar_h, float))
+    cosine = cos_zenith(light.latitude_deg, declination(light.day_of_year), hour)
+    up, power = cosine > 0.0, np.zeros(cosine.shape)
+    warm_c, cell_c = (np.broadcast_to(value, cosine.shape)[up] for value in (air_c, module_c))
+    if around is not None:
+        convert = in_surroundings(convert, around._replace(ambient_c=warm_c))
+    seen = Irradiance(light.irradiance.dni[up], light.irradiance.dhi[up])
+    power[up] = convert(seen, cosine[up], modules, cell_c)
+    return power

@@ -14,10 +14,9 @@ from missions.weather.light import NODE_STEP_S, RecordedLight, light_at_altitude
 from missions.weather.record import SECONDS_PER_HOUR, Weather, day_of_year
 from sizing.aircraft import Aircraft
 from sizing.day.battery import Store
-from sizing.day.light import UNCORRECTED_CAM, SolarModel
-from sizing.day.light_at_instants import Lit, power_in_light
+from sizing.day.light import UNCORRECTED_CAM, SolarModel, power_at_instants
 from sizing.day.load import load_shape, power_in_air_w
-from sizing.day.module_power import own_surroundings
+from sizing.day.module_power import clear_daylight
 from sizing.design import Design
 from solar.clearsky import Irradiance
 from solar.sun import HOURS_PER_DAY, declination, sun_times
@@ -139,12 +138,10 @@ class WeatherDays:
 
     def specific_power_w_per_m2(self, sky: Irradiance) -> FloatArray:
         """Solar power per module area under a sky along the record [W/m2], ``(day, node)``."""
-        light, around = self.light, own_surroundings(self.aircraft, self.mission)
-        sunlit = Lit(
-            *(light.day_of_year, light.time_solar_h, light.cos_zenith, sky),
-            *(self.ambient_c, self.module_c),
-        )
-        power = power_in_light(self.aircraft, self.mission, self.solar, sunlit, around)
+        mission, days, hours = self.mission, self.light.day_of_year, self.light.time_solar_h
+        light = clear_daylight(mission, mission.latitudes()[0], days, hours)
+        light, air = light._replace(irradiance=sky), (self.ambient_c, self.module_c)
+        power = power_at_instants(self.aircraft, mission, self.solar, light, *air)
         return np.asarray(power[self.axis.nodes])
 
     def load_w(self, design: Design) -> FloatArray:

@@ -12,11 +12,11 @@ from missions.mission.flight import Launch
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
-from sizing.day.light import UNCORRECTED_CAM, SolarModel
-from sizing.day.light_at_instants import power_on_calendar
+from sizing.day.light import UNCORRECTED_CAM, SolarModel, power_at_instants
 from sizing.day.load import load_profile, part_load_of
 from sizing.day.march import ChargingDay, full_after_h
 from sizing.day.metrics import FULL
+from sizing.day.module_power import clear_daylight
 from sizing.design import Design
 from sizing.mass_budget import design_of
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
@@ -105,9 +105,8 @@ def calendar_run(
     utc = clock - launch.utc_offset_h
     day = dates.day_of_year(launch.date) + utc / 24.0
     solar_clock = solar_time_h(utc, day, mission.longitude_deg)
-    power = aircraft.modules.area_m2 * power_on_calendar(
-        aircraft, mission, solar, day, solar_clock % 24.0
-    )
+    light = clear_daylight(mission, latitude, day, solar_clock % 24.0)
+    power = aircraft.modules.area_m2 * power_at_instants(aircraft, mission, solar, light)
     design = design_of(aircraft, mission)
     times = sun_times(latitude, declination(day))
     store = Store.of(aircraft.battery, [design.battery_energy_wh])

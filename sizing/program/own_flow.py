@@ -36,7 +36,7 @@ def sized_in_own_flow(
     given = (mission, objective, solar)
     result = size_aircraft(aircraft, *given, **options)
     flown = result.simulated or result.nearest
-    if flown is None or not flown.day.is_cooled or not np.isfinite(flown.design.total_mass_kg):
+    if flown is None or flown.day.cooling is None or not np.isfinite(flown.design.total_mass_kg):
         return aircraft, result
     variables = flown.design.variables.mapped(float)
     # Its design point is that of the design, as far as its file has numbers for it.

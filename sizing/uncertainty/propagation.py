@@ -25,7 +25,7 @@ from sizing.day.balance import blocks
 from sizing.day.battery import Store
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import longest_flight
-from sizing.day.light import Light, SolarDay, SolarModel, solar_day
+from sizing.day.light import SolarDay, SolarModel, solar_day
 from sizing.day.load import Load, part_load_of
 from sizing.day.metrics import Cycle
 from sizing.day.module_power import balances_heat
@@ -368,7 +368,7 @@ class Propagation:
             for level, altitude_m in enumerate(mission.climb_levels_m)
         ]
         own = day.at(np.full(case.count, scenario))
-        own = replace(own, levels=tuple(map(Light, aloft)))
+        own = replace(own, power_w_per_m2=np.stack(aloft), cooling=None)
         design = case.design._replace(total_mass_kg=case.mass_kg)
         return flight_levels(case.aircraft, mission, design, own, paired=True)
 
@@ -378,10 +378,10 @@ class Propagation:
         """Power of every draw at a level of the climbs [W/m2], shape ``(sample, time)``."""
         missions = (one.at_altitude(altitude_m) for one in (self.mission, case.mission))
         whole, more = self._light_factors(case, *missions)
-        power = whole[..., np.newaxis] * self.day.levels[level].power_w_per_m2[scenario]
+        power = whole[..., np.newaxis] * self.day.power_w_per_m2[level, scenario]
         if more is not None:
-            direct = self._direct_day().levels[level].power_w_per_m2
-            power = power + more[..., np.newaxis] * direct[scenario]
+            direct = self._direct_day().power_w_per_m2[level, scenario]
+            power = power + more[..., np.newaxis] * direct
         return np.broadcast_to(np.maximum(power, 0.0), (case.count, len(self.day.time_h)))
 
     def _case(self, values: dict[str, FloatArray]) -> _Case:

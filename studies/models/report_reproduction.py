@@ -18,7 +18,7 @@ from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
-from sizing.day.module_power import modelled_power
+from sizing.day.module_power import modelled_power, own_surroundings
 from sizing.library import load_aircraft
 from sizing.results.tables import Column, Line, Result, Summary, Table
 from solar.names import MODEL_NAMES, ModelName
@@ -179,7 +179,9 @@ def reference() -> tuple[Aircraft, Mission]:
 def power_w(aircraft: Aircraft, mission: Mission, model: ModelName, time_h: FloatArray) -> Any:
     """Solar power of a model on the mission's (single) day."""
     scenarios: Scenarios = mission.scenarios()
-    return aircraft.modules.area_m2 * modelled_power(aircraft, mission, model, scenarios, time_h)[0]
+    around = own_surroundings(aircraft, mission)
+    power = modelled_power(aircraft, mission, model, scenarios, time_h, around)
+    return aircraft.modules.area_m2 * power[0]
 
 
 def reproduce(aircraft: Aircraft, mission: Mission, *, vary: bool = False) -> Reproduction:

@@ -7,8 +7,16 @@ import pytest
 
 from missions.library import load_mission
 from missions.mission.load import UncertaintyMargins
-from sizing.day.light import DEFAULT_STEP_H, SolarDay, SolarModel, Sunlight, day_axis_h, solar_day
-from sizing.day.light_at_instants import power_on_calendar
+from sizing.day.light import (
+    DEFAULT_STEP_H,
+    SolarDay,
+    SolarModel,
+    Sunlight,
+    day_axis_h,
+    power_at_instants,
+    solar_day,
+)
+from sizing.day.module_power import clear_daylight
 from sizing.library import load_aircraft
 from sizing.performance import performance
 from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
@@ -84,5 +92,6 @@ def test_a_day_on_the_calendar_is_the_day_of_the_cycle(correction: CorrectionNam
     solar = SolarModel("CAM", correction)
     day = solar_day(AS2, LOITER, solar)
     noon = np.full(len(day.time_h), day.scenarios.noon_day[0])
-    found = power_on_calendar(AS2, LOITER, solar, noon, day.time_h)
+    light = clear_daylight(LOITER, LOITER.latitudes()[0], noon, day.time_h)
+    found = power_at_instants(AS2, LOITER, solar, light)
     np.testing.assert_allclose(found, day.specific_power_w_per_m2[0], rtol=1e-12)

@@ -13,7 +13,7 @@ from missions.mission import Mission, Scenarios
 from missions.mission.load import UncertaintyMargins
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
-from sizing.day.module_power import path_troubles, power_in_surroundings
+from sizing.day.module_power import modelled_power, path_troubles
 from sizing.library import load_aircraft
 from sizing.performance import perpetual_days
 from solar.names import ModelName
@@ -84,9 +84,9 @@ def test_each_day_of_the_full_model_is_computed_once(monkeypatch: pytest.MonkeyP
         craft: Aircraft, there: Mission, model: ModelName, of: Scenarios, at: Any, around: Any
     ) -> Any:
         asked.extend((model, int(day)) for day in of.day_of_year)
-        return power_in_surroundings(craft, there, model, of, at, around)
+        return modelled_power(craft, there, model, of, at, around)
 
-    monkeypatch.setattr("sizing.day.light.power_in_surroundings", counted)
+    monkeypatch.setattr("sizing.day.light.modelled_power", counted)
     perpetual_flags(AS2, LOITER, 47.6, combinations())
     assert len(asked) == len(set(asked))
     # Every 32nd day and the solstices; both sides of each of two edges, three days between them,
