@@ -10,7 +10,7 @@ pytest.importorskip("optvl")
 
 
 @pytest.mark.parametrize("name", ["atlantiksolar-design", "twin-boom-design"])
-def test_avl_has_the_neutral_point_of_the_formulas(name: str) -> None:
+def test_avl_has_the_neutral_point_of_the_formulas(name):
     from benchmarks.avl_wing import BALANCED, stability
 
     found = stability(load_aircraft(name, BALANCED[name]))

@@ -1,7 +1,6 @@
 """The checker of wild problems can fail: wrong answers that are planted must be seen."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from builders import DESIGN, mission
 from benchmarks import wild_missions
 from benchmarks.simulated_search import Effort
 from benchmarks.wild_problems import WildProblem, wild_problem
-from benchmarks.wild_verdicts import Claim, claim_of, judged
+from benchmarks.wild_verdicts import claim_of, judged
 from missions.files.validation import validate
 from missions.files.yaml import read_yaml
 from missions.mission import Mission
@@ -36,12 +35,12 @@ SHORTEST = Effort(drawn=16, population=12, generations=2, polishing=12)
 
 
 @pytest.fixture(scope="module")
-def truth() -> Claim:
+def truth():
     """Return what the product says of the problem."""
     return claim_of(PROBLEM)
 
 
-def test_the_optimum_agrees_and_the_search_finds_it_alone(truth: Claim) -> None:
+def test_the_optimum_agrees_and_the_search_finds_it_alone(truth):
     row = judged(PROBLEM, truth, effort=SHORTEST)
     assert row["verdict"] == "agree"
     # Without the optimum's neighbourhood, from random designs alone.
@@ -50,7 +49,7 @@ def test_the_optimum_agrees_and_the_search_finds_it_alone(truth: Claim) -> None:
     assert alone["found"] == pytest.approx(truth.value, rel=0.05)
 
 
-def test_a_heavier_design_is_a_false_optimum(truth: Claim) -> None:
+def test_a_heavier_design_is_a_false_optimum(truth):
     heavier = truth.design._replace(
         wingspan_m=1.02 * truth.design.wingspan_m,
         battery_mass_kg=1.1 * truth.design.battery_mass_kg,
@@ -67,19 +66,19 @@ def test_a_heavier_design_is_a_false_optimum(truth: Claim) -> None:
     assert judged(PROBLEM, truth, earlier=row)["verdict"] == "agree"
 
 
-def test_a_claim_of_infeasibility_is_refuted(truth: Claim) -> None:
+def test_a_claim_of_infeasibility_is_refuted(truth):
     wrong = replace(truth, status="infeasible", value=None, design=None)
     assert judged(PROBLEM, wrong, effort=SHORTEST)["verdict"] == "false infeasible"
 
 
-def test_a_value_that_its_design_does_not_have_is_unsound(truth: Claim) -> None:
+def test_a_value_that_its_design_does_not_have_is_unsound(truth):
     lighter = replace(truth, value=0.99 * truth.value)
     assert judged(PROBLEM, lighter, effort=SHORTEST)["verdict"] == "unsound"
     empty = truth.design._replace(battery_mass_kg=0.8 * truth.design.battery_mass_kg)
     assert judged(PROBLEM, replace(truth, design=empty), effort=SHORTEST)["verdict"] == "unsound"
 
 
-def test_problems_are_the_same_every_time_and_can_be_written(tmp_path: Path) -> None:
+def test_problems_are_the_same_every_time_and_can_be_written(tmp_path):
     for number in range(8):
         problem = wild_problem(3, number)
         assert problem == wild_problem(3, number)

@@ -3,8 +3,6 @@
 import importlib
 import re
 import sys
-from collections.abc import Callable
-from types import FrameType
 from typing import Any
 
 import pytest
@@ -18,7 +16,7 @@ NAMES = sorted(set(re.findall(r"`([a-z_.]+):([A-Za-z_.]+)`", PAGE)))
 
 
 @pytest.mark.parametrize(("module", "name"), NAMES, ids=lambda text: text)
-def test_name_exists(module: str, name: str) -> None:
+def test_name_exists(module, name):
     if module == "module":  # how names are written
         return
     found: Any = importlib.import_module(module)
@@ -27,15 +25,15 @@ def test_name_exists(module: str, name: str) -> None:
 
 
 @pytest.mark.parametrize("path", sorted(set(re.findall(r"`([a-z_]+/[a-z_/.]+)`", PAGE))))
-def test_file_exists(path: str) -> None:
+def test_file_exists(path):
     assert (ROOT / path).exists()
 
 
-def functions_entered(call: Callable[[], object]) -> list[str]:
+def functions_entered(call):
     """Functions of the project in the order in which they are first entered."""
     entered: dict[str, None] = {}
 
-    def watch(frame: FrameType, event: str, _: object) -> None:
+    def watch(frame, event, _):
         module = frame.f_globals.get("__name__", "")
         if event == "call" and module.partition(".")[0] in ("solar", "missions", "sizing"):
             entered.setdefault(f"{module}:{frame.f_code.co_qualname}")
@@ -48,11 +46,11 @@ def functions_entered(call: Callable[[], object]) -> list[str]:
     return list(entered)
 
 
-def test_way_of_an_analysis_is_walked_in_this_order() -> None:
+def test_way_of_an_analysis_is_walked_in_this_order():
     aircraft = sizing.load_aircraft("atlantiksolar-design")
     mission = missions.load_mission("rafz-july")
 
-    def asked() -> None:
+    def asked():
         analysis = sizing.analyse(aircraft, mission)
         assert str(analysis)
         assert analysis.to_dict()

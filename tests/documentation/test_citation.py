@@ -14,7 +14,7 @@ CHANGELOG = ROOT / "CHANGELOG.md"
 pytestmark = pytest.mark.skipif(not CITATION.is_file(), reason="tests run without the clone")
 
 
-def test_citation_has_what_the_format_requires() -> None:
+def test_citation_has_what_the_format_requires():
     """Citation File Format 1.2.0: required keys, and those of references."""
     cited = yaml.safe_load(CITATION.read_text(encoding="utf-8"))
     assert {"cff-version", "message", "title", "authors"} <= cited.keys()

@@ -3,28 +3,23 @@
 import re
 import runpy
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import click
 import pytest
-from command_line import Outcome, Run
 from documented import (
     PAGES,
     ROOT,
     VARIES,
-    Block,
     blocks,
     disagreement,
     inline_commands,
     inline_options,
     not_printed,
 )
-from played import Played, blocks_that, in_subprocess, is_run, played
+from played import blocks_that, in_subprocess, is_run, played
 
 
-def pages_with(holds: Callable[[Block], bool]) -> list[Any]:
+def pages_with(holds):
     """Pages that have such blocks, as parameters of a test."""
     found = ((page, blocks_that(holds, [page])) for page in PAGES)
     slow = {page: [pytest.mark.slow] for page, some in found if any(b.slow for b in some)}
@@ -32,18 +27,18 @@ def pages_with(holds: Callable[[Block], bool]) -> list[Any]:
     return [pytest.param(page, id=page.stem, marks=slow.get(page, ())) for page in pages]
 
 
-def is_python(block: Block) -> bool:
+def is_python(block):
     """Whether the block is Python that is run for its own sake, not for the file it makes."""
     return block.not_run is None and block.language == "python" and not block.makes
 
 
 @pytest.fixture(scope="session")
-def made_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made_in(tmp_path_factory):
     """Folder of the files that commands need, each made once by the Python of a page."""
     return tmp_path_factory.mktemp("made")
 
 
-def mistakes(block: Block, done: Played) -> list[str]:
+def mistakes(block, done):
     """What is wrong with a command of a page and what it printed."""
     at = f"{block}: {done.command.text.strip()}"
     both = done.out + done.err
@@ -63,12 +58,10 @@ def mistakes(block: Block, done: Played) -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", pages_with(is_run))
-def test_commands_of_the_page_print_what_it_says(
-    page: Path, run: Run, made_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_commands_of_the_page_print_what_it_says(page, run, made_in, tmp_path, monkeypatch):
     (tmp_path / "docs" / "images").mkdir(parents=True)
 
-    def call(words: list[str], variables: dict[str, str]) -> Outcome:
+    def call(words, variables):
         with monkeypatch.context() as patch:
             for name, value in variables.items():
                 patch.setenv(name, value)
@@ -85,13 +78,13 @@ def test_commands_of_the_page_print_what_it_says(
 
 
 @pytest.mark.parametrize("block", blocks_that(lambda block: block.not_run is not None), ids=str)
-def test_block_that_is_not_run_says_why_and_names_what_exists(block: Block) -> None:
+def test_block_that_is_not_run_says_why_and_names_what_exists(block):
     assert block.not_run, f"{block}: no reason"
     for command in block.commands():
         assert not unknown_options(command.text), f"{block}: {command.text}"
 
 
-def test_every_block_is_run_or_says_why_not() -> None:
+def test_every_block_is_run_or_says_why_not():
     for block in blocks_that(lambda block: block.not_run is None):
         if block.language in ("sh", "text"):
             before = [other for other in blocks(block.page) if other.output == block.text]
@@ -104,9 +97,7 @@ def test_every_block_is_run_or_says_why_not() -> None:
 @pytest.mark.slow
 @pytest.mark.usefixtures("registries")
 @pytest.mark.parametrize("page", pages_with(is_python))
-def test_python_of_the_page_runs(
-    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_python_of_the_page_runs(page, tmp_path, monkeypatch):
     """Each block in a file of its own; those that start workers in a process of their own."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
@@ -125,18 +116,18 @@ def test_python_of_the_page_runs(
             runpy.run_path(name)
 
 
-def test_commands_stand_in_blocks_that_are_run() -> None:
+def test_commands_stand_in_blocks_that_are_run():
     for block in blocks_that(lambda block: block.language not in ("sh", "text", "python")):
         assert not re.search(r"^(\$ )?(solar-uav|python) ", block.text, re.M), f"{block}"
 
 
-def test_claims_leave_out_what_varies_from_run_to_run() -> None:
+def test_claims_leave_out_what_varies_from_run_to_run():
     for block in blocks_that(is_run):
         for claimed in (*block.printed, *(command.claimed or "" for command in block.commands())):
             assert VARIES.search(claimed) is None, f"{block}: put ... for {claimed}"
 
 
-def command_tree() -> dict[str, click.Command]:
+def command_tree():
     from studies.cli.__main__ import cli
 
     context = click.Context(cli)
@@ -144,11 +135,11 @@ def command_tree() -> dict[str, click.Command]:
     return {name: command for name, command in found.items() if command is not None}
 
 
-def options_of(command: click.Command) -> set[str]:
+def options_of(command):
     return {name for p in command.params for name in (*p.opts, *p.secondary_opts)} | {"--help"}
 
 
-def unknown_options(text: str) -> set[str]:
+def unknown_options(text):
     """Options in a call that its command does not have, and the command if there is none."""
     words = text.replace("[", " ").replace("]", " ").split()
     if not words or words[0] != "solar-uav" or len(words) == 1:
@@ -163,7 +154,7 @@ def unknown_options(text: str) -> set[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_calls_within_the_text_name_commands_and_options_that_exist(page: Path) -> None:
+def test_calls_within_the_text_name_commands_and_options_that_exist(page):
     for text in inline_commands(page):
         assert not unknown_options(text), f"{page.name}: `{text}`"
 
@@ -185,19 +176,19 @@ FOREIGN = {
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_options_within_the_text_exist(page: Path) -> None:
+def test_options_within_the_text_exist(page):
     known = set().union(*(options_of(command) for command in command_tree().values()))
     named = inline_options(page) - FOREIGN.get(page.name, set())
     assert named <= known | {"--version"}, f"{page.name}: {sorted(named - known)}"
 
 
-def rows_of_table(text: str, heading: str) -> list[list[str]]:
+def rows_of_table(text, heading):
     """Cells of the table whose first row begins with a heading."""
     table = re.search(rf"^\| {heading} \|.*\n\|[-:|\s]+\n((?:\|.*\n)+)", text, re.M)
     return [[cell.strip() for cell in row.strip("|").split("|")] for row in table[1].splitlines()]
 
 
-def test_numbers_of_the_readme_are_those_of_the_validation() -> None:
+def test_numbers_of_the_readme_are_those_of_the_validation():
     """``docs/validation.md`` is compared with what is computed by another test."""
     text = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
     known = [(float(row[3]), float(row[4])) for row in rows_of_table(text, "quantity")]
@@ -223,5 +214,5 @@ def test_numbers_of_the_readme_are_those_of_the_validation() -> None:
         ("a b", "a"),
     ],
 )
-def test_claims_that_do_not_agree(claimed: str, actual: str) -> None:
+def test_claims_that_do_not_agree(claimed, actual):
     assert disagreement(claimed, actual) is not None

@@ -2,7 +2,6 @@
 
 import ast
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -31,7 +30,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 Definition = Function | ast.ClassDef
 
 
-def offered_names() -> set[str]:
+def offered_names():
     """Names that the packages offer, as ``dir()`` shows them."""
     trees = (ast.parse((ROOT / p / "__init__.pyi").read_text(encoding="utf-8")) for p in PACKAGES)
     imports = (
@@ -40,7 +39,7 @@ def offered_names() -> set[str]:
     return {alias.asname or alias.name for node in imports for alias in node.names}
 
 
-def definitions(body: list[ast.stmt], prefix: str) -> Iterator[tuple[str, Definition]]:
+def definitions(body, prefix):
     """Functions, classes and methods, with their dotted names."""
     for node in body:
         if isinstance(node, Definition):
@@ -49,7 +48,7 @@ def definitions(body: list[ast.stmt], prefix: str) -> Iterator[tuple[str, Defini
                 yield from definitions(node.body, f"{prefix}.{node.name}")
 
 
-def all_definitions() -> Iterator[tuple[Path, str, Definition]]:
+def all_definitions():
     """Every definition: its file, the dotted name and the node."""
     for package in PACKAGES:
         for path in sorted((ROOT / package).rglob("*.py")):
@@ -59,24 +58,24 @@ def all_definitions() -> Iterator[tuple[Path, str, Definition]]:
                 yield relative, name, node
 
 
-def is_formula(path: Path) -> bool:
+def is_formula(path):
     return path.as_posix().startswith(FORMULAS)
 
 
-def is_offered(path: Path, name: str, offered: set[str]) -> bool:
+def is_offered(path, name, offered):
     """Whether a name, or the class that it belongs to, is one that users get."""
     inner = name.removeprefix(".".join(path.with_suffix("").parts) + ".")
     return inner.partition(".")[0] in offered
 
 
-def argument_count(function: Function) -> int:
+def argument_count(function):
     given = function.args
     names = [a.arg for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
     names += [a.arg for a in (given.vararg, given.kwarg) if a is not None]
     return len([name for name in names if name not in ("self", "cls")])
 
 
-def missing_sections(function: Function) -> list[str]:
+def missing_sections(function):
     text = ast.get_docstring(function) or ""
     returns = function.returns is not None and ast.unparse(function.returns) not in (
         "None",
@@ -90,11 +89,11 @@ def missing_sections(function: Function) -> list[str]:
     ]
 
 
-def is_private(name: str) -> bool:
+def is_private(name):
     return any(part.startswith("_") for part in name.split("."))
 
 
-def is_exempt(function: Function) -> bool:
+def is_exempt(function):
     """Tell whether the terminal's help (click) or another definition (overload) documents it."""
     decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
     return any(
@@ -103,7 +102,7 @@ def is_exempt(function: Function) -> bool:
 
 
 @pytest.mark.long
-def test_what_users_call_lists_parameters_and_returns() -> None:
+def test_what_users_call_lists_parameters_and_returns():
     offered = offered_names()
     incomplete = {
         name: missing
@@ -116,7 +115,7 @@ def test_what_users_call_lists_parameters_and_returns() -> None:
 
 
 @pytest.mark.long
-def test_inner_names_have_a_sentence_and_no_sections() -> None:
+def test_inner_names_have_a_sentence_and_no_sections():
     offered = offered_names()
     wordy = [
         name

@@ -12,11 +12,11 @@ from documented import DOCS, PAGES, ROOT, without_code
 PACKAGES = ("solar", "missions", "sizing", "studies")
 
 
-def links(page: Path) -> list[str]:
+def links(page):
     return re.findall(r"\]\(([^)\s]+)\)", without_code(page))
 
 
-def anchors(page: Path) -> set[str]:
+def anchors(page):
     """Anchors of the headings as GitHub makes them: lower case, hyphens, no punctuation."""
     headings = re.findall(r"^#+ (.+)$", without_code(page), re.M)
     bare = (re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading) for heading in headings)
@@ -24,7 +24,7 @@ def anchors(page: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_links_lead_to_files_and_headings(page: Path) -> None:
+def test_links_lead_to_files_and_headings(page):
     for link in links(page):
         if re.match(r"[a-z]+:", link):
             continue
@@ -35,25 +35,25 @@ def test_links_lead_to_files_and_headings(page: Path) -> None:
             assert anchor in anchors(target), f"{page.name}: {link}"
 
 
-def test_every_page_is_in_the_index() -> None:
+def test_every_page_is_in_the_index():
     index = DOCS / "index.md"
     linked = {(index.parent / link.partition("#")[0]).resolve() for link in links(index)}
     assert {page for page in PAGES if DOCS in page.parents and page != index} <= linked
     assert index in {(ROOT / link.partition("#")[0]).resolve() for link in links(PAGES[0])}
 
 
-def test_every_example_that_draws_is_in_the_index() -> None:
+def test_every_example_that_draws_is_in_the_index():
     text = (DOCS / "index.md").read_text(encoding="utf-8")
     for script in (ROOT / "examples").glob("*.py"):
         assert f"`{script.name}`" in text, script.name
 
 
-def test_every_image_is_shown() -> None:
+def test_every_image_is_shown():
     shown = {(page.parent / link).resolve() for page in PAGES for link in links(page)}
     assert set((DOCS / "images").iterdir()) <= shown
 
 
-def dotted_names(page: Path) -> set[str]:
+def dotted_names(page):
     """Modules and what is in them, as the text of a page names them."""
     pattern = rf"`((?:{'|'.join(PACKAGES)})(?:\.\w+)+)`"
     names = set(re.findall(pattern, without_code(page)))
@@ -65,11 +65,11 @@ def dotted_names(page: Path) -> set[str]:
     [(page, name) for page in PAGES for name in sorted(dotted_names(page))],
     ids=lambda value: value.name if isinstance(value, Path) else value,
 )
-def test_what_the_text_names_exists(page: Path, name: str) -> None:
+def test_what_the_text_names_exists(page, name):
     pkgutil.resolve_name(name)
 
 
-def test_map_of_the_packages_leaves_nothing_out() -> None:
+def test_map_of_the_packages_leaves_nothing_out():
     named = dotted_names(ROOT / "CONTRIBUTING.md")
     for package in PACKAGES:
         for module in pkgutil.iter_modules(importlib.import_module(package).__path__):

@@ -66,13 +66,7 @@ Script = Callable[..., str]
 
 
 @pytest.fixture
-def run_script(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    registries: None,
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Script:
+def run_script(tmp_path, monkeypatch, capsys, registries, tmp_path_factory):
     """Run a file as a script, in this process, from an empty folder; return what it prints."""
     monkeypatch.chdir(tmp_path)
     # Other tests start processes; here they would only import everything again.
@@ -83,7 +77,7 @@ def run_script(
     monkeypatch.setattr("sizing.program.survival.NODE_STEP_S", 1800.0)
     monkeypatch.setattr("sizing.program.reliability.VERIFICATION_SAMPLES", 1000)
 
-    def run(script: Path, *arguments: str) -> str:
+    def run(script, *arguments):
         monkeypatch.setattr(sys, "argv", [str(script), *arguments])
         if script.name in FEWER:
             many, few = FEWER[script.name]
@@ -102,16 +96,14 @@ def run_script(
     [*((*one, []) for one in TELLING), *((*one, ["figure.png"]) for one in DRAWING)],
     ids=[name for name, _ in (*TELLING, *DRAWING)],
 )
-def test_example_prints_its_result_and_draws(
-    name: str, expected: str, drawn: list[str], run_script: Script, tmp_path: Path
-) -> None:
+def test_example_prints_its_result_and_draws(name, expected, drawn, run_script, tmp_path):
     printed = run_script(EXAMPLES / name, *drawn)
     assert re.search(expected, printed), printed
     assert [path.name for path in tmp_path.iterdir()] == drawn, "an example leaves files behind"
     assert all((tmp_path / one).read_bytes().startswith(b"\x89PNG") for one in drawn)
 
 
-def test_example_runs_in_a_process_of_its_own(tmp_path: Path) -> None:
+def test_example_runs_in_a_process_of_its_own(tmp_path):
     # The others run in the process of the tests, which saves each of them its imports.
     command = [sys.executable, str(EXAMPLES / "analyse_atlantiksolar.py")]
     done = subprocess.run(
@@ -122,20 +114,18 @@ def test_example_runs_in_a_process_of_its_own(tmp_path: Path) -> None:
 
 
 @pytest.mark.extra
-def test_example_that_couples_models_prints_its_result(run_script: Script) -> None:
+def test_example_that_couples_models_prints_its_result(run_script):
     pytest.importorskip("openmdao.api")
     printed = run_script(EXAMPLES / COUPLED)
     assert re.search(r"battery 2\.\d+ kg, excess time 3\.00 h\n", printed), printed
 
 
-def test_every_example_is_tested() -> None:
+def test_every_example_is_tested():
     tested = [COUPLED, *(name for name, _ in (*TELLING, *DRAWING))]
     assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted(tested)
 
 
-def test_own_sky_and_curve_are_used(
-    run_script: Script, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_own_sky_and_curve_are_used(run_script, tmp_path_factory):
     (block,) = [block.text for block in blocks(SOLAR) if block.language == "python"]
     script = tmp_path_factory.mktemp("sky") / "sky.py"
     script.write_text(block, encoding="utf-8")
@@ -144,7 +134,7 @@ def test_own_sky_and_curve_are_used(
 
 
 @pytest.mark.parametrize("name", doc_tables.TABLES)
-def test_table_of_the_documentation_is_up_to_date(name: str) -> None:
+def test_table_of_the_documentation_is_up_to_date(name):
     page_name, make = doc_tables.TABLES[name]
     page = (VALIDATION.parent / page_name).read_text(encoding="utf-8")
     assert doc_tables.with_table(page, name, make()) == page, (

@@ -1,12 +1,9 @@
 """Tables of JSON keys in the documentation name what the commands print, and all of it."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from command_line import Run
 
 pytestmark = pytest.mark.slow
 
@@ -128,7 +125,7 @@ OPEN = {
 }
 
 
-def keys(record: Any, inside: str = "") -> Iterator[str]:
+def keys(record, inside=""):
     """Names of all keys, at any depth."""
     if isinstance(record, list):
         for entry in record:
@@ -139,7 +136,7 @@ def keys(record: Any, inside: str = "") -> Iterator[str]:
             yield from keys(value, key)
 
 
-def section(page: str, command: str) -> str:
+def section(page, command):
     """Part of a page on a command: under its heading, or all of a page of its own."""
     text = (DOCS / page).read_text(encoding="utf-8")
     if page != "cli.md":
@@ -148,18 +145,18 @@ def section(page: str, command: str) -> str:
     return found[0]
 
 
-def names(text: str) -> set[str]:
+def names(text):
     """Keys in code."""
     return {span.rstrip("[]") for span in re.findall(r"`(\w+(?:\[\])?)`", text)}
 
 
-def first_columns(text: str) -> str:
+def first_columns(text):
     """First cells of the tables of keys."""
     tables = re.findall(r"^\| key.*\n\|[-:|\s]+\n((?:\|.*\n)+)", text, re.M)
     return "\n".join(row.split("|")[1] for table in tables for row in table.splitlines())
 
 
-def test_keys_of_what_lies_outside_a_range_are_those_of_its_page(run: Run) -> None:
+def test_keys_of_what_lies_outside_a_range_are_those_of_its_page(run):
     record = run("analyse", AS2, "--set", "mission.wind_m_per_s=50", "--json").json()
     (one,) = record["extrapolations"]
     page = (DOCS / "validity.md").read_text(encoding="utf-8")
@@ -167,7 +164,7 @@ def test_keys_of_what_lies_outside_a_range_are_those_of_its_page(run: Run) -> No
 
 
 @pytest.mark.parametrize("command", CASES)
-def test_keys_of_the_json_are_those_of_the_page(command: str, run: Run) -> None:
+def test_keys_of_the_json_are_those_of_the_page(command, run):
     page, calls, elsewhere = CASES[command]
     printed: set[str] = set()
     verb, _, option = command.partition(" --")

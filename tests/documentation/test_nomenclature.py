@@ -1,7 +1,6 @@
 """The nomenclature lists the symbols of all formulas, and the units that names end in."""
 
 import re
-from pathlib import Path
 
 import pytest
 from documented import DOCS, without_code
@@ -25,7 +24,7 @@ OPERATORS = re.compile(
 PLAIN = {"d"}
 
 
-def symbols(text: str) -> set[str]:
+def symbols(text):
     """Symbols of the formulas of a text, with their indices as plain letters."""
     found = set()
     for formula in FORMULA.finditer(text):
@@ -37,7 +36,7 @@ def symbols(text: str) -> set[str]:
     return found - PLAIN
 
 
-def table(heading: str) -> list[str]:
+def table(heading):
     """First cells of the table under a heading."""
     text = PAGE.read_text(encoding="utf-8").partition(f"## {heading}\n")[2].partition("\n## ")[0]
     rows = [line for line in text.splitlines() if line.startswith("| ")]
@@ -47,20 +46,20 @@ def table(heading: str) -> list[str]:
 @pytest.mark.parametrize(
     "page", [path for path in sorted(DOCS.glob("*.md")) if path != PAGE], ids=lambda path: path.stem
 )
-def test_symbols_of_the_page_are_listed(page: Path) -> None:
+def test_symbols_of_the_page_are_listed(page):
     listed = symbols("\n\n".join(table("Symbols")))
     text = re.sub(r"`[^`]*`", "", without_code(page))
     assert symbols(text) <= listed, sorted(symbols(text) - listed)
 
 
-def test_every_symbol_that_is_listed_is_used() -> None:
+def test_every_symbol_that_is_listed_is_used():
     pages = [path for path in DOCS.glob("*.md") if path != PAGE]
     used = set().union(*(symbols(without_code(page)) for page in pages))
     listed = symbols("\n\n".join(table("Symbols")))
     assert listed <= used, sorted(listed - used)
 
 
-def keys() -> set[str]:
+def keys():
     """Keys of files and JSON in the tables of the pages."""
     found: set[str] = set()
     for page in DOCS.glob("*.md"):
@@ -69,7 +68,7 @@ def keys() -> set[str]:
     return found
 
 
-def test_units_that_keys_end_in_are_listed() -> None:
+def test_units_that_keys_end_in_are_listed():
     endings = {unit for row in table("Units in names") for unit in re.findall(r"`_(\w+)`", row)}
     units = {unit for ending in endings for unit in ending.split("_") if unit != "per"}
     # What is longer is a word.

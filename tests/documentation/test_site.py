@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from browser_pages import DESKTOP, PHONE, OpenPage, accessibility_problems, too_wide
+from browser_pages import DESKTOP, PHONE, accessibility_problems, too_wide
 from documented import DOCS
 
 SITE = DOCS / "_build" / "html"
@@ -28,14 +28,14 @@ OpenSite = Callable[[str], Any]
 
 
 @pytest.fixture(params=[DESKTOP, PHONE], ids=["desktop", "phone"])
-def opened(request: pytest.FixtureRequest, open_page: OpenPage) -> OpenSite:
+def opened(request, open_page):
     """Open a page that may read the files of the site, and nothing else."""
     site = f"{SITE.resolve().as_uri()}/"
     return lambda name: open_page(site + name, size=request.param, folder=SITE.resolve())
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_page_is_whole(opened: OpenSite, name: str) -> None:
+def test_page_is_whole(opened, name):
     page = opened(name)
     if page.locator(".math").count():
         page.locator("mjx-container svg").first.wait_for()
@@ -46,13 +46,13 @@ def test_page_is_whole(opened: OpenSite, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["structure.html", "gallery/index.html", "api/sizing.html"])
-def test_page_is_accessible(opened: OpenSite, name: str) -> None:
+def test_page_is_accessible(opened, name):
     page = opened(name)
     page.evaluate("() => window.MathJax?.startup?.promise")
     assert accessibility_problems(page) == []
 
 
-def test_search_finds_pages(opened: OpenSite) -> None:
+def test_search_finds_pages(opened):
     page = opened("search.html?q=excess+time")
     page.get_by_text("Search finished").wait_for()
     results = page.locator("#search-results ul.search li a")

@@ -2,7 +2,6 @@
 
 import ast
 import re
-from collections.abc import Iterator
 
 import pytest
 from documented import DOCS, PAGES, ROOT, without_code
@@ -13,14 +12,14 @@ _ROW = re.compile(r"^\| (.+?) \| .+ \| ((?:`[^`]+`(?:, )?)+) \|$", re.M)
 _QUOTING = {"nomenclature.md", "CHANGELOG.md", "upgrade.md", "changelog.md", "reliability.md"}
 
 
-def replaced_words() -> list[str]:
+def replaced_words():
     """Words of the last column of the table."""
     page = (DOCS / "nomenclature.md").read_text(encoding="utf-8")
     table = page.partition("\n## Words\n")[2].partition("\n## ")[0]
     return [word for row in _ROW.finditer(table) for word in re.findall(r"`([^`]+)`", row[2])]
 
 
-def pattern_of(word: str) -> re.Pattern[str]:
+def pattern_of(word):
     """A word by itself; a number stands for any, and N is no newton."""
     text = re.escape(word).replace(re.escape("47.6"), r"\d+(?:\.\d+)?")
     # A force goes on with what it is a force of.
@@ -28,7 +27,7 @@ def pattern_of(word: str) -> re.Pattern[str]:
     return re.compile(rf"(?<![\w/]){text}{end}", re.M)
 
 
-def texts_of_python() -> Iterator[tuple[str, str]]:
+def texts_of_python():
     """Sentences in string literals; names and units are single words, docstrings are code's.
 
     Tables of keys are none.
@@ -46,7 +45,7 @@ def texts_of_python() -> Iterator[tuple[str, str]]:
                 yield f"{path.relative_to(ROOT)}:{node.lineno}", node.value
 
 
-def texts_of_pages() -> Iterator[tuple[str, str]]:
+def texts_of_pages():
     """Strings and elements of the explorer's page."""
     for path in sorted((ROOT / "studies" / "explorer").rglob("*.[jh]*")):
         if path.suffix in (".js", ".html") and "vendor" not in path.parts:
@@ -55,7 +54,7 @@ def texts_of_pages() -> Iterator[tuple[str, str]]:
                 yield str(path.relative_to(ROOT)), found[0]
 
 
-def texts_of_documents() -> Iterator[tuple[str, str]]:
+def texts_of_documents():
     """Prose of the documentation."""
     for page in PAGES:
         if page.name not in _QUOTING:
@@ -70,7 +69,7 @@ SOURCES = {
 }
 
 
-def test_the_table_has_words_to_look_for() -> None:
+def test_the_table_has_words_to_look_for():
     words = replaced_words()
     assert len(words) > 20
     for text, word in (
@@ -87,7 +86,7 @@ def test_the_table_has_words_to_look_for() -> None:
 
 
 @pytest.mark.parametrize("source", SOURCES)
-def test_people_read_one_word_for_one_thing(source: str) -> None:
+def test_people_read_one_word_for_one_thing(source):
     texts = list(SOURCES[source]())
     assert len(texts) > 20
     wrong = [

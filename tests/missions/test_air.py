@@ -1,7 +1,5 @@
 """Standard atmosphere against published tables, an independent implementation and invariants."""
 
-from __future__ import annotations
-
 import ambiance
 import numpy as np
 import pytest
@@ -36,7 +34,7 @@ offsets = st.floats(-60.0, 60.0)
         ("dynamic_viscosity_pa_s", "dynamic_viscosity"),
     ],
 )
-def test_standard_air_agrees_with_an_independent_implementation(field: str, reference: str) -> None:
+def test_standard_air_agrees_with_an_independent_implementation(field, reference):
     expected = getattr(ambiance.Atmosphere(ALTITUDES_M), reference)
     # The reference starts each layer from a pressure printed with six digits.
     assert getattr(standard_air(ALTITUDES_M), field) == pytest.approx(expected, rel=1e-5)
@@ -53,8 +51,8 @@ def test_standard_air_agrees_with_an_independent_implementation(field: str, refe
     ],
 )
 def test_standard_air_agrees_with_the_published_table(
-    geopotential_m: float, temperature_k: float, pressure_pa: float, density: float
-) -> None:
+    geopotential_m, temperature_k, pressure_pa, density
+):
     geometric = 6356766.0 * geopotential_m / (6356766.0 - geopotential_m)
     air = standard_air(geometric)
     # ISO 2533, printed with six digits.
@@ -63,20 +61,8 @@ def test_standard_air_agrees_with_the_published_table(
     assert air.density_kg_per_m3 == pytest.approx(density, rel=1e-5)
 
 
-def test_viscosity_at_sea_level() -> None:
-    # ISO 2533: 1.7894e-5 Pa s, printed with five digits.
-    assert standard_air(0.0).dynamic_viscosity_pa_s == pytest.approx(1.7894e-5, rel=5e-5)
-
-
-def test_geopotential_altitude_counts_the_fading_of_gravity() -> None:
-    # ISO 2533: 20 km are 19937 m, 32 km are 31840 m, printed to the metre.
-    assert geopotential_altitude_m([0.0, 20000.0, 32000.0]) == pytest.approx(
-        [0.0, 19937.0, 31840.0], abs=0.5
-    )
-
-
 @given(st.floats(-400.0, 31900.0))
-def test_pressure_balances_the_weight_of_the_air(altitude: float) -> None:
+def test_pressure_balances_the_weight_of_the_air(altitude):
     below, above = standard_air([altitude - 50.0, altitude + 50.0]).pressure_pa
     height = np.diff(geopotential_altitude_m([altitude - 50.0, altitude + 50.0]))[0]
     density = standard_air(altitude).density_kg_per_m3
@@ -88,9 +74,7 @@ def test_pressure_balances_the_weight_of_the_air(altitude: float) -> None:
 
 
 @given(altitudes, offsets)
-def test_air_is_an_ideal_gas_and_a_hot_day_keeps_its_pressure(
-    altitude: float, offset: float
-) -> None:
+def test_air_is_an_ideal_gas_and_a_hot_day_keeps_its_pressure(altitude, offset):
     standard, air = standard_air(altitude), standard_air(altitude, offset)
     assert all(np.isfinite(value) and value > 0.0 for value in air)
     assert air.pressure_pa == standard.pressure_pa
@@ -99,7 +83,7 @@ def test_air_is_an_ideal_gas_and_a_hot_day_keeps_its_pressure(
     assert air.pressure_pa == pytest.approx(expected)
 
 
-def test_air_of_given_temperature_and_pressure() -> None:
+def test_air_of_given_temperature_and_pressure():
     air = air_at(273.15, 100000.0)
     # Standard temperature and pressure of IUPAC: 1.2754 kg/m3 of dry air; viscosity of air at 0 C
     # 1.716e-5 Pa s (White, Viscous Fluid Flow), Sutherland's constants to 0.2 %.
@@ -108,23 +92,13 @@ def test_air_of_given_temperature_and_pressure() -> None:
     assert air.temperature_c == 0.0
 
 
-def test_broadcasting_equals_scalar_calls() -> None:
-    altitude = np.array([-500.0, 536.0, 11000.0, 15000.0, 25000.0])
-    offset = np.array([-10.0, 0.0, 20.0])
-    whole = standard_air(altitude[:, np.newaxis], offset)
-    for i, j in np.ndindex(5, 3):
-        one = standard_air(altitude[i], offset[j])
-        assert whole.temperature_k[i, j] == pytest.approx(float(one.temperature_k))
-        assert whole.density_kg_per_m3[i, j] == pytest.approx(float(one.density_kg_per_m3))
-
-
 @pytest.mark.parametrize("altitude", [-501.0, 32001.0, float("nan"), float("inf"), [0.0, 40000.0]])
-def test_altitudes_outside_the_model_are_refused(altitude: float | list[float]) -> None:
+def test_altitudes_outside_the_model_are_refused(altitude):
     with pytest.raises(ValueError, match="altitude_m must be from -500 to 32000"):
         standard_air(altitude)
 
 
-def test_convection_of_a_plate_is_that_of_a_textbook() -> None:
+def test_convection_of_a_plate_is_that_of_a_textbook():
     """Incropera et al., 6th edition, example 7.1: air at 6 kN/m2 and 10 m/s over a plate of 0.5 m.
 
     At the film's temperature of 437 K the Reynolds number is 9597 and the Nusselt number 57.4, so
@@ -137,7 +111,7 @@ def test_convection_of_a_plate_is_that_of_a_textbook() -> None:
     assert plate_convection_w_per_m2k(air, 10.0, 0.5) == pytest.approx(4.18, rel=0.02)
 
 
-def test_convection_turns_turbulent_without_a_leap() -> None:
+def test_convection_turns_turbulent_without_a_leap():
     air = standard_air(0.0)
     speed = 5e5 * air.dynamic_viscosity_pa_s / air.density_kg_per_m3
     below, above = (plate_convection_w_per_m2k(air, f * speed, 1.0) for f in (1 - 1e-9, 1 + 1e-9))
@@ -149,7 +123,7 @@ def test_convection_turns_turbulent_without_a_leap() -> None:
     assert ten == pytest.approx(expected, rel=0.02)
 
 
-def test_balances_of_thin_air_count_from_3_to_4_km() -> None:
+def test_balances_of_thin_air_count_from_3_to_4_km():
     assert thin_air_share([0.0, 3000.0]).tolist() == [0.0, 0.0]
     assert thin_air_share([4000.0, 20000.0]).tolist() == [1.0, 1.0]
     heights = np.linspace(2900.0, 4100.0, 121)
@@ -159,7 +133,7 @@ def test_balances_of_thin_air_count_from_3_to_4_km() -> None:
     assert np.max(np.abs(np.diff(share, 2))) <= 6.01e-4
 
 
-def test_a_pressure_leads_back_to_its_altitude() -> None:
+def test_a_pressure_leads_back_to_its_altitude():
     altitude_m = np.linspace(-450.0, 31900.0, 401)
     found_m = pressure_altitude_m(standard_air(altitude_m).pressure_pa)
     assert np.max(np.abs(found_m - altitude_m)) < 0.1

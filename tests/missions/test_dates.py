@@ -1,7 +1,5 @@
 """Calendar days against the standard library's calendar of a common year."""
 
-from __future__ import annotations
-
 import datetime
 from datetime import date, timedelta
 from itertools import pairwise
@@ -31,7 +29,7 @@ ALL_DAYS = range(1, 366)
 whole_days = st.integers(1, 365)
 
 
-def test_all_days_agree_with_the_calendar() -> None:
+def test_all_days_agree_with_the_calendar():
     for day in ALL_DAYS:
         calendar = NEW_YEAR + timedelta(days=day - 1)
         assert day_of_year(f"{calendar:%m-%d}") == day
@@ -48,7 +46,7 @@ def test_all_days_agree_with_the_calendar() -> None:
         (["2026-06-21", "21 Jun", "21 june", "21. June", "Jun 21", "21-Jun", "21Jun"], 172),
     ],
 )
-def test_dates_may_be_written_as_people_and_the_program_do(texts: list[str], day: int) -> None:
+def test_dates_may_be_written_as_people_and_the_program_do(texts, day):
     assert [day_of_year(text) for text in texts] == [day] * len(texts)
 
 
@@ -64,19 +62,19 @@ def test_dates_may_be_written_as_people_and_the_program_do(texts: list[str], day
         (["13-01"], "'13-01'"),
     ],
 )
-def test_other_texts_are_refused(texts: list[str], message: str) -> None:
+def test_other_texts_are_refused(texts, message):
     for text in texts:
         with pytest.raises(ValueError, match=message):
             day_of_year(text)
 
 
 @given(whole_days, st.integers(-3, 3))
-def test_days_beyond_the_year_wrap(day: int, years: int) -> None:
+def test_days_beyond_the_year_wrap(day, years):
     assert date_code(day + 365 * years) == date_code(day)
 
 
 @given(whole_days, whole_days)
-def test_range_holds_consecutive_days_from_first_to_last(first: int, last: int) -> None:
+def test_range_holds_consecutive_days_from_first_to_last(first, last):
     days = days_in_range(first, last)
     assert (days[0], days[-1]) == (first, last)
     assert len(set(days)) == len(days) <= 365
@@ -86,7 +84,7 @@ def test_range_holds_consecutive_days_from_first_to_last(first: int, last: int) 
     assert sorted(days_in_range(first, (first - 2) % 365 + 1)) == list(ALL_DAYS)
 
 
-def test_days_are_read_however_they_are_given() -> None:
+def test_days_are_read_however_they_are_given():
     for days in (
         ["06-21", "21 Dec", "2026-12-31"],
         pd.DatetimeIndex(["2024-06-21", "2024-12-21 08:00", "2023-12-31"]),
@@ -102,7 +100,7 @@ def test_days_are_read_however_they_are_given() -> None:
         dates.days_of_year(pd.DatetimeIndex(["2024-02-29"]))
 
 
-def test_days_of_maps_seasons_and_scenarios_may_be_dates() -> None:
+def test_days_of_maps_seasons_and_scenarios_may_be_dates():
     aircraft = sizing.load_aircraft("atlantiksolar-as2")
     mission = missions.load_mission("rafz-july")
     index = pd.DatetimeIndex(["2026-06-21", "2026-09-21"])

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from missions.flight_path import Circle, FlightPath, Level, StraightLegs, Wind
+from missions.flight_path import Circle, Level, StraightLegs, Wind
 from missions.loiter_power import Daylight, FlownModules, mean_power_on_path, module_power_on_path
 from solar.geometry import ModuleGeometry, ModuleSurface
 from solar.horizontal_models import horizontal_specific_power
@@ -17,11 +17,9 @@ CIRCLE = Circle(radius_m=100.0, airspeed_m_per_s=8.6)
 CALM = Wind(speed_m_per_s=0.0, from_deg=0.0)
 
 
-def mean(
-    model: str, geometry: ModuleGeometry, path: FlightPath, wind: Wind, samples: int = 36
-) -> np.ndarray:
+def mean(model, geometry, path, wind, samples=36):
     return mean_power_on_path(
-        model,  # type: ignore[arg-type]
+        model,
         FlownModules(geometry, SolarCell(), path, wind, samples=samples),
         DAY,
         ambient_temperature_c=20.0,
@@ -29,14 +27,14 @@ def mean(
     )
 
 
-def test_level_path_with_a_flat_wing_is_the_analysis_model() -> None:
+def test_level_path_with_a_flat_wing_is_the_analysis_model():
     cam = horizontal_specific_power(
         47.6, 182.5, TIME_H, cell=SolarCell(), module_temperature_c=20.0, model="CAM"
     )
     assert mean("VM", FLAT, Level(), CALM) == pytest.approx(cam, rel=1e-12, abs=1e-9)
 
 
-def test_easterly_wind_takes_from_the_morning_what_it_gives_to_the_evening() -> None:
+def test_easterly_wind_takes_from_the_morning_what_it_gives_to_the_evening():
     # Modules face aft, the nose lingers into the wind: away from the morning sun.
     calm = mean("FM", AFT, CIRCLE, CALM)
     east, west = (
@@ -50,21 +48,21 @@ def test_easterly_wind_takes_from_the_morning_what_it_gives_to_the_evening() -> 
 
 
 @pytest.mark.parametrize("model", ["VM", "FM"])
-def test_default_samples_have_converged(model: str) -> None:
+def test_default_samples_have_converged(model):
     wind = Wind(speed_m_per_s=4.0, from_deg=60.0)
     coarse, fine = (mean(model, AFT, CIRCLE, wind, samples=n) for n in (36, 288))
     # The claim beside ORBIT_SAMPLES: 1e-4 of the day's energy.
     assert coarse.sum() == pytest.approx(fine.sum(), rel=1e-4)
 
 
-def test_straight_legs_average_two_headings() -> None:
+def test_straight_legs_average_two_headings():
     path = StraightLegs(heading_deg=90.0, airspeed_m_per_s=10.0)
     both = mean("VM", AFT, path, CALM)
     # Without wind both legs take half the time: symmetric about noon, whatever the pitch.
     assert both == pytest.approx(both[::-1], rel=1e-9, abs=1e-9)
 
 
-def test_components_multiply_to_the_power() -> None:
+def test_components_multiply_to_the_power():
     lit, orbit, power = module_power_on_path(
         FlownModules(AFT, SolarCell(), CIRCLE, CALM), DAY, ambient_temperature_c=20.0
     )
@@ -75,6 +73,6 @@ def test_components_multiply_to_the_power() -> None:
     )
 
 
-def test_horizontal_models_have_no_path() -> None:
+def test_horizontal_models_have_no_path():
     with pytest.raises(ValueError, match="choose VM or FM"):
         mean("CAM", FLAT, CIRCLE, CALM)

@@ -1,20 +1,15 @@
 """Missions: what is accepted, what is refused, and the scenarios that a mission expands to."""
 
-from __future__ import annotations
-
-from importlib import resources
-from typing import Any
-
 import ambiance
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from missions.dates import date_code, day_of_year
 from missions.files.errors import InputError
+from missions.files.shipped import find_document, shipped_names
 from missions.files.validation import validate
 from missions.files.yaml import parse_yaml
 from missions.library import load_mission
@@ -24,19 +19,14 @@ from missions.mission.scenarios import SOLSTICES, Dates, LatitudeRange, latitude
 
 LAUNCH = {"date": "06-30", "time_local": "11:14", "utc_offset_h": 2.0, "duration_h": 28.35}
 NO_NUMBERS = (float("nan"), float("inf"), "1", True)
-LIBRARY = sorted(
-    entry.name
-    for entry in resources.files("missions").joinpath("library").iterdir()
-    if entry.name.endswith(".yaml")
-)
 
 
-def mission(**changes: Any) -> Mission:
+def mission(**changes):
     """Return a plain mission, changed."""
     return Mission(**{"name": "test", "latitude_deg": 47.6, "dates": {"on": "07-15"}, **changes})
 
 
-def dates(first: str, last: str, count: int | None = None) -> Dates:
+def dates(first, last, count=None):
     return Dates.model_validate({"from": first, "to": last, "count": count})
 
 
@@ -62,14 +52,12 @@ def dates(first: str, last: str, count: int | None = None) -> Dates:
         (dates("01-01", "01-10", 100), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]),
     ],
 )
-def test_days_that_stand_for_the_dates(chosen: Dates, days: list[int]) -> None:
+def test_days_that_stand_for_the_dates(chosen, days):
     assert chosen.days() == days
 
 
 @given(st.integers(1, 365), st.integers(1, 365), st.integers(2, 365))
-def test_days_are_distinct_members_of_their_range_with_both_ends(
-    first: int, last: int, count: int
-) -> None:
+def test_days_are_distinct_members_of_their_range_with_both_ends(first, last, count):
     chosen = dates(date_code(first), date_code(last), count)
     every, days = chosen.range(), chosen.days()
     assert (days[0], days[-1]) == (first, last)
@@ -80,14 +68,14 @@ def test_days_are_distinct_members_of_their_range_with_both_ends(
     assert all(day in days for day in SOLSTICES if day in every) or count < 4
 
 
-def test_dates_are_normalised() -> None:
+def test_dates_are_normalised():
     assert Dates(on=" 7-5 ").on == Dates(on="2015-07-05").on == "07-05"
 
 
 @pytest.mark.parametrize(
     "text", ["02-29", "13-01", "00-01", "04-31", "abc", "", "07-01-2015", 715, 7.15, True]
 )
-def test_other_dates_are_refused(text: Any) -> None:
+def test_other_dates_are_refused(text):
     with pytest.raises(ValidationError, match="on\n"):
         Dates(on=text)
 
@@ -104,7 +92,7 @@ FROM_TO = {"from": "05-01", "to": "08-15"}
         *((FROM_TO | {"count": count}, "count") for count in (0, -1, 366, 2.5, "3", True)),
     ],
 )
-def test_other_ranges_are_refused(data: dict[str, Any], message: str) -> None:
+def test_other_ranges_are_refused(data, message):
     with pytest.raises(ValidationError, match=message):
         Dates.model_validate(data)
 
@@ -115,21 +103,19 @@ def test_other_ranges_are_refused(data: dict[str, Any], message: str) -> None:
 @pytest.mark.parametrize(
     ("ends", "values"), [((45, 50, 3), [45.0, 47.5, 50.0]), ((10, -10, 5), [10, 5, 0, -5, -10])]
 )
-def test_latitude_range_includes_its_ends_and_may_lead_south(
-    ends: tuple[float, float, int], values: list[float]
-) -> None:
+def test_latitude_range_includes_its_ends_and_may_lead_south(ends, values):
     first, last, count = ends
     assert LatitudeRange(from_deg=first, to_deg=last, count=count).values() == values
 
 
 @pytest.mark.parametrize("count", [1, 0, -3, 182, 3.0, "3"])
-def test_other_counts_of_latitudes_are_refused(count: Any) -> None:
+def test_other_counts_of_latitudes_are_refused(count):
     with pytest.raises(ValidationError, match="count"):
         LatitudeRange(from_deg=45.0, to_deg=50.0, count=count)
 
 
 @pytest.mark.parametrize("latitude", [95.0, -90.1, float("nan"), float("inf"), "47.6", True, None])
-def test_other_latitudes_are_refused(latitude: Any) -> None:
+def test_other_latitudes_are_refused(latitude):
     with pytest.raises(ValidationError, match="latitude_deg"):
         mission(latitude_deg=latitude)
     with pytest.raises(ValidationError, match="from_deg"):
@@ -140,7 +126,7 @@ def test_other_latitudes_are_refused(latitude: Any) -> None:
     ("latitude", "label"),
     [(47.6, "47.6° N"), (-33, "33° S"), (0, "0°"), (-0.25, "0.25° S"), (-90, "90° S")],
 )
-def test_latitudes_are_accepted_and_labelled(latitude: float, label: str) -> None:
+def test_latitudes_are_accepted_and_labelled(latitude, label):
     assert mission(latitude_deg=latitude).latitudes() == [float(latitude)]
     assert latitude_label(float(latitude)) == label
 
@@ -166,14 +152,14 @@ def test_latitudes_are_accepted_and_labelled(latitude: float, label: str) -> Non
         ("air", "module_temperature_c", (*NO_NUMBERS, 295.85, -101.0)),
     ],
 )
-def test_values_out_of_range_are_refused(section: str, key: str, values: tuple[Any, ...]) -> None:
+def test_values_out_of_range_are_refused(section, key, values):
     for value in values:
         with pytest.raises(ValidationError, match=key):
             mission(**({section: {key: value}} if section else {key: value}))
 
 
 @pytest.mark.parametrize("key", ["name", "latitude_deg", "dates"])
-def test_required_keys(key: str) -> None:
+def test_required_keys(key):
     data = {"name": "test", "latitude_deg": 47.6, "dates": {"on": "07-15"}}
     del data[key]
     with pytest.raises(ValidationError, match=f"{key}\n  Field required"):
@@ -183,7 +169,7 @@ def test_required_keys(key: str) -> None:
 # ---- Air
 
 
-def test_air_is_standard_by_default() -> None:
+def test_air_is_standard_by_default():
     reference = ambiance.Atmosphere(536.0)
     air = mission(altitude_m=536.0).air_state()
     # Pressures printed with six digits in the reference.
@@ -191,7 +177,7 @@ def test_air_is_standard_by_default() -> None:
     assert air.temperature_k == pytest.approx(reference.temperature[0])
 
 
-def test_temperature_offset_thins_the_air() -> None:
+def test_temperature_offset_thins_the_air():
     reference = ambiance.Atmosphere(500.0)
     warm = mission(altitude_m=500.0, air={"temperature_offset_k": 15.0})
     expected = reference.density[0] * reference.temperature[0] / (reference.temperature[0] + 15.0)
@@ -199,7 +185,7 @@ def test_temperature_offset_thins_the_air() -> None:
     assert warm.module_temperature_c() == pytest.approx(reference.temperature_in_celsius[0] + 15.0)
 
 
-def test_ambient_temperature_overrides_the_density() -> None:
+def test_ambient_temperature_overrides_the_density():
     flight = mission(altitude_m=536.0, air={"ambient_temperature_c": 22.7}).air_state()
     pressure = ambiance.Atmosphere(536.0).pressure[0]
     assert flight.temperature_c == pytest.approx(22.7)
@@ -208,7 +194,7 @@ def test_ambient_temperature_overrides_the_density() -> None:
     assert flight.density_kg_per_m3 == pytest.approx(pressure / (287.05287 * 295.85), rel=1e-5)
 
 
-def test_module_temperature_is_that_of_the_air_unless_given() -> None:
+def test_module_temperature_is_that_of_the_air_unless_given():
     assert mission(air={"ambient_temperature_c": 22.7}).module_temperature_c() == pytest.approx(
         22.7
     )
@@ -218,7 +204,7 @@ def test_module_temperature_is_that_of_the_air_unless_given() -> None:
     assert mission(altitude_m=0.0).module_temperature_c() == pytest.approx(15.0)  # sea level
 
 
-def test_two_air_temperatures_are_refused() -> None:
+def test_two_air_temperatures_are_refused():
     with pytest.raises(ValidationError, match="not both"):
         mission(air={"temperature_offset_k": 0.0, "ambient_temperature_c": 20.0})
 
@@ -226,7 +212,7 @@ def test_two_air_temperatures_are_refused() -> None:
 # ---- Launch
 
 
-def test_night_floor_is_the_altitude() -> None:
+def test_night_floor_is_the_altitude():
     climb = {"ceiling_m": 18000.0, "minimum_altitude_m": 12000.0}
     floor = mission(climb=climb)
     assert floor.altitude_m == 12000.0
@@ -249,21 +235,21 @@ def test_night_floor_is_the_altitude() -> None:
         ),
     ],
 )
-def test_bad_floors_are_one_line(changes: str, message: str) -> None:
+def test_bad_floors_are_one_line(changes, message):
     text = f"name: a\nlatitude_deg: 47\ndates: {{on: 06-21}}\nclimb:\n  ceiling_m: 18000\n{changes}"
     with pytest.raises(InputError) as caught:
         validate(parse_yaml(text, "m.yaml"), Mission)
     assert str(caught.value) == f"m.yaml:6:23: climb.minimum_altitude_m: {message}"
 
 
-def test_null_altitude_leaves_it_to_the_floor() -> None:
+def test_null_altitude_leaves_it_to_the_floor():
     climb = {"ceiling_m": 18000.0, "minimum_altitude_m": 12000.0}
     assert mission(altitude_m=None, climb=climb).altitude_m == 12000.0
     with pytest.raises(ValidationError):
         mission(altitude_m=None)
 
 
-def test_a_flight_path_is_flown_in_the_winds_of_all_heights() -> None:
+def test_a_flight_path_is_flown_in_the_winds_of_all_heights():
     where = {"latitude_deg": 40.0, "altitude_m": 20000.0, "wind": {"percentile": 95}}
     path = {"kind": "circle", "radius_m": 1000.0, "airspeed_m_per_s": 16.0}
     there = mission(**where, climb={"ceiling_m": 26000.0}, flight_path=path)
@@ -271,7 +257,7 @@ def test_a_flight_path_is_flown_in_the_winds_of_all_heights() -> None:
     assert there.strongest_wind_m_per_s < 16.0 < aloft == pytest.approx(there.wind.speed_m_per_s)
 
 
-def test_winds_of_all_heights_must_be_known_where_the_place_is_held() -> None:
+def test_winds_of_all_heights_must_be_known_where_the_place_is_held():
     wind = {"percentile": 95, "hold_station": True}
     held = mission(altitude_m=15000.0, climb={"ceiling_m": 18000.0}, wind=wind)
     assert held.holds_station
@@ -287,13 +273,13 @@ def test_winds_of_all_heights_must_be_known_where_the_place_is_held() -> None:
     ("text", "hours"),
     [("00:00", 0.0), ("9:30", 9.5), ("11:14", 11.0 + 14.0 / 60.0), ("23:59", 23.9833333)],
 )
-def test_launch_is_read(text: str, hours: float) -> None:
+def test_launch_is_read(text, hours):
     launch = Launch.model_validate({**LAUNCH, "time_local": text})
     assert launch.clock_h == pytest.approx(hours)
     assert (launch.date, launch.state_of_charge) == ("06-30", 1.0)
 
 
-def test_launch_needs_a_longitude_and_a_single_latitude() -> None:
+def test_launch_needs_a_longitude_and_a_single_latitude():
     assert mission(longitude_deg=0.0, launch=LAUNCH).launch is not None
     with pytest.raises(ValidationError, match="needs longitude_deg") as caught:
         mission(launch=LAUNCH)
@@ -319,7 +305,7 @@ def test_launch_needs_a_longitude_and_a_single_latitude() -> None:
         ("duration_h", float("nan")),
     ],
 )
-def test_bad_launches_are_refused(key: str, value: Any) -> None:
+def test_bad_launches_are_refused(key, value):
     with pytest.raises(ValidationError, match=key):
         Launch.model_validate({**LAUNCH, key: value})
 
@@ -327,7 +313,7 @@ def test_bad_launches_are_refused(key: str, value: Any) -> None:
 # ---- Scenarios
 
 
-def test_scenarios_run_through_the_days_of_each_latitude() -> None:
+def test_scenarios_run_through_the_days_of_each_latitude():
     scenarios = mission(
         latitude_deg={"from_deg": 45.0, "to_deg": 50.0, "count": 2},
         dates={"from": "12-31", "to": "01-02", "count": 3},
@@ -352,7 +338,7 @@ def test_scenarios_run_through_the_days_of_each_latitude() -> None:
         (0.0, "12-21", [False]),
     ],
 )
-def test_polar_night_by_hemisphere(latitude: Any, date: str, dark: list[bool]) -> None:
+def test_polar_night_by_hemisphere(latitude, date, dark):
     scenarios = mission(latitude_deg=latitude, dates={"on": date}).scenarios()
     assert scenarios.in_polar_night().tolist() == dark
 
@@ -360,36 +346,21 @@ def test_polar_night_by_hemisphere(latitude: Any, date: str, dark: list[bool]) -
 # ---- Library
 
 
-class CoreLoader(yaml.SafeLoader):
-    """YAML whose only truth values are those of version 1.2: the key ``on`` is a text."""
-
-
-CoreLoader.yaml_implicit_resolvers = {
-    letter: [] if letter in "oOnNyY" else resolvers
-    for letter, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
-}
-
-
-def shipped(name: str) -> Any:
-    text = resources.files("missions").joinpath("library", name).read_text(encoding="utf-8")
-    return yaml.load(text, Loader=CoreLoader)
-
-
-@pytest.mark.parametrize("name", LIBRARY)
-def test_shipped_missions_are_valid(name: str) -> None:
-    data = shipped(name)
+@pytest.mark.parametrize("name", shipped_names("mission"))
+def test_shipped_missions_are_valid(name):
+    data = find_document("mission", name).data
     # YAML takes some dates and times for numbers; those in the files must remain text.
     assert all(isinstance(data["dates"].get(key, ""), str) for key in ("on", "from", "to"))
     assert isinstance(data.get("launch", {}).get("time_local", ""), str)
     found = Mission.model_validate(data)
-    assert f"{found.name}.yaml" == name
+    assert found.name == name
     assert len(found.scenarios()) == len(found.latitudes()) * len(found.dates.days()) > 0
     assert 0.0 < found.air_state().density_kg_per_m3 < 1.5  # denser than on any coast in winter
     assert not found.scenarios().in_polar_night().any()
 
 
-def test_the_flights_are_the_published_ones() -> None:
-    flight = Mission.model_validate(shipped("rafz-28h.yaml"))
+def test_the_flights_are_the_published_ones():
+    flight = load_mission("rafz-28h")
     assert (flight.latitude_deg, flight.longitude_deg) == (47.6, 8.53)
     # 30 June, 11:14, with a charge of 57.7 %; landing on 1 July at 15:35.
     assert (flight.launch.date, flight.launch.time_local) == ("06-30", "11:14")
@@ -397,14 +368,14 @@ def test_the_flights_are_the_published_ones() -> None:
     landing_h = flight.launch.clock_h + flight.launch.duration_h
     assert landing_h == pytest.approx(24.0 + 15.0 + 35.0 / 60.0, abs=1.0 / 60.0)  # to the minute
     assert flight.dates.days() == [day_of_year("07-01")]
-    longer = Mission.model_validate(shipped("rafz-81h.yaml"))
+    longer = load_mission("rafz-81h")
     assert (longer.launch.date, longer.launch.duration_h) == ("07-14", 81.4)
 
 
 # ---- clear sky ----
 
 
-def test_unknown_sky_is_refused() -> None:
+def test_unknown_sky_is_refused():
     assert mission().clear_sky == "ashrae"
     with pytest.raises(InputError) as caught:
         load_mission("rafz-july", ["clear_sky=bright"])

@@ -1,10 +1,6 @@
 """Tests of propulsion parts that are chosen by a sizing."""
 
-from __future__ import annotations
-
 import re
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +19,7 @@ MISSION = load_mission("rafz-july")
 FACTOR = "airframe.propulsion.efficiency_factor"
 
 
-def ranged(motor: Any = PARTS["motor"], **ranges: tuple[float, float]) -> sizing.Aircraft:
+def ranged(motor=PARTS["motor"], **ranges):
     space = {
         f"design_space.{key}": {"minimum": low, "maximum": high}
         for key, (low, high) in ranges.items()
@@ -31,20 +27,20 @@ def ranged(motor: Any = PARTS["motor"], **ranges: tuple[float, float]) -> sizing
     return aircraft(space, motor=motor)
 
 
-def held(own: sizing.Aircraft, **values: float) -> sizing.Aircraft:
+def held(own, **values):
     """Aircraft with other parts, and nothing of them chosen."""
     propeller = PARTS["propeller"] | {k: v for k, v in values.items() if k != "ratio"}
     gear = PARTS["gear"] | {k: v for k, v in values.items() if k == "ratio"}
     return aircraft(propeller=propeller, gear=gear)
 
 
-def parts_of(own: sizing.Aircraft) -> OperatingPointPropulsion:
+def parts_of(own):
     parts = getattr(own.airframe, "propulsion", None)
     assert isinstance(parts, OperatingPointPropulsion)
     return parts
 
 
-def test_the_efficiency_factor_is_one_of_the_power() -> None:
+def test_the_efficiency_factor_is_one_of_the_power():
     design, better = (
         sizing.design_of(aircraft({FACTOR: factor}), MISSION) for factor in (1.0, 1.05)
     )
@@ -56,11 +52,11 @@ def test_the_efficiency_factor_is_one_of_the_power() -> None:
 
 
 @pytest.fixture(scope="module")
-def chosen() -> sizing.SizingStudy:
+def chosen():
     return sizing.size(ranged(propeller_diameter_m=(0.4, 1.0), gear_ratio=(2.0, 12.0)), MISSION)
 
 
-def test_a_chosen_propeller_has_the_exact_chain(chosen: sizing.SizingStudy) -> None:
+def test_a_chosen_propeller_has_the_exact_chain(chosen):
     exact = sizing.design_of(chosen.sized_aircraft(), MISSION)
     assert chosen.design.chain.efficiency == pytest.approx(exact.chain.efficiency, rel=2e-6)
     assert chosen.design.total_mass_kg == pytest.approx(float(exact.total_mass_kg), rel=2e-6)
@@ -68,9 +64,7 @@ def test_a_chosen_propeller_has_the_exact_chain(chosen: sizing.SizingStudy) -> N
 
 @pytest.mark.parametrize("factor", [0.94, 1.06])
 @pytest.mark.parametrize("part", ["diameter_m", "ratio"])
-def test_no_other_diameter_or_gear_is_lighter(
-    chosen: sizing.SizingStudy, part: str, factor: float
-) -> None:
+def test_no_other_diameter_or_gear_is_lighter(chosen, part, factor):
     best = {
         "diameter_m": chosen.variables.propeller_diameter_m,
         "ratio": chosen.variables.gear_ratio,
@@ -84,7 +78,7 @@ def test_no_other_diameter_or_gear_is_lighter(
     assert worse.design.total_mass_kg > chosen.design.total_mass_kg * (1.0 - 1e-4)
 
 
-def test_a_chosen_propeller_keeps_the_limits_of_the_motor() -> None:
+def test_a_chosen_propeller_keeps_the_limits_of_the_motor():
     constants = {"speed_constant_rpm_per_v": 317, "resistance_ohm": 0.299}
     weak = constants | {"no_load_current_a": 0.137, "maximum_current_a": 1.4, "mass_kg": 0.48}
     space = {
@@ -93,7 +87,6 @@ def test_a_chosen_propeller_keeps_the_limits_of_the_motor() -> None:
         "gear_ratio": (2.0, 12.0),
     }
     study = sizing.size(ranged(motor=weak, **space), MISSION)
-    assert study.design is not None
     own = study.sized_aircraft()
     point = level_point(own, MISSION, sizing.design_of(own, MISSION))
     assert point.reason == ""
@@ -105,7 +98,7 @@ def test_a_chosen_propeller_keeps_the_limits_of_the_motor() -> None:
     assert "current of the motor" in told
 
 
-def test_the_design_with_a_margin_has_its_own_operating_point() -> None:
+def test_the_design_with_a_margin_has_its_own_operating_point():
     study = sizing.size(aircraft(), MISSION, with_margin=True)
     guarded = study.with_margin
     alone = sizing.size(aircraft(), guarded.mission)
@@ -113,7 +106,7 @@ def test_the_design_with_a_margin_has_its_own_operating_point() -> None:
     assert guarded.design.total_mass_kg == pytest.approx(alone.design.total_mass_kg, rel=6e-4)
 
 
-def test_cells_of_a_map_have_their_own_operating_points() -> None:
+def test_cells_of_a_map_have_their_own_operating_points():
     own = aircraft()
     found = studies.resized_map(own, MISSION, "min_mass", latitudes=[35.0], days=[172])
     there = load_mission("rafz-july", {"latitude_deg": 35.0, "dates": {"on": "06-21"}})
@@ -122,7 +115,7 @@ def test_cells_of_a_map_have_their_own_operating_points() -> None:
     assert float(found["total_mass"].item()) == pytest.approx(alone, rel=5e-3)
 
 
-def test_draws_have_their_own_operating_points() -> None:
+def test_draws_have_their_own_operating_points():
     inputs = {FACTOR: {"relative_sigma": 0.03}}
     built = {"airframe.structure.build": 1.0}  # a class would scatter as well
     own = aircraft({"uncertainty.inputs": inputs, **built})
@@ -134,7 +127,7 @@ def test_draws_have_their_own_operating_points() -> None:
 
 
 @pytest.mark.slow
-def test_a_reliable_design_may_have_an_uncertain_chain() -> None:
+def test_a_reliable_design_may_have_an_uncertain_chain():
     mission = load_mission("rafz-july", {"required_excess_time_h": 3.0})
     # Of one voltage a day is marched once, and the search marches thousands.
     flat = VOLTAGE | {"cell_voltage_v": [3.7] * 4}
@@ -145,14 +138,14 @@ def test_a_reliable_design_may_have_an_uncertain_chain() -> None:
     assert study.design.total_mass_kg == pytest.approx(float(flown.total_mass_kg), rel=1e-4)
 
 
-def test_other_parts_do_not_scatter() -> None:
+def test_other_parts_do_not_scatter():
     inputs = {"airframe.propulsion.gear.efficiency": {"sigma": 0.01}}
     own = aircraft({"uncertainty.inputs": inputs})
     with pytest.raises(ValueError, match="efficiency_factor scatter"):
         sizing.analyse_uncertainty(own, MISSION, samples=64)
 
 
-def test_a_propeller_by_tables_is_not_chosen(tmp_path: Path) -> None:
+def test_a_propeller_by_tables_is_not_chosen(tmp_path):
     ends = {"minimum": 0.4, "maximum": 1.0}
     with pytest.raises(InputError, match=r"goes with .*operating_point"):
         sizing.load_aircraft("atlantiksolar-design", {"design_space.gear_ratio": ends})
@@ -168,7 +161,7 @@ def test_a_propeller_by_tables_is_not_chosen(tmp_path: Path) -> None:
     assert study.design.propulsion_power_w == pytest.approx(exact.propulsion_power_w, rel=5e-4)
 
 
-def test_an_altitude_that_cannot_be_flown_has_its_reason() -> None:
+def test_an_altitude_that_cannot_be_flown_has_its_reason():
     own = aircraft()
     flight = flight_at_altitude(own, MISSION, SolarModel("CAM"), 6000.0)
     found = re.search(r"bus voltage 18 V is below (\d+\.\d+) V", flight.reason)
@@ -188,7 +181,7 @@ def test_an_altitude_that_cannot_be_flown_has_its_reason() -> None:
     assert "bus voltage" in reasons[-1]
 
 
-def test_a_propeller_efficiency_that_scatters_is_the_factor() -> None:
+def test_a_propeller_efficiency_that_scatters_is_the_factor():
     # The shipped file has it with the constants.
     drawn = sizing.analyse_uncertainty(aircraft(), MISSION, samples=64)
     assert FACTOR in drawn.values
@@ -198,7 +191,7 @@ def test_a_propeller_efficiency_that_scatters_is_the_factor() -> None:
         sizing.analyse_uncertainty(aircraft({"uncertainty.inputs": other}), MISSION, samples=64)
 
 
-def test_a_sized_propeller_is_no_product() -> None:
+def test_a_sized_propeller_is_no_product():
     own = aircraft(
         {"design_space.propeller_diameter_m": {"minimum": 0.4, "maximum": 0.6}},
         propeller={"product": "apc-22x12e"},

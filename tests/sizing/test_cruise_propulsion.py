@@ -1,7 +1,5 @@
 """Tests of aircraft with the efficiencies of their operating point."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest
@@ -14,7 +12,7 @@ from missions.library import load_mission
 MISSION = load_mission("rafz-july")
 
 
-def test_bus_power_is_that_of_level_flight() -> None:
+def test_bus_power_is_that_of_level_flight():
     aircraft, point = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)
     design = sizing.design_of(aircraft, MISSION)
     assert design.propulsion_power_w == pytest.approx(float(point.bus_power_w), rel=1e-8)
@@ -33,7 +31,7 @@ def test_bus_power_is_that_of_level_flight() -> None:
     )
 
 
-def test_what_the_file_says_of_the_chain_plays_no_part() -> None:
+def test_what_the_file_says_of_the_chain_plays_no_part():
     worse = DESIGN.airframe.propulsion.model_copy(update={"propeller_efficiency": 0.5})
     airframe = DESIGN.airframe.model_copy(update={"propulsion": worse})
     other = DESIGN.model_copy(update={"airframe": airframe})
@@ -42,7 +40,7 @@ def test_what_the_file_says_of_the_chain_plays_no_part() -> None:
     assert same.bus_power_w == pytest.approx(float(one.bus_power_w), rel=1e-7)
 
 
-def test_two_propulsors_share_the_thrust() -> None:
+def test_two_propulsors_share_the_thrust():
     one = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2)[1]
     aircraft, two = sizing.with_operating_point(DESIGN, MISSION, PROPULSOR, 22.2, propulsors=2)
     assert two.thrust_power_w == pytest.approx(float(one.thrust_power_w) / 2, rel=0.03)
@@ -52,7 +50,7 @@ def test_two_propulsors_share_the_thrust() -> None:
     assert two.motor_efficiency < one.motor_efficiency
 
 
-def test_what_cannot_fly_has_a_reason() -> None:
+def test_what_cannot_fly_has_a_reason():
     motor = PROPULSOR.motor.model_copy(update={"speed_constant_rpm_per_v": 150.0})
     weak = dataclasses.replace(PROPULSOR, motor=motor)
     with pytest.raises(
@@ -61,7 +59,7 @@ def test_what_cannot_fly_has_a_reason() -> None:
         sizing.with_operating_point(DESIGN, MISSION, weak, 22.2)
 
 
-def test_measured_aircraft_and_no_propulsor_are_refused() -> None:
+def test_measured_aircraft_and_no_propulsor_are_refused():
     with pytest.raises(ValueError, match="is a measured aircraft"):
         sizing.with_operating_point(AS2, MISSION, PROPULSOR, 22.2)
     with pytest.raises(ValueError, match=r"propulsors must be 1 or more \(got 0\)"):

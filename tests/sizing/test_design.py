@@ -1,7 +1,5 @@
 """Mass closure, calibration against AtlantikSolar, and one physics in three arithmetics."""
 
-from __future__ import annotations
-
 from itertools import count
 
 import casadi as ca
@@ -11,7 +9,7 @@ from builders import AS2, DESIGN, SKY_SAILOR, aircraft, mission
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.aircraft import ParametricAirframe
 from sizing.day.load import load_profile, thermal_shape
 from sizing.day.metrics import Status
 from sizing.design import DesignVariables, variables_of
@@ -26,10 +24,9 @@ from sizing.mass_budget import (
 )
 from sizing.performance import performance_of_designs
 from sizing.roots import LightestMass
-from solar.types import FloatArray
 
 
-def altitude_of_density(density: float) -> float:
+def altitude_of_density(density):
     """Altitude [m] of a density on a standard day, by bisection."""
     low, high = 0.0, 10_000.0
     for _ in range(60):
@@ -47,14 +44,14 @@ batteries = st.floats(0.2, 25.0)
 shares = st.floats(0.05, 0.85)
 
 
-def variables(span: float, aspect: float, battery: float, share: float) -> DesignVariables:
+def variables(span, aspect, battery, share):
     return DesignVariables(span, aspect, battery, share * span**2 / aspect)
 
 
 # ---- calibration
 
 
-def test_design_at_its_files_point_is_atlantiksolar() -> None:
+def test_design_at_its_files_point_is_atlantiksolar():
     design = design_of(DESIGN, AT_1_10)
     # Published: 6.92 kg, which the file's remainder is fitted to; the last digit is 0.07 %, and
     # the fit was made in air of a slightly different viscosity.
@@ -71,7 +68,7 @@ def test_design_at_its_files_point_is_atlantiksolar() -> None:
     assert design.constant_power_w == 6.0
 
 
-def test_sky_sailor_is_close_to_the_built_one() -> None:
+def test_sky_sailor_is_close_to_the_built_one():
     design = design_of(SKY_SAILOR, mission(altitude_m=500.0))
     # Built: 2.44 kg with 1.06 kg of battery. The method's airframe law is a statistical fit that
     # its author found good to some ten percent for his own aircraft.
@@ -83,7 +80,7 @@ def test_sky_sailor_is_close_to_the_built_one() -> None:
 
 @settings(max_examples=80, deadline=None)
 @given(span=spans, aspect=aspects, battery=batteries, share=shares)
-def test_mass_budget_adds_up(span: float, aspect: float, battery: float, share: float) -> None:
+def test_mass_budget_adds_up(span, aspect, battery, share):
     for plane in (DESIGN, SKY_SAILOR):
         design = closed_design(plane, AT_1_10, variables(span, aspect, battery, share))
         total = float(design.total_mass_kg)
@@ -98,9 +95,7 @@ def test_mass_budget_adds_up(span: float, aspect: float, battery: float, share: 
 
 @settings(max_examples=30, deadline=None)
 @given(span=spans, aspect=aspects, battery=batteries, share=shares)
-def test_closed_mass_is_the_lightest_solution(
-    span: float, aspect: float, battery: float, share: float
-) -> None:
+def test_closed_mass_is_the_lightest_solution(span, aspect, battery, share):
     chosen = variables(span, aspect, battery, share)
     total = float(closed_design(DESIGN, AT_1_10, chosen).total_mass_kg)
     assume(np.isfinite(total))
@@ -113,9 +108,7 @@ def test_closed_mass_is_the_lightest_solution(
 
 @settings(max_examples=30, deadline=None)
 @given(span=spans, aspect=aspects, battery=batteries, share=shares, payload=st.floats(0.1, 5.0))
-def test_payload_weighs_more_than_itself(
-    span: float, aspect: float, battery: float, share: float, payload: float
-) -> None:
+def test_payload_weighs_more_than_itself(span, aspect, battery, share, payload):
     chosen = variables(span, aspect, battery, share)
     loaded = mission(altitude_m=500.0, payload={"mass_kg": payload, "power_w": 5.0})
     plain = float(closed_design(DESIGN, mission(altitude_m=500.0), chosen).total_mass_kg)
@@ -125,7 +118,7 @@ def test_payload_weighs_more_than_itself(
     assert heavy.constant_power_w == 11.0
 
 
-def test_arrays_equal_scalars() -> None:
+def test_arrays_equal_scalars():
     rng = np.random.default_rng(1)
     span, aspect = rng.uniform(2.0, 12.0, (3, 1)), rng.uniform(8.0, 30.0, (3, 4))
     battery, area = rng.uniform(0.2, 10.0, 4), rng.uniform(0.1, 1.0, (3, 4))
@@ -143,11 +136,11 @@ def test_arrays_equal_scalars() -> None:
 
 
 @pytest.mark.parametrize("plane", [DESIGN, SKY_SAILOR], ids=["spar", "power law"])
-def test_symbols_equal_numbers(plane: Aircraft) -> None:
+def test_symbols_equal_numbers(plane):
     x = ca.SX.sym("x", 5)
 
-    def row(design: object) -> list[object]:
-        masses = list(design.masses)  # type: ignore[attr-defined]
+    def row(design):
+        masses = list(design.masses)
         names = ("propulsion_power_w", "constant_power_w", "airspeed_m_per_s", "wing_area_m2")
         return [*masses, *(getattr(design, n) for n in (*names, "battery_energy_wh"))]
 
@@ -163,7 +156,7 @@ def test_symbols_equal_numbers(plane: Aircraft) -> None:
         )
 
 
-def test_aircraft_that_cannot_carry_itself_is_infinitely_heavy() -> None:
+def test_aircraft_that_cannot_carry_itself_is_infinitely_heavy():
     loaded = mission(payload={"mass_kg": 500.0})
     # Small span, large aspect ratio, large battery and payload: the spar has no depth.
     chosen = DesignVariables(np.array([0.5, 5.65]), 40.0, np.array([25.0, 2.9]), 0.005)
@@ -176,7 +169,7 @@ def test_aircraft_that_cannot_carry_itself_is_infinitely_heavy() -> None:
     assert not np.isnan(found.cycle.excess_time_h).any()
 
 
-def test_near_the_limit_of_what_carries_itself_a_mass_is_right_or_infinite() -> None:
+def test_near_the_limit_of_what_carries_itself_a_mass_is_right_or_infinite():
     payloads = np.linspace(0.0, 60.0, 121)
     found = []
     for payload in payloads:
@@ -198,7 +191,7 @@ def test_near_the_limit_of_what_carries_itself_a_mass_is_right_or_infinite() -> 
 
 @settings(max_examples=40)
 @given(payload=st.floats(0.0, 5.0), altitude=st.floats(0.0, 15_000.0))
-def test_measured_power_scales_with_mass_and_density(payload: float, altitude: float) -> None:
+def test_measured_power_scales_with_mass_and_density(payload, altitude):
     flown = mission(altitude_m=altitude, payload={"mass_kg": payload})
     design = measured_design(AS2, flown)
     density = float(flown.air_state().density_kg_per_m3)
@@ -215,7 +208,7 @@ def test_measured_power_scales_with_mass_and_density(payload: float, altitude: f
     assert sum(design.masses) == pytest.approx(mass, rel=1e-12)
 
 
-def test_measured_aircraft_without_airspeed_has_none() -> None:
+def test_measured_aircraft_without_airspeed_has_none():
     airframe = AS2.airframe
     flight = airframe.level_flight.model_copy(update={"airspeed_m_per_s": None})
     plane = AS2.model_copy(
@@ -224,7 +217,7 @@ def test_measured_aircraft_without_airspeed_has_none() -> None:
     assert design_of(plane, AT_1_10).airspeed_m_per_s is None
 
 
-def test_measured_aircraft_has_no_mass_budget_to_size() -> None:
+def test_measured_aircraft_has_no_mass_budget_to_size():
     with pytest.raises(TypeError, match="measured aircraft"):
         parametric_design(AS2, AT_1_10, variables_of(AS2), 6.92)
     assert isinstance(DESIGN.airframe, ParametricAirframe)
@@ -234,7 +227,7 @@ def test_measured_aircraft_has_no_mass_budget_to_size() -> None:
 
 
 @pytest.mark.parametrize("plane", [AS2, DESIGN, SKY_SAILOR], ids=lambda one: one.name)
-def test_a_known_total_mass_is_met_and_the_rest_is_other_mass(plane: Aircraft) -> None:
+def test_a_known_total_mass_is_met_and_the_rest_is_other_mass(plane):
     laden = mission(payload={"mass_kg": 0.3})
     heavier = 1.1 * float(design_of(plane, laden).total_mass_kg)
     design = design_of(with_total_mass(plane, laden, heavier), laden)
@@ -247,12 +240,12 @@ def test_a_known_total_mass_is_met_and_the_rest_is_other_mass(plane: Aircraft) -
         with_total_mass(plane, laden, 0.5)
 
 
-def test_constant_power_goes_through_the_supply() -> None:
+def test_constant_power_goes_through_the_supply():
     # Sky-Sailor: 2 W and 4.5 W behind a supply of 65 %.
     assert constant_power_w(SKY_SAILOR, 4.5) == pytest.approx(6.5 / 0.65, rel=1e-12)
 
 
-def test_load_profile_by_hand() -> None:
+def test_load_profile_by_hand():
     rough = mission(turbulence={"all_day": 0.2, "thermal": 0.5})
     design = design_of(AS2, AT_1_10)
     load_w = load_profile(design, rough, np.array([2.0, 6.0, 9.0, 12.0, 18.0]), 6.0, 18.0)
@@ -263,7 +256,7 @@ def test_load_profile_by_hand() -> None:
 
 
 @given(rise=st.floats(0.0, 11.9), time=st.floats(0.0, 24.0))
-def test_thermals_are_a_triangle_over_the_lit_day(rise: float, time: float) -> None:
+def test_thermals_are_a_triangle_over_the_lit_day(rise, time):
     shape = float(thermal_shape(np.asarray([time]), rise, 24.0 - rise)[0])
     assert 0.0 <= shape <= 1.0
     if time <= rise or time >= 24.0 - rise:
@@ -275,10 +268,10 @@ def test_thermals_are_a_triangle_over_the_lit_day(rise: float, time: float) -> N
     assert not np.any(thermal_shape(np.asarray([time, 12.0]), 12.0, 12.0))
 
 
-def test_the_lightest_of_two_masses_is_found_in_few_rounds() -> None:
+def test_the_lightest_of_two_masses_is_found_in_few_rounds():
     """Budgets of 8 + 0.02 m^2 and the like meet their mass twice, nearly once, or never."""
 
-    def found(fixed_kg: FloatArray) -> tuple[FloatArray, int]:
+    def found(fixed_kg):
         """Masses, and rounds in which they were found."""
         search = LightestMass(np.ones(len(fixed_kg)))
         for rounds in count():

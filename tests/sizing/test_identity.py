@@ -1,14 +1,10 @@
 """Aircraft and missions are what their files say, whether or not they were used."""
 
-from __future__ import annotations
-
 import pickle
 
 import pytest
 
 from missions.library import load_mission
-from missions.mission import Mission
-from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.library import load_aircraft
 from sizing.performance import performance
@@ -16,14 +12,14 @@ from sizing.performance import performance
 AIRCRAFT = ("atlantiksolar-as2", "atlantiksolar-design", "sky-sailor")
 
 
-def _used(aircraft: Aircraft, mission: Mission) -> None:
+def _used(aircraft, mission):
     performance(aircraft, mission)
     if aircraft.modules.geometry is not None:
         performance(aircraft, mission, SolarModel("FM"), step_h=1.0)
 
 
 @pytest.mark.parametrize("name", AIRCRAFT)
-def test_a_simulated_aircraft_equals_its_file(name: str) -> None:
+def test_a_simulated_aircraft_equals_its_file(name):
     mission = load_mission("rafz-july")
     first, second, unused = (load_aircraft(name) for _ in range(3))
     _used(first, mission)

@@ -1,7 +1,5 @@
 """Tests of reading aircraft, and of the files that theirs name."""
 
-from __future__ import annotations
-
 from importlib import resources
 from pathlib import Path
 
@@ -26,11 +24,11 @@ WING = {"model": "wing_polar", "design_aspect_ratio": 18.5, "design_reynolds": 1
 SHIPPED = resources.files("sizing").joinpath("data", "polars", "e214.csv").read_text("utf-8")
 
 
-def airfoil_of(aircraft: Aircraft) -> str:
+def airfoil_of(aircraft):
     return aircraft.airframe.aerodynamics.airfoil
 
 
-def write_bird(file: Path, airfoil: str) -> None:
+def write_bird(file, airfoil):
     """Write an aircraft whose wing has an airfoil."""
     data = find_document("aircraft", "atlantiksolar-design").data
     data["airframe"]["aerodynamics"] = {**WING, "airfoil": airfoil}
@@ -39,7 +37,7 @@ def write_bird(file: Path, airfoil: str) -> None:
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Folder with an aircraft and its polar beside it; the working folder is another one."""
     (tmp_path / "work").mkdir()
     monkeypatch.chdir(tmp_path / "work")
@@ -51,12 +49,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("name", ["../hangar/bird.yaml", "{folder}/bird.yaml"])
-def test_polar_is_looked_for_beside_the_file_that_names_it(folder: Path, name: str) -> None:
+def test_polar_is_looked_for_beside_the_file_that_names_it(folder, name):
     aircraft = load_aircraft(name.format(folder=folder))
     assert airfoil_of(aircraft) == str(folder / "polars" / "own.csv")
 
 
-def test_polar_of_an_override_is_looked_for_in_the_working_folder(folder: Path) -> None:
+def test_polar_of_an_override_is_looked_for_in_the_working_folder(folder):
     Path("mine.csv").write_text(SHIPPED, encoding="utf-8")
     override = "airframe.aerodynamics.airfoil=mine.csv"
     assert airfoil_of(load_aircraft(folder / "bird.yaml", [override])) == str(
@@ -66,26 +64,26 @@ def test_polar_of_an_override_is_looked_for_in_the_working_folder(folder: Path) 
         load_aircraft(folder / "bird.yaml", ["airframe.aerodynamics.airfoil=../hangar/none.csv"])
 
 
-def test_shipped_airfoils_keep_their_names(folder: Path) -> None:
+def test_shipped_airfoils_keep_their_names(folder):
     (folder / "e214").write_text("no polar", encoding="utf-8")
     write_bird(folder / "plain.yaml", "e214")
     assert airfoil_of(load_aircraft(folder / "plain.yaml")) == "e214"
 
 
-def test_missing_polar_is_named_with_its_folder(folder: Path) -> None:
+def test_missing_polar_is_named_with_its_folder(folder):
     write_bird(folder / "bird.yaml", "none.csv")
     with pytest.raises(InputError, match=rf"cannot read '{folder}/none\.csv'"):
         load_aircraft(folder / "bird.yaml")
 
 
-def test_copy_of_a_file_elsewhere_finds_the_polar(folder: Path) -> None:
+def test_copy_of_a_file_elsewhere_finds_the_polar(folder):
     """What a command writes from the data of a file, as a sized aircraft, goes to other folders."""
     document = find_document("aircraft", str(folder / "bird.yaml"))
     copied = validate(parse_yaml(to_yaml(document.data), "copy"), Aircraft)
     assert airfoil_of(copied) == str(folder / "polars" / "own.csv")
 
 
-def test_text_that_only_looks_like_a_file_stays(folder: Path) -> None:
+def test_text_that_only_looks_like_a_file_stays(folder):
     text = (folder / "bird.yaml").read_text("utf-8")
     (folder / "bird.yaml").write_text(
         f"description: own.csv\n{text}".replace("\ndescription", "\n# ")
@@ -93,7 +91,7 @@ def test_text_that_only_looks_like_a_file_stays(folder: Path) -> None:
     assert load_aircraft(folder / "bird.yaml").description == "own.csv"
 
 
-def test_files_show_themselves_in_one_line() -> None:
+def test_files_show_themselves_in_one_line():
     aircraft, mission = load_aircraft("sky-sailor"), load_mission("central-europe-summer")
     assert repr(aircraft) == str(aircraft)
     for one, words in (
@@ -109,13 +107,13 @@ def test_files_show_themselves_in_one_line() -> None:
     assert repr(load_mission("rafz-july")).count("15 Jul") == 1
 
 
-def test_every_package_says_its_version() -> None:
+def test_every_package_says_its_version():
     versions = {one.__version__ for one in (solar, missions, sizing, studies)}
     assert versions == {solar.__version__}
 
 
 @pytest.mark.parametrize("name", ["wingspan_m", "battery_mass_kg", "module_area_m2"])
-def test_equal_bounds_hold_a_variable(name: str) -> None:
+def test_equal_bounds_hold_a_variable(name):
     value = {"wingspan_m": 4.0, "battery_mass_kg": 2.5, "module_area_m2": 1.3}[name]
     held = {f"design_space.{name}": {"minimum": value, "maximum": value}}
     result = size_aircraft(load_aircraft("atlantiksolar-design", held), load_mission("rafz-july"))

@@ -24,15 +24,15 @@ PARABOLIC = {
 }
 
 
-def _structure(inputs: Any) -> Any:
+def _structure(inputs):
     return 0.3 * inputs.wingspan_m**1.5 * inputs.aspect_ratio**-0.25
 
 
-def _drag(lift: Any, aspect_ratio: Any, reynolds: Any) -> Any:
+def _drag(lift, aspect_ratio, reynolds):
     return 0.012 * (reynolds / 2e5) ** -0.35 + 0.008 + lift**2 / (pi * 0.9 * aspect_ratio)
 
 
-def _propulsion(rated_w: Any) -> Any:
+def _propulsion(rated_w):
     return 0.0011 * rated_w
 
 
@@ -85,7 +85,7 @@ SHIPPED_AND_OWN = {
 
 
 @pytest.mark.parametrize("of", SHIPPED_AND_OWN)
-def test_a_model_written_like_a_shipped_one_gives_the_same(of: str) -> None:
+def test_a_model_written_like_a_shipped_one_gives_the_same(of):
     shipped, own = (sizing.load_aircraft(NAME, some) for some in SHIPPED_AND_OWN[of])
     flown, expected = (sizing.analyse(one, MISSION) for one in (own, shipped))
     assert flown.total_mass_kg == pytest.approx(expected.total_mass_kg, rel=1e-12)
@@ -99,7 +99,7 @@ def test_a_model_written_like_a_shipped_one_gives_the_same(of: str) -> None:
     )
 
 
-def test_an_own_efficiency_follows_the_load_of_each_design() -> None:
+def test_an_own_efficiency_follows_the_load_of_each_design():
     aircraft = sizing.load_aircraft(NAME, {"airframe.propulsion.efficiency_model": "loaded"})
     for payload_kg in (0.0, 2.0):
         mission = missions.load_mission("rafz-july", {"payload.mass_kg": payload_kg})
@@ -109,7 +109,7 @@ def test_an_own_efficiency_follows_the_load_of_each_design() -> None:
         assert efficiency == pytest.approx(0.7 - 0.004 * thrust_w, rel=1e-9)
 
 
-def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients() -> None:
+def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients():
     space = {"design_space.lift_coefficient": {"minimum": 0.7, "maximum": 1.2}}
     shipped, own = (sizing.load_aircraft(NAME, some | space) for some in SHIPPED_AND_OWN["drag"])
     found, best = (sizing.size(one, MISSION) for one in (own, shipped))
@@ -118,10 +118,10 @@ def test_an_own_drag_is_sized_over_a_range_of_lift_coefficients() -> None:
     )
 
 
-def test_an_own_structure_sees_what_it_carries() -> None:
+def test_an_own_structure_sees_what_it_carries():
     seen: list[Any] = []
 
-    def watched(inputs: Any) -> Any:
+    def watched(inputs):
         seen.append(inputs)
         return 0.1 * inputs.total_mass_kg
 
@@ -143,12 +143,12 @@ def test_an_own_structure_sees_what_it_carries() -> None:
         ("propulsion.efficiency_model", "unheard of"),
     ],
 )
-def test_a_name_that_nobody_registered_is_refused(key: str, value: Any) -> None:
+def test_a_name_that_nobody_registered_is_refused(key, value):
     with pytest.raises(InputError, match=r"'unheard of' is not registered by sizing\.register_"):
         sizing.load_aircraft(NAME, {f"airframe.{key}": value})
 
 
-def test_a_name_is_taken_once() -> None:
+def test_a_name_is_taken_once():
     with pytest.raises(ValueError, match="there is a drag model own polar already"):
         sizing.register_drag("own polar", _drag)
 
@@ -167,7 +167,7 @@ _BAD = {
 
 
 @pytest.mark.parametrize("kind", _BAD)
-def test_functions_that_give_what_cannot_be_are_named(kind: str) -> None:
+def test_functions_that_give_what_cannot_be_are_named(kind):
     register, key, function = _BAD[kind]
     name = f"bad {kind}"
     register(name, function)
@@ -188,7 +188,7 @@ def test_functions_that_give_what_cannot_be_are_named(kind: str) -> None:
             study()
 
 
-def test_analyses_and_sizings_have_the_same_names_for_the_design() -> None:
+def test_analyses_and_sizings_have_the_same_names_for_the_design():
     found = sizing.size(sizing.load_aircraft(NAME), MISSION)
     flown = sizing.analyse(found.sized_aircraft(), MISSION)
     for name in ("wingspan_m", "battery_mass_kg", "module_area_m2", "total_mass_kg"):

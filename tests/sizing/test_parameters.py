@@ -1,20 +1,16 @@
 """The catalogue of parameters: every key is one of a file, and nothing is called by two units."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 
 import pytest
 
 from missions.library import load_mission
-from sizing.aircraft import Aircraft
 from sizing.design import DesignVariables
 from sizing.library import load_aircraft
 from sizing.limits import QUANTITIES
 from sizing.parameters import (
     MISSION_PREFIX,
-    Parameter,
     catalogue,
     label,
     parameter,
@@ -47,7 +43,7 @@ _ENDINGS = {
 }
 
 
-def aircraft() -> list[Aircraft]:
+def aircraft():
     bound = "design_space.maximum_total_mass_kg=50"
     battery = [
         "battery.temperature={held_c: 5, heat_loss_w_per_k: 0.4, heater_power_w: 9}",
@@ -66,7 +62,7 @@ def aircraft() -> list[Aircraft]:
 
 
 @pytest.mark.parametrize("one", catalogue().values(), ids=lambda one: one.key)
-def test_units_are_those_of_the_names(one: Parameter) -> None:
+def test_units_are_those_of_the_names(one):
     name = one.key.removesuffix(".maximum")
     ends = (text for ending, text in _ENDINGS.items() if name.endswith(ending))
     assert one.unit == next(ends, "1")
@@ -90,7 +86,7 @@ OF_PARTS = (
 
 
 @pytest.mark.parametrize("one", catalogue().values(), ids=lambda one: one.key)
-def test_keys_are_those_of_files_or_of_quantities(one: Parameter) -> None:
+def test_keys_are_those_of_files_or_of_quantities(one):
     if one.kind == "quantity":
         assert one.key in QUANTITIES or one.key in {
             "worst_excess_time_h",
@@ -119,13 +115,13 @@ def test_keys_are_those_of_files_or_of_quantities(one: Parameter) -> None:
         assert any(value is not None for value in values)
 
 
-def test_every_limit_and_design_variable_is_in_the_catalogue() -> None:
+def test_every_limit_and_design_variable_is_in_the_catalogue():
     assert {parameter(name).kind for name in QUANTITIES} == {"quantity"}
     for name in DesignVariables._fields:
         assert parameter(name).name == name
 
 
-def test_lookup_by_key_or_name() -> None:
+def test_lookup_by_key_or_name():
     assert parameter("battery_mass_kg") is parameter("battery.mass_kg")
     assert label("battery.mass_kg") == "battery mass"
     assert unit("modules.mass_kg_per_m2") == "kg/m2"
@@ -133,7 +129,7 @@ def test_lookup_by_key_or_name() -> None:
         parameter("wing_span")
 
 
-def test_sensible_ranges_hold_the_shipped_aircraft() -> None:
+def test_sensible_ranges_hold_the_shipped_aircraft():
     for one in catalogue().values():
         for craft in aircraft():
             value = parameter_value(craft, load_mission("rafz-july"), one.key)
@@ -141,7 +137,7 @@ def test_sensible_ranges_hold_the_shipped_aircraft() -> None:
                 assert one.minimum <= value <= one.maximum, one.key
 
 
-def test_importing_it_is_cheap() -> None:
+def test_importing_it_is_cheap():
     code = "import sys, sizing.parameters as p; p.label('battery_mass_kg'); print(*sys.modules)"
     loaded = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True

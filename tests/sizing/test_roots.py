@@ -1,7 +1,5 @@
 """Roots of many functions at once, against functions whose roots are known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,19 +7,18 @@ from hypothesis import strategies as st
 from scipy.optimize import elementwise
 
 from sizing.roots import bracketed_root, falling_root
-from solar.types import FloatArray, IntArray
 
 LIMIT = 1e-11
 
 
-def kinked(place: IntArray, x: FloatArray, root: FloatArray, slopes: FloatArray) -> FloatArray:
+def kinked(place, x, root, slopes):
     """Falling lines with a kink half-way to the root; no slope is steeper than -1."""
     r, left, right = root[place], slopes[0][place], slopes[1][place]
     return np.where(x < r, left * (r - x), -right * (x - r))
 
 
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 9))
-def test_roots_of_kinked_lines_are_found(seed: int, count: int) -> None:
+def test_roots_of_kinked_lines_are_found(seed, count):
     rng = np.random.default_rng(seed)
     root = rng.uniform(0.01, 0.99, count)
     slopes = rng.uniform(1e-3, 1.0, (2, count))
@@ -31,10 +28,10 @@ def test_roots_of_kinked_lines_are_found(seed: int, count: int) -> None:
     np.testing.assert_allclose(found, root, atol=LIMIT / 1e-3)
 
 
-def test_smooth_function_takes_few_rounds() -> None:
+def test_smooth_function_takes_few_rounds():
     asked = []
 
-    def gain(place: IntArray, x: FloatArray) -> FloatArray:
+    def gain(place, x):
         asked.append(len(place))
         return 0.7 * np.exp(-x) - 0.35 - 0.3 * x
 
@@ -44,11 +41,11 @@ def test_smooth_function_takes_few_rounds() -> None:
     assert len(asked) <= 9
 
 
-def test_plateau_beside_the_root_takes_few_rounds() -> None:
+def test_plateau_beside_the_root_takes_few_rounds():
     """A day that loses the same from most states: false positions alone creep along it."""
     rounds = []
 
-    def gain(place: IntArray, x: FloatArray) -> FloatArray:
+    def gain(place, x):
         rounds.append(len(place))
         return np.maximum(0.52 - x, -1e-4) - 0.2 * np.maximum(x - 0.75, 0.0)
 
@@ -58,16 +55,16 @@ def test_plateau_beside_the_root_takes_few_rounds() -> None:
     assert len(rounds) <= 6
 
 
-def test_element_without_gain_at_the_lower_end_has_its_root_there() -> None:
+def test_element_without_gain_at_the_lower_end_has_its_root_there():
     found = falling_root(lambda i, x: -0.2 * x, np.zeros(3), np.ones(3), np.full(3, LIMIT))
     assert found.tolist() == [0.0, 0.0, 0.0]
 
 
-def test_elements_do_not_depend_on_each_other() -> None:
+def test_elements_do_not_depend_on_each_other():
     rng = np.random.default_rng(3)
     root, slopes = rng.uniform(0.01, 0.99, 20), rng.uniform(1e-3, 1.0, (2, 20))
 
-    def found(some: IntArray) -> FloatArray:
+    def found(some):
         count = len(some)
         return falling_root(
             lambda i, x: kinked(some[i], x, root, slopes),
@@ -82,12 +79,12 @@ def test_elements_do_not_depend_on_each_other() -> None:
 
 
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 9))
-def test_bracketed_roots_are_those_of_scipy(seed: int, count: int) -> None:
+def test_bracketed_roots_are_those_of_scipy(seed, count):
     rng = np.random.default_rng(seed)
     root, bend = rng.uniform(-1.0, 1.0, count), rng.uniform(0.1, 30.0, count)
     ends = np.full(count, -1.0), np.full(count, 1.0)
 
-    def value(x: FloatArray, *given: FloatArray) -> FloatArray:
+    def value(x, *given):
         root, bend = given
         return np.expm1(bend * (root - x))
 
@@ -99,6 +96,6 @@ def test_bracketed_roots_are_those_of_scipy(seed: int, count: int) -> None:
     )
 
 
-def test_ends_of_a_bracket_are_roots_and_ends_of_one_sign_have_none() -> None:
+def test_ends_of_a_bracket_are_roots_and_ends_of_one_sign_have_none():
     lower, upper = np.array([0.0, -1.0, 1.0]), np.array([1.0, 0.0, 2.0])
     np.testing.assert_array_equal(bracketed_root(lambda x: x, lower, upper), [0.0, 0.0, np.nan])

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sizing.library import load_aircraft
-from solar.attitude_models import ModulePower, full_model, verification_model
+from solar.attitude_models import full_model, verification_model
 from solar.clearsky import Irradiance
 from solar.geometry import ModuleGeometry, ModuleSurface, direction_cosines
 from solar.horizontal_models import conceptual_analysis_model
@@ -30,20 +30,20 @@ CONSTANT = SolarCell(
 )
 
 
-def test_full_model_without_its_effects_is_the_analysis_model() -> None:
+def test_full_model_without_its_effects_is_the_analysis_model():
     sun = sun_vector_ned(47.6, 0.4, 0.7)
     full = full_model(NOON, sun, LEVEL, FLAT, CONSTANT, 20.0)
     simple = conceptual_analysis_model(NOON, -sun[2], CONSTANT, 20.0)
     assert full.specific_power_w_per_m2 == pytest.approx(simple, rel=1e-12)  # same arithmetic
 
 
-def test_verification_model_on_a_level_wing_is_the_analysis_model() -> None:
+def test_verification_model_on_a_level_wing_is_the_analysis_model():
     sun = sun_vector_ned(47.6, 0.4, 0.7)
     vm = verification_model(NOON, sun, LEVEL, FLAT, SolarCell(), 20.0)
     assert vm == pytest.approx(conceptual_analysis_model(NOON, -sun[2], SolarCell(), 20.0))
 
 
-def test_power_temperature_and_tracker_agree() -> None:
+def test_power_temperature_and_tracker_agree():
     cell = SolarCell()
     found = full_model(NOON, UP, LEVEL, FLAT, cell, 30.0)
     p = float(found.specific_power_w_per_m2)
@@ -57,19 +57,19 @@ def test_power_temperature_and_tracker_agree() -> None:
     assert float(found.mppt_efficiency) == pytest.approx(eta, rel=1e-9)
 
 
-def test_sun_in_the_wing_plane_or_behind_it_leaves_diffuse_light() -> None:
+def test_sun_in_the_wing_plane_or_behind_it_leaves_diffuse_light():
     upside_down = direction_cosines(np.pi, 0.0, 0.0)
     for sun, attitude in ((np.array([1.0, 0.0, 0.0]), LEVEL), (UP, upside_down)):
         found = full_model(NOON, sun, attitude, FLAT, CONSTANT, 25.0)
         assert float(found.specific_power_w_per_m2) == pytest.approx(100.0 * 0.83 * 0.237 * 0.95)
 
 
-def test_user_table_that_ends_early_knows_no_light_from_behind() -> None:
+def test_user_table_that_ends_early_knows_no_light_from_behind():
     cell = SolarCell(incidence=IncidenceTable(aoi_deg=(0.0, 60.0), relative_efficiency=(1.0, 0.9)))
     assert cell.incidence_efficiency([-0.5, 0.0, 0.2]) == pytest.approx([0.0, 0.0, 0.9])
 
 
-def test_dihedral_averages_two_sides() -> None:
+def test_dihedral_averages_two_sides():
     sun = np.array([0.0, np.sin(0.6), -np.cos(0.6)])
     found = full_model(NOON, sun, LEVEL, V_WING, CONSTANT, 25.0)
     expected = np.mean(
@@ -90,9 +90,7 @@ def test_dihedral_averages_two_sides() -> None:
     st.floats(0.0, 300.0),
     st.floats(-60.0, 60.0),
 )
-def test_efficiencies_are_physical(
-    roll: float, pitch: float, yaw: float, dni: float, dhi: float, celsius: float
-) -> None:
+def test_efficiencies_are_physical(roll, pitch, yaw, dni, dhi, celsius):
     sun = sun_vector_ned(30.0, 0.3, 0.5)
     light = Irradiance(np.asarray(dni), np.asarray(dhi))
     found = full_model(
@@ -106,7 +104,7 @@ def test_efficiencies_are_physical(
     assert np.isfinite(found.module_temperature_c).all()
 
 
-def test_arrays_equal_single_calls() -> None:
+def test_arrays_equal_single_calls():
     rolls = np.array([-0.3, 0.0, 0.4])
     sun = sun_vector_ned(47.6, 0.4, np.array([-1.0, 0.2]))[:, np.newaxis, :]
     light = Irradiance(np.array([[500.0], [800.0]]), np.array([[80.0], [120.0]]))
@@ -124,10 +122,8 @@ def test_arrays_equal_single_calls() -> None:
             )
 
 
-def test_shading_by_the_tail_takes_direct_light_alone() -> None:
+def test_shading_by_the_tail_takes_direct_light_alone():
     modules = load_aircraft("atlantiksolar-as2").modules
-    assert modules.geometry is not None
-    assert modules.tail is not None
     # The sun behind the T-tail at 14 degrees: the horizontal tail shades the central modules.
     sun = np.array([-np.cos(0.24), 0.0, -np.sin(0.24)])
     plain, none, lost = (
@@ -143,13 +139,13 @@ def test_shading_by_the_tail_takes_direct_light_alone() -> None:
     assert np.all(lost.irradiance_by_surface_w_per_m2 >= 100.0)  # the diffuse light stays
 
 
-def test_light_from_below_reaches_what_faces_down() -> None:
+def test_light_from_below_reaches_what_faces_down():
     """Above clouds of albedo 0.6 a level lower face gets 0.6 of the light on a level plain."""
     light, sun = Irradiance(np.array(1200.0), np.array(5.0)), np.array([0.0, 0.0, -1.0])
     cell, level = SolarCell(), np.eye(3)
 
-    def of(facing: str, albedo: float) -> ModulePower:
-        surface = ModuleSurface(name="one", area_m2=1.0, side="centre", facing=facing)  # type: ignore[arg-type]
+    def of(facing, albedo):
+        surface = ModuleSurface(name="one", area_m2=1.0, side="centre", facing=facing)
         return full_model(
             *(light, sun, level, ModuleGeometry(surfaces=(surface,)), cell, -50.0), albedo=albedo
         )
@@ -160,7 +156,7 @@ def test_light_from_below_reaches_what_faces_down() -> None:
     assert of("up", 0.6).irradiance_w_per_m2 == of("up", 0.0).irradiance_w_per_m2 == 1205.0
 
 
-def test_a_tilted_wing_sees_the_earth_as_far_as_it_is_tilted() -> None:
+def test_a_tilted_wing_sees_the_earth_as_far_as_it_is_tilted():
     light, sun = Irradiance(np.array(0.0), np.array(100.0)), np.array([0.0, 0.0, -1.0])
     surface = ModuleSurface(name="one", area_m2=1.0, side="centre", pitch_deg=60.0)
     geometry, cell = ModuleGeometry(surfaces=(surface,)), SolarCell()

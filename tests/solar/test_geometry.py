@@ -18,20 +18,18 @@ from solar.sun import cos_zenith, declination, hour_angle, sun_vector_ned
 angles = st.floats(-1.4, 1.4)
 
 
-def surface(
-    side: str, dihedral: float = 0.0, pitch: float = 0.0, area: float = 1.0
-) -> ModuleSurface:
+def surface(side, dihedral=0.0, pitch=0.0, area=1.0):
     return ModuleSurface(name=side, area_m2=area, side=side, dihedral_deg=dihedral, pitch_deg=pitch)
 
 
 @given(angles, angles)
-def test_normal_is_the_rotated_level_one(roll: float, pitch: float) -> None:
+def test_normal_is_the_rotated_level_one(roll, pitch):
     # Pitched about y, then rolled about x: an independent implementation of the rotations.
     expected = Rotation.from_euler("yx", [pitch, roll]).apply([0.0, 0.0, -1.0])
     assert surface_normal(roll, pitch) == pytest.approx(expected, abs=1e-12)  # rounding
 
 
-def test_dihedral_turns_the_outer_surfaces_inwards() -> None:
+def test_dihedral_turns_the_outer_surfaces_inwards():
     geometry = ModuleGeometry(surfaces=(surface("left", 6.0), surface("right", 6.0)))
     left, right = geometry.normals()
     # The left wing's upper side faces right (y positive), the right wing's faces left.
@@ -39,14 +37,14 @@ def test_dihedral_turns_the_outer_surfaces_inwards() -> None:
     assert right == pytest.approx(left * [1.0, -1.0, 1.0])
 
 
-def test_incidence_turns_the_whole_wing() -> None:
+def test_incidence_turns_the_whole_wing():
     geometry = ModuleGeometry(wing_incidence_deg=5.7, surfaces=(surface("left", 6.0, 9.4),))
     # Module pitch about y, dihedral about x, incidence about y: rotations of an independent tool.
     turns = Rotation.from_euler("yxy", [9.4, 6.0, 5.7], degrees=True)
     assert geometry.normals()[0] == pytest.approx(turns.apply([0.0, 0.0, -1.0]), abs=1e-12)
 
 
-def test_central_wing_is_the_mean_of_the_centre() -> None:
+def test_central_wing_is_the_mean_of_the_centre():
     outer = [surface(side, 6.0, 30.0) for side in ("left", "right")]
     centre = [surface("centre", pitch=pitch) for pitch in (-0.5, 9.4)]
     geometry = ModuleGeometry(wing_incidence_deg=5.7, surfaces=(*outer, *centre))
@@ -59,16 +57,14 @@ def test_central_wing_is_the_mean_of_the_centre() -> None:
     assert plain.central_wing_normal()[1] == pytest.approx(0.0, abs=1e-15)
 
 
-def test_area_shares_add_up() -> None:
+def test_area_shares_add_up():
     geometry = ModuleGeometry(surfaces=(surface("left", area=0.5), surface("right", area=1.5)))
     assert geometry.area_m2 == pytest.approx(2.0)
     assert geometry.area_shares == pytest.approx([0.25, 0.75])
 
 
 @given(angles, angles, st.floats(0.0, 6.28), st.floats(0.0, 24.0), st.floats(-80.0, 80.0))
-def test_angle_of_incidence_equals_pvlib(
-    roll: float, pitch: float, yaw: float, hour: float, latitude: float
-) -> None:
+def test_angle_of_incidence_equals_pvlib(roll, pitch, yaw, hour, latitude):
     normal = direction_cosines(roll, pitch, yaw) @ np.array([0.0, 0.0, -1.0])
     dec, w = declination(172.5), hour_angle(hour)
     sun = sun_vector_ned(latitude, dec, w)
@@ -83,8 +79,22 @@ def test_angle_of_incidence_equals_pvlib(
     assert np.cos(np.radians(ours)) == pytest.approx(theirs, abs=1e-9)
 
 
-def test_a_centre_with_dihedral_and_a_geometry_without_a_surface_are_refused() -> None:
+def test_a_centre_with_dihedral_and_a_geometry_without_a_surface_are_refused():
     with pytest.raises(ValidationError, match="no dihedral"):
         surface("centre", dihedral=3.0)
     with pytest.raises(ValidationError):
         ModuleGeometry(surfaces=())
+
+
+@given(*[st.floats(-2.0 * np.pi, 2.0 * np.pi)] * 3)
+def test_matrix_agrees_with_scipy(roll, pitch, yaw):
+    # Sums of products of sines and cosines, each good to a few units in the last place of 1.
+    expected = Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_matrix()
+    assert direction_cosines(roll, pitch, yaw) == pytest.approx(expected, rel=0.0, abs=1e-14)
+
+
+def test_angles_broadcast():
+    roll, yaw = np.linspace(-1.0, 1.0, 4), np.linspace(0.0, 6.0, 5)
+    matrices = direction_cosines(roll[:, None], 0.1, yaw)
+    assert matrices.shape == (4, 5, 3, 3)
+    assert np.array_equal(matrices[2, 3], direction_cosines(roll[2], 0.1, yaw[3]))

@@ -1,7 +1,5 @@
 """Temperature of modules in flight: energy is kept, limits are met, and measured numbers."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -28,14 +26,7 @@ CELL = SolarCell()
     pressure=st.floats(0.01, 1.0),
     underside=st.floats(0.0, 1.0),
 )
-def test_what_comes_in_goes_out(
-    light: float,
-    efficiency: float,
-    ambient_c: float,
-    convection: float,
-    pressure: float,
-    underside: float,
-) -> None:
+def test_what_comes_in_goes_out(light, efficiency, ambient_c, convection, pressure, underside):
     cell = CELL.model_copy(update={"thermal": ModuleHeat(underside_share=underside)})
     around = Surroundings(ambient_c, convection, pressure)
     found = float(balanced_temperature_c(light, light, efficiency * light, cell, around))
@@ -52,13 +43,13 @@ def test_what_comes_in_goes_out(
     assert lost == pytest.approx(brought, abs=0.1)
 
 
-def test_in_a_strong_wind_modules_are_as_cold_as_the_air() -> None:
+def test_in_a_strong_wind_modules_are_as_cold_as_the_air():
     around = Surroundings(-56.5, 1e6, 0.05)
     found = balanced_temperature_c(1200.0, 1200.0, 280.0, CELL, around)
     assert found == pytest.approx(-56.5, abs=1e-3)
 
 
-def test_without_air_and_light_the_plate_is_that_of_the_long_waves() -> None:
+def test_without_air_and_light_the_plate_is_that_of_the_long_waves():
     found = balanced_temperature_c(0.0, 0.0, 0.0, CELL, Surroundings(-56.5, 1e-9, 0.0))
     # Both faces radiate what comes up from the earth: 239 W/m2. Two of Newton's steps, begun at a
     # module in common light, which is 80 K warmer.
@@ -66,7 +57,7 @@ def test_without_air_and_light_the_plate_is_that_of_the_long_waves() -> None:
     assert found == pytest.approx(expected, abs=0.2)
 
 
-def test_what_was_measured_near_the_ground_lies_between_a_bare_and_an_insulated_wing() -> None:
+def test_what_was_measured_near_the_ground_lies_between_a_bare_and_an_insulated_wing():
     """12 K at 265 W of 1.35 m2 (the report on solar power models), at some 9.5 m/s and 0.305 m."""
     air = standard_air(536.0, 15.0)
     convection = float(plate_convection_w_per_m2k(air, 9.5, 0.305))
@@ -88,7 +79,7 @@ def test_what_was_measured_near_the_ground_lies_between_a_bare_and_an_insulated_
 
 
 @pytest.mark.parametrize("wind_m_per_s", [5.0, 8.0, 12.0, 15.0])
-def test_a_bare_wing_is_as_warm_as_modules_in_the_wind(wind_m_per_s: float) -> None:
+def test_a_bare_wing_is_as_warm_as_modules_in_the_wind(wind_m_per_s):
     """Faiman's model with its fitted numbers and the sky's radiation, by pvlib."""
     air = standard_air(0.0, 5.0)
     convection = float(plate_convection_w_per_m2k(air, wind_m_per_s, 0.3))
@@ -100,10 +91,10 @@ def test_a_bare_wing_is_as_warm_as_modules_in_the_wind(wind_m_per_s: float) -> N
     assert ours == pytest.approx(float(theirs), abs=3.0)
 
 
-def test_more_flow_and_less_absorption_cool() -> None:
+def test_more_flow_and_less_absorption_cool():
 
-    def kelvins(convection: float, **heat: float) -> float:
-        cell = CELL.model_copy(update={"thermal": ModuleHeat(**heat)})  # type: ignore[arg-type]
+    def kelvins(convection, **heat):
+        cell = CELL.model_copy(update={"thermal": ModuleHeat(**heat)})
         around = Surroundings(-56.5, convection, 0.05)
         return float(balanced_temperature_c(1200.0, 1200.0, 280.0, cell, around))
 

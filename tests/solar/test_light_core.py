@@ -1,7 +1,5 @@
 """Sun, sky and modules need NumPy and pydantic, but no optimiser, no figures and no polygons."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -34,7 +32,7 @@ for model in ("CDM", "CAM"):
 """
 
 
-def test_sun_sky_and_modules_work_without_casadi_matplotlib_and_shapely() -> None:
+def test_sun_sky_and_modules_work_without_casadi_matplotlib_and_shapely():
     done = subprocess.run(
         [sys.executable, "-c", CODE], capture_output=True, text=True, timeout=120, check=False
     )

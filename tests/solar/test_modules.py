@@ -1,9 +1,5 @@
 """Component-efficiency curves and the technology of the solar modules."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -17,7 +13,7 @@ SHIPPED = ("incidence_sunpower_glass", "low_light_sunpower_c60")
 
 
 @st.composite
-def curves(draw: st.DrawFn) -> Curve:
+def curves(draw):
     grid = draw(st.lists(st.integers(-1000, 1000), min_size=2, max_size=8, unique=True))
     y = draw(st.lists(st.floats(-100.0, 100.0), min_size=len(grid), max_size=len(grid)))
     return Curve(x=tuple(value / 10.0 for value in sorted(grid)), y=tuple(y))
@@ -27,13 +23,13 @@ def curves(draw: st.DrawFn) -> Curve:
 
 
 @given(curves(), st.floats(0.0, 1e6))
-def test_curve_is_constant_outside_its_points(curve: Curve, beyond: float) -> None:
+def test_curve_is_constant_outside_its_points(curve, beyond):
     assert curve(curve.x[0] - beyond) == pytest.approx(curve.y[0], abs=1e-9)
     assert curve(curve.x[-1] + beyond) == pytest.approx(curve.y[-1], abs=1e-9)
 
 
 @given(curves(), st.integers(0, 2**32 - 1))
-def test_curve_is_the_interpolant_of_scipy(curve: Curve, seed: int) -> None:
+def test_curve_is_the_interpolant_of_scipy(curve, seed):
     x = np.random.default_rng(seed).uniform(curve.x[0], curve.x[-1], 50)
     x = np.concatenate((x, curve.x, np.nextafter(curve.x[1:], -np.inf)))
     expected = PchipInterpolator(np.asarray(curve.x), np.asarray(curve.y))(x)
@@ -41,7 +37,7 @@ def test_curve_is_the_interpolant_of_scipy(curve: Curve, seed: int) -> None:
     np.testing.assert_allclose(curve(x), expected, rtol=1e-12, atol=1e-11)
 
 
-def test_curve_with_points_close_together_is_searched() -> None:
+def test_curve_with_points_close_together_is_searched():
     curve = Curve(x=(0.0, 1e-6, 1.0), y=(0.0, 1.0, 2.0))
     x = np.array([0.0, 5e-7, 1e-6, 0.5, 1.0])
     expected = PchipInterpolator(np.asarray(curve.x), np.asarray(curve.y))(x)
@@ -65,7 +61,7 @@ def test_curve_with_points_close_together_is_searched() -> None:
         ({"x": (0.0, 1.0), "y": (0.0, 1.0), "z": 1.0}, "Extra inputs"),
     ],
 )
-def test_bad_curves_are_refused(table: dict[str, Any], message: str) -> None:
+def test_bad_curves_are_refused(table, message):
     with pytest.raises(ValidationError, match=message):
         Curve(**table)
 
@@ -74,7 +70,7 @@ def test_bad_curves_are_refused(table: dict[str, Any], message: str) -> None:
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-def test_shipped_curves_are_relative_efficiencies(name: str) -> None:
+def test_shipped_curves_are_relative_efficiencies(name):
     curve = shipped_curve(name)
     assert all(0.0 <= value <= 1.0 for value in curve.y)
     steps = np.diff(curve(np.linspace(curve.x[0], curve.x[-1], 500)))
@@ -88,11 +84,11 @@ def test_shipped_curves_are_relative_efficiencies(name: str) -> None:
         ("low_light_sunpower_c60", {50: 0.913, 200: 0.966, 800: 0.999, 1000: 1.0}),
     ],
 )
-def test_shipped_curves_are_the_published_ones(name: str, published: dict[int, float]) -> None:
+def test_shipped_curves_are_the_published_ones(name, published):
     assert shipped_curve(name)(list(published)) == pytest.approx(list(published.values()))
 
 
-def test_unknown_curve_is_refused() -> None:
+def test_unknown_curve_is_refused():
     with pytest.raises(FileNotFoundError):
         shipped_curve("no_such_curve")
 
@@ -100,7 +96,7 @@ def test_unknown_curve_is_refused() -> None:
 # ---- Module efficiencies
 
 
-def test_temperature_efficiency_of_the_verification_flight() -> None:
+def test_temperature_efficiency_of_the_verification_flight():
     # Oettershagen's report, late-morning flight: 96 % at 37 C, rounded to the per cent.
     assert SolarCell().temperature_efficiency(37.0) == pytest.approx(0.96, abs=0.005)
     assert SolarCell().temperature_efficiency(25.0) == 1.0
@@ -109,9 +105,7 @@ def test_temperature_efficiency_of_the_verification_flight() -> None:
 
 
 @given(st.floats(0.0, 0.01), st.floats(-100.0, 200.0))
-def test_temperature_efficiency_falls_linearly_and_never_below_zero(
-    coefficient: float, temperature: float
-) -> None:
+def test_temperature_efficiency_falls_linearly_and_never_below_zero(coefficient, temperature):
     cell = SolarCell(temperature_coefficient_per_k=coefficient)
     here = float(cell.temperature_efficiency(temperature))
     hotter = float(cell.temperature_efficiency(temperature + 10.0))
@@ -122,14 +116,14 @@ def test_temperature_efficiency_falls_linearly_and_never_below_zero(
 
 
 @given(st.floats(-1.0, 1.0))
-def test_incidence_efficiency_is_a_fraction_and_zero_from_behind(cosine: float) -> None:
+def test_incidence_efficiency_is_a_fraction_and_zero_from_behind(cosine):
     value = SolarCell().incidence_efficiency(cosine)
     assert 0.0 <= value <= 1.0
     if cosine <= 0.0:
         assert value == pytest.approx(0.0, abs=1e-12)  # rounding at 90 degrees
 
 
-def test_incidence_efficiency_takes_the_angle_of_its_cosine() -> None:
+def test_incidence_efficiency_takes_the_angle_of_its_cosine():
     aoi_deg = np.array([0.0, 15.0, 45.0, 70.0, 87.0])
     published = np.array([1.0, 0.997, 0.97, 0.76, 0.34])
     efficiency = SolarCell().incidence_efficiency(np.cos(np.radians(aoi_deg)))
@@ -138,14 +132,14 @@ def test_incidence_efficiency_takes_the_angle_of_its_cosine() -> None:
     assert SolarCell().incidence_efficiency(1.0 + 1e-12) == 1.0
 
 
-def test_incidence_efficiency_follows_the_table_of_the_user() -> None:
+def test_incidence_efficiency_follows_the_table_of_the_user():
     table = IncidenceTable(aoi_deg=(0.0, 60.0, 90.0), relative_efficiency=(1.0, 0.5, 0.0))
     cell = SolarCell(incidence=table)
     assert cell.incidence_efficiency(0.5) == pytest.approx(0.5)
     assert SolarCell().incidence_efficiency(0.5) == pytest.approx(0.915)
 
 
-def test_diffuse_efficiency_is_the_mean_incidence_efficiency_of_the_sky() -> None:
+def test_diffuse_efficiency_is_the_mean_incidence_efficiency_of_the_sky():
     cell = SolarCell()
     aoi = np.linspace(0.0, np.pi / 2.0, 2001)
     # Mean over the area of the sky's half sphere, as Oettershagen's report defines it.
@@ -168,7 +162,7 @@ def test_diffuse_efficiency_is_the_mean_incidence_efficiency_of_the_sky() -> Non
         {"aoi_rad": (0.0, 1.5), "relative_efficiency": (1.0, 0.0)},
     ],
 )
-def test_bad_incidence_tables_are_refused(table: dict[str, Any]) -> None:
+def test_bad_incidence_tables_are_refused(table):
     with pytest.raises(ValidationError):
         IncidenceTable(**table)
 
@@ -187,6 +181,6 @@ def test_bad_incidence_tables_are_refused(table: dict[str, Any]) -> None:
         {"efficiency": 0.2},
     ],
 )
-def test_bad_cells_are_refused(change: dict[str, Any]) -> None:
+def test_bad_cells_are_refused(change):
     with pytest.raises(ValidationError, match=next(iter(change))):
         SolarCell(**change)

@@ -1,9 +1,5 @@
 """Shadows of the tail: by hand on a level wing, by ray casting on a real one, and their losses."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -27,7 +23,6 @@ from solar.shading import (
     string_losses,
 )
 from solar.sun import cos_zenith, declination, hour_angle
-from solar.types import FloatArray
 
 # Polygons are exact but for rounding, a few units in the last place of a metre.
 ROUNDING = 1e-12
@@ -36,7 +31,7 @@ ROUNDING = 1e-12
 REAR, HEIGHT, AFT, SPAN, CHORD = 0.3, 0.4, 1.5, 0.8, 0.2
 
 
-def level_wing(**outline: float) -> ModuleGeometry:
+def level_wing(**outline):
     sides = {"inboard_m": -1.0, "outboard_m": 1.0, "front_m": 0.0, "rear_m": REAR} | outline
     return ModuleGeometry(
         surfaces=(
@@ -47,7 +42,7 @@ def level_wing(**outline: float) -> ModuleGeometry:
     )
 
 
-def t_tail(**changes: Any) -> TailGeometry:
+def t_tail(**changes):
     values = {
         "horizontal_span_m": SPAN,
         "horizontal_chord_m": CHORD,
@@ -59,7 +54,7 @@ def t_tail(**changes: Any) -> TailGeometry:
     return TailGeometry(**(values | changes))
 
 
-def atlantiksolar() -> ModuleGeometry:
+def atlantiksolar():
     """Six modules of 20 and 12 cells of 0.125 m; angles and areas from table 1 of the report."""
     surfaces = []
     for side, inboard, outboard, area, dihedral in (
@@ -90,13 +85,13 @@ TAIL = TailGeometry(
 AREAS = np.array([surface.area_m2 for surface in ATLANTIKSOLAR.surfaces])
 
 
-def sun_from(elevation_deg: Any, azimuth_deg: Any = 180.0) -> FloatArray:
+def sun_from(elevation_deg, azimuth_deg=180.0):
     """Unit vectors to the sun, body axes; azimuth from the nose, clockwise seen from above."""
     e, a = np.broadcast_arrays(np.radians(elevation_deg), np.radians(azimuth_deg))
     return np.stack((np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), -np.sin(e)), axis=-1)
 
 
-def rays_hit(points: FloatArray, sun: FloatArray, rectangle: FloatArray) -> FloatArray:
+def rays_hit(points, sun, rectangle):
     """Whether rays from the points towards the sun meet a rectangle given by its corners."""
     first, second = rectangle[1] - rectangle[0], rectangle[3] - rectangle[0]
     offsets = np.linalg.solve(np.stack((first, second, -sun), axis=1), (points - rectangle[0]).T)
@@ -104,13 +99,7 @@ def rays_hit(points: FloatArray, sun: FloatArray, rectangle: FloatArray) -> Floa
     return np.asarray(inside.all(axis=0) & (offsets[2] > 0.0))
 
 
-def cast_rays(
-    geometry: ModuleGeometry,
-    tail: TailGeometry,
-    sun: FloatArray,
-    rotation: FloatArray,
-    cells: tuple[int, int] = (400, 120),
-) -> FloatArray:
+def cast_rays(geometry, tail, sun, rotation, cells=(400, 120)):
     """Shaded fractions by ray casting, everything but the sun turned by ``rotation`` first."""
     u, v = np.meshgrid(*[(np.arange(n) + 0.5) / n for n in cells], indexing="ij")
     fractions = []
@@ -127,16 +116,14 @@ def cast_rays(
 
 
 @pytest.mark.parametrize("elevation_deg", [8.0, 14.5, 16.0, 17.0, 18.4, 18.5, 40.0])
-def test_shadow_of_the_horizontal_tail_moves_forward_by_height_over_tangent(
-    elevation_deg: float,
-) -> None:
+def test_shadow_of_the_horizontal_tail_moves_forward_by_height_over_tangent(elevation_deg):
     front = AFT - HEIGHT / np.tan(np.radians(elevation_deg))
     length = max(0.0, min(front + CHORD, REAR) - max(front, 0.0))
     found = shaded_area(level_wing(), t_tail(), sun_from(elevation_deg))
     assert found == pytest.approx([SPAN * length], abs=ROUNDING)
 
 
-def test_shadow_of_the_vertical_tail_under_a_slanting_sun() -> None:
+def test_shadow_of_the_vertical_tail_under_a_slanting_sun():
     # Sun 30 degrees off the tail: at each chordwise position the shadow is chord * tan(30) wide,
     # and it reaches beyond the leading edge.
     fin = t_tail(
@@ -149,7 +136,7 @@ def test_shadow_of_the_vertical_tail_under_a_slanting_sun() -> None:
     assert found == pytest.approx([REAR * 0.1 * np.tan(np.radians(30.0))], abs=ROUNDING)
 
 
-def test_module_under_the_tail_is_shaded_by_the_sun_overhead() -> None:
+def test_module_under_the_tail_is_shaded_by_the_sun_overhead():
     geometry = level_wing(front_m=AFT - 0.1, rear_m=AFT + 0.2)
     expected = SPAN * CHORD / 0.6
     assert shaded_fraction(geometry, t_tail(), [0.0, 0.0, -1.0]) == pytest.approx([expected])
@@ -158,20 +145,20 @@ def test_module_under_the_tail_is_shaded_by_the_sun_overhead() -> None:
     assert areas == pytest.approx(AREAS, rel=ROUNDING)
 
 
-def test_sun_overhead_behind_the_module_or_in_its_plane_shades_nothing() -> None:
+def test_sun_overhead_behind_the_module_or_in_its_plane_shades_nothing():
     assert not shaded_area(ATLANTIKSOLAR, TAIL, [0.0, 0.0, -1.0]).any()
     suns = sun_from([-90.0, -16.0, 0.0, 0.05], 180.0)
     assert not shaded_area(level_wing(), t_tail(), suns).any()
 
 
-def test_tail_below_the_module_shades_nothing() -> None:
+def test_tail_below_the_module_shades_nothing():
     hanging = t_tail(vertical_height_m=-HEIGHT, boom_height_m=-0.01)
     suns = sun_from(np.linspace(-90.0, 90.0, 181), 180.0)
     assert not shaded_area(level_wing(), hanging, suns).any()
     assert elevation_free_of_shading_deg(level_wing(), hanging) == 0.0
 
 
-def test_tail_in_front_shades_a_sun_from_ahead() -> None:
+def test_tail_in_front_shades_a_sun_from_ahead():
     canard = t_tail(horizontal_aft_m=-AFT, vertical_aft_m=-AFT)
     assert not shaded_area(level_wing(), canard, sun_from(16.0, 180.0)).any()
     assert shaded_area(level_wing(), canard, sun_from(16.0, 0.0)).all()
@@ -184,9 +171,7 @@ REAL_SUNS = [(6.0, 184.0), (10.0, 200.0), (14.0, 178.5), (14.1, 211.0), (9.0, 15
 
 @pytest.mark.parametrize(("elevation_deg", "azimuth_deg"), REAL_SUNS)
 @pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (0.3, -1.1, 2.0)])
-def test_agrees_with_ray_casting_in_any_frame(
-    elevation_deg: float, azimuth_deg: float, angles: tuple[float, float, float]
-) -> None:
+def test_agrees_with_ray_casting_in_any_frame(elevation_deg, azimuth_deg, angles):
     sun = sun_from(elevation_deg, azimuth_deg)
     rotation = Rotation.from_euler("xyz", angles).as_matrix()
     found = shaded_fraction(ATLANTIKSOLAR, TAIL, sun)
@@ -198,7 +183,7 @@ def test_agrees_with_ray_casting_in_any_frame(
 
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(8))
-def test_agrees_with_ray_casting_for_odd_tails(seed: int) -> None:
+def test_agrees_with_ray_casting_for_odd_tails(seed):
     # Tails of any position and size, also across the planes of the modules.
     rng = np.random.default_rng(seed)
     tail = TailGeometry(
@@ -218,7 +203,7 @@ def test_agrees_with_ray_casting_for_odd_tails(seed: int) -> None:
     assert found == pytest.approx(np.array(expected), abs=0.01)
 
 
-def test_left_and_right_are_mirror_images() -> None:
+def test_left_and_right_are_mirror_images():
     suns = sun_from(*np.meshgrid(np.linspace(2.0, 25.0, 12), np.linspace(90.0, 270.0, 91)))
     found = shaded_fraction(ATLANTIKSOLAR, TAIL, suns)
     mirrored = shaded_fraction(ATLANTIKSOLAR, TAIL, suns * (1.0, -1.0, 1.0))
@@ -229,7 +214,7 @@ components = hnp.arrays(float, (5, 3), elements=st.floats(-1.0, 1.0))
 
 
 @given(components)
-def test_area_lies_between_nothing_and_the_module(vectors: FloatArray) -> None:
+def test_area_lies_between_nothing_and_the_module(vectors):
     suns = vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
     areas = shaded_area(ATLANTIKSOLAR, TAIL, suns)
     assert np.isfinite(areas).all()
@@ -238,7 +223,7 @@ def test_area_lies_between_nothing_and_the_module(vectors: FloatArray) -> None:
 
 
 @pytest.mark.parametrize("shape", [(), (0,), (1,), (4, 5)])
-def test_shape_of_the_result(shape: tuple[int, ...]) -> None:
+def test_shape_of_the_result(shape):
     suns = np.broadcast_to(sun_from(10.0), (*shape, 3))
     found = shaded_area(ATLANTIKSOLAR, TAIL, suns)
     assert found.shape == (*shape, 6)
@@ -246,7 +231,7 @@ def test_shape_of_the_result(shape: tuple[int, ...]) -> None:
     assert np.array_equal(found, np.broadcast_to(one, found.shape))
 
 
-def test_no_tail_shades_nothing_and_needs_no_outlines() -> None:
+def test_no_tail_shades_nothing_and_needs_no_outlines():
     bare = ModuleGeometry(surfaces=(ModuleSurface(name="wing", area_m2=1.0, side="centre"),))
     assert np.array_equal(shaded_area(bare, None, np.ones((7, 3))), np.zeros((7, 1)))
     assert elevation_free_of_shading_deg(bare, None) == 0.0
@@ -257,7 +242,7 @@ def test_no_tail_shades_nothing_and_needs_no_outlines() -> None:
 # Elevation above which nothing is shaded.
 
 
-def test_free_elevation_of_the_level_wing_by_hand() -> None:
+def test_free_elevation_of_the_level_wing_by_hand():
     expected = np.degrees(np.arctan(HEIGHT / (AFT - REAR)))
     found = elevation_free_of_shading_deg(level_wing(), t_tail())
     assert found == pytest.approx(expected, rel=1e-9)  # accuracy of the least squares
@@ -266,7 +251,7 @@ def test_free_elevation_of_the_level_wing_by_hand() -> None:
 @pytest.mark.parametrize(
     ("roll_deg", "pitch_deg"), [(0, 0), (0, 5), (0, -5), (15, 0), (-15, 3), (40, 0)]
 )
-def test_free_elevation_separates_shade_from_light(roll_deg: float, pitch_deg: float) -> None:
+def test_free_elevation_separates_shade_from_light(roll_deg, pitch_deg):
     roll, pitch = np.radians([roll_deg, pitch_deg])
     limit = elevation_free_of_shading_deg(ATLANTIKSOLAR, TAIL, roll, pitch)
     to_ned = direction_cosines(roll, pitch, 0.0)
@@ -277,13 +262,13 @@ def test_free_elevation_separates_shade_from_light(roll_deg: float, pitch_deg: f
     assert shaded_area(ATLANTIKSOLAR, TAIL, sun_from(limit - 0.1, azimuths) @ to_ned).any()
 
 
-def test_free_elevation_of_atlantiksolar_is_the_reported_one() -> None:
+def test_free_elevation_of_atlantiksolar_is_the_reported_one():
     # "Above 19 degrees": two digits. The height of the assumed T-tail was chosen for it.
     found = elevation_free_of_shading_deg(ATLANTIKSOLAR, TAIL)
     assert found == pytest.approx(19.0, abs=0.5)
 
 
-def test_worst_loss_of_light_in_the_early_morning_is_below_the_reported_tenth() -> None:
+def test_worst_loss_of_light_in_the_early_morning_is_below_the_reported_tenth():
     # 28 h flight, solar time 5.71 h: "less than a 10 % decrease" at the most significant shading.
     cosine = cos_zenith(47.6, declination(182.5), hour_angle(5.71))
     suns = sun_from(np.degrees(np.arcsin(cosine)), np.arange(0.0, 360.0))
@@ -296,7 +281,7 @@ def test_worst_loss_of_light_in_the_early_morning_is_below_the_reported_tenth() 
 # Outlines in space.
 
 
-def test_outlines_lie_in_the_planes_of_the_normals_and_keep_their_size() -> None:
+def test_outlines_lie_in_the_planes_of_the_normals_and_keep_their_size():
     for surface, normal in zip(ATLANTIKSOLAR.surfaces, ATLANTIKSOLAR.normals(), strict=True):
         corners = outline_corners(surface, ATLANTIKSOLAR)
         across, along = corners[1] - corners[0], corners[3] - corners[0]
@@ -308,13 +293,13 @@ def test_outlines_lie_in_the_planes_of_the_normals_and_keep_their_size() -> None
         assert corners[0] + corners[2] == pytest.approx(corners[1] + corners[3])
 
 
-def test_corners_are_clockwise_from_the_front_left() -> None:
+def test_corners_are_clockwise_from_the_front_left():
     (surface,) = level_wing().surfaces
     expected = [(0.0, -1.0, 0.0), (0.0, 1.0, 0.0), (-REAR, 1.0, 0.0), (-REAR, -1.0, 0.0)]
     assert outline_corners(surface, level_wing()) == pytest.approx(np.array(expected))
 
 
-def test_incidence_lowers_what_is_aft_and_dihedral_raises_the_tips() -> None:
+def test_incidence_lowers_what_is_aft_and_dihedral_raises_the_tips():
     flat = ATLANTIKSOLAR.model_copy(update={"wing_incidence_deg": 0.0})
     middles = [outline_corners(s, ATLANTIKSOLAR).mean(axis=0) for s in ATLANTIKSOLAR.surfaces]
     assert middles[2][2] == pytest.approx(0.0875 * np.sin(np.radians(5.7)))
@@ -324,7 +309,7 @@ def test_incidence_lowers_what_is_aft_and_dihedral_raises_the_tips() -> None:
     assert tip[1] == pytest.approx(1.25 + bent * np.cos(np.radians(6.0)))
 
 
-def test_horizontal_tail_sits_on_the_fin_unless_told_otherwise() -> None:
+def test_horizontal_tail_sits_on_the_fin_unless_told_otherwise():
     assert t_tail(boom_height_m=0.1).height_m == pytest.approx(HEIGHT + 0.1)
     assert t_tail(horizontal_height_m=0.2).height_m == 0.2
     horizontal, vertical = t_tail(boom_height_m=0.1).panels()
@@ -343,7 +328,7 @@ def test_horizontal_tail_sits_on_the_fin_unless_told_otherwise() -> None:
         {"colour": "white"},
     ],
 )
-def test_impossible_tails_are_refused(changes: dict[str, Any]) -> None:
+def test_impossible_tails_are_refused(changes):
     with pytest.raises(ValidationError):
         t_tail(**changes)
 
@@ -354,26 +339,26 @@ FRACTIONS = np.linspace(0.0, 1.0, 101)
 
 
 @pytest.mark.parametrize("name", sorted(LOSS_MODELS))
-def test_losses_rise_from_nothing_and_stay_below_all(name: str) -> None:
+def test_losses_rise_from_nothing_and_stay_below_all(name):
     lost = loss_model(name)(FRACTIONS)
     assert lost[0] == 0.0
     assert (np.diff(lost) >= 0.0).all()
     assert lost[-1] == (0.0 if name == "none" else 1.0)
 
 
-def test_string_loses_whole_substrings_above_the_threshold() -> None:
+def test_string_loses_whole_substrings_above_the_threshold():
     model = string_losses(substrings=4, threshold=0.01)
     shaded = np.array([0.0, 0.01, 0.011, 0.25, 0.26, 0.5, 0.75, 0.751, 1.0])
     assert model(shaded) == pytest.approx([0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 1.0, 1.0])
 
 
-def test_string_of_one_is_all_or_nothing_and_of_many_is_proportional() -> None:
+def test_string_of_one_is_all_or_nothing_and_of_many_is_proportional():
     assert np.array_equal(string_losses(1, 0.0)(FRACTIONS), (FRACTIONS > 0.0).astype(float))
     # A thousandth at most is rounded up.
     assert string_losses(1000, 0.0)(FRACTIONS) == pytest.approx(FRACTIONS, abs=1e-3)
 
 
-def test_losses_reduce_the_light_of_each_surface() -> None:
+def test_losses_reduce_the_light_of_each_surface():
     direct = np.array([[100.0, 200.0], [0.0, 50.0]])
     shaded = np.array([0.25, 0.0])
     assert np.array_equal(apply_losses(direct, shaded), direct)
@@ -381,7 +366,7 @@ def test_losses_reduce_the_light_of_each_surface() -> None:
     assert np.array_equal(left, [[75.0, 200.0], [0.0, 50.0]])
 
 
-def test_own_model_is_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_own_model_is_found_by_its_name(monkeypatch):
     monkeypatch.setattr("solar.shading.LOSS_MODELS", dict(LOSS_MODELS))
     register_loss_model("square", np.square)
     assert apply_losses(8.0, np.array([0.5]), loss_model("square")) == pytest.approx([6.0])
@@ -389,7 +374,7 @@ def test_own_model_is_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None
         register_loss_model("square", np.square)
 
 
-def losing(lost: Any) -> Any:
+def losing(lost):
     return apply_losses(1.0, np.zeros(2), lambda shaded: np.full_like(shaded, lost))
 
 
@@ -407,7 +392,7 @@ def losing(lost: Any) -> Any:
         ),
     ],
 )
-def test_what_cannot_be_is_refused(call: Any, message: str) -> None:
+def test_what_cannot_be_is_refused(call, message):
     with pytest.raises(ValueError, match=message):
         call()
 
@@ -415,7 +400,7 @@ def test_what_cannot_be_is_refused(call: Any, message: str) -> None:
 @pytest.mark.parametrize(
     ("above_boom_m", "is_one"), [(0.1, False), (0.19, False), (0.21, True), (0.4, True)]
 )
-def test_a_tail_on_the_upper_half_of_the_fin_makes_a_t(above_boom_m: float, is_one: bool) -> None:
+def test_a_tail_on_the_upper_half_of_the_fin_makes_a_t(above_boom_m, is_one):
     tail = t_tail(vertical_height_m=0.4, boom_height_m=0.1, horizontal_height_m=0.1 + above_boom_m)
     assert tail.is_t_tail is is_one
     assert not t_tail(vertical_height_m=-0.4, horizontal_height_m=-0.4).is_t_tail

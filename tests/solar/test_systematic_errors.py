@@ -1,7 +1,5 @@
 """Systematic errors of the solar power models against table 3 of Oettershagen's report."""
 
-from __future__ import annotations
-
 import pytest
 
 from solar.systematic_errors import CORRECTION_NAMES, REPORTED_ERRORS, correction
@@ -18,9 +16,7 @@ FLOWN_W = 99.61
         ("FM", 97.87, -0.0175, 4.17, 0.0419),
     ],
 )
-def test_errors_are_those_of_table_3(
-    model: str, power_w: float, average: float, rms_w: float, rms: float
-) -> None:
+def test_errors_are_those_of_table_3(model, power_w, average, rms_w, rms):
     reported, none = REPORTED_ERRORS[model], correction(model, "none")
     assert (reported.average, reported.rms) == (average, rms)
     # Powers are printed to 0.01 W of 100 W, errors to 0.01 %: together 0.02 %.
@@ -32,7 +28,7 @@ def test_errors_are_those_of_table_3(
     assert [correction(model, name).name for name in CORRECTION_NAMES] == list(CORRECTION_NAMES)
 
 
-def test_unknown_names_are_refused() -> None:
+def test_unknown_names_are_refused():
     for wrong in ("XM", "cam", ""):
         with pytest.raises(ValueError, match="unknown solar power model"):
             correction(wrong, "none")

@@ -21,8 +21,8 @@ from solar.clearsky import extraterrestrial_irradiance
     ],
 )
 def test_light_on_a_horizontal_surface_up_to_25_km_is_that_of_solis(
-    latitude_deg: float, day: int, of_noon: float, of_day: float
-) -> None:
+    latitude_deg, day, of_noon, of_day
+):
     for row in light_up_to(latitude_deg=latitude_deg, day_of_year=day):
         ours, solis = row.ours, row.solis
         assert ours.ghi == pytest.approx(solis.ghi, rel=of_noon)
@@ -34,7 +34,7 @@ def test_light_on_a_horizontal_surface_up_to_25_km_is_that_of_solis(
             assert ours.day_wh == pytest.approx(solis.day_wh, rel=0.033)
 
 
-def test_solis_gives_more_than_the_sun_sends_far_above_its_range() -> None:
+def test_solis_gives_more_than_the_sun_sends_far_above_its_range():
     # Why it is no formula to compute with there: the table says so.
     highest = light_up_to((25000.0,))[0]
     outside = float(extraterrestrial_irradiance(172.5))
@@ -42,11 +42,11 @@ def test_solis_gives_more_than_the_sun_sends_far_above_its_range() -> None:
 
 
 @pytest.fixture(scope="module")
-def rafz() -> list[study.Insolation]:
+def rafz():
     return study.compare([study.RAFZ])
 
 
-def test_own_sun_of_pvlib_changes_little(rafz: list[study.Insolation]) -> None:
+def test_own_sun_of_pvlib_changes_little(rafz):
     site = pvlib.location.Location(47.6, 8.53, altitude=536.0)
     for row in rafz:
         midnight = pd.Timestamp("2015-01-01", tz="UTC") + pd.Timedelta(days=row.day_of_year - 1)
@@ -58,7 +58,7 @@ def test_own_sun_of_pvlib_changes_little(rafz: list[study.Insolation]) -> None:
             assert theirs_wh == pytest.approx(ours_wh, rel=0.008)
 
 
-def test_turbidity_is_that_of_the_climatology(rafz: list[study.Insolation]) -> None:
+def test_turbidity_is_that_of_the_climatology(rafz):
     # Ineichen & Perez (2002): 2 is very clean cold air, 3 moderate, 4 moist warm, 5 hazy.
     assert all(3.0 < row.linke_turbidity < 5.0 for row in rafz)
     assert rafz[1].linke_turbidity > rafz[3].linke_turbidity

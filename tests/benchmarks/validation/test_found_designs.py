@@ -7,7 +7,7 @@ from sizing.library import load_aircraft
 from sizing.program.cross_check import cross_check
 
 
-def test_atlantiksolars_class_is_found_from_its_requirements() -> None:
+def test_atlantiksolars_class_is_found_from_its_requirements():
     case = next(c for c in CASES if "60 %" in c.label and "mass" in c.label)
     design = found(case).design
     span, battery, area, mass = case.built.size
@@ -19,7 +19,7 @@ def test_atlantiksolars_class_is_found_from_its_requirements() -> None:
     assert design.total_mass_kg == pytest.approx(mass, rel=0.10)
 
 
-def test_sky_sailors_class_is_found_with_its_methods_constants() -> None:
+def test_sky_sailors_class_is_found_with_its_methods_constants():
     ends = [found(c).design for c in CASES if "190" in c.label]
     assert len(ends) == 2
     light, heavy = (design.total_mass_kg for design in ends if design is not None)
@@ -28,12 +28,12 @@ def test_sky_sailors_class_is_found_with_its_methods_constants() -> None:
     assert light < built.total_mass_kg < heavy
 
 
-def test_built_size_is_no_first_guess() -> None:
+def test_built_size_is_no_first_guess():
     aircraft = load_aircraft("atlantiksolar-design")
     assert _elsewhere(aircraft).airframe.wingspan_m < 0.8 * aircraft.airframe.wingspan_m
 
 
-def test_found_designs_are_cross_checked() -> None:
+def test_found_designs_are_cross_checked():
     from missions.mission import Mission
 
     case = CASES[1]

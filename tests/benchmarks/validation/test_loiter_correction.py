@@ -5,7 +5,7 @@ from solar.systematic_errors import REPORTED_ERRORS
 from studies.models import report_reproduction as study
 
 
-def test_simple_models_err_less_over_a_tropical_day_than_over_the_reports_morning() -> None:
+def test_simple_models_err_less_over_a_tropical_day_than_over_the_reports_morning():
     errors = transferred_errors(
         *study.reference(), latitudes_deg=(0.0,), days=(80,), winds_m_per_s=(2.0,)
     )
@@ -14,7 +14,7 @@ def test_simple_models_err_less_over_a_tropical_day_than_over_the_reports_mornin
     assert 0.0 < by_model["CAM"] < REPORTED_ERRORS["CAM"].average
 
 
-def test_errors_leave_polar_night_out() -> None:
+def test_errors_leave_polar_night_out():
     errors = transferred_errors(
         *study.reference(), latitudes_deg=(80.0,), days=(355,), winds_m_per_s=(0.0,)
     )

@@ -14,7 +14,7 @@ from sizing.day.replay import calendar_run
 from sizing.performance import performance, perpetual_days
 
 
-def test_perpetual_season_is_the_published_half_year() -> None:
+def test_perpetual_season_is_the_published_half_year():
     days = perpetual_days(AS2, shipped_mission("rafz-july"), 47.6)
     # One window, without gaps.
     assert np.all(np.diff(days) == 1)
@@ -25,7 +25,7 @@ def test_perpetual_season_is_the_published_half_year() -> None:
     assert abs(len(corrected) - 183) < abs(len(days) - 183)
 
 
-def test_28_hour_flight() -> None:
+def test_28_hour_flight():
     run = calendar_run(AS2, shipped_mission("rafz-28h"))
     assert run.empty_clock_h is None
     assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(28.35, abs=1e-9)
@@ -36,7 +36,7 @@ def test_28_hour_flight() -> None:
     assert run.load_w.mean() == pytest.approx(43.0, rel=0.05)
 
 
-def test_81_hour_flight_stays_up() -> None:
+def test_81_hour_flight_stays_up():
     run = calendar_run(AS2, shipped_mission("rafz-81h"))
     assert run.empty_clock_h is None
     assert run.clock_h[-1] - run.clock_h[0] == pytest.approx(81.4, abs=1e-9)
@@ -46,7 +46,7 @@ def test_81_hour_flight_stays_up() -> None:
     assert run.minimum_state_of_charge == pytest.approx(0.39, abs=0.03)
 
 
-def test_load_of_a_trial_is_the_one_asked_for() -> None:
+def test_load_of_a_trial_is_the_one_asked_for():
     trial = study.FLIGHTS["sky-sailor-27h"].trial()
     assert trial.load_w == pytest.approx(16.0, abs=0.02)  # published, all consumers
     changed = trial.with_load(20.0)
@@ -54,7 +54,7 @@ def test_load_of_a_trial_is_the_one_asked_for() -> None:
     assert changed.aircraft.power == trial.aircraft.power
 
 
-def test_battery_is_nearly_full_before_it_is_full() -> None:
+def test_battery_is_nearly_full_before_it_is_full():
     full_h = study.FLIGHTS["as2-28h"].quantity("full charge on the first day (CEST)").compute
     trial = study.FLIGHTS["as2-28h"].trial()
     instants = [full_h(replace(trial, full_charge=c)) for c in (0.98, 0.99, 0.999, 1.0)]
@@ -64,13 +64,13 @@ def test_battery_is_nearly_full_before_it_is_full() -> None:
     assert 0.37 <= instants[-1] - instants[1] <= 0.52
 
 
-def test_full_charge_that_is_not_reached_is_the_end_of_the_day() -> None:
+def test_full_charge_that_is_not_reached_is_the_end_of_the_day():
     full_h = study.FLIGHTS["as2-81h-clock"].quantity("full charge on the second day (CEST)").compute
     dim = study.FLIGHTS["as2-81h-clock"].trial().with_mission(clearness=0.2)
     assert full_h(dim) == full_h(replace(dim, full_charge=0.99)) == 24.0
 
 
-def test_27_hour_flight() -> None:
+def test_27_hour_flight():
     run = study.FLIGHTS["sky-sailor-27h"].trial().replay()
     assert run.empty_clock_h is None
     # Flown: full on the first afternoon, and at the landing on the second.
@@ -82,7 +82,7 @@ def test_27_hour_flight() -> None:
     assert run.minimum_state_of_charge == pytest.approx(night, abs=0.03)
 
 
-def test_solong_draws_more_than_its_modules_bring_in_a_day() -> None:
+def test_solong_draws_more_than_its_modules_bring_in_a_day():
     trial = study.FLIGHTS["solong-48h"].trial()
     day = performance(trial.aircraft, trial.mission)
     brought_wh = float(day.cycle.energy_budget.solar_wh[0])
@@ -91,14 +91,14 @@ def test_solong_draws_more_than_its_modules_bring_in_a_day() -> None:
     assert brought_wh < 0.8 * 24.0 * trial.load_w
 
 
-def test_every_fact_has_a_source() -> None:
+def test_every_fact_has_a_source():
     for flight in study.FLIGHTS.values():
         for fact in flight.facts:
             assert fact.source or fact.text.startswith("not found"), fact
     assert len(study.facts_table().rows) == sum(len(f.facts) for f in study.FLIGHTS.values())
 
 
-def test_numbers_of_the_words_on_the_flights() -> None:
+def test_numbers_of_the_words_on_the_flights():
     """What ``docs/validation.md`` says of combinations that no table has."""
     of_28h, of_48h = study.FLIGHTS["as2-28h"].trial(), study.FLIGHTS["solong-48h"].trial()
     charge = study.FLIGHTS["as2-28h"].quantity("minimum state of charge").compute

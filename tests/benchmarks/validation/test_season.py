@@ -9,7 +9,7 @@ from sizing.performance import perpetual_days
 
 
 @pytest.fixture(scope="module")
-def result() -> tuple[study.Season, ...]:
+def result():
     return study.seasons(
         [
             study.Condition("plain"),
@@ -20,7 +20,7 @@ def result() -> tuple[study.Season, ...]:
     )
 
 
-def test_season_is_that_of_the_simulator(result: tuple[study.Season, ...]) -> None:
+def test_season_is_that_of_the_simulator(result):
     plain = result[0]
     aircraft, mission = load_aircraft(study.AIRCRAFT), load_mission(study.MISSION)
     assert plain.days == len(perpetual_days(aircraft, mission, 47.6))
@@ -29,7 +29,7 @@ def test_season_is_that_of_the_simulator(result: tuple[study.Season, ...]) -> No
     assert plain.gaps == 0
 
 
-def test_less_light_and_rough_air_shorten_it(result: tuple[study.Season, ...]) -> None:
+def test_less_light_and_rough_air_shorten_it(result):
     plain, dim, rough, never = result
     assert max(dim.days, rough.days) < plain.days
     assert (never.days, never.first, never.last, never.full_days) == (0, None, None, 0)

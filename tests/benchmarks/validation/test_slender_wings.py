@@ -8,17 +8,16 @@ from benchmarks.validation.slender_wings import (
     aspect_ratio_table,
     structure_table,
 )
-from sizing.results.tables import Table
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def found() -> Table:
+def found():
     return aspect_ratio_table()
 
 
-def test_every_criterion_ends_the_aspect_ratio_where_it_should(found: Table) -> None:
+def test_every_criterion_ends_the_aspect_ratio_where_it_should(found):
     ratio = {row[0]: row[1] for row in found.rows}
     shipped = ratio["central-europe-summer, as shipped"]
     # Less stiffness asked for makes a more slender wing, and never more than none does.
@@ -39,12 +38,12 @@ def test_every_criterion_ends_the_aspect_ratio_where_it_should(found: Table) -> 
     assert ratio["chord at least 0.28 m"] == pytest.approx(20.0, abs=2.0)
 
 
-def test_chord_of_two_rows_of_cells_is_kept(found: Table) -> None:
+def test_chord_of_two_rows_of_cells_is_kept(found):
     row = next(row for row in found.rows if row[0] == "chord at least 0.28 m")
     assert row[2] / row[1] == pytest.approx(0.28, rel=1e-4)  # span over aspect ratio
 
 
-def test_published_structures_are_told_honestly() -> None:
+def test_published_structures_are_told_honestly():
     rows = {row[0]: row for row in structure_table().rows}
     assert 1.30 <= float(str(rows["AtlantikSolar"][5])) <= 1.40
     # Between its first and its last version, nothing fitted to it.

@@ -2,7 +2,6 @@
 
 import csv
 from importlib import resources
-from pathlib import Path
 
 import pytest
 
@@ -21,7 +20,7 @@ AIRCRAFT = published_structures()
 
 
 @pytest.mark.parametrize("key", AIRCRAFT)
-def test_computed_structure_meets_the_published_one(key: str) -> None:
+def test_computed_structure_meets_the_published_one(key):
     """One calibration, that of AtlantikSolar, for all.
 
     Intervals of what is not published are wide, so that they have to meet.
@@ -30,12 +29,12 @@ def test_computed_structure_meets_the_published_one(key: str) -> None:
     assert one.computed_structure_kg(one.models).gap(one.structure_kg) == 0.0
 
 
-def test_published_masses_lie_within_or_next_to_the_computed_totals() -> None:
+def test_published_masses_lie_within_or_next_to_the_computed_totals():
     for key, one in AIRCRAFT.items():
         assert one.computed_total_kg(one.models).gap(one.total_kg) == 0.0, key
 
 
-def test_balsa_in_place_of_foam_makes_the_albatross_too_heavy() -> None:
+def test_balsa_in_place_of_foam_makes_the_albatross_too_heavy():
     """Ribs and sheeted nose of balsa, the default, are what it does not have."""
     one = AIRCRAFT["gossamer-albatross"]
     balsa = {"sheet_density_kg_per_m3", "minimum_sheet_thickness_m", "sheet_thickness_ratio"}
@@ -44,7 +43,7 @@ def test_balsa_in_place_of_foam_makes_the_albatross_too_heavy() -> None:
     assert one.computed_structure_kg(models).gap(one.structure_kg) == pytest.approx(0.27, abs=0.01)
 
 
-def test_intervals_of_large_aircraft_tell_something() -> None:
+def test_intervals_of_large_aircraft_tell_something():
     """A published structure between two numbers is worth comparing if they are close enough."""
     for key, one in AIRCRAFT.items():
         computed = one.computed_structure_kg(one.models)
@@ -54,7 +53,7 @@ def test_intervals_of_large_aircraft_tell_something() -> None:
         assert computed.high < (2.0 if foam else 1.6) * computed.low, key
 
 
-def test_heliplat_is_near_the_law_of_its_own_sizing() -> None:
+def test_heliplat_is_near_the_law_of_its_own_sizing():
     """Airframe of ``8.75 n^0.311 AR^0.4665 S^0.7775`` newton, a law of solar HALE aircraft.
 
     Romeo et al., HELIPLAT, J. Aircraft 41 (2004) 1505, with its limit load factor of 3.1. A law of
@@ -66,13 +65,13 @@ def test_heliplat_is_near_the_law_of_its_own_sizing() -> None:
     assert one.computed_structure_kg(one.models).middle == pytest.approx(law_kg, rel=0.3)
 
 
-def test_published_structure_is_what_is_left_of_the_total_mass() -> None:
+def test_published_structure_is_what_is_left_of_the_total_mass():
     zephyr = AIRCRAFT["zephyr-8"]
     # 75 kg less 24 kg of battery, 4 to 9 of modules, 3 to 6 of propulsion, 7 to 11 of systems.
     assert zephyr.structure_kg == Interval(25.0, 37.0)
 
 
-def test_ratios_of_built_aircraft_are_those_of_their_masses() -> None:
+def test_ratios_of_built_aircraft_are_those_of_their_masses():
     text = (resources.files("sizing") / "data" / "built-structures.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     every = AIRCRAFT | published_structures("hand_built")
@@ -85,7 +84,7 @@ def test_ratios_of_built_aircraft_are_those_of_their_masses() -> None:
     assert left_out == {"HELIPLAT (design)", "Gossamer Albatross", "Light Eagle", "Daedalus 88"}
 
 
-def test_what_init_writes_closes_at_zephyrs_mass_with_zephyrs_masses(tmp_path: Path) -> None:
+def test_what_init_writes_closes_at_zephyrs_mass_with_zephyrs_masses(tmp_path):
     """75 kg at 25 m with 24 kg of battery; version 1.0 gave 92 kg, with a deflection limit 570."""
     text = (resources.files("studies") / "templates" / "aircraft.yaml").read_text(encoding="utf-8")
     file = tmp_path / "zephyr.yaml"

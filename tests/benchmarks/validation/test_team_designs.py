@@ -9,7 +9,7 @@ GIVEN = [key for key, one in team_designs().items() if "geometry" in one]
 
 
 @pytest.mark.parametrize("key", GIVEN)
-def test_masses_at_a_given_size_are_within_the_aim_without_their_own_structure(key: str) -> None:
+def test_masses_at_a_given_size_are_within_the_aim_without_their_own_structure(key):
     one = team_designs()[key]
     for build in (one["build"], factor_without(one)):
         design = computed(one, build)
@@ -18,14 +18,14 @@ def test_masses_at_a_given_size_are_within_the_aim_without_their_own_structure(k
         assert float(design.total_mass_kg) == pytest.approx(known_kg, rel=0.25)
 
 
-def test_atlantiksolar_is_found_with_its_own_parts() -> None:
+def test_atlantiksolar_is_found_with_its_own_parts():
     one = team_designs()["atlantiksolar"]
     design = computed(one, one["build"], one["own_parts"])
     assert design.total_mass_kg == pytest.approx(one["published"]["total_mass_kg"], rel=0.25)
     assert design.variables.wingspan_m == pytest.approx(one["published"]["wingspan_m"], rel=0.15)
 
 
-def test_a_class_of_two_without_one_is_the_other() -> None:
+def test_a_class_of_two_without_one_is_the_other():
     apart = [factor_without(team_designs()[key]) for key in ("solong", "seaway-mini")]
     # Two digits, as the classes have.
     mean = (apart[0] * apart[1]) ** 0.5

@@ -1,9 +1,5 @@
 """Tests of values given on the command line."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import pytest
 
 from missions.files.errors import InputError
@@ -11,7 +7,7 @@ from missions.files.overrides import with_overrides
 from missions.files.yaml import parse_yaml
 
 
-def test_aliases_give_independent_copies() -> None:
+def test_aliases_give_independent_copies():
     document = parse_yaml("a: &x {b: [1]}\nc: *x", "a.yaml")
     assert document.data == {"a": {"b": [1]}, "c": {"b": [1]}}
     changed = with_overrides(document, ["c.b.0=2"])
@@ -20,7 +16,7 @@ def test_aliases_give_independent_copies() -> None:
     assert document.value_marks["c", "b"] == (1, 11)
 
 
-def overridden(text: str, *overrides: str) -> dict[str, Any]:
+def overridden(text, *overrides):
     return with_overrides(parse_yaml(text, "a.yaml"), overrides).data
 
 
@@ -41,16 +37,16 @@ def overridden(text: str, *overrides: str) -> dict[str, Any]:
         ("a={b: 1}", {"b": 1}),
     ],
 )
-def test_override_values_follow_the_rules_of_files(override: str, value: object) -> None:
+def test_override_values_follow_the_rules_of_files(override, value):
     assert overridden("a: 1", override) == {"a": value}
 
 
-def test_overrides_reach_into_lists_and_new_mappings() -> None:
+def test_overrides_reach_into_lists_and_new_mappings():
     data = overridden("a: [{b: 1}, 2]\nn:\n", "a.0.b=5", "a.1=6", "c.d.e=7", "c.f=8", "n.x=9")
     assert data == {"a": [{"b": 5}, 6], "c": {"d": {"e": 7}, "f": 8}, "n": {"x": 9}}
 
 
-def test_later_override_wins_and_the_document_is_not_changed() -> None:
+def test_later_override_wins_and_the_document_is_not_changed():
     document = parse_yaml("a: {b: 1}", "a.yaml")
     assert with_overrides(document, ["a.b=2", "a.b=3"]).data == {"a": {"b": 3}}
     assert document.data == {"a": {"b": 1}}
@@ -74,7 +70,7 @@ def test_later_override_wins_and_the_document_is_not_changed() -> None:
         ("\udcff=1", r"--set \udcff: the key holds a character that is not allowed"),
     ],
 )
-def test_bad_overrides(override: str, message: str) -> None:
+def test_bad_overrides(override, message):
     with pytest.raises(InputError) as caught:
         overridden("s: 3\nl: [1, 2]\ne: []\n", override)
     assert str(caught.value) == message
@@ -83,7 +79,7 @@ def test_bad_overrides(override: str, message: str) -> None:
 @pytest.mark.parametrize(
     "override", ["a=[1", "a=@x", "a=- 1", "a=b: 1", "a=--- 1\n--- 2", "a=\udcff", "a=" + "[" * 999]
 )
-def test_unreadable_override_values(override: str) -> None:
+def test_unreadable_override_values(override):
     with pytest.raises(InputError) as caught:
         overridden("a: 1", override)
     assert str(caught.value).startswith("--set a: ")
@@ -91,12 +87,12 @@ def test_unreadable_override_values(override: str) -> None:
 
 
 @pytest.mark.parametrize("wrong", [None, 3, "a=1", b"a=1", ["a=1", 2], {1: 2}, [("a", 1)]])
-def test_overrides_of_another_type_are_told(wrong: Any) -> None:
+def test_overrides_of_another_type_are_told(wrong):
     with pytest.raises(TypeError, match=r"^overrides are (a mapping|texts, such)"):
         with_overrides(parse_yaml("a: 1", "a.yaml"), wrong)
 
 
-def test_bad_overrides_come_together() -> None:
+def test_bad_overrides_come_together():
     with pytest.raises(InputError) as caught:
         overridden("s: 3", "x", "s.b=1", "t=1")
     assert [problem.key for problem in caught.value.problems] == ["x", "s.b"]

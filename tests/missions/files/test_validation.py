@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
-from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, NewType
+from typing import Annotated, ClassVar, Literal, NewType
 
 import pytest
 from hypothesis import given
@@ -57,7 +57,7 @@ class Window(Record):
     end_h: Real
 
     @model_validator(mode="after")
-    def _in_order(self) -> Window:
+    def _in_order(self):
         if self.end_h < self.start_h:
             raise ValueError("the window ends before it starts")
         if self.end_h > 24:
@@ -89,18 +89,18 @@ NO_UNIT = "write the plain number; the unit is in the key"
 NO_COMMA = "write a point before the decimals, not a comma"
 
 
-def problems_of(text: str, *overrides: str, model: type[Record] = Aircraft) -> list[str]:
+def problems_of(text, *overrides, model=Aircraft):
     with pytest.raises(InputError) as caught:
         validate(with_overrides(parse_yaml(text, "as2.yaml"), overrides), model)
     return [str(problem) for problem in caught.value.problems]
 
 
-def problem_of(text: str, *overrides: str) -> str:
+def problem_of(text, *overrides):
     (problem,) = problems_of(text, *overrides)
     return problem
 
 
-def test_good_file_is_read(tmp_path: Path) -> None:
+def test_good_file_is_read(tmp_path):
     path = tmp_path / "as2.yaml"
     path.write_text(
         GOOD + "legs:\n- {kind: cruise, speed_m_s: 9}\npolar: [1, 2.5, 1e-3]\n", encoding="utf-8"
@@ -111,7 +111,7 @@ def test_good_file_is_read(tmp_path: Path) -> None:
     assert aircraft.polar == (1.0, 2.5, 0.001)
 
 
-def test_integers_too_large_for_a_float_are_not_finite() -> None:
+def test_integers_too_large_for_a_float_are_not_finite():
     text = "name: x\nbattery:\n  mass_kg: "
     assert problem_of(text + "9" * 5000).endswith("mass_kg: must be a finite number (got .inf)")
     message = problem_of(text + "9" * 400)
@@ -122,13 +122,20 @@ def test_integers_too_large_for_a_float_are_not_finite() -> None:
 # ---- words and places ----
 
 
-def test_plain_pydantic_error_is_not_shown_as_the_cause() -> None:
+def test_input_error_keeps_its_problems_through_pickling():
+    error = InputError([Problem("b", 2, 1, "k", "m"), Problem("b", 1, None, "", "n")])
+    assert str(error) == "b:1: n\nb:2:1: k: m"
+    assert pickle.loads(pickle.dumps(error)).problems == error.problems
+    assert isinstance(error, ValueError)
+
+
+def test_plain_pydantic_error_is_not_shown_as_the_cause():
     with pytest.raises(InputError) as caught:
         validate(parse_yaml("{}", "a.yaml"), Aircraft)
     assert caught.value.__context__ is None
 
 
-def test_all_problems_come_together_sorted_by_line() -> None:
+def test_all_problems_come_together_sorted_by_line():
     text = "tail_m2: -1\nzzz: 3\nbattery:\n  usable_fraction: 1.5\n  mass_kg: 0\nname: 5\n"
     assert problems_of(text) == [
         "as2.yaml:1:10: tail_m2: must be at least 0 (got -1)",
@@ -140,7 +147,7 @@ def test_all_problems_come_together_sorted_by_line() -> None:
     ]
 
 
-def test_missing_key_points_at_the_mapping_around_it() -> None:
+def test_missing_key_points_at_the_mapping_around_it():
     text = "name: x\nbattery:\n  cells: 2\n"
     assert problem_of(text) == "as2.yaml:2:1: battery.mass_kg: required key is missing"
     assert problem_of("\nname: x\n") == "as2.yaml:2:1: battery: required key is missing"
@@ -160,13 +167,13 @@ def test_missing_key_points_at_the_mapping_around_it() -> None:
         ("usable_percent", "usable_fraction"),
     ],
 )
-def test_unknown_key_gets_a_suggestion(key: str, meant: str) -> None:
+def test_unknown_key_gets_a_suggestion(key, meant):
     text = f"{GOOD}  {key}: 1\n"
     message = f"as2.yaml:4:3: battery.{key}: unknown key; did you mean '{meant}'?"
     assert problem_of(text) == message
 
 
-def test_unit_suffix_beats_a_similar_spelling() -> None:
+def test_unit_suffix_beats_a_similar_spelling():
     class Model(Record):
         energy_kwh_max: Real = 1.0
         energy_j: Real = 1.0
@@ -175,17 +182,14 @@ def test_unit_suffix_beats_a_similar_spelling() -> None:
     assert problem.endswith("did you mean 'energy_j'?")
 
 
-@pytest.mark.parametrize("value", ['"2.9 kg"', "2.9 kg", '"2.9"', "2.9kg", "010", "1_000"])
-def test_quoted_numbers_and_units_get_a_hint(value: str) -> None:
-    message = problem_of(f"name: x\nbattery:\n  mass_kg: {value}\n")
-    shown = value.strip('"')
-    assert message == f"as2.yaml:3:12: battery.mass_kg: must be a number (got '{shown}'); {NO_UNIT}"
-
-
 @pytest.mark.parametrize(
     ("line", "message"),
     [
         ("tail_m2: heavy", "10: tail_m2: must be a number (got 'heavy')"),
+        ('tail_m2: "2.9 kg"', f"10: tail_m2: must be a number (got '2.9 kg'); {NO_UNIT}"),
+        ("tail_m2: 2.9kg", f"10: tail_m2: must be a number (got '2.9kg'); {NO_UNIT}"),
+        ("tail_m2: 010", f"10: tail_m2: must be a number (got '010'); {NO_UNIT}"),
+        ("tail_m2: 1_000", f"10: tail_m2: must be a number (got '1_000'); {NO_UNIT}"),
         ("tail_m2: 47,6", f"10: tail_m2: must be a number (got '47,6'); {NO_COMMA}"),
         ("tail_m2: true", "10: tail_m2: must be a number (got true)"),
         ("tail_m2:", "9: tail_m2: must be a number (got null)"),
@@ -214,17 +218,17 @@ def test_quoted_numbers_and_units_get_a_hint(value: str) -> None:
         ("window: {start_h: 5, end_h: 25}", "29: window.end_h: ends after midnight"),
     ],
 )
-def test_plain_words(line: str, message: str) -> None:
+def test_plain_words(line, message):
     assert problem_of(GOOD + line + "\n") == f"as2.yaml:4:{message}"
 
 
-def test_null_for_a_required_mapping_and_an_empty_text() -> None:
+def test_null_for_a_required_mapping_and_an_empty_text():
     message = "as2.yaml:2:9: battery: must be a mapping of keys and values (got null)"
     assert problem_of("name: x\nbattery:\n") == message
     assert problem_of(GOOD.replace("AS-2", "''")).endswith("name: must not be empty (got '')")
 
 
-def test_a_wrong_item_does_not_make_a_list_too_short() -> None:
+def test_a_wrong_item_does_not_make_a_list_too_short():
     class Table(Record):
         title: Annotated[Text, Field(max_length=3)]
         values: tuple[PositiveReal, ...] = Field(min_length=2)
@@ -238,7 +242,7 @@ def test_a_wrong_item_does_not_make_a_list_too_short() -> None:
     ]
 
 
-def test_key_of_an_earlier_version_is_refused_with_its_new_name() -> None:
+def test_key_of_an_earlier_version_is_refused_with_its_new_name():
     class Pack(Battery):
         explained_keys: ClassVar[dict[str, str]] = {"weight_kg": "mass_kg"}
 
@@ -261,7 +265,7 @@ class Racks(Record):
     packs: tuple[Rack, ...]
 
 
-def test_deprecated_keys_are_read_with_a_warning_that_has_line_and_new_name() -> None:
+def test_deprecated_keys_are_read_with_a_warning_that_has_line_and_new_name():
     document = parse_yaml("racks:\n- mass_kg: 1\n- weight_kg: 2\n", "as2.yaml")
     with pytest.warns(DeprecatedKeyWarning) as told:
         read = validate(document, Racks)
@@ -274,7 +278,7 @@ def test_deprecated_keys_are_read_with_a_warning_that_has_line_and_new_name() ->
     assert document.data == {"racks": [{"mass_kg": 1}, {"weight_kg": 2}]}
 
 
-def test_mistakes_beside_a_deprecated_key_keep_their_places() -> None:
+def test_mistakes_beside_a_deprecated_key_keep_their_places():
     text = "racks:\n- weight_kg: -1\n- mass_kg: 2\n  cell: 2\n"
     with pytest.warns(DeprecatedKeyWarning):
         assert problems_of(text, model=Racks) == [
@@ -315,13 +319,13 @@ def test_mistakes_beside_a_deprecated_key_keep_their_places() -> None:
         ),
     ],
 )
-def test_discriminated_unions_give_clean_keys(leg: str, message: str) -> None:
+def test_discriminated_unions_give_clean_keys(leg, message):
     first, *_ = problems_of(f"{GOOD}legs:\n  - {leg}\n")
     assert first.startswith("as2.yaml:5:")
     assert first.split(": ", 1)[1] == message
 
 
-def test_name_of_a_choice_is_told_from_a_key_of_the_same_name() -> None:
+def test_name_of_a_choice_is_told_from_a_key_of_the_same_name():
     text = GOOD + "legs:\n- kind: loiter\n  duration_h: 0\n  loiter:\n    mass_kg: 0\n"
     assert problems_of(text) == [
         "as2.yaml:6:15: legs.0.duration_h: must be greater than 0 (got 0)",
@@ -329,8 +333,8 @@ def test_name_of_a_choice_is_told_from_a_key_of_the_same_name() -> None:
     ]
 
 
-def test_unions_by_callable_and_by_optional_field() -> None:
-    def shape(value: Any) -> str:
+def test_unions_by_callable_and_by_optional_field():
+    def shape(value):
         return "pack" if "mass_kg" in value else "night"
 
     class Model(Record):
@@ -348,7 +352,7 @@ def test_unions_by_callable_and_by_optional_field() -> None:
     ]
 
 
-def test_validator_of_one_choice_silences_the_types_of_the_others() -> None:
+def test_validator_of_one_choice_silences_the_types_of_the_others():
     class Model(Record):
         window: Real | Window
 
@@ -358,7 +362,7 @@ def test_validator_of_one_choice_silences_the_types_of_the_others() -> None:
     ]
 
 
-def test_unknown_key_of_one_choice_among_models() -> None:
+def test_unknown_key_of_one_choice_among_models():
     class Model(Record):
         source: Window | Real | None = None
         other: Window | Battery | None = None
@@ -377,7 +381,7 @@ def test_unknown_key_of_one_choice_among_models() -> None:
     ]
 
 
-def test_types_behind_other_names() -> None:
+def test_types_behind_other_names():
     class Legs(RootModel[tuple[Cruise, ...]]):
         pass
 
@@ -397,7 +401,7 @@ def test_types_behind_other_names() -> None:
 # ---- keys ----
 
 
-def test_key_that_is_refused_is_located_itself() -> None:
+def test_key_that_is_refused_is_located_itself():
     class Model(Record):
         table: dict[Annotated[str, Field(max_length=1)], Real]
         items: Annotated[tuple[Real, ...], Field(max_length=1)]
@@ -409,7 +413,7 @@ def test_key_that_is_refused_is_located_itself() -> None:
     ]
 
 
-def test_aliased_field_goes_by_the_key_of_the_file() -> None:
+def test_aliased_field_goes_by_the_key_of_the_file():
     class Model(Record):
         lift: PositiveReal = Field(alias="C_L")
 
@@ -423,12 +427,12 @@ def test_aliased_field_goes_by_the_key_of_the_file() -> None:
 # ---- messages of validators ----
 
 
-def test_validator_may_point_into_a_list() -> None:
+def test_validator_may_point_into_a_list():
     class Model(Record):
         legs: tuple[Real, ...]
 
         @model_validator(mode="after")
-        def _refuse(self) -> Model:
+        def _refuse(self):
             raise PydanticCustomError("x", "too\nlong", {"key": "legs.1"})
 
     assert problems_of("legs:\n- 1\n- 2", model=Model) == ["as2.yaml:3:3: legs.1: too long"]
@@ -437,7 +441,7 @@ def test_validator_may_point_into_a_list() -> None:
 # ---- places ----
 
 
-def test_value_through_an_alias_is_located_where_it_stands() -> None:
+def test_value_through_an_alias_is_located_where_it_stands():
     text = "name: x\nbattery: &b\n  mass_kg: 0\nspare: *b\n"
     assert problems_of(text) == [
         "as2.yaml:3:12: battery.mass_kg: must be greater than 0 (got 0)",
@@ -445,7 +449,7 @@ def test_value_through_an_alias_is_located_where_it_stands() -> None:
     ]
 
 
-def test_located_error() -> None:
+def test_located_error():
     document = with_overrides(parse_yaml(GOOD, "as2.yaml"), ["tail_m2=1"])
     (problem,) = located_error(document, ("battery", "mass_kg"), "too heavy").problems
     assert problem == Problem("as2.yaml", 3, 12, "battery.mass_kg", "too heavy")
@@ -456,19 +460,13 @@ def test_located_error() -> None:
     assert str(located_error(Document("b.yaml", {}), ["a"], "m")) == "b.yaml: a: m"
 
 
-def test_strange_keys_stay_on_one_line() -> None:
-    message = problem_of(GOOD + '"a\\nb": 1\n')
-    assert message.startswith("as2.yaml:4:1: a\\nb: unknown key")
-    assert "\n" not in message
-
-
 pieces = st.sampled_from(
     [*"ab:-[]{},&*!?|>'\"#%@` \n\t~<=.", "\n  ", ": ", "- ", "&a", "*a", "<<: ", "---\n", "1e5"]
 )
 
 
 @given(st.lists(pieces | st.characters(), max_size=40).map("".join))
-def test_any_text_is_read_or_refused_with_a_place(text: str) -> None:
+def test_any_text_is_read_or_refused_with_a_place(text):
     problems: tuple[Problem, ...] = ()
     try:
         document = with_overrides(parse_yaml(GOOD + text, "a.yaml"), [f"battery.{text}"])
@@ -494,18 +492,18 @@ def test_any_text_is_read_or_refused_with_a_place(text: str) -> None:
         ("polar=[1, x, 2]", "polar: polar.1: must be a number (got 'x')"),
     ],
 )
-def test_problems_of_overrides_are_located_at_the_option(override: str, message: str) -> None:
+def test_problems_of_overrides_are_located_at_the_option(override, message):
     assert problem_of(GOOD, override) == f"--set {message}"
 
 
-def test_override_mends_a_value_of_the_file() -> None:
+def test_override_mends_a_value_of_the_file():
     text = "name: x\nbattery: 3\n"
     document = with_overrides(parse_yaml(text, "a.yaml"), ["battery={mass_kg: 2}"])
     assert validate(document, Aircraft).battery.mass_kg == 2
     assert ("battery",) not in document.key_marks
 
 
-def test_override_below_an_override_leaves_the_first_in_its_place() -> None:
+def test_override_below_an_override_leaves_the_first_in_its_place():
     overrides = ["window={start_h: 3, end_h: x}", "window.start_h=y"]
     assert problems_of(GOOD, *overrides) == [
         "--set window.start_h: must be a number (got 'y')",
@@ -513,7 +511,7 @@ def test_override_below_an_override_leaves_the_first_in_its_place() -> None:
     ]
 
 
-def test_problems_of_the_file_come_before_those_of_overrides() -> None:
+def test_problems_of_the_file_come_before_those_of_overrides():
     problems = problems_of("battery:\n  mass_kg: 0\n", "tail_m2=-1", "name=x")
     assert [problem.split(":")[0] for problem in problems] == ["as2.yaml", "--set tail_m2"]
 
@@ -521,7 +519,7 @@ def test_problems_of_the_file_come_before_those_of_overrides() -> None:
 # ---- imports ----
 
 
-def test_import_is_light() -> None:
+def test_import_is_light():
     code = (
         "import sys, missions.files.validation\n"
         "print([m for m in ('numpy', 'pandas', 'casadi', 'scipy') if m in sys.modules])"
@@ -543,7 +541,7 @@ PLANE = Aircraft(
 )
 
 
-def test_copy_with_values_of_records_inside_records() -> None:
+def test_copy_with_values_of_records_inside_records():
     changed = with_values(
         PLANE,
         {
@@ -582,7 +580,7 @@ def test_copy_with_values_of_records_inside_records() -> None:
         ),
     ],
 )
-def test_copy_with_values_is_checked(values: dict[str, Any], message: str) -> None:
+def test_copy_with_values_is_checked(values, message):
     with pytest.raises(InputError) as caught:
         with_values(PLANE, values)
     assert str(caught.value) == f"Aircraft: {message}"

@@ -6,9 +6,7 @@ import enum
 import json
 import math
 import os
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -43,7 +41,7 @@ values = st.recursive(
 
 
 @given(st.dictionaries(texts, values, max_size=5))
-def test_written_data_reads_back_equal(data: dict[str, Any]) -> None:
+def test_written_data_reads_back_equal(data):
     compact = parse_yaml(to_yaml(data, compact=True), "a.yaml").data
     assert compact == parse_yaml(to_yaml(data), "a.yaml").data
     read = parse_yaml(to_yaml(data), "a.yaml").data
@@ -52,7 +50,7 @@ def test_written_data_reads_back_equal(data: dict[str, Any]) -> None:
     assert repr(read) == repr(data)
 
 
-def test_short_mappings_and_lists_stand_on_a_line() -> None:
+def test_short_mappings_and_lists_stand_on_a_line():
     data = {"a": {"b": 1, "c": [1.5, 2.0]}, "d": list(range(40)), "e": {}}
     lines = to_yaml(data, compact=True).splitlines()
     assert lines[:3] == ["a:", "  b: 1", "  c: [1.5, 2.0]"]
@@ -60,7 +58,7 @@ def test_short_mappings_and_lists_stand_on_a_line() -> None:
     assert lines[-1] == "e: {}"
 
 
-def test_written_data_is_readable_block_style() -> None:
+def test_written_data_is_readable_block_style():
     data = {
         "name": "AS-2",
         "note": "no",
@@ -77,9 +75,9 @@ def test_written_data_is_readable_block_style() -> None:
     assert math.isnan(parse_yaml(to_yaml({"a": math.nan}), "a.yaml").data["a"])
 
 
-def test_subclasses_are_written_as_plain_values() -> None:
+def test_subclasses_are_written_as_plain_values():
     class Odd(float):
-        def __repr__(self) -> str:
+        def __repr__(self):
             return "Odd()"
 
     class Level(enum.IntEnum):
@@ -92,7 +90,7 @@ def test_subclasses_are_written_as_plain_values() -> None:
 
 
 @pytest.mark.parametrize("data", [{"a": {3}}, {"a": b"x"}, {"a": Path()}])
-def test_other_types_are_not_written(data: dict[Any, Any]) -> None:
+def test_other_types_are_not_written(data):
     with pytest.raises(yaml.YAMLError):
         to_yaml(data)
 
@@ -101,13 +99,13 @@ def test_other_types_are_not_written(data: dict[Any, Any]) -> None:
 
 
 @pytest.fixture
-def umask() -> Iterator[None]:
+def umask():
     before = os.umask(0o027)
     yield
     os.umask(before)
 
 
-def test_text_is_written_as_it_is(tmp_path: Path, umask: None) -> None:
+def test_text_is_written_as_it_is(tmp_path, umask):
     path = tmp_path / "a.csv"
     write_text_atomically(path, "é\r\nb\n")
     assert path.read_bytes() == b"\xc3\xa9\r\nb\n"
@@ -115,7 +113,7 @@ def test_text_is_written_as_it_is(tmp_path: Path, umask: None) -> None:
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.csv"]
 
 
-def test_existing_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
+def test_existing_file_is_replaced_and_keeps_its_permissions(tmp_path):
     path = tmp_path / "a.bin"
     path.write_bytes(b"old")
     path.chmod(0o604)
@@ -124,7 +122,7 @@ def test_existing_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> 
     assert path.stat().st_mode & 0o777 == 0o604
 
 
-def test_json_is_strict_and_has_no_negative_zero() -> None:
+def test_json_is_strict_and_has_no_negative_zero():
     record = {"a": -0.0, "b": [(-0.0, 1.5), {"c": np.float64(-0.0)}], "d": [-0, None, True, "-0.0"]}
     expected = {"a": 0.0, "b": [[0.0, 1.5], {"c": 0.0}], "d": [0, None, True, "-0.0"]}
     assert to_json(record) == json.dumps(expected)
@@ -133,7 +131,7 @@ def test_json_is_strict_and_has_no_negative_zero() -> None:
         to_json({"a": math.nan})
 
 
-def test_link_is_replaced_and_not_followed(tmp_path: Path) -> None:
+def test_link_is_replaced_and_not_followed(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     for number, target in enumerate(("mine.txt", "nowhere")):
         link = tmp_path / f"link{number}"
@@ -145,7 +143,7 @@ def test_link_is_replaced_and_not_followed(tmp_path: Path) -> None:
     assert not (tmp_path / "nowhere").exists()
 
 
-def test_link_to_a_device_or_a_pipe_is_written_to(tmp_path: Path) -> None:
+def test_link_to_a_device_or_a_pipe_is_written_to(tmp_path):
     link = tmp_path / "link"  # as /dev/stdout is one
     link.symlink_to(os.devnull)
     write_bytes_atomically(link, b"x")
@@ -158,10 +156,8 @@ def test_link_to_a_device_or_a_pipe_is_written_to(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("owner", "step"), [(os, "fsync"), (Path, "replace")])
-def test_failure_leaves_the_old_file_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, owner: object, step: str
-) -> None:
-    def fail(*_: object) -> None:
+def test_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, owner, step):
+    def fail(*_):
         raise OSError(28, "No space left on device")
 
     path = tmp_path / "a.txt"
@@ -174,13 +170,11 @@ def test_failure_leaves_the_old_file_and_nothing_else(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_file_is_synced_before_it_is_put_in_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_file_is_synced_before_it_is_put_in_place(tmp_path, monkeypatch):
     steps: list[str] = []
     replace = Path.replace
 
-    def noted(scratch: Path, target: Path) -> Path:
+    def noted(scratch, target):
         steps.append(f"replace {scratch.read_text(encoding='utf-8')}")
         return replace(scratch, target)
 
@@ -190,7 +184,7 @@ def test_file_is_synced_before_it_is_put_in_place(
     assert steps == ["fsync", "replace x"]
 
 
-def write_problem(path: Path) -> str:
+def write_problem(path):
     with pytest.raises(OSError, match="cannot write") as caught:
         write_text_atomically(path, "x")
     assert isinstance(caught.value, OutputError)
@@ -205,22 +199,22 @@ def write_problem(path: Path) -> str:
         ("f/a.txt", "a part of the path is a file, not a folder"),
     ],
 )
-def test_where_nothing_can_be_written_is_told(tmp_path: Path, name: str, reason: str) -> None:
+def test_where_nothing_can_be_written_is_told(tmp_path, name, reason):
     (tmp_path / "f").write_text("", encoding="utf-8")
     path = tmp_path / name
     assert write_problem(path) == f"cannot write {path}: {reason}"
     assert write_problem(Path("a\0b")) == r"cannot write a\x00b: not a valid file name"
 
 
-def test_folder_without_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object) -> int:
+def test_folder_without_permission(tmp_path, monkeypatch):
+    def refuse(*_):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(os, "open", refuse)
     assert write_problem(tmp_path / "a").endswith("a: permission denied")
 
 
-def test_pipe_is_written_to_and_not_replaced(tmp_path: Path) -> None:
+def test_pipe_is_written_to_and_not_replaced(tmp_path):
     path = tmp_path / "pipe"
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
@@ -232,7 +226,7 @@ def test_pipe_is_written_to_and_not_replaced(tmp_path: Path) -> None:
     assert path.is_fifo()
 
 
-def test_folder_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+def test_folder_is_written_whole_or_not_at_all(tmp_path):
     folder = tmp_path / "results"
     (folder / "b.csv").mkdir(parents=True)  # a folder where a file should go
     with pytest.raises(OutputError, match=r"b\.csv: it is a folder"):
@@ -242,7 +236,7 @@ def test_folder_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     assert (tmp_path / "new" / "results" / "a.csv").read_bytes() == b"1"
 
 
-def test_file_in_the_way_of_a_folder_is_refused(tmp_path: Path) -> None:
+def test_file_in_the_way_of_a_folder_is_refused(tmp_path):
     check_writable_folder(tmp_path / "not" / "there" / "yet")
     assert not list(tmp_path.iterdir())  # what is tried is not left
     (tmp_path / "file").write_text("x")
@@ -254,7 +248,7 @@ def test_file_in_the_way_of_a_folder_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["nowhere", "loop", "n" * 300, "new/" + "n" * 300 + "/newer"])
-def test_folder_that_cannot_be_made_is_refused_before_any_work(tmp_path: Path, name: str) -> None:
+def test_folder_that_cannot_be_made_is_refused_before_any_work(tmp_path, name):
     (tmp_path / "nowhere").symlink_to(tmp_path / "not" / "there")
     (tmp_path / "loop").symlink_to("loop")
     before = sorted(tmp_path.iterdir())
@@ -265,7 +259,7 @@ def test_folder_that_cannot_be_made_is_refused_before_any_work(tmp_path: Path, n
         check_writable_file(tmp_path / ("n" * 300 + ".png"))
 
 
-def test_folder_made_in_vain_goes_again(tmp_path: Path) -> None:
+def test_folder_made_in_vain_goes_again(tmp_path):
     folder = tmp_path / "new" / "inner"
     with pytest.raises(OutputError):
         write_folder(folder, {"a.txt": b"a", "missing/b.txt": b"b"})
@@ -276,7 +270,7 @@ def test_folder_made_in_vain_goes_again(tmp_path: Path) -> None:
     assert (tmp_path / "old").is_dir()
 
 
-def test_link_in_a_folder_of_results_is_replaced_and_not_followed(tmp_path: Path) -> None:
+def test_link_in_a_folder_of_results_is_replaced_and_not_followed(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     (tmp_path / "results").mkdir()
     (tmp_path / "results" / "a.csv").symlink_to(tmp_path / "mine.txt")

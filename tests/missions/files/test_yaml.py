@@ -1,7 +1,5 @@
 """Tests of the parser of YAML text: its subset, its places and its limits."""
 
-from __future__ import annotations
-
 import math
 import os
 from pathlib import Path
@@ -14,14 +12,14 @@ from missions.files.errors import InputError
 from missions.files.yaml import parse_yaml, read_yaml, set_absolute_paths
 
 
-def parse_problem(text: str) -> str:
+def parse_problem(text):
     with pytest.raises(InputError) as caught:
         parse_yaml(text, "a.yaml")
     return str(caught.value)
 
 
 @pytest.fixture(params=["libyaml", "python"])
-def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+def parser(request, monkeypatch):
     if request.param == "python":
         monkeypatch.setattr(reading, "_Loader", reading._loader(yaml.SafeLoader))
     elif not hasattr(yaml, "CSafeLoader"):
@@ -52,6 +50,7 @@ def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> s
         ("1e999", math.inf),
         (".inf", math.inf),
         ("-.INF", -math.inf),
+        (".nan", math.nan),
         ("12:30", "12:30"),
         ("12:30:45", "12:30:45"),
         ("2015-06-21", "2015-06-21"),
@@ -71,17 +70,13 @@ def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> s
         ("|-\n  7", "7"),
     ],
 )
-def test_scalars(parser: str, text: str, value: object) -> None:
+def test_scalars(parser, text, value):
     data = parse_yaml(f"a: {text}\n", "a.yaml").data
-    assert data == {"a": value}
-    assert type(data["a"]) is type(value)
+    # By their text, as a number that is none does not equal itself.
+    assert repr(data) == repr({"a": value})
 
 
-def test_not_a_number_is_a_float() -> None:
-    assert math.isnan(parse_yaml("a: .nan", "a.yaml").data["a"])
-
-
-def test_marks_tell_keys_from_values(parser: str) -> None:
+def test_marks_tell_keys_from_values(parser):
     document = parse_yaml("a: 1\nb:\n  c: [5, 6]\n  d:\n", "a.yaml")
     assert document.key_marks == {
         ("a",): (1, 1),
@@ -100,7 +95,7 @@ def test_marks_tell_keys_from_values(parser: str) -> None:
     }
 
 
-def test_byte_order_mark_is_no_part_of_the_text(parser: str, tmp_path: Path) -> None:
+def test_byte_order_mark_is_no_part_of_the_text(parser, tmp_path):
     path = tmp_path / "a.yaml"
     path.write_bytes(b"\xef\xbb\xbfa: 1\n")
     document = read_yaml(path)
@@ -141,7 +136,7 @@ TOP = "the top level must be a mapping (key: value)"
         ("a: \ud800", "1:4: character U+D800 is not allowed"),
     ],
 )
-def test_refused_text(parser: str, text: str, message: str) -> None:
+def test_refused_text(parser, text, message):
     assert parse_problem(text) == f"a.yaml:{message}"
 
 
@@ -158,25 +153,25 @@ def test_refused_text(parser: str, text: str, message: str) -> None:
         ("%YAML 3.0\n---\na: 1", "a.yaml:1:1: "),
     ],
 )
-def test_syntax_errors_have_a_place(parser: str, text: str, place: str) -> None:
+def test_syntax_errors_have_a_place(parser, text, place):
     message = parse_problem(text)
     assert message.startswith(place)
     assert "is not valid YAML: " in message
     assert "\n" not in message
 
 
-def test_open_brackets_tell_where_they_start(parser: str) -> None:
+def test_open_brackets_tell_where_they_start(parser):
     assert parse_problem("b: 1\na: [1,\n2\n\n").endswith(" (it starts at line 2)")
 
 
-def test_tabs_get_a_hint(parser: str) -> None:
+def test_tabs_get_a_hint(parser):
     message = parse_problem("a:\n\tb: 1")
     assert message.startswith("a.yaml:2:1: is not valid YAML: ")
     assert message.endswith("; indent with spaces, not tabs")
     assert parse_problem("\ufeffa:\n\tb: 1") == message
 
 
-def test_all_structural_problems_come_together() -> None:
+def test_all_structural_problems_come_together():
     lines = parse_problem("a: 1\na: 2\n3: x\nb: {<<: 1}").splitlines()
     assert [line.split(":")[1] for line in lines] == ["2", "3", "4"]
 
@@ -195,21 +190,16 @@ def test_all_structural_problems_come_together() -> None:
         ("[a, " * 50_000, 161),
     ],
 )
-def test_deep_nesting_is_refused_at_its_place(parser: str, text: str, column: int) -> None:
+def test_deep_nesting_is_refused_at_its_place(parser, text, column):
     assert parse_problem(text) == f"a.yaml:1:{column}: nested too deeply (at most 40 levels)"
 
 
-def test_a_mistake_behind_many_brackets_is_told_as_such(parser: str) -> None:
+def test_a_mistake_behind_many_brackets_is_told_as_such(parser):
     message = parse_problem("a: '" + "[" * 50 + "'\nb: ]")
     assert message.startswith("a.yaml:2:4: is not valid YAML: ")
 
 
-def test_forty_levels_are_allowed() -> None:
-    assert parse_yaml("a: " + "[" * 39 + "]" * 39, "a.yaml").data
-    assert "nested too deeply" in parse_problem("a: " + "[" * 40 + "]" * 40)
-
-
-def test_nesting_through_aliases_is_refused() -> None:
+def test_nesting_through_aliases_is_refused():
     lines = ["k0: &k0 " + "[" * 38 + "]" * 38]
     lines += [f"k{n}: &k{n} " + "[" * 30 + f"*k{n - 1}" + "]" * 30 for n in range(1, 40)]
     message = parse_problem("\n".join(lines))
@@ -217,7 +207,7 @@ def test_nesting_through_aliases_is_refused() -> None:
     assert "nested too deeply" in message
 
 
-def test_alias_bomb_is_refused_at_once() -> None:
+def test_alias_bomb_is_refused_at_once():
     lines = ["k0: &k0 [x, x, x, x, x, x, x, x, x, x]"]
     lines += [f"k{n}: &k{n} [" + ", ".join([f"*k{n - 1}"] * 5) + "]" for n in range(1, 10)]
     # Expanded whole, these are twenty million values: minutes, and gigabytes.
@@ -225,14 +215,14 @@ def test_alias_bomb_is_refused_at_once() -> None:
     assert "too many values after the expansion of aliases" in message
 
 
-def test_too_many_aliases_or_values_are_refused() -> None:
+def test_too_many_aliases_or_values_are_refused():
     assert parse_yaml("a: &x 1\nb: [" + "*x, " * 50 + "]", "a.yaml").data["b"] == [1] * 50
     message = parse_problem("a: &x 1\nb: [" + "*x, " * 51 + "]")
     assert "too many aliases (at most 50)" in message
     assert "too many values in one file" in parse_problem("a: [" + "1," * 50_001 + "]")
 
 
-def test_large_text_is_refused(tmp_path: Path) -> None:
+def test_large_text_is_refused(tmp_path):
     path = tmp_path / "large.yaml"
     # Cut at the limit, this text ends in half a character.
     path.write_text("a: 1\n#" + "é" * 600_000, encoding="utf-8")
@@ -244,7 +234,7 @@ def test_large_text_is_refused(tmp_path: Path) -> None:
 # ---- files ----
 
 
-def read_problem(path: Path) -> str:
+def read_problem(path):
     with pytest.raises(InputError) as caught:
         read_yaml(path)
     return str(caught.value)
@@ -258,13 +248,13 @@ def read_problem(path: Path) -> str:
         ("file/a.yaml", "cannot be read: not a directory"),
     ],
 )
-def test_files_that_cannot_be_read(tmp_path: Path, name: str, reason: str) -> None:
+def test_files_that_cannot_be_read(tmp_path, name, reason):
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert read_problem(tmp_path / name) == f"{tmp_path / name}: {reason}"
 
 
-def test_unreadable_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object, **__: object) -> None:
+def test_unreadable_file(tmp_path, monkeypatch):
+    def refuse(*_, **__):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(os, "open", refuse)
@@ -272,7 +262,7 @@ def test_unreadable_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert read_problem(path) == f"{path}: cannot be read: permission denied"
 
 
-def test_file_name_that_cannot_be() -> None:
+def test_file_name_that_cannot_be():
     assert read_problem(Path("a\0b")) == r"a\x00b: is not a valid file name"
     message = read_problem(Path("a\udcff.yaml"))
     assert message.encode("utf-8") == rb"a\udcff.yaml: no such file"
@@ -282,7 +272,7 @@ def test_file_name_that_cannot_be() -> None:
     ("raw", "place"),
     [(b"a: 1\nb: \xe9t\xe9\n", "2:4: is not UTF-8 text (byte 0xe9)"), (b"\xff\xfea\0", "1:1: ")],
 )
-def test_other_encodings_are_refused(tmp_path: Path, raw: bytes, place: str) -> None:
+def test_other_encodings_are_refused(tmp_path, raw, place):
     path = tmp_path / "a.yaml"
     path.write_bytes(raw)
     assert read_problem(path).startswith(f"{path}:{place}")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -20,24 +19,24 @@ from missions.logs.clock import parse_span
 from missions.logs.columns import ColumnMap, column_name
 from missions.logs.csv import read_csv
 from missions.logs.plausible import codes
-from missions.logs.table import FlightLog, log_from_table
+from missions.logs.table import log_from_table
 from sizing.library import load_aircraft
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
 
 @cache
-def flown() -> pd.DataFrame:
+def flown():
     """A day of an independent simulation, every 4 s."""
     return made(load_aircraft("atlantiksolar-as2"), TRUTHS[3], TUNING[0] + 3).rows
 
 
-def found(table: pd.DataFrame) -> list[tuple[str, str, int]]:
+def found(table):
     left = log_from_table(table, "x").left_out
     return [(one.column, one.kind, one.values) for one in left]
 
 
-def with_values(column: str, rows: slice | range, value: float) -> pd.DataFrame:
+def with_values(column, rows, value):
     table = flown().copy()
     table.loc[rows, column] = value
     return table
@@ -62,9 +61,7 @@ def with_values(column: str, rows: slice | range, value: float) -> pd.DataFrame:
         ("load_w", range(1000, 1100), 41.7, "frozen"),
     ],
 )
-def test_values_that_cannot_be_are_left_out(
-    column: str, rows: range, value: float, kind: str
-) -> None:
+def test_values_that_cannot_be_are_left_out(column, rows, value, kind):
     table = with_values(column, rows, value)
     if value == 65.535:  # far from others only by day
         table = table[table["solar_power_w"] > 150.0].reset_index(drop=True)
@@ -75,7 +72,7 @@ def test_values_that_cannot_be_are_left_out(
     assert one.periods[-1][1] == pytest.approx(table["time_utc_s"][rows[-1]], abs=1e-3)
 
 
-def test_a_code_among_other_values_is_a_value() -> None:
+def test_a_code_among_other_values_is_a_value():
     power = np.linspace(0.0, 1200.0, 400)
     power[200:210] = 999.0
     assert not codes("power", power).any()
@@ -83,13 +80,13 @@ def test_a_code_among_other_values_is_a_value() -> None:
     assert codes("power", np.append(np.linspace(0.0, 300.0, 400), 999.0)).sum() == 1
 
 
-def test_a_position_of_a_receiver_without_a_fix() -> None:
+def test_a_position_of_a_receiver_without_a_fix():
     table = flown().copy()
     table.loc[:49, ["latitude_deg", "longitude_deg"]] = 0.0
     assert found(table) == [("latitude_deg", "code", 50), ("longitude_deg", "code", 50)]
 
 
-def test_a_sensor_at_its_highest_value_for_minutes() -> None:
+def test_a_sensor_at_its_highest_value_for_minutes():
     table = tables()["own"].copy()
     highest = float(table["solar_power_w"].quantile(0.8))
     table["solar_power_w"] = table["solar_power_w"].clip(upper=highest)
@@ -98,7 +95,7 @@ def test_a_sensor_at_its_highest_value_for_minutes() -> None:
     assert count <= (table["solar_power_w"] == highest).sum()
 
 
-def test_rows_that_are_written_twice() -> None:
+def test_rows_that_are_written_twice():
     table = flown().copy()
     content = table.columns[1:]
     table.loc[1000:1199, content] = table.loc[500:699, content].to_numpy()
@@ -107,7 +104,7 @@ def test_rows_that_are_written_twice() -> None:
     assert note.startswith("200 rows left out, copies of earlier rows, 2024-")
 
 
-def test_times_before_the_clock_was_set() -> None:
+def test_times_before_the_clock_was_set():
     table = flown().copy()
     table.loc[:29, "time_utc_s"] = 315964800.0 + np.arange(30)  # 1980-01-06, where GPS begins
     assert found(table) == [("time_utc_s", "outside", 30)]
@@ -116,7 +113,7 @@ def test_times_before_the_clock_was_set() -> None:
 # ---- what is not
 
 
-def constant(table: pd.DataFrame) -> pd.DataFrame:
+def constant(table):
     """A battery full for hours, altitude held to the metre, constant load and temperature."""
     charge = np.minimum(1.3 * table["state_of_charge"], 1.0)
     power = table["solar_power_w"].clip(lower=0.0)
@@ -129,8 +126,8 @@ def constant(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def rounded(decimals: int) -> Change:
-    def change(table: pd.DataFrame) -> pd.DataFrame:
+def rounded(decimals):
+    def change(table):
         places = {"latitude_deg": 3 + decimals, "longitude_deg": 3 + decimals}
         places |= {"state_of_charge": 2, "time_utc_s": 3}
         names = table.select_dtypes("number").columns
@@ -148,7 +145,7 @@ CHANGES: dict[str, Change] = {
 
 
 @cache
-def tables() -> dict[str, pd.DataFrame]:
+def tables():
     aircraft, mission = load_aircraft("atlantiksolar-as2"), load_mission("rafz-28h")
     calm = Settings(rate_hz=0.25, jitter_deg=0.0, attitude_error_deg=0.0, power_noise_w=0.0)
     independent = {
@@ -167,18 +164,18 @@ def tables() -> dict[str, pd.DataFrame]:
 @pytest.mark.parametrize(
     "name", ["independent 0", "independent 15", "own", "own, calm", "own, with a night"]
 )
-def test_nothing_is_found_in_logs_of_clean_sensors(name: str, change: str) -> None:
+def test_nothing_is_found_in_logs_of_clean_sensors(name, change):
     assert found(CHANGES[change](tables()[name])) == []
 
 
-def test_a_loss_of_power_is_no_frozen_sensor() -> None:
+def test_a_loss_of_power_is_no_frozen_sensor():
     assert found(with_values("solar_power_w", range(1000, 1400), 0.0)) == []
 
 
 # ---- what is left out by hand
 
 
-def test_spans_are_by_the_clock_of_their_zone() -> None:
+def test_spans_are_by_the_clock_of_their_zone():
     zone = ZoneInfo("Europe/Zurich")
     noon = datetime.datetime(2015, 7, 1, 12, tzinfo=zone).timestamp()
     hours = noon + 3600.0 * np.arange(-24.0, 25.0, 6.0)  # noon, 18, 0, 6 ... to noon
@@ -192,17 +189,17 @@ def test_spans_are_by_the_clock_of_their_zone() -> None:
 
 
 @pytest.mark.parametrize("text", ["11:20", "11:20-25:00", "noon", "2015-13-01@11:20-11:45", ""])
-def test_wrong_spans_are_refused(text: str) -> None:
+def test_wrong_spans_are_refused(text):
     with pytest.raises(ValueError, match="must be times like 11:20-11:45"):
         parse_span(text)
 
 
-def read(folder: Path, table: pd.DataFrame, **layout: object) -> FlightLog:
+def read(folder, table, **layout):
     table.to_csv(folder / "log.csv", index=False)
     return read_csv(folder / "log.csv", ColumnMap.model_validate(layout))
 
 
-def test_times_and_columns_are_left_out_by_hand(tmp_path: Path) -> None:
+def test_times_and_columns_are_left_out_by_hand(tmp_path):
     start = pd.to_datetime(flown()["time_utc_s"][0], unit="s").ceil("h")
     span = f"{start:%H:%M}-{start + pd.Timedelta(minutes=30):%H:%M}"
     log = read(tmp_path, flown(), exclude=[span, "2001-01-01@10:00-11:00"])
@@ -219,7 +216,7 @@ def test_times_and_columns_are_left_out_by_hand(tmp_path: Path) -> None:
     assert len(log) == len(flown())
 
 
-def test_a_day_that_is_left_out_ends_at_midnight() -> None:
+def test_a_day_that_is_left_out_ends_at_midnight():
     hours = 3600.0 * np.arange(48.0)
     day = parse_span("00:00-24:00").holds(hours, datetime.UTC)
     assert day.all()
@@ -232,12 +229,12 @@ def test_a_day_that_is_left_out_ends_at_midnight() -> None:
 
 
 @pytest.mark.parametrize("name", ["", "  ", "\n"])
-def test_a_blank_name_is_no_column_to_ignore(name: str) -> None:
+def test_a_blank_name_is_no_column_to_ignore(name):
     with pytest.raises(ValueError, match="must be the name of a column or quantity"):
         column_name(name)
 
 
-def test_power_of_an_mppt_that_cannot_be_leaves_its_row_out(tmp_path: Path) -> None:
+def test_power_of_an_mppt_that_cannot_be_leaves_its_row_out(tmp_path):
     rows = flown().head(300)
     power = rows.pop("solar_power_w")
     rows = rows.assign(P_solar_left=0.25 * power, P_solar_right=0.75 * power)
@@ -251,7 +248,7 @@ def test_power_of_an_mppt_that_cannot_be_leaves_its_row_out(tmp_path: Path) -> N
     ]
 
 
-def test_columns_that_nobody_needs_make_no_log_unreadable(tmp_path: Path) -> None:
+def test_columns_that_nobody_needs_make_no_log_unreadable(tmp_path):
     text = flown().head(50).assign(a="#REF!", b="").to_csv(index=False)
     text = text.replace(",a,b\n", ",a b,a b\n", 1)
     (tmp_path / "log.csv").write_text(text)

@@ -1,9 +1,5 @@
 """Weather of grids: ERA5 and NASA POWER as NetCDF and CSV, at the point nearest to a mission."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -13,24 +9,24 @@ from weather_files import SITE, clear_record, minutes_behind_the_sun, write_powe
 from missions.files.errors import InputError
 from missions.weather.files import load_weather
 from missions.weather.light import light_at_altitude
-from missions.weather.record import Site, Weather
+from missions.weather.record import Site
 
 HOUR_S = 3600.0
 NORTH, EAST = np.array([47.05, 46.8, 46.55]), np.array([6.65, 6.9, 7.15])
 HERE = mission(latitude_deg=46.85, longitude_deg=6.95, altitude_m=900.0)
 
 
-def horizontal(record: Weather) -> np.ndarray:
+def horizontal(record):
     """Direct light on a level surface [W/m2]."""
     return record.ghi - record.dhi
 
 
-def era5(record: Weather, **changes: xr.DataArray) -> xr.Dataset:
+def era5(record, **changes):
     """Dataset as the Climate Data Store returns it; the light of the hour before each time."""
     time = (record.start_s + HOUR_S).astype("datetime64[s]").astype("datetime64[ns]")
     coords = {"valid_time": time, "latitude": NORTH, "longitude": EAST % 360.0}
 
-    def spread(values: np.ndarray | float, units: str) -> xr.DataArray:
+    def spread(values, units):
         """The same values in the middle of the grid, others around it."""
         grid = np.zeros((len(time), 3, 3)) + np.asarray(values).reshape(-1, 1, 1)
         around = grid * 0.5
@@ -48,7 +44,7 @@ def era5(record: Weather, **changes: xr.DataArray) -> xr.Dataset:
     return xr.Dataset(data | changes)
 
 
-def same(found: Weather, record: Weather) -> None:
+def same(found, record):
     assert found.start_s == pytest.approx(record.start_s)
     for name in ("ghi", "dhi"):
         assert getattr(found, name) == pytest.approx(getattr(record, name), abs=0.1)
@@ -59,7 +55,7 @@ def same(found: Weather, record: Weather) -> None:
     assert found.wind_m_per_s == pytest.approx(5.0)
 
 
-def test_era5_is_read_at_the_grid_point_nearest_to_the_mission(tmp_path: Path) -> None:
+def test_era5_is_read_at_the_grid_point_nearest_to_the_mission(tmp_path):
     record = clear_record(3)
     era5(record).to_netcdf(tmp_path / "era5.nc")
     found = load_weather(tmp_path / "era5.nc", HERE)
@@ -70,7 +66,7 @@ def test_era5_is_read_at_the_grid_point_nearest_to_the_mission(tmp_path: Path) -
     assert found.repairs == ()
 
 
-def test_swapped_axes_and_mean_rates_are_the_same(tmp_path: Path) -> None:
+def test_swapped_axes_and_mean_rates_are_the_same(tmp_path):
     record = clear_record(3)
     data = era5(record)
     rates = data.rename(ssrd="avg_sdswrf", fdir="avg_sdirswrf")
@@ -82,7 +78,7 @@ def test_swapped_axes_and_mean_rates_are_the_same(tmp_path: Path) -> None:
     same(load_weather(tmp_path / "rates.nc", HERE), record)
 
 
-def test_without_the_ground_its_height_is_that_of_the_pressure_or_sea_level(tmp_path: Path) -> None:
+def test_without_the_ground_its_height_is_that_of_the_pressure_or_sea_level(tmp_path):
     data = era5(clear_record(3)).drop_vars("z")
     data.to_netcdf(tmp_path / "flat.nc")
     found = load_weather(tmp_path / "flat.nc", HERE)
@@ -94,7 +90,7 @@ def test_without_the_ground_its_height_is_that_of_the_pressure_or_sea_level(tmp_
     assert load_weather(tmp_path / "sp.nc", HERE).site.altitude_m == pytest.approx(491.0, abs=3.0)
 
 
-def test_air_at_flight_altitude_comes_from_the_levels(tmp_path: Path) -> None:
+def test_air_at_flight_altitude_comes_from_the_levels(tmp_path):
     data = era5(clear_record(3)).drop_vars(["t2m", "u10", "v10"])
     heights = xr.DataArray([0.0, 1000.0, 3000.0], dims="altitude", attrs={"units": "m"})
     level = data["ssrd"].expand_dims(altitude=heights) * 0.0
@@ -112,7 +108,7 @@ def test_air_at_flight_altitude_comes_from_the_levels(tmp_path: Path) -> None:
         load_weather(tmp_path / "levels.nc", HERE.at_altitude(4000.0))
 
 
-def test_nasa_power_begins_its_hours_at_their_number(tmp_path: Path) -> None:
+def test_nasa_power_begins_its_hours_at_their_number(tmp_path):
     record = clear_record(3)
     path = write_power(tmp_path / "power.csv", record)
     head, rows = path.read_text().splitlines()[:8], path.read_text().splitlines()[8:]
@@ -148,9 +144,7 @@ def test_nasa_power_begins_its_hours_at_their_number(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("longitude_deg", "ahead_h"), [(6.95, 0), (7.6, 1), (-7.6, -1), (-104.9, -7), (172.6, 12)]
 )
-def test_local_solar_time_of_nasa_power_is_that_of_its_belt(
-    tmp_path: Path, longitude_deg: float, ahead_h: int
-) -> None:
+def test_local_solar_time_of_nasa_power_is_that_of_its_belt(tmp_path, longitude_deg, ahead_h):
     record = clear_record(3, site=Site("", 46.8, longitude_deg, 491.0, 0.0))
     found = load_weather(write_power(tmp_path / "a.csv", record, "LST", ahead_h))
     assert found.start_s == pytest.approx(record.start_s)
@@ -160,7 +154,7 @@ def test_local_solar_time_of_nasa_power_is_that_of_its_belt(
     assert abs(minutes_behind_the_sun(found)) < 1.0  # light is written to 0.001 W/m2
 
 
-def test_era5_time_series_end_their_hours_at_their_time(tmp_path: Path) -> None:
+def test_era5_time_series_end_their_hours_at_their_time(tmp_path):
     record = clear_record(3)
     stamps = (record.start_s + HOUR_S).astype("datetime64[s]")
     values = zip(stamps, record.ghi * HOUR_S, horizontal(record) * HOUR_S, strict=True)
@@ -182,7 +176,7 @@ def test_era5_time_series_end_their_hours_at_their_time(tmp_path: Path) -> None:
             load_weather(path)
 
 
-def test_every_third_hour_of_era5_is_the_light_of_one_hour(tmp_path: Path) -> None:
+def test_every_third_hour_of_era5_is_the_light_of_one_hour(tmp_path):
     record = clear_record(8)
     era5(record).isel(valid_time=slice(2, None, 3)).to_netcdf(tmp_path / "a.nc")
     found = load_weather(tmp_path / "a.nc", HERE)
@@ -199,9 +193,7 @@ def test_every_third_hour_of_era5_is_the_light_of_one_hour(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("step", [1, 3])
 @pytest.mark.parametrize("east_deg", [6.9, 178.0])
-def test_light_summed_up_since_midnight_is_taken_apart(
-    tmp_path: Path, step: int, east_deg: float
-) -> None:
+def test_light_summed_up_since_midnight_is_taken_apart(tmp_path, step, east_deg):
     """ERA5-Land: the row of 00 UTC has the whole of the day before."""
     site = Site("", 46.8, east_deg, 491.0, 0.0)
     record = clear_record(6, site=site)
@@ -223,7 +215,7 @@ def test_light_summed_up_since_midnight_is_taken_apart(
     assert abs(minutes_behind_the_sun(found)) < 2.0  # the direct light over a mean cosine
 
 
-def test_final_and_preliminary_months_of_era5_are_one_record(tmp_path: Path) -> None:
+def test_final_and_preliminary_months_of_era5_are_one_record(tmp_path):
     record = clear_record(4)
     data, first = era5(record), np.arange(96) < 48
     axis = xr.DataArray(first, dims="valid_time")
@@ -239,7 +231,7 @@ def test_final_and_preliminary_months_of_era5_are_one_record(tmp_path: Path) -> 
     assert found.ghi == pytest.approx(record.ghi, abs=0.1)
 
 
-def test_what_a_grid_does_not_have_is_told(tmp_path: Path) -> None:
+def test_what_a_grid_does_not_have_is_told(tmp_path):
     era5(clear_record(3)).to_netcdf(tmp_path / "a.nc")
     for where, message in (
         (None, "has 3 values of latitude_deg: give latitude_deg on the mission"),
@@ -254,7 +246,7 @@ def test_what_a_grid_does_not_have_is_told(tmp_path: Path) -> None:
         load_weather(tmp_path / "e.nc", HERE)
 
 
-def test_a_grid_whose_parts_do_not_fit_each_other_is_refused(tmp_path: Path) -> None:
+def test_a_grid_whose_parts_do_not_fit_each_other_is_refused(tmp_path):
     data = era5(clear_record(3))
     level = ("pressure_level", [900.0, 800.0], {"units": "hPa"})
     column = xr.DataArray([280.0, 275.0], {"pressure_level": level}, attrs={"units": "K"})

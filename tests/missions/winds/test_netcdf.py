@@ -1,11 +1,5 @@
 """NetCDF files with components of the wind, in the layouts of ERA5 and of the CF conventions."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import h5py
 import numpy as np
 import pytest
@@ -21,7 +15,7 @@ TIMES = np.arange("2020-01-01", "2021-01-01", dtype="datetime64[D]")
 LATITUDES, LONGITUDES, LEVELS = [50.0, 45.0, 40.0], [0.0, 5.0, 355.0], [30.0, 50.0, 100.0]
 
 
-def era5(times: Any = TIMES, seed: int = 1) -> xr.Dataset:
+def era5(times=TIMES, seed=1):
     """Winds as the Climate Data Store lays them out since 2024; speeds known by construction."""
     rng = np.random.default_rng(seed)
     shape = (len(times), len(LEVELS), len(LATITUDES), len(LONGITUDES))
@@ -38,18 +32,18 @@ def era5(times: Any = TIMES, seed: int = 1) -> xr.Dataset:
     )
 
 
-def written(data: xr.Dataset, folder: Path, name: str = "era5.nc") -> str:
+def written(data, folder, name="era5.nc"):
     path = folder / name
     data.to_netcdf(path, engine="h5netcdf")
     return str(path)
 
 
-def altitude_m(hpa: float) -> float:
+def altitude_m(hpa):
     heights = np.arange(0.0, 32000.0, 1.0)
     return float(np.interp(-hpa, -standard_air(heights).pressure_pa / 100.0, heights))
 
 
-def test_percentiles_are_those_of_the_instants_of_a_month(tmp_path: Path) -> None:
+def test_percentiles_are_those_of_the_instants_of_a_month(tmp_path):
     data = era5()
     winds = wind_table_from_netcdf(written(data, tmp_path), 5.0)
     july = data.sel(valid_time="2020-07", latitude=45.0, longitude=5.0, pressure_level=50.0)
@@ -63,7 +57,7 @@ def test_percentiles_are_those_of_the_instants_of_a_month(tmp_path: Path) -> Non
     assert winds.percentiles[-1] == 95.0
 
 
-def test_normal_components_make_rayleigh_speeds(tmp_path: Path) -> None:
+def test_normal_components_make_rayleigh_speeds(tmp_path):
     hours = np.arange("2020-07-01", "2020-08-01", dtype="datetime64[h]")
     winds = wind_table_from_netcdf(written(era5(hours), tmp_path))
     # Two normal components of 10 m/s: the 95th percentile is 10 sqrt(2 ln 20). 744 hours of 3
@@ -73,7 +67,7 @@ def test_normal_components_make_rayleigh_speeds(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("longitude", [-4.0, 356.0 - 360.0, -7.4])
-def test_the_nearest_longitude_is_taken_and_told(tmp_path: Path, longitude: float) -> None:
+def test_the_nearest_longitude_is_taken_and_told(tmp_path, longitude):
     data = era5()
     winds = wind_table_from_netcdf(written(data, tmp_path), longitude)
     assert f"longitude -5, nearest to {longitude:g}" in winds.source
@@ -81,7 +75,7 @@ def test_the_nearest_longitude_is_taken_and_told(tmp_path: Path, longitude: floa
     assert np.array_equal(winds.wind_m_per_s, alone.wind_m_per_s)
 
 
-def test_order_and_names_of_axes_play_no_part(tmp_path: Path) -> None:
+def test_order_and_names_of_axes_play_no_part(tmp_path):
     data = era5()
     one = wind_table_from_netcdf(written(data, tmp_path), 5.0)
     other = (
@@ -100,19 +94,19 @@ def test_order_and_names_of_axes_play_no_part(tmp_path: Path) -> None:
     assert np.allclose(one.altitude_m, two.altitude_m)
 
 
-def test_heights_are_heights(tmp_path: Path) -> None:
+def test_heights_are_heights(tmp_path):
     data = era5().rename(pressure_level="height")
     data["height"] = ("height", [24.0, 20.0, 16.0], {"units": "km"})
     winds = wind_table_from_netcdf(written(data, tmp_path), 5.0)
     assert winds.altitude_m.tolist() == [16000.0, 20000.0, 24000.0]
 
 
-def with_u(value: float) -> Callable[[xr.Dataset], xr.Dataset]:
+def with_u(value):
     """Make a change that puts one value among the eastward winds."""
     return lambda data: data.assign(u=data["u"].where(data["u"] != data["u"][3, 1, 1, 1], value))
 
 
-def test_components_in_knots_are_winds_in_m_per_s(tmp_path: Path) -> None:
+def test_components_in_knots_are_winds_in_m_per_s(tmp_path):
     data = era5()
     plain = wind_table_from_netcdf(written(data, tmp_path))
     for name in ("u", "v"):
@@ -121,7 +115,7 @@ def test_components_in_knots_are_winds_in_m_per_s(tmp_path: Path) -> None:
     assert knots.wind_m_per_s == pytest.approx(plain.wind_m_per_s)
 
 
-def test_the_level_without_pressure_is_left_out(tmp_path: Path) -> None:
+def test_the_level_without_pressure_is_left_out(tmp_path):
     levels = ("pressure_level", [0.0, *LEVELS[1:]], {"units": "hPa"})
     winds = wind_table_from_netcdf(written(era5().assign_coords(pressure_level=levels), tmp_path))
     assert len(winds.altitude_m) == len(LEVELS) - 1
@@ -151,9 +145,7 @@ def test_the_level_without_pressure_is_left_out(tmp_path: Path) -> None:
         (lambda data: data, 120.0, "has longitudes 0 to 355, not 120 of the mission"),
     ],
 )
-def test_what_cannot_be_read_is_refused_in_a_line(
-    tmp_path: Path, change: Any, longitude: float | None, message: str
-) -> None:
+def test_what_cannot_be_read_is_refused_in_a_line(tmp_path, change, longitude, message):
     path = written(change(era5()), tmp_path)
     with pytest.raises(InputError) as refused:
         wind_table_from_netcdf(path, longitude, also=95.0)
@@ -162,9 +154,7 @@ def test_what_cannot_be_read_is_refused_in_a_line(
 
 
 @pytest.mark.parametrize("reader", [wind_table_from_netcdf, load_weather])
-def test_axes_that_unpack_to_gigabytes_are_refused_before(
-    reader: Callable[[str], Any], tmp_path: Path
-) -> None:
+def test_axes_that_unpack_to_gigabytes_are_refused_before(reader, tmp_path):
     path = tmp_path / "big.nc"
     path.write_text("nothing")
     with pytest.raises(InputError, match=r"big\.nc: (cannot be read as NetCDF|is no weather file)"):
@@ -177,9 +167,7 @@ def test_axes_that_unpack_to_gigabytes_are_refused_before(
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "scipy"])
 @pytest.mark.parametrize("at", [4, 200, 1500, 0.3, 0.7])
-def test_a_damaged_file_is_named(
-    engine: Any, at: float, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_damaged_file_is_named(engine, at, tmp_path, capfd):
     path = tmp_path / "damaged.nc"
     era5(TIMES[:40]).to_netcdf(path, engine=engine)
     content = bytearray(path.read_bytes())
@@ -191,7 +179,7 @@ def test_a_damaged_file_is_named(
     assert capfd.readouterr().err == ""
 
 
-def test_a_mission_takes_the_winds_of_its_longitude(tmp_path: Path) -> None:
+def test_a_mission_takes_the_winds_of_its_longitude(tmp_path):
     path = written(era5(), tmp_path)
     data = {
         "name": "own winds",
@@ -207,7 +195,7 @@ def test_a_mission_takes_the_winds_of_its_longitude(tmp_path: Path) -> None:
     assert 93.0 in table.percentiles
 
 
-def test_final_and_preliminary_months_are_one(tmp_path: Path) -> None:
+def test_final_and_preliminary_months_are_one(tmp_path):
     data = era5()
     final = xr.DataArray(np.datetime64("2020-09-15") > TIMES, dims="valid_time")
     version = xr.IndexVariable("expver", [1, 5])
@@ -218,9 +206,7 @@ def test_final_and_preliminary_months_are_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("values", "known"), [(20, True), (19, False)])
-def test_a_percentile_needs_its_values_in_the_shortest_month(
-    tmp_path: Path, values: int, known: bool
-) -> None:
+def test_a_percentile_needs_its_values_in_the_shortest_month(tmp_path, values, known):
     # One value of twenty lies above the 95th percentile; of nineteen none does.
     file = written(era5(TIMES[: 31 + values]), tmp_path)
     if known:

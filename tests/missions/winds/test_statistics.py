@@ -1,11 +1,8 @@
 """Missions with a percentile of the wind: what is accepted, and the wind of each scenario."""
 
-from __future__ import annotations
-
 import gzip
 from importlib import resources
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,12 +18,12 @@ HIGH = {"name": "high", "latitude_deg": 47.6, "dates": {"on": "07-15"}, "altitud
 P95 = {"percentile": 95.0}
 
 
-def mission(**changes: Any) -> Mission:
+def mission(**changes):
     """Return a mission in the stratosphere, changed."""
     return Mission.model_validate({**HIGH, "wind": P95, **changes})
 
 
-def test_wind_of_each_scenario_is_that_of_its_latitude_and_month() -> None:
+def test_wind_of_each_scenario_is_that_of_its_latitude_and_month():
     latitudes = {"from_deg": 40.0, "to_deg": 50.0, "count": 2}
     there = mission(latitude_deg=latitudes, dates={"from": "07-01", "to": "08-31", "count": 2})
     expected = [
@@ -39,14 +36,14 @@ def test_wind_of_each_scenario_is_that_of_its_latitude_and_month() -> None:
     assert there.wind.speed_m_per_s == max(expected)
 
 
-def test_a_month_ends_with_its_last_day() -> None:
+def test_a_month_ends_with_its_last_day():
     days = Scenarios(np.full(4, 47.6), np.array([31, 32, 59, 60]))  # 31 Jan, 1 Feb, 28 Feb, 1 Mar
     january, february, also_february, march = mission().scenario_winds_m_per_s(days).tolist()
     assert february == also_february
     assert len({january, february, march}) == 3
 
 
-def test_another_altitude_has_its_own_wind() -> None:
+def test_another_altitude_has_its_own_wind():
     there = mission().at_altitude(12000.0)
     expected = shipped_winds().at(47.6, 12000.0, 7, 95.0)
     assert there.strongest_wind_m_per_s == pytest.approx(float(expected))
@@ -54,13 +51,13 @@ def test_another_altitude_has_its_own_wind() -> None:
         _ = mission().at_altitude(500.0).strongest_wind_m_per_s
 
 
-def test_altitudes_may_be_draws() -> None:
+def test_altitudes_may_be_draws():
     there = mission().model_copy(update={"altitude_m": np.array([12000.0, 20000.0])})
     both = [mission().at_altitude(h).strongest_wind_m_per_s for h in (12000.0, 20000.0)]
     assert np.asarray(there.strongest_wind_m_per_s) == pytest.approx(both)
 
 
-def test_a_given_wind_stays_as_it_is_and_one_of_zero_may_stand_beside_a_percentile() -> None:
+def test_a_given_wind_stays_as_it_is_and_one_of_zero_may_stand_beside_a_percentile():
     given = Mission.model_validate({**HIGH, "wind_m_per_s": 7.5})
     assert given.strongest_wind_m_per_s == 7.5
     assert given.scenario_winds_m_per_s().tolist() == [7.5]
@@ -82,12 +79,12 @@ def test_a_given_wind_stays_as_it_is_and_one_of_zero_may_stand_beside_a_percenti
         ({"wind": P95 | {"file": "none.csv"}}, "cannot read 'none.csv': No such file"),
     ],
 )
-def test_what_no_table_knows_is_refused(changes: dict[str, Any], message: str) -> None:
+def test_what_no_table_knows_is_refused(changes, message):
     with pytest.raises(ValidationError, match=message):
         mission(**changes)
 
 
-def table(folder: Path, wind: float = 12.0) -> str:
+def table(folder, wind=12.0):
     path = folder / "winds.csv"
     rows = [
         f"{latitude},{altitude},7,{p},{wind * p / 50}"
@@ -99,14 +96,14 @@ def table(folder: Path, wind: float = 12.0) -> str:
     return str(path)
 
 
-def test_a_table_of_ones_own(tmp_path: Path) -> None:
+def test_a_table_of_ones_own(tmp_path):
     own = {"percentile": 65.0, "file": table(tmp_path)}
     assert mission(altitude_m=100.0, wind=own).strongest_wind_m_per_s == pytest.approx(15.6)
     with pytest.raises(ValidationError, match="lacks the month Jan"):
         mission(wind=own, dates={"on": "01-01"})
 
 
-def test_a_mistake_in_a_table_is_told_with_its_line(tmp_path: Path) -> None:
+def test_a_mistake_in_a_table_is_told_with_its_line(tmp_path):
     path = Path(table(tmp_path))
     path.write_text(path.read_text().replace("50,0,7,80", "50,0,13,80"))
     text = (
@@ -118,22 +115,22 @@ def test_a_mistake_in_a_table_is_told_with_its_line(tmp_path: Path) -> None:
     assert places == [("mine.yaml", 4), (str(path), 7)]
 
 
-def test_a_changed_table_makes_another_mission(tmp_path: Path) -> None:
+def test_a_changed_table_makes_another_mission(tmp_path):
     one = mission(wind={"percentile": 65.0, "file": table(tmp_path)})
     before = one.strongest_wind_m_per_s
     context = {"contents": True}
     written = one.model_dump_json(context=context)
     table(tmp_path, wind=24.0)
-    again = mission(wind={"percentile": 65.0, "file": one.wind_statistics.file})  # type: ignore[union-attr]
+    again = mission(wind={"percentile": 65.0, "file": one.wind_statistics.file})
     assert again.strongest_wind_m_per_s == pytest.approx(2.0 * before)
     assert again.model_dump_json(context=context) != written
 
 
-def test_the_shipped_file_says_where_it_is_from() -> None:
+def test_the_shipped_file_says_where_it_is_from():
     file = resources.files("missions").joinpath("winds", "data", "zonal-p95.csv.gz")
     head = gzip.decompress(file.read_bytes()).decode()[:1500]
     assert "contains modified Copernicus Climate Change Service information" in head
     assert "MIT License" in head
-    licence = file.parent.joinpath("aerosandbox.LICENSE").read_text()  # type: ignore[attr-defined]
+    licence = file.parent.joinpath("aerosandbox.LICENSE").read_text()
     assert "this permission notice shall be included in all" in licence
     assert len(file.read_bytes()) < 300_000

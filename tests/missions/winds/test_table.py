@@ -7,8 +7,6 @@ Aircraft 55(1); the numbers are those of the authors' data (gassolar of convexen
 GitHub, ``environment/windsNS`` and ``windsS``), rounded.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -38,18 +36,18 @@ SMALL = "\n".join(
 )
 
 
-def era_interim() -> np.ndarray:
+def era_interim():
     return np.loadtxt(Path(__file__).with_name("era_interim_p95.csv"), delimiter=",", skiprows=1)
 
 
-def shipped_at_pressure(hpa: np.ndarray, latitude: np.ndarray, month: np.ndarray) -> np.ndarray:
+def shipped_at_pressure(hpa, latitude, month):
     """Shipped wind at a pressure of the standard atmosphere, as the other table has it."""
     heights = np.arange(0.0, 32000.0, 10.0)
     altitude = np.interp(-hpa, -standard_air(heights).pressure_pa / 100.0, heights)
     return shipped_winds().at(latitude, altitude, month, 95.0)
 
 
-def test_shipped_winds_are_near_those_of_another_reanalysis() -> None:
+def test_shipped_winds_are_near_those_of_another_reanalysis():
     month, hpa, latitude, theirs = era_interim().T
     ratio = shipped_at_pressure(hpa, latitude, month) / theirs
     # Other years and another reanalysis. Poleward of the subtropics a fifth of the wind is a few
@@ -67,7 +65,7 @@ def test_shipped_winds_are_near_those_of_another_reanalysis() -> None:
 
 
 @pytest.mark.parametrize("latitude", [35.0, 40.0, 45.0, 50.0, 55.0])
-def test_summer_winds_are_least_near_twenty_kilometres(latitude: float) -> None:
+def test_summer_winds_are_least_near_twenty_kilometres(latitude):
     # Between the westerlies below and the easterlies above. NASA RP-1044 (Strganac 1979), from
     # balloon soundings, finds flight feasible from 100 to 25 mbar, 16 to 25 km, for that reason.
     heights = np.arange(12000.0, 32000.0, 250.0)
@@ -76,7 +74,7 @@ def test_summer_winds_are_least_near_twenty_kilometres(latitude: float) -> None:
     assert 8.0 <= winds.min() <= 25.0
 
 
-def test_shipped_points() -> None:
+def test_shipped_points():
     """Numbers of the original at its own points: aerosandbox 4.2.10, printed by NumPy."""
     winds = shipped_winds()
     for latitude, altitude, month, speed in (
@@ -95,7 +93,7 @@ def test_shipped_points() -> None:
         assert windy > 3.0 * calm
 
 
-def test_between_points_it_is_linear() -> None:
+def test_between_points_it_is_linear():
     winds = wind_table_from_text(SMALL, "small.csv")
     assert winds.at(44.0, 12000.0, 7, 60.0) == pytest.approx(4.4 + 12.0 + 2.0)
     assert winds.at([40.0, 50.0], [[10000.0], [20000.0]], 1, 50.0).shape == (2, 2)
@@ -110,9 +108,7 @@ def test_between_points_it_is_linear() -> None:
         ((45.0, 15000.0, 1, 91.0), r"percentile 50 to 90 \(got 91\)"),
     ],
 )
-def test_nothing_is_read_beyond_the_ends(
-    place: tuple[float, float, int, float], message: str
-) -> None:
+def test_nothing_is_read_beyond_the_ends(place, message):
     with pytest.raises(ValueError, match=message):
         wind_table_from_text(SMALL, "small.csv").at(*place)
 
@@ -134,7 +130,7 @@ def test_nothing_is_read_beyond_the_ends(
         (f"{HEAD}\n40,1e4,1,50,2\n40,1e4,1,90,1", "a higher percentile must not be lower"),
     ],
 )
-def test_wrong_tables_are_refused_with_the_place(text: str, message: str) -> None:
+def test_wrong_tables_are_refused_with_the_place(text, message):
     with pytest.raises(InputError) as refused:
         wind_table_from_text(text, "small.csv")
     assert message in str(refused.value)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from arithmetics import assert_alike
@@ -28,7 +26,7 @@ masses = st.floats(0.5, 300.0)
 
 
 @given(span=spans, aspect=aspects, mass=masses, density=st.floats(0.05, 1.4))
-def test_lift_equals_weight(span: float, aspect: float, mass: float, density: float) -> None:
+def test_lift_equals_weight(span, aspect, mass, density):
     area = span**2 / aspect
     v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=density)
     # Definition of the lift coefficient; rounding.
@@ -36,7 +34,7 @@ def test_lift_equals_weight(span: float, aspect: float, mass: float, density: fl
 
 
 @given(span=spans, aspect=aspects, mass=masses)
-def test_power_is_sink_rate_times_weight(span: float, aspect: float, mass: float) -> None:
+def test_power_is_sink_rate_times_weight(span, aspect, mass):
     area = span**2 / aspect
     v = POLAR.airspeed_m_per_s(mass_kg=mass, wing_area_m2=area, density_kg_per_m3=1.1)
     reynolds = 1.1 * v * span / aspect / 1.8e-5
@@ -46,7 +44,7 @@ def test_power_is_sink_rate_times_weight(span: float, aspect: float, mass: float
     assert found == pytest.approx(mass * G * v * cd / 1.0, rel=1e-9)
 
 
-def test_constant_polar_scales_as_measured_power_does() -> None:
+def test_constant_polar_scales_as_measured_power_does():
     # As the power of a measured aircraft is scaled (sizing.mass_budget.measured_design): without
     # Reynolds dependence the parabolic polar obeys m^1.5 rho^-0.5 exactly.
     polar = POLAR.model_copy(update={"reynolds_exponent": 0.0})
@@ -56,7 +54,7 @@ def test_constant_polar_scales_as_measured_power_does() -> None:
     assert there == pytest.approx(here * 1.5**1.5 * (0.8 / 1.1) ** -0.5, rel=1e-12)
 
 
-def test_lift_coefficient_at_stall_is_refused() -> None:
+def test_lift_coefficient_at_stall_is_refused():
     with pytest.raises(ValidationError, match="must be below maximum_lift_coefficient"):
         DragPolar(
             lift_coefficient=1.4,
@@ -68,8 +66,8 @@ def test_lift_coefficient_at_stall_is_refused() -> None:
 
 @settings(max_examples=30)
 @given(span=spans, aspect=aspects, mass=masses)
-def test_arrays_and_symbols_equal_floats(span: float, aspect: float, mass: float) -> None:
-    def power(b: Any, ar: Any, m: Any) -> list[Any]:
+def test_arrays_and_symbols_equal_floats(span, aspect, mass):
+    def power(b, ar, m):
         return [level_flight_power_w(POLAR, mass_kg=m, wingspan_m=b, aspect_ratio=ar, **AIR)]
 
     assert_alike(power, span, aspect, mass)

@@ -1,11 +1,8 @@
 """Polars of XFOIL and XFLR5: formats, units, and the line of every mistake."""
 
-from __future__ import annotations
-
 import math
 import re
 from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,15 +40,15 @@ SPEEDS = tuple(re * VISCOSITY / CHORD_M for re in REYNOLDS)
 XFLR5 = "xflr5 v6.47"
 
 
-def sections(**changes: object) -> str:
-    return "".join(section(re, **changes) for re in REYNOLDS)  # type: ignore[arg-type]
+def sections(**changes):
+    return "".join(section(re, **changes) for re in REYNOLDS)
 
 
-def wings(**changes: object) -> str:
-    return "".join(wing(speed, **changes) for speed in SPEEDS)  # type: ignore[arg-type]
+def wings(**changes):
+    return "".join(wing(speed, **changes) for speed in SPEEDS)
 
 
-def deviation(table: PolarTable) -> float:
+def deviation(table):
     """Largest relative difference of the drag to the formula that the polars are made from."""
     columns = table.columns
     expected = [drag(cl, re) for cl, re in zip(columns["cl"], columns["reynolds"], strict=True)]
@@ -63,7 +60,7 @@ def deviation(table: PolarTable) -> float:
 
 @pytest.mark.parametrize("commas", [False, True])
 @pytest.mark.parametrize("program", ["       XFOIL         Version 6.99", XFLR5])
-def test_polars_of_a_section_make_a_table(program: str, commas: bool) -> None:
+def test_polars_of_a_section_make_a_table(program, commas):
     table = parse_polar(sections(program=program, commas=commas), "e.txt")
     assert table.name == "FORMULA 12"
     assert table.header["source"] == " ".join(program.split())
@@ -75,7 +72,7 @@ def test_polars_of_a_section_make_a_table(program: str, commas: bool) -> None:
     assert polar.profile_drag(0.7, 150e3) == pytest.approx(drag(0.7, 150e3), rel=5e-3)
 
 
-def test_what_stands_in_the_header_is_read() -> None:
+def test_what_stands_in_the_header_is_read():
     (one,) = read_polars(section(123e3, mach=0.05, ncrit=7.0, kind=2), "polar.txt")
     assert one.reynolds == pytest.approx(123e3)
     assert (one.mach, one.ncrit, one.trip) == (0.05, 7.0, (1.0, 1.0))
@@ -85,7 +82,7 @@ def test_what_stands_in_the_header_is_read() -> None:
     assert first.lift == pytest.approx(lift(-3.0), abs=1e-4)
 
 
-def test_other_ways_to_write_a_header_and_a_row() -> None:
+def test_other_ways_to_write_a_header_and_a_row():
     text = section(200e3)
     for old, new in (
         ("Re =     0.200 e 6", "Re =   200000"),
@@ -106,7 +103,7 @@ def test_other_ways_to_write_a_header_and_a_row() -> None:
     assert len(read_polars(wide, "polar.txt")[0].rows) == len(ANGLES)
 
 
-def test_points_that_did_not_converge_are_passed_over() -> None:
+def test_points_that_did_not_converge_are_passed_over():
     text = section(200e3)
     for wrong in ("NaN", "*********", "inf"):
         (one,) = read_polars(re.sub(r"(\n {3}3\.000 +)\S+", rf"\g<1>{wrong}", text), "p.txt")
@@ -114,7 +111,7 @@ def test_points_that_did_not_converge_are_passed_over() -> None:
         assert 3.0 not in [row.alpha_deg for row in one.rows]
 
 
-def test_the_same_point_twice_counts_once_and_two_of_an_angle_are_refused() -> None:
+def test_the_same_point_twice_counts_once_and_two_of_an_angle_are_refused():
     text = section(200e3)
     last = text.rstrip("\n").splitlines()[-1]
     (one,) = read_polars(text.rstrip("\n") + f"\n{last}\n", "p.txt")
@@ -124,7 +121,7 @@ def test_the_same_point_twice_counts_once_and_two_of_an_angle_are_refused() -> N
         read_polars(text.rstrip("\n") + f"\n{other}\n", "p.txt")
 
 
-def test_polars_at_fixed_lift_are_resampled() -> None:
+def test_polars_at_fixed_lift_are_resampled():
     text = "".join(section(re, kind=2) for re in np.geomspace(40e3, 1e6, 9))
     table = parse_polar(text, "t2.txt")
     reynolds = np.unique(table.columns["reynolds"])
@@ -160,9 +157,7 @@ def test_polars_at_fixed_lift_are_resampled() -> None:
     ],
     ids=str,
 )
-def test_polars_of_a_wing_give_viscous_drag_and_span_efficiency(
-    changes: dict[str, object],
-) -> None:
+def test_polars_of_a_wing_give_viscous_drag_and_span_efficiency(changes):
     table = parse_polar(wings(**changes), "wing.txt", REFERENCE)
     # Speeds have three decimals.
     assert np.unique(table.columns["reynolds"]) == pytest.approx(REYNOLDS, rel=1e-3)
@@ -170,14 +165,14 @@ def test_polars_of_a_wing_give_viscous_drag_and_span_efficiency(
     assert table.span_efficiency == pytest.approx(SPAN_EFFICIENCY, rel=2e-3)
 
 
-def test_wings_at_fixed_lift() -> None:
+def test_wings_at_fixed_lift():
     text = "".join(wing(v, fixed_lift=True) for v in np.geomspace(2.0, 50.0, 9))
     table = parse_polar(text, "wing.txt", REFERENCE)
     assert deviation(table) < 2e-3
     assert len(np.unique(table.columns["reynolds"])) >= 4
 
 
-def test_a_wing_and_a_section_are_told_apart() -> None:
+def test_a_wing_and_a_section_are_told_apart():
     with pytest.raises(InputError, match=r"w\.txt:3: is the polar of a whole wing"):
         parse_polar(wings(), "w.txt")
     for text in (sections(), "# airfoil: a\n# source: b\n"):
@@ -187,7 +182,7 @@ def test_a_wing_and_a_section_are_told_apart() -> None:
         parse_polar(sections() + wings(), "m.txt", REFERENCE)
 
 
-def of_wing(folder: Path) -> dict[str, object]:
+def of_wing(folder):
     """Keys of an aircraft's drag by a file with polars of its wing."""
     path = folder / "wing.txt"
     path.write_text(wings(), encoding="utf-8")
@@ -196,7 +191,7 @@ def of_wing(folder: Path) -> dict[str, object]:
     return {"model": "wing_polar", "airfoil": str(path)} | size | point
 
 
-def test_an_aircraft_flies_on_the_polars_of_a_wing(tmp_path: Path) -> None:
+def test_an_aircraft_flies_on_the_polars_of_a_wing(tmp_path):
     data = of_wing(tmp_path) | {"tail_area_ratio": 0.0, "fuselage_wetted_area_ratio": 0.0}
     polar = WingPolar.model_validate(data)
     assert polar.section_lift_ratio == 1.0
@@ -225,9 +220,7 @@ def test_an_aircraft_flies_on_the_polars_of_a_wing(tmp_path: Path) -> None:
         ({"wing_chord_m": "0.3"}, "valid number"),
     ],
 )
-def test_what_does_not_go_with_a_wing_is_refused(
-    tmp_path: Path, changes: dict[str, object], words: str
-) -> None:
+def test_what_does_not_go_with_a_wing_is_refused(tmp_path, changes, words):
     with pytest.raises(ValidationError, match=words):
         WingPolar.model_validate(of_wing(tmp_path) | changes)
 
@@ -250,7 +243,7 @@ def test_what_does_not_go_with_a_wing_is_refused(
         ("   2.000   0.5997", " 200.000   0.5997", r":19: alpha must be"),
     ],
 )
-def test_every_mistake_has_its_line(old: str, new: str, words: str) -> None:
+def test_every_mistake_has_its_line(old, new, words):
     text = section(200e3)
     assert old in text
     with pytest.raises(InputError, match=r"polar\.txt" + words):
@@ -264,7 +257,7 @@ def test_every_mistake_has_its_line(old: str, new: str, words: str) -> None:
         ("  0.008040", "  0.000000", ":17: CD must be above 0 and below 10 (got 0)"),
     ],
 )
-def test_a_single_row_that_no_section_has_is_left_out(old: str, new: str, words: str) -> None:
+def test_a_single_row_that_no_section_has_is_left_out(old, new, words):
     text = section(200e3).replace(old, new, 1)
     (polar,) = read_polars(text, "polar.txt")
     assert len(polar.rows) == len(ANGLES) - 1
@@ -274,7 +267,7 @@ def test_a_single_row_that_no_section_has_is_left_out(old: str, new: str, words:
         read_polars(text.replace("   3.000   0.6984", "   3.000  69.8400"), "polar.txt")
 
 
-def test_columns_of_xflr5_are_taken_from_the_left() -> None:
+def test_columns_of_xflr5_are_taken_from_the_left():
     """XFLR5 6.61 names Cpmin, Chinge and XCp over five columns."""
     text = sections(program="xflr5 v6.61").replace("Bot_Xtr\n", "Bot_Xtr   Cpmin  Chinge   XCp\n")
     wide = text.replace("   0.9000\n", "   0.9000  -1.5   0.0   0.0   0.0   0.25\n")
@@ -287,7 +280,7 @@ def test_columns_of_xflr5_are_taken_from_the_left() -> None:
         parse_polar(wide.replace("xflr5 v6.61", "XFOIL   Version 6.99"), "p")
 
 
-def of_a_site(reynolds: float, head: str = "Mach,0") -> str:
+def of_a_site(reynolds, head="Mach,0"):
     """Polar as airfoiltools.com returns CSV."""
     rows = "".join(
         f"{alpha:.3f},{lift(alpha):.4f},{drag(lift(alpha), reynolds):.6f},0.01,-0.05,0.6,0.9\n"
@@ -301,7 +294,7 @@ def of_a_site(reynolds: float, head: str = "Mach,0") -> str:
     )
 
 
-def test_csv_of_an_airfoil_site_is_read_or_refused_with_its_line(tmp_path: Path) -> None:
+def test_csv_of_an_airfoil_site_is_read_or_refused_with_its_line(tmp_path):
     for re_ in REYNOLDS:
         (tmp_path / f"{re_:.0f}.csv").write_text(of_a_site(re_), encoding="utf-8")
     table = parse_polar(read_polar_text(f"{tmp_path}/"), f"{tmp_path}/")
@@ -314,7 +307,7 @@ def test_csv_of_an_airfoil_site_is_read_or_refused_with_its_line(tmp_path: Path)
             parse_polar(of_a_site(1e5, head), "p.csv")
 
 
-def test_fine_steps_that_scatter_are_the_same_polar() -> None:
+def test_fine_steps_that_scatter_are_the_same_polar():
     """At 0.1 degree lift rises by 0.01 a step, and scatters by 0.01 from row to row."""
     polars = []
     for step, scatter in ((0.1, 0.005), (0.5, 0.0)):
@@ -350,13 +343,13 @@ def test_fine_steps_that_scatter_are_the_same_polar() -> None:
         ("xflr5 v6.47\n", r"p: holds no polar"),
     ],
 )
-def test_polars_that_do_not_belong_together(text: str, words: str) -> None:
+def test_polars_that_do_not_belong_together(text, words):
     with pytest.raises(InputError, match=words):
         parse_polar(text, "p", REFERENCE if "Wing name" in text else None)
 
 
 @pytest.mark.parametrize(("other", "fixed"), [(5.0, True), (5.01, True), (5.05, False)])
-def test_speeds_that_differ_by_their_last_digit_are_one(other: float, fixed: bool) -> None:
+def test_speeds_that_differ_by_their_last_digit_are_one(other, fixed):
     # Two digits behind the point, of a slow wing; a per cent is another speed.
     rows = [
         PolarRow(line, 1.0 * line, 0.1 * line, 0.02, 0.0, speed_m_per_s=speed)
@@ -365,7 +358,7 @@ def test_speeds_that_differ_by_their_last_digit_are_one(other: float, fixed: boo
     assert _is_fixed(FilePolar("p", 5, "wing", "a wing", XFLR5, rows=rows)) is fixed
 
 
-def test_all_mistakes_are_listed_in_the_aircrafts_message(tmp_path: Path) -> None:
+def test_all_mistakes_are_listed_in_the_aircrafts_message(tmp_path):
     text = sections().replace("   3.000   0.6984", "   3.000   banana")
     (tmp_path / "polar.txt").write_text(text, encoding="utf-8")
     aerodynamics = {
@@ -386,7 +379,7 @@ def test_all_mistakes_are_listed_in_the_aircrafts_message(tmp_path: Path) -> Non
 # ---- Folders
 
 
-def test_a_folder_of_polars_is_one_table(tmp_path: Path) -> None:
+def test_a_folder_of_polars_is_one_table(tmp_path):
     folder = tmp_path / "polars"
     folder.mkdir()
     for re_ in REYNOLDS:
@@ -424,7 +417,7 @@ ALL = section(2e5) + wing(8.0, commas=True)
     st.integers(0, 60),
     st.text(max_size=12) | st.sampled_from(["e999", "-", "*" * 9, "nan", "\n\n", ",,,", "9" * 400]),
 )
-def test_damaged_files_are_read_or_refused_with_a_line(at: int, cut: int, put: str) -> None:
+def test_damaged_files_are_read_or_refused_with_a_line(at, cut, put):
     text = ALL[:at] + put + ALL[at + cut :]
     for wing_or_not in (None, REFERENCE):
         with suppress(InputError):

@@ -1,7 +1,5 @@
 """Tests of drag by components: surfaces integrated, sums that are the power's drag."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -21,7 +19,7 @@ MISSION = shipped_mission()
 TAIL = "airframe.tail={arm_chords: 4, horizontal_volume: 0.35, vertical_volume: 0.02}"
 
 
-def test_friction_of_plates() -> None:
+def test_friction_of_plates():
     # Blasius at Re 1e5, and Schlichting's power law at 1e6: 0.0042, 0.0047.
     assert skin_friction(1e5, 1.0) == pytest.approx(0.00420, abs=5e-6)
     assert skin_friction(1e6, 0.0) == pytest.approx(0.00467, abs=5e-6)
@@ -29,7 +27,7 @@ def test_friction_of_plates() -> None:
 
 
 @pytest.mark.parametrize(("length", "diameter"), [(0.9, 0.13), (1.0, 0.99)])
-def test_pods_have_volume_and_surface_of_ellipsoids(length: float, diameter: float) -> None:
+def test_pods_have_volume_and_surface_of_ellipsoids(length, diameter):
     pod = Pod(length_m=length, diameter_m=diameter, count=2)
     angle = np.linspace(0.0, math.pi, 200_001)
     radius, arc = (
@@ -52,7 +50,7 @@ def test_pods_have_volume_and_surface_of_ellipsoids(length: float, diameter: flo
         "design_reynolds: 150000}",
     ],
 )
-def test_the_parts_are_all_of_the_drag(polar: str) -> None:
+def test_the_parts_are_all_of_the_drag(polar):
     craft = aircraft("twin-boom-design", polar)
     design = design_of(craft, MISSION)
     it = DesignInFlight(craft, design)
@@ -67,12 +65,11 @@ def test_the_parts_are_all_of_the_drag(polar: str) -> None:
     )
 
 
-def test_a_tail_by_hand() -> None:
+def test_a_tail_by_hand():
     """Horizontal tail by Raymer's method, with his wetted area and Hoerner's form factor."""
     craft = aircraft("atlantiksolar-design", TAIL, "airframe.drag={gaps_fraction: 0}")
     design = design_of(craft, MISSION)
     shares = drag_shares(craft, design)
-    assert shares is not None
     chord = 5.65 / 18.5
     area = 0.35 / 4.0 * 5.65 * chord
     tail_chord = math.sqrt(area / 5.0)
@@ -86,7 +83,7 @@ def test_a_tail_by_hand() -> None:
     assert shares.gaps == 0.0
 
 
-def test_a_pod_by_its_surface_is_that_of_its_diameter_and_has_the_mass_of_the_pod() -> None:
+def test_a_pod_by_its_surface_is_that_of_its_diameter_and_has_the_mass_of_the_pod():
     thick = Pod(length_m=0.9, diameter_m=0.13)
     pod = {"length_m": 0.9, "wetted_area_m2": thick.wetted_m2}
     assert Pod(**pod).thick_m == pytest.approx(0.13)
@@ -98,7 +95,7 @@ def test_a_pod_by_its_surface_is_that_of_its_diameter_and_has_the_mass_of_the_po
     for one in (plain, built):
         design = design_of(one, MISSION)
         keys = structure_with_tail(one.parametric, one.parametric.wingspan_m, 15.0)
-        masses.append((design, keys.pod_wetted_area_ratio))  # type: ignore[attr-defined]
+        masses.append((design, keys.pod_wetted_area_ratio))
     assert masses[0][1] == 0.08
     area_m2 = built.parametric.wingspan_m**2 / 15.0
     assert masses[1][1] == pytest.approx(thick.wetted_m2 / area_m2)
@@ -108,7 +105,7 @@ def test_a_pod_by_its_surface_is_that_of_its_diameter_and_has_the_mass_of_the_po
         load_aircraft("twin-boom-design", twice)
 
 
-def test_constants_that_the_file_gives_stay() -> None:
+def test_constants_that_the_file_gives_stay():
     coefficient = "airframe.aerodynamics.parasitic_drag_coefficient=0.002"
     craft = aircraft("atlantiksolar-design", TAIL, "airframe.drag={}", coefficient)
     shares = drag_shares(craft, design_of(craft, MISSION))

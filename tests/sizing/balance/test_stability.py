@@ -1,7 +1,5 @@
 """Tests of stability and trim: vortices, moments and thin airfoils computed another way."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -22,7 +20,7 @@ TAIL = Tail(arm_m=1.22, horizontal_volume=0.35, vertical_volume=0.02, dynamic_pr
 PLANES = TAIL.planes(WING)
 
 
-def induced(start: np.ndarray, end: np.ndarray, at: np.ndarray) -> np.ndarray:
+def induced(start, end, at):
     """Velocity of a straight vortex of strength one by the law of Biot and Savart."""
     a, b, along = at - start, at - end, end - start
     cross = np.cross(a, b)
@@ -31,9 +29,7 @@ def induced(start: np.ndarray, end: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("aft_m", "height_m"), [(1.22, 0.0), (1.22, 0.3), (3.0, 0.1), (0.4, 0.2)])
-def test_downwash_is_that_of_a_bound_vortex_with_two_tip_vortices(
-    aft_m: float, height_m: float
-) -> None:
+def test_downwash_is_that_of_a_bound_vortex_with_two_tip_vortices(aft_m, height_m):
     half = math.pi / 4.0 * 5.65 / 2.0
     left, right = np.array([0.0, -half, 0.0]), np.array([0.0, half, 0.0])
     far = np.array([1e5, 0.0, 0.0])
@@ -45,7 +41,7 @@ def test_downwash_is_that_of_a_bound_vortex_with_two_tip_vortices(
     assert downwash_slope(WING, aft_m, height_m) == pytest.approx(down, rel=1e-6)
 
 
-def test_the_neutral_point_is_where_lift_makes_no_moment() -> None:
+def test_the_neutral_point_is_where_lift_makes_no_moment():
     found = neutral_point(WING, TAIL, PLANES, body_m3=0.004)
     wing_lift = lift_slope(18.5)
     tail_lift = (
@@ -60,7 +56,7 @@ def test_the_neutral_point_is_where_lift_makes_no_moment() -> None:
 
 
 @pytest.mark.parametrize("behind", [-0.02, 0.0, 0.05])
-def test_trimmed_forces_and_moments_are_in_balance(behind: float) -> None:
+def test_trimmed_forces_and_moments_are_in_balance(behind):
     gravity = WING.quarter_m + behind
     level = trim(
         WING, TAIL, PLANES, lift=1.0, moment=-0.1, gravity_x_m=gravity, span_efficiency=0.9
@@ -78,7 +74,7 @@ def test_trimmed_forces_and_moments_are_in_balance(behind: float) -> None:
     assert level.drag >= 0.0
 
 
-def test_effectiveness_of_a_flap_is_that_of_a_thin_airfoil() -> None:
+def test_effectiveness_of_a_flap_is_that_of_a_thin_airfoil():
     # Angle of zero lift of a camber line by Glauert's integral, with a flap of 30 % turned by one.
     angle = np.linspace(0.0, math.pi, 2_000_001)
     slope = np.where(0.5 * (1.0 - np.cos(angle)) > 0.7, -1.0, 0.0)
@@ -87,7 +83,7 @@ def test_effectiveness_of_a_flap_is_that_of_a_thin_airfoil() -> None:
     assert control_effectiveness(1.0) == 1.0
 
 
-def test_a_stable_aircraft_flies_slower_with_the_elevator_up() -> None:
+def test_a_stable_aircraft_flies_slower_with_the_elevator_up():
     found = neutral_point(WING, TAIL, PLANES, 0.0)
     for margin, sign in ((0.1, -1.0), (-0.1, 1.0)):
         gravity = found.x_m - margin * WING.aerodynamic_chord_m
@@ -105,7 +101,7 @@ def test_a_stable_aircraft_flies_slower_with_the_elevator_up() -> None:
         assert math.copysign(1.0, deflection) == sign
 
 
-def test_fins_steady_and_pods_unsteady() -> None:
+def test_fins_steady_and_pods_unsteady():
     plain, with_pod = (
         directional_stability(WING, TAIL, PLANES, gravity_x_m=0.1, body_m3=volume)
         for volume in (0.0, 0.01)
@@ -115,7 +111,7 @@ def test_fins_steady_and_pods_unsteady() -> None:
     assert plain.rudder == with_pod.rudder > 0.0
 
 
-def test_trim_of_a_wing_and_tail_computed_by_hand() -> None:
+def test_trim_of_a_wing_and_tail_computed_by_hand():
     # A wing of 4 m by 0.25 m; 1 m aft its tail of 0.1 m2, aspect ratio 4, in 0.9 of the pressure.
     wing = wing_of(None, 4.0, 16.0)
     tail = Tail(

@@ -1,7 +1,5 @@
 """Tests of planforms and tail planes against integrals over the span."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,7 +9,7 @@ from sizing.balance.surfaces import Planform, Tail, lift_slope, wing_of
 
 
 @pytest.mark.parametrize(("inner", "taper"), [(0.0, 1.0), (0.0, 0.4), (0.6, 0.6), (0.9, 0.2)])
-def test_chords_are_those_of_the_integrals(inner: float, taper: float) -> None:
+def test_chords_are_those_of_the_integrals(inner, taper):
     wing = Planform(inner_fraction=inner, taper_ratio=taper).wing(5.0, 15.0)
     x = np.linspace(0.0, 1.0, 200_001)
     chord = wing.root_chord_m * np.interp(x, [0.0, inner, 1.0], [1.0, 1.0, taper])
@@ -22,19 +20,19 @@ def test_chords_are_those_of_the_integrals(inner: float, taper: float) -> None:
     assert wing.aerodynamic_chord_m == pytest.approx(square / area, rel=1e-8)
 
 
-def test_a_wing_without_planform_is_a_rectangle() -> None:
+def test_a_wing_without_planform_is_a_rectangle():
     wing = wing_of(None, 5.65, 18.5)
     assert wing.root_chord_m == wing.aerodynamic_chord_m == 5.65 / 18.5
     assert wing.at_chord(0.25) == wing.quarter_m
 
 
-def test_lift_slope_has_its_limits() -> None:
+def test_lift_slope_has_its_limits():
     # Thin airfoils have 2 pi; slender wings pi/2 AR (Jones, NACA TR 835).
     assert lift_slope(1e6) == pytest.approx(2.0 * math.pi, rel=1e-5)
     assert lift_slope(1e-3) == pytest.approx(0.5 * math.pi * 1e-3, rel=1e-3)
 
 
-def test_tail_has_its_volume_coefficients() -> None:
+def test_tail_has_its_volume_coefficients():
     wing = wing_of(None, 5.0, 15.0)
     by_volume = Tail(arm_chords=4.0, horizontal_volume=0.5, vertical_volume=0.02, fins=2)
     planes = by_volume.planes(wing)
@@ -56,7 +54,7 @@ def test_tail_has_its_volume_coefficients() -> None:
 
 
 @pytest.mark.parametrize("keys", [{"vertical_arm_m": 2.4}, {"vertical_arm_chords": 8.0}])
-def test_fins_may_have_an_arm_of_their_own(keys: dict[str, float]) -> None:
+def test_fins_may_have_an_arm_of_their_own(keys):
     wing = wing_of(None, 6.0, 20.0)
     both = Tail(arm_m=1.2, horizontal_volume=0.4, vertical_volume=0.02)
     own = Tail(arm_m=1.2, horizontal_volume=0.4, vertical_volume=0.02, **keys)
@@ -72,7 +70,7 @@ def test_fins_may_have_an_arm_of_their_own(keys: dict[str, float]) -> None:
     assert area_m2 == pytest.approx(planes.horizontal_m2 + planes.vertical_m2)
 
 
-def test_a_tail_has_the_pressure_controls_and_height_of_its_page() -> None:
+def test_a_tail_has_the_pressure_controls_and_height_of_its_page():
     tail = Tail(arm_m=1.0, horizontal_volume=0.4, vertical_volume=0.02)
     # The defaults in the table of docs/balance.md.
     assert (tail.dynamic_pressure_ratio, tail.thickness_ratio) == (0.9, 0.08)

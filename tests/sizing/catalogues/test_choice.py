@@ -1,10 +1,5 @@
 """Aircraft that name entries of catalogues: what they take, from where, and what wins."""
 
-from __future__ import annotations
-
-from pathlib import Path
-from typing import Any
-
 import pytest
 
 from missions.files.errors import InputError
@@ -25,7 +20,7 @@ mass_kg_per_m2: 0.5
 """
 
 
-def written(folder: Path, **changes: Any) -> Path:
+def written(folder, **changes):
     """File of the shipped design without what catalogues give, and with changes by section."""
     data = plain_data(load_aircraft(DESIGN))
     for key in ("efficiency_stc", "temperature_coefficient_per_k", "mass_kg_per_m2"):
@@ -41,7 +36,7 @@ def written(folder: Path, **changes: Any) -> Path:
     return path
 
 
-def test_names_give_parameters_and_say_where_they_come_from(tmp_path: Path) -> None:
+def test_names_give_parameters_and_say_where_they_come_from(tmp_path):
     path = written(
         tmp_path,
         modules={"cell": "sunpower-e60"},
@@ -70,7 +65,7 @@ def test_names_give_parameters_and_say_where_they_come_from(tmp_path: Path) -> N
     assert taken["battery.charge_limit"].text == "{kind: rule, c_rate_per_h: 0.5}"
 
 
-def test_a_board_gives_mass_and_efficiency_and_the_window_of_strings(tmp_path: Path) -> None:
+def test_a_board_gives_mass_and_efficiency_and_the_window_of_strings(tmp_path):
     path = written(tmp_path, modules={"cell": "sunpower-c60"})
     aircraft = load_aircraft(path, ["modules.mppt_board=genasun-gvb-8-board"])
     modules = aircraft.modules
@@ -101,9 +96,7 @@ def test_a_board_gives_mass_and_efficiency_and_the_window_of_strings(tmp_path: P
         ("propulsion", {"motor": "axi-4130-16", "motor_efficiency": 0.8}, "motor_efficiency"),
     ],
 )
-def test_an_entry_beside_values_of_ones_own_is_refused(
-    tmp_path: Path, section: str, changes: dict[str, Any], key: str
-) -> None:
+def test_an_entry_beside_values_of_ones_own_is_refused(tmp_path, section, changes, key):
     path = written(tmp_path, **{section: changes})
     with pytest.raises(InputError, match=f"{section}.{key}: give one of .* and {key}: ") as caught:
         load_aircraft(path)
@@ -117,14 +110,14 @@ def test_an_entry_beside_values_of_ones_own_is_refused(
         load_aircraft(written(tmp_path, modules={"mppt_board": "genasun-gvb-8-board"}))
 
 
-def test_an_aircraft_without_names_is_as_before() -> None:
+def test_an_aircraft_without_names_is_as_before():
     aircraft = load_aircraft(DESIGN)
     assert aircraft.from_catalogues() == []
     assert aircraft.texts_read == {}
     assert aircraft.modules.cell is None
 
 
-def test_an_entry_named_by_an_override_replaces_what_the_file_says() -> None:
+def test_an_entry_named_by_an_override_replaces_what_the_file_says():
     aircraft = load_aircraft(DESIGN, {"modules.cell": "sunpower-c60"})
     assert aircraft.modules.efficiency_stc == 0.225
     assert aircraft.modules.temperature_coefficient_per_k == 0.0032
@@ -141,7 +134,7 @@ def test_an_entry_named_by_an_override_replaces_what_the_file_says() -> None:
     assert limit.c_rate_per_h == 0.3
 
 
-def test_a_copy_with_another_entry_takes_that_ones_values(tmp_path: Path) -> None:
+def test_a_copy_with_another_entry_takes_that_ones_values(tmp_path):
     aircraft = load_aircraft(written(tmp_path, modules={"cell": "sunpower-e60"}))
     other = with_values(aircraft, {"modules.cell": "sky-sailor-silicon"})
     assert other.modules.efficiency_stc == 0.169
@@ -150,7 +143,7 @@ def test_a_copy_with_another_entry_takes_that_ones_values(tmp_path: Path) -> Non
     assert Aircraft.model_validate(aircraft.model_dump(exclude_unset=True)) == aircraft
 
 
-def test_cells_count_for_their_share_of_the_pack(tmp_path: Path) -> None:
+def test_cells_count_for_their_share_of_the_pack(tmp_path):
     aircraft = load_aircraft(written(tmp_path, battery={"cell_mass_fraction": 0.9}))
     assert aircraft.battery.specific_energy_wh_per_kg == pytest.approx(0.9 * NCR18650B, rel=1e-5)
     with pytest.raises(InputError, match="goes with cell"):
@@ -159,7 +152,7 @@ def test_cells_count_for_their_share_of_the_pack(tmp_path: Path) -> None:
     assert again.battery.specific_energy_wh_per_kg == pytest.approx(0.8 * NCR18650B, rel=1e-5)
 
 
-def test_a_file_of_ones_own_beside_the_aircraft(tmp_path: Path) -> None:
+def test_a_file_of_ones_own_beside_the_aircraft(tmp_path):
     cell = tmp_path / "cell.yaml"
     cell.write_text(CELL, encoding="utf-8")
     path = written(tmp_path, modules={"cell": "cell.yaml"})
@@ -201,16 +194,14 @@ SOURCE = "measured in the garden"
         ({"propulsion": {"motor": "maxon-re40-148867", "motor_voltage_v": "24"}}, "a number"),
     ],
 )
-def test_mistakes_are_told_at_their_line(
-    tmp_path: Path, changes: dict[str, Any], words: str
-) -> None:
+def test_mistakes_are_told_at_their_line(tmp_path, changes, words):
     with pytest.raises(InputError, match=words) as caught:
         load_aircraft(written(tmp_path, **changes))
     assert all(problem.line is not None for problem in caught.value.problems)
     assert len(str(caught.value)) < 600
 
 
-def test_mistakes_of_ones_own_file_have_the_lines_of_that_file(tmp_path: Path) -> None:
+def test_mistakes_of_ones_own_file_have_the_lines_of_that_file(tmp_path):
     cell = tmp_path / "cell.yaml"
     cell.write_text("label: mine\nefficiency_stc: 2\nmas: 1\n", encoding="utf-8")
     with pytest.raises(InputError) as caught:
@@ -224,7 +215,7 @@ def test_mistakes_of_ones_own_file_have_the_lines_of_that_file(tmp_path: Path) -
         load_aircraft(tmp_path / "aircraft.yaml")
 
 
-def test_a_cell_brings_the_curve_of_its_voltage(tmp_path: Path) -> None:
+def test_a_cell_brings_the_curve_of_its_voltage(tmp_path):
     usual = ((0.0, 0.1, 0.9, 1.0), (3.0, 3.4, 4.0, 4.2))
     own = tmp_path / "mine.yaml"
     own.write_text(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib import resources
 from math import sqrt
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -35,11 +35,11 @@ MPPTS = [one for _, _, one in ALL if isinstance(one, MpptEntry)]
 PROPELLERS = [one for _, _, one in ALL if isinstance(one, PropellerEntry)]
 
 
-def label(one: Any) -> str:
+def label(one):
     return one.label if isinstance(one, Entry) else ""
 
 
-def test_every_catalogue_has_entries_of_its_kind() -> None:
+def test_every_catalogue_has_entries_of_its_kind():
     assert set(get_args(Kind)) == set(KINDS)
     assert len(CELLS) >= 8
     assert len(BATTERIES) >= 20
@@ -51,7 +51,7 @@ def test_every_catalogue_has_entries_of_its_kind() -> None:
 
 
 @pytest.mark.parametrize(("kind", "name", "one"), ALL, ids=lambda value: label(value) or value)
-def test_every_number_has_a_source_that_says_what_it_is(kind: Kind, name: str, one: Entry) -> None:
+def test_every_number_has_a_source_that_says_what_it_is(kind, name, one):
     assert isinstance(one, KINDS[kind])
     assert one.numbers()
     for key in one.numbers():
@@ -61,7 +61,7 @@ def test_every_number_has_a_source_that_says_what_it_is(kind: Kind, name: str, o
 
 
 @pytest.mark.parametrize("cell", CELLS, ids=label)
-def test_cells_obey_detailed_balance_and_their_own_data_sheet(cell: CellEntry) -> None:
+def test_cells_obey_detailed_balance_and_their_own_data_sheet(cell):
     # Shockley and Queisser (1961), one junction under one sun: 33.7 %. De Vos (1980), three
     # junctions under one sun: 49 %.
     space = cell.efficiency_am0 is not None
@@ -86,7 +86,7 @@ def test_cells_obey_detailed_balance_and_their_own_data_sheet(cell: CellEntry) -
 
 
 @pytest.mark.parametrize("battery", BATTERIES, ids=label)
-def test_specific_energy_is_voltage_times_capacity_over_mass(battery: BatteryEntry) -> None:
+def test_specific_energy_is_voltage_times_capacity_over_mass(battery):
     # Lithium cells of today and of aircraft that flew.
     assert 150.0 < battery.specific_energy < 520.0
     capacity = battery.capacity_ah or battery.typical_capacity_ah
@@ -109,20 +109,20 @@ def test_specific_energy_is_voltage_times_capacity_over_mass(battery: BatteryEnt
 
 
 @pytest.mark.parametrize("board", MPPTS, ids=label)
-def test_mppts_weigh_what_flown_and_sold_ones_do(board: MpptEntry) -> None:
+def test_mppts_weigh_what_flown_and_sold_ones_do(board):
     # Per watt from Sky-Sailor's (22.5 g for 90 W) to boards and housings on sale, up to 1.6 g/W.
     assert 0.0225 / 90.0 <= board.mass_kg_per_w < 0.0016
     for efficiency in (board.efficiency, board.peak_efficiency):
         assert efficiency is None or 0.9 < efficiency <= 0.98
 
 
-def test_the_mppts_of_atlantiksolar_are_half_a_gram_per_watt() -> None:
+def test_the_mppts_of_atlantiksolar_are_half_a_gram_per_watt():
     # 1/2368 kg per W of peak power; the mass of the entry has three digits.
     own = entries("mppts")["atlantiksolar-mppt"]
     assert own.parameters({})["mppt_mass_kg_per_w"] == pytest.approx(1.0 / 2368.0, rel=0.001)
 
 
-def test_modules_without_a_word_on_mppts_have_the_board_that_init_writes() -> None:
+def test_modules_without_a_word_on_mppts_have_the_board_that_init_writes():
     starter = resources.files("studies").joinpath("templates", "aircraft.yaml").read_text()
     assert "mppt_board: genasun-gvb-8-board" in starter
     board = entries("mppts")["genasun-gvb-8-board"]
@@ -130,7 +130,7 @@ def test_modules_without_a_word_on_mppts_have_the_board_that_init_writes() -> No
     assert SolarModules(area_m2=1.0).mppt_mass_kg_per_w == board.mass_kg_per_w
 
 
-def test_cells_are_compared_on_what_their_data_sheets_guarantee() -> None:
+def test_cells_are_compared_on_what_their_data_sheets_guarantee():
     batteries = entries("batteries")
     # LG: 3100 mAh or more, 44.5 g and 1.0 g of tolerance; Samsung: 3350 mAh or more, 50 g or less.
     for name, wh, kg in (
@@ -145,7 +145,7 @@ def test_cells_are_compared_on_what_their_data_sheets_guarantee() -> None:
 
 
 @pytest.mark.parametrize("battery", BATTERIES, ids=label)
-def test_every_battery_says_its_basis(battery: BatteryEntry) -> None:
+def test_every_battery_says_its_basis(battery):
     if battery.kind == "pack":
         assert battery.basis == "pack"
     elif battery.mass_kg and (battery.capacity_ah or battery.energy_wh):
@@ -164,8 +164,8 @@ def test_every_battery_says_its_basis(battery: BatteryEntry) -> None:
         assert less is None or more is None or less < more
 
 
-def test_typical_values_count_where_there_are_no_guaranteed_ones() -> None:
-    def entry(**numbers: float) -> BatteryEntry:
+def test_typical_values_count_where_there_are_no_guaranteed_ones():
+    def entry(**numbers):
         typical = {"typical_capacity_ah": 3.5, "typical_mass_kg": 0.048, "nominal_voltage_v": 3.6}
         return BatteryEntry.model_validate({**SOUND, **typical, **numbers})
 
@@ -185,7 +185,7 @@ def test_typical_values_count_where_there_are_no_guaranteed_ones() -> None:
 
 
 @pytest.mark.parametrize("motor", MOTORS, ids=label)
-def test_best_efficiency_is_the_maximum_over_the_current(motor: MotorEntry) -> None:
+def test_best_efficiency_is_the_maximum_over_the_current(motor):
     voltage = motor.nominal_voltage_v or 22.2
     current = np.linspace(1.001 * motor.no_load_current_a, voltage / motor.resistance_ohm, 200_001)
     loaded = voltage - current * motor.resistance_ohm
@@ -198,7 +198,7 @@ def test_best_efficiency_is_the_maximum_over_the_current(motor: MotorEntry) -> N
     assert motor.best_efficiency(2.0 * voltage) > best
 
 
-def test_motor_of_a_data_sheet_with_its_maximum_efficiency() -> None:
+def test_motor_of_a_data_sheet_with_its_maximum_efficiency():
     # maxon, RE 40, 148867: maximum efficiency 92 %, no-load 7580 rpm, stall 80.2 A, at 24 V.
     motor = entries("motors")["maxon-re40-148867"]
     assert motor.best_efficiency(24.0) == pytest.approx(0.92, abs=0.005)
@@ -210,7 +210,7 @@ def test_motor_of_a_data_sheet_with_its_maximum_efficiency() -> None:
 
 
 @pytest.mark.parametrize("propeller", PROPELLERS, ids=label)
-def test_a_propeller_is_as_large_as_its_name_says(propeller: PropellerEntry) -> None:
+def test_a_propeller_is_as_large_as_its_name_says(propeller):
     inches = propeller.label.split()[-1].rstrip("EFS").split("x")
     assert [float(one) * 0.0254 for one in inches] == pytest.approx(
         [propeller.diameter_m, propeller.pitch_m], rel=1e-4
@@ -222,7 +222,7 @@ def test_a_propeller_is_as_large_as_its_name_says(propeller: PropellerEntry) -> 
     [one for one in PROPELLERS if one.computed_efficiency_3000_rpm is not None],
     ids=label,
 )
-def test_blade_elements_come_close_to_what_the_maker_computes(propeller: PropellerEntry) -> None:
+def test_blade_elements_come_close_to_what_the_maker_computes(propeller):
     given = {key: one for key, one in propeller.parameters({}).items() if key != "mass_kg"}
     model = BladeElementPropeller(**given)
     advance = np.linspace(0.2, 1.2, 101)
@@ -234,7 +234,7 @@ def test_blade_elements_come_close_to_what_the_maker_computes(propeller: Propell
     assert greatest == pytest.approx(propeller.computed_efficiency_3000_rpm, abs=0.045)
 
 
-def test_what_the_file_says_of_a_propeller_wins() -> None:
+def test_what_the_file_says_of_a_propeller_wins():
     taken = PropellerChoice.model_validate({"product": "apc-10x4-7sf"})
     assert (taken.diameter_m, taken.chords) == (0.254, "slow_flyer")
     own = PropellerChoice.model_validate({"product": "apc-10x4-7sf", "pitch_m": 0.2})
@@ -284,14 +284,12 @@ MPP = {"mpp_voltage_v": 0.6, "mpp_current_a": 5.0}
         ),
     ],
 )
-def test_what_contradicts_itself_is_refused(
-    kind: type[Entry], data: dict[str, Any], words: str
-) -> None:
+def test_what_contradicts_itself_is_refused(kind, data, words):
     with pytest.raises(ValidationError, match=words):
         kind.model_validate({**SOUND, **data})
 
 
-def test_a_number_may_have_a_source_of_its_own() -> None:
+def test_a_number_may_have_a_source_of_its_own():
     cell = CellEntry(
         **SOUND, efficiency_stc=0.2, area_m2=0.01, sources={"area_m2": "a drawing of the cell"}
     )

@@ -6,12 +6,12 @@ from itertools import combinations
 from typing import Any
 
 import pytest
-from builders import DESIGN, aircraft, shipped_mission
+from builders import DESIGN, shipped_mission
 
 import sizing
 from missions.files.errors import InputError
 from sizing.aircraft import Aircraft
-from sizing.layout.cells import CellLayout, LayoutError, PlacedCell, Wing
+from sizing.layout.cells import CellLayout, LayoutError, Wing
 
 SUNPOWER = {"cell_span_m": 0.125, "cell_chord_m": 0.125}
 # Modules of AS-2: 20 cells in each central row and 12 in each outer one (docs/shading.md).
@@ -21,19 +21,19 @@ AS2_BAYS: list[dict[str, Any]] = [
 ]
 
 
-def laid(base: str = "atlantiksolar-design", area_m2: float = 1.35, **layout: Any) -> Aircraft:
+def laid(base="atlantiksolar-design", area_m2=1.35, **layout):
     modules = {"cell": "sunpower-e60", "layout": layout, "area_m2": area_m2}
     return sizing.load_aircraft(base, {f"modules.{key}": value for key, value in modules.items()})
 
 
-def refused(base: str = "atlantiksolar-design", **layout: Any) -> str:
+def refused(base="atlantiksolar-design", **layout):
     with pytest.raises(InputError) as error:
         laid(base, **layout)
     assert len(error.value.problems) == 1
     return str(error.value)
 
 
-def overlaps(one: PlacedCell, other: PlacedCell) -> bool:
+def overlaps(one, other):
     along = min(one.right_m, other.right_m) - max(one.left_m, other.left_m)
     across = min(one.rear_m, other.rear_m) - max(one.front_m, other.front_m)
     return min(along, across) > 1e-9
@@ -42,7 +42,7 @@ def overlaps(one: PlacedCell, other: PlacedCell) -> bool:
 # ---- Published counts
 
 
-def test_atlantiksolar_holds_its_88_cells_around_the_joints() -> None:
+def test_atlantiksolar_holds_its_88_cells_around_the_joints():
     joint = {"name": "joint", "inboard": 0.4528, "outboard": 0.4528, "margin_m": 0.01}
     plane = laid("atlantiksolar-as2", **SUNPOWER, bays=AS2_BAYS, keep_outs=[joint])
     assert len(plane.placed_cells()) == 88
@@ -54,14 +54,14 @@ def test_atlantiksolar_holds_its_88_cells_around_the_joints() -> None:
 
 
 @pytest.mark.parametrize(("gap_m", "count"), [(0.0, 76), (0.002, 72)])
-def test_solong_holds_its_76_cells_without_gaps(gap_m: float, count: int) -> None:
+def test_solong_holds_its_76_cells_without_gaps(gap_m, count):
     # Of its chord only the aspect ratio is known, an assumption; two rows fit, three do not.
     layout = CellLayout.model_validate(SUNPOWER | {"gap_m": gap_m, "bays": [{"cells": [1]}]})
     wing = sizing.load_aircraft("solong").wing
     assert 2 * layout.capacity(wing) == count
 
 
-def test_sky_sailor_holds_its_216_cells() -> None:
+def test_sky_sailor_holds_its_216_cells():
     # Published: 216 cells, 0.51 m2, hence 23.6 cm2 each; the outline is assumed, 32 mm by 74 mm.
     outline = {"cell_span_m": 0.074, "cell_chord_m": 0.032, "cell_area_m2": 0.51 / 216}
     layout = {"modules.layout": outline | {"bays": [{"cells": [18] * 6}]}}
@@ -75,7 +75,7 @@ def test_sky_sailor_holds_its_216_cells() -> None:
 # ---- Places
 
 
-def test_cells_lie_on_the_wing_apart_from_each_other_and_from_keep_outs() -> None:
+def test_cells_lie_on_the_wing_apart_from_each_other_and_from_keep_outs():
     planform = {"half_span": [0.0, 0.5, 1.0], "relative_chord": [1.2, 1.1, 0.6]}
     aileron = {"name": "aileron", "inboard": 0.6, "outboard": 0.9, "front": 0.7}
     plane = laid(
@@ -105,7 +105,7 @@ def test_cells_lie_on_the_wing_apart_from_each_other_and_from_keep_outs() -> Non
                 assert cell.rear_m <= edge_m + 0.7 * own_m + 0.03  # the fronts differ by the taper
 
 
-def test_keep_outs_take_cells_away() -> None:
+def test_keep_outs_take_cells_away():
     layout = CellLayout.model_validate(SUNPOWER | {"gap_m": 0.0, "bays": [{"cells": [1]}]})
     wing = Wing(5.0, 0.26)
     assert layout.capacity(wing) == 40
@@ -118,7 +118,7 @@ def test_keep_outs_take_cells_away() -> None:
     assert kept.capacity(wing) == 39
 
 
-def test_cells_on_the_tail() -> None:
+def test_cells_on_the_tail():
     # 0.87 m by 0.173 m: six cells of 0.125 m with gaps of 2 mm.
     plane = laid(area_m2=86 * 0.0153436, **SUNPOWER, bays=[{"cells": [20, 20]}], tail_cells=[6])
     tail_aft_m = plane.modules.tail.horizontal_aft_m
@@ -127,7 +127,7 @@ def test_cells_on_the_tail() -> None:
     assert sum(cell.left_m + cell.right_m for cell in on_tail) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_counts_follow_from_the_middle_outwards() -> None:
+def test_counts_follow_from_the_middle_outwards():
     layout = CellLayout.model_validate(SUNPOWER | {"bays": [{"cells": [1]}]})
     wing = Wing(5.65, 0.305)
     fewer = layout.with_cells(25, wing, None)
@@ -140,7 +140,7 @@ def test_counts_follow_from_the_middle_outwards() -> None:
 # ---- What follows from a layout
 
 
-def strings(in_series: int, lowest_v: float, most_a: float, **mppt: float) -> dict[str, Any]:
+def strings(in_series, lowest_v, most_a, **mppt):
     window = {"minimum_voltage_v": lowest_v, "maximum_voltage_v": 60.0, "maximum_current_a": most_a}
     cold_and_hot = {"coldest_c": -20.0, "hottest_c": 70.0}
     return {"cells_in_series": in_series, "mppt": window | mppt} | cold_and_hot
@@ -149,7 +149,7 @@ def strings(in_series: int, lowest_v: float, most_a: float, **mppt: float) -> di
 WEIGHED = strings(44, 10.0, 7.0, mass_kg=0.08)
 
 
-def test_area_and_mppt_mass_follow() -> None:
+def test_area_and_mppt_mass_follow():
     data = DESIGN.model_dump(mode="json", exclude_unset=True)
     data["modules"] |= {
         "cell": "sunpower-c60",
@@ -167,19 +167,13 @@ def test_area_and_mppt_mass_follow() -> None:
     assert Aircraft.model_validate(again) == plane
 
 
-def test_half_a_cell_has_half_the_current() -> None:
+def test_half_a_cell_has_half_the_current():
     half = {"cell_span_m": 0.125, "cell_chord_m": 0.0625, "cell_area_m2": 0.0153436 / 2.0}
     rows = {"bays": [{"cells": [44] * 4}], "strings": strings(22, 5.0, 3.0)}
     changes = {"modules.cell": "sunpower-c60", "modules.layout": half | rows}
     changes |= {"airframe.wingspan_m": 11.3, "modules.area_m2": 352 * 0.0153436 / 2.0}
     layout = sizing.load_aircraft("atlantiksolar-design", changes).modules.layout
     assert layout.strings.mpp_current_a == pytest.approx(5.93 / 2.0)
-
-
-def test_aircraft_without_layout_are_as_before() -> None:
-    assert DESIGN.placed_cells() == []
-    assert "layout" not in DESIGN.model_dump(exclude_unset=True)["modules"]
-    assert aircraft("atlantiksolar-design").modules.mppt_mass_kg_per_w == 0.0004223
 
 
 # ---- Refused, with the key
@@ -235,20 +229,20 @@ def test_aircraft_without_layout_are_as_before() -> None:
         ({"bays": [{"cells": [22, 22], "row": 2}]}, "modules.layout.bays.0.row: unknown key"),
     ],
 )
-def test_wrong_layouts_are_refused(layout: dict[str, Any], words: str) -> None:
+def test_wrong_layouts_are_refused(layout, words):
     assert words in refused(**(SUNPOWER | layout))
 
 
 @pytest.mark.parametrize("value", [10**400, float("inf"), "0.1", None, True, [1]])
 @pytest.mark.parametrize("key", ["cell_span_m", "cell_chord_m", "gap_m", "cell_area_m2"])
-def test_no_value_is_a_traceback(key: str, value: Any) -> None:
+def test_no_value_is_a_traceback(key, value):
     if key == "cell_area_m2" and value is None:
         return
     with pytest.raises(InputError):
         laid(**(SUNPOWER | {"bays": [{"cells": [22, 22]}]} | {key: value}))
 
 
-def test_mass_of_the_mppts_is_given_once() -> None:
+def test_mass_of_the_mppts_is_given_once():
     layout = SUNPOWER | {"bays": [{"cells": [22, 22]}], "strings": WEIGHED}
     with pytest.raises(InputError, match=r"modules\.mppt_mass_kg_per_w: leave it out"):
         sizing.load_aircraft(

@@ -1,9 +1,5 @@
 """Strings within the window of their MPPT, held against every number of cells one by one."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import pytest
 from pydantic import ValidationError
 
@@ -15,7 +11,7 @@ LOSS_PER_K = 0.003
 BATTERY_V = (18.0, 25.2)
 
 
-def strings(series: int | tuple[int, ...] = 30, conversion: str = "any", **changes: Any) -> Strings:
+def strings(series=30, conversion="any", **changes):
     mppt = {"minimum_voltage_v": 8.0, "maximum_voltage_v": 40.0, "maximum_current_a": 7.0}
     return Strings.model_validate(
         {
@@ -29,7 +25,7 @@ def strings(series: int | tuple[int, ...] = 30, conversion: str = "any", **chang
     )
 
 
-def allowed(series: int, conversion: str) -> bool:
+def allowed(series, conversion):
     """Whether an MPPT takes so many cells, by the voltages of the string itself."""
     hot_v = series * 0.582 * (1.0 - 0.003 * 50.0)
     cold_v = series * 0.582 * (1.0 + 0.003 * 45.0)
@@ -43,7 +39,7 @@ def allowed(series: int, conversion: str) -> bool:
 
 
 @pytest.mark.parametrize("conversion", ["any", "step_up", "step_down"])
-def test_window_is_that_of_every_number_by_itself(conversion: str) -> None:
+def test_window_is_that_of_every_number_by_itself(conversion):
     window = strings(conversion=conversion).window(LOSS_PER_K, BATTERY_V)
     numbers = range(1, 100)
     inside = [n for n in numbers if window.least <= n <= window.most]
@@ -53,7 +49,7 @@ def test_window_is_that_of_every_number_by_itself(conversion: str) -> None:
     ] == inside
 
 
-def test_trouble_names_key_and_what_is_allowed() -> None:
+def test_trouble_names_key_and_what_is_allowed():
     assert strings(30).trouble(60, LOSS_PER_K, None) is None
     assert strings(31).trouble(60, LOSS_PER_K, None) == (
         "cells_in_series",
@@ -69,53 +65,52 @@ def test_trouble_names_key_and_what_is_allowed() -> None:
     )
 
 
-def test_a_coefficient_of_the_voltage_takes_precedence() -> None:
+def test_a_coefficient_of_the_voltage_takes_precedence():
     one = strings(voltage_coefficient_per_k=0.002)
     assert one.voltage_v(0.582, 75.0, LOSS_PER_K) == pytest.approx(0.582 * 0.9)
     assert strings().voltage_v(0.582, 75.0, LOSS_PER_K) == pytest.approx(0.582 * 0.85)
 
 
 @pytest.mark.parametrize(("cells", "series"), [(44, 44), (88, 44), (90, 45), (52, 26), (53, None)])
-def test_fewest_strings_divide_the_cells(cells: int, series: int | None) -> None:
+def test_fewest_strings_divide_the_cells(cells, series):
     found = strings().for_cells(cells, LOSS_PER_K, None)
     assert (None if found is None else found.cells_in_series) == series
 
 
-def test_mppts_by_strings() -> None:
+def test_mppts_by_strings():
     assert strings(22).mppts(88) == 4
     assert strings(22, strings_per_mppt=3).mppts(88) == 2
 
 
 @pytest.mark.parametrize("key", list(C60))
-def test_a_cell_without_its_numbers_is_refused(key: str) -> None:
+def test_a_cell_without_its_numbers_is_refused(key):
     with pytest.raises(ValueError, match="required key is missing"):
         strings(**{key: None})
 
 
 @pytest.mark.parametrize("key", ["coldest_c", "hottest_c"])
 @pytest.mark.parametrize("value", [-300.0, -100.5, 101.0, float("nan")])
-def test_temperatures_that_no_module_has_are_refused(key: str, value: float) -> None:
+def test_temperatures_that_no_module_has_are_refused(key, value):
     with pytest.raises(ValidationError, match=key):
         strings(**{key: value})
     assert strings(coldest_c=-100.0, hottest_c=100.0).coldest_c == -100.0
 
 
 @pytest.mark.parametrize("conversion", ["any", "step_up", "step_down"])
-def test_cells_without_a_voltage_fit_no_mppt(conversion: str) -> None:
+def test_cells_without_a_voltage_fit_no_mppt(conversion):
     hot = {"coldest_c": 80.0, "hottest_c": 90.0, "voltage_coefficient_per_k": 0.05}
     trouble = strings(30, conversion, **hot).trouble(90, LOSS_PER_K, BATTERY_V)
-    assert trouble is not None
     key, words = trouble
     assert key == "cells_in_series"
     assert words.startswith("no number of cells will do: the MPPT takes ")
 
 
-def test_a_string_beyond_the_current_of_the_mppt_is_told_at_the_mppt() -> None:
+def test_a_string_beyond_the_current_of_the_mppt_is_told_at_the_mppt():
     trouble = strings(30, mpp_current_a=7.1).trouble(90, LOSS_PER_K, None)
     assert trouble == ("mppt", "takes 7 A, less than the 7.1 A of a string")
 
 
-def test_strings_may_be_of_unequal_length() -> None:
+def test_strings_may_be_of_unequal_length():
     lengths = (30, 30, 24)
     assert strings(lengths).trouble(84, LOSS_PER_K, None) is None
     assert strings(lengths).mppts(84) == 3

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from missions.air import Air, standard_air
+from missions.air import standard_air
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.electric import Controller, Gear, Motor
 from sizing.propulsion.operating_point import Propulsor, operating_point
@@ -21,7 +21,7 @@ propellers: Any = pytest.importorskip("aerosandbox.library.propulsion_propeller"
 MOTOR = Motor(speed_constant_rpm_per_v=317.0, resistance_ohm=0.299, no_load_current_a=0.137)
 
 
-def test_motor_over_speed_and_torque() -> None:
+def test_motor_over_speed_and_torque():
     rpm, torque = np.meshgrid([500.0, 3000.0, 6000.0], [0.01, 0.05, 0.2])
     state = MOTOR.state(rpm, torque)
     theirs = electric.motor_electric_performance(
@@ -35,7 +35,7 @@ def test_motor_over_speed_and_torque() -> None:
 
 @pytest.mark.parametrize("thrust", [0.5, 2.0, 5.0])
 @pytest.mark.parametrize("airspeed", [5.0, 8.4, 15.0])
-def test_blade_elements_lose_to_the_actuator_disc(thrust: float, airspeed: float) -> None:
+def test_blade_elements_lose_to_the_actuator_disc(thrust, airspeed):
     air = standard_air(500.0)
     propulsor = Propulsor(BladeElementPropeller(0.66, 0.60), MOTOR, Controller(resistance_ohm=0.0))
     point = operating_point(propulsor, thrust, airspeed, air, 500.0)
@@ -52,16 +52,16 @@ class _Disc:
 
     diameter_m, trials = 0.66, 33
 
-    def __init__(self, thrust_n: float, power_w: float, rotation_per_s: float) -> None:
+    def __init__(self, thrust_n, power_w, rotation_per_s):
         self.thrust_n, self.power_w, self.n = thrust_n, power_w, rotation_per_s
 
-    def at(self, some: Any) -> _Disc:
+    def at(self, some):
         return self
 
-    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+    def limits(self):
         return (0.0, 5.0), (0.5 * self.n, 2.0 * self.n)
 
-    def coefficients(self, airspeed_m_per_s: Any, rotation_per_s: Any, air: Air) -> Coefficients:
+    def coefficients(self, airspeed_m_per_s, rotation_per_s, air):
         n = rotation_per_s + 0.0 * airspeed_m_per_s
         one = air.density_kg_per_m3 * self.diameter_m**4 * self.n**2
         return Coefficients(
@@ -69,7 +69,7 @@ class _Disc:
         )
 
 
-def test_whole_chain() -> None:
+def test_whole_chain():
     thrust, airspeed = 2.67, 8.4
     atmosphere = asb.Atmosphere(altitude=1000.0)
     theirs = electric.electric_propeller_propulsion_analysis(

@@ -1,14 +1,11 @@
 """Tests of the readers of propeller tables, and of what lies outside a table."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from missions.files.errors import InputError
-from sizing.propulsion.propeller import PropellerTable
 from sizing.propulsion.propeller_files import read_propeller
 
 UIUC = Path(__file__).parent / "uiuc"
@@ -39,25 +36,25 @@ APC = """
 """
 
 
-def written(folder: Path, text: str, name: str = "table.csv") -> Path:
+def written(folder, text, name="table.csv"):
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return path
 
 
-def problem(folder: Path, text: str, name: str = "table.csv", **options: float) -> str:
+def problem(folder, text, name="table.csv", **options):
     with pytest.raises(InputError) as caught:
         read_propeller(written(folder, text, name), **options)
     return str(caught.value).replace(str(folder) + "/", "")
 
 
-def at(table: PropellerTable, advance: float, rpm: float) -> tuple[float, float]:
+def at(table, advance, rpm):
     n = rpm / 60.0
     both = table.coefficients(advance * n * table.diameter_m, n)
     return float(both.thrust), float(both.power)
 
 
-def test_uiuc_runs_of_two_speeds_and_the_static_one() -> None:
+def test_uiuc_runs_of_two_speeds_and_the_static_one():
     table = read_propeller(sorted(UIUC.glob("apce_9x6_*.txt")))
     assert table.diameter_m == pytest.approx(0.2286)
     assert [curve.speed_rpm for curve in table.curves] == [4003, 6701]
@@ -70,19 +67,19 @@ def test_uiuc_runs_of_two_speeds_and_the_static_one() -> None:
 
 
 @pytest.mark.parametrize(("advance", "rpm"), [(0.81, 4003), (0.6, 6701), (0.3, 3900), (0.3, 6800)])
-def test_outside_the_table_nothing_is_told(advance: float, rpm: float) -> None:
+def test_outside_the_table_nothing_is_told(advance, rpm):
     table = read_propeller(sorted(UIUC.glob("apce_9x6_*.txt")))
     assert np.isnan(at(table, advance, rpm)).all()
 
 
-def test_any_speed_holds_the_outer_curves_and_no_advance_ratio() -> None:
+def test_any_speed_holds_the_outer_curves_and_no_advance_ratio():
     table = read_propeller(sorted(UIUC.glob("apce_9x6_*.txt")), any_speed=True)
     assert at(table, 0.3, 9000) == pytest.approx(at(table, 0.3, 6701))
     assert at(table, 0.7, 2000) == pytest.approx(at(table, 0.7, 4003))
     assert np.isnan(at(table, 0.9, 2000)).all()
 
 
-def test_apc_file_by_its_own_units(tmp_path: Path) -> None:
+def test_apc_file_by_its_own_units(tmp_path):
     table = read_propeller(written(tmp_path, APC, "PER3_11x55E.dat"))
     assert table.diameter_m == pytest.approx(11 * 0.0254)
     # 13.1 mph at 4000 rpm: J of the file is rounded to 0.31.
@@ -95,7 +92,7 @@ def test_apc_file_by_its_own_units(tmp_path: Path) -> None:
     assert power * 1.225 * n**2 * d**5 / (2 * np.pi) == pytest.approx(0.503 * 0.1129848, rel=3e-3)
 
 
-def test_own_csv_in_any_order(tmp_path: Path) -> None:
+def test_own_csv_in_any_order(tmp_path):
     text = "# diameter_m: 0.66\nrpm,CP,J,CT\n900,.05,.5,.08\n900,.03,.9,.02\n"
     text += "1200,.05,.5,.09\n1200,.03,.9,.03\n"
     table = read_propeller(written(tmp_path, text))
@@ -132,7 +129,7 @@ BARE = ROWS.removeprefix("# diameter_m: 0.66\n")
         (APC.replace("RPM =       1000", "RPM = fast"), ":9: PROP RPM must be above 0"),
     ],
 )
-def test_bad_file_is_told_by_file_line_and_value(tmp_path: Path, text: str, message: str) -> None:
+def test_bad_file_is_told_by_file_line_and_value(tmp_path, text, message):
     name = "P.dat" if text.startswith("\n") else "t.csv"
     place = name if message.startswith(":") else ""
     assert f"{place}{message}" in problem(tmp_path, text, name)
@@ -145,14 +142,14 @@ COEFFICIENTS = "      0.5524      0.0742      0.0389       0.001       0.032    
 
 
 @pytest.mark.parametrize("blank", [COEFFICIENTS.replace("0.0742      0.0389", "-NaN   -NaN"), ""])
-def test_rows_that_apc_could_not_compute_are_left_out(tmp_path: Path, blank: str) -> None:
+def test_rows_that_apc_could_not_compute_are_left_out(tmp_path, blank):
     table = read_propeller(written(tmp_path, APC.replace(COEFFICIENTS, blank)))
     assert len(table.curves[0].advance_ratio) == 2
     (note,) = table.notes
     assert note == f"1 row is left out: {tmp_path / 'table.csv'}:14: no CT and CP"
 
 
-def test_low_and_high_advance_ratios_of_one_nominal_speed_are_one_curve(tmp_path: Path) -> None:
+def test_low_and_high_advance_ratios_of_one_nominal_speed_are_one_curve(tmp_path):
     head = "J CT CP eta\n"
     low = written(tmp_path, head + "0.1 .10 .05 .2\n0.5 .06 .04 .75\n", "x_9x6_a_5013.txt")
     high = written(tmp_path, head + "0.5 .05 .04 .63\n0.8 .01 .02 .4\n", "x_9x6_b_5000.txt")
@@ -163,6 +160,6 @@ def test_low_and_high_advance_ratios_of_one_nominal_speed_are_one_curve(tmp_path
     assert table.curves[0].thrust[1] == pytest.approx(0.055)
 
 
-def test_no_file_is_refused() -> None:
+def test_no_file_is_refused():
     with pytest.raises(InputError, match="files: must name at least one file"):
         read_propeller([])

@@ -30,7 +30,7 @@ RANGE = {"design_space.motor_speed_constant_rpm_per_v": {"minimum": 60.0, "maxim
 WEAK = {"cells_in_series": 6, "state_of_charge": [0, 1], "cell_voltage_v": [3.0, 4.2]}
 
 
-def aircraft(*changes: dict[str, Any]) -> sizing.Aircraft:
+def aircraft(*changes):
     parts = PARTS | {"motor": MOTOR.model_dump(exclude_none=True)}
     values: dict[str, Any] = {"battery.voltage": WEAK, "airframe.propulsion": parts}
     for one in changes:
@@ -39,7 +39,7 @@ def aircraft(*changes: dict[str, Any]) -> sizing.Aircraft:
 
 
 @pytest.mark.parametrize("ratio", [0.3, 1.0, 2.5])
-def test_speed_and_torque_cost_the_same_in_every_winding(ratio: float) -> None:
+def test_speed_and_torque_cost_the_same_in_every_winding(ratio):
     """At a shaft's state power and losses are equal, voltage and current exchange a factor."""
     wound = MOTOR.rewound(ratio * MOTOR.speed_constant_rpm_per_v)
     rpm, torque_nm = np.array([1000.0, 4600.0, 9000.0]), np.array([0.02, 0.06, 0.15])
@@ -48,14 +48,13 @@ def test_speed_and_torque_cost_the_same_in_every_winding(ratio: float) -> None:
     assert other.voltage_v == pytest.approx(one.voltage_v / ratio, rel=1e-12)
     # So does what size and limits are made of: torque and copper's losses at the largest current.
     assert continuous_torque_nm(wound) == pytest.approx(continuous_torque_nm(MOTOR), rel=1e-12)
-    assert wound.maximum_current_a is not None
     assert wound.maximum_current_a**2 * wound.resistance_ohm == pytest.approx(36.0 * 0.299)
 
 
 @pytest.mark.parametrize(
     ("known", "other"), [("axi-4120-18", "axi-4120-20"), ("axi-4130-16", "axi-4130-20")]
 )
-def test_windings_of_one_frame_in_the_catalogue(known: str, other: str) -> None:
+def test_windings_of_one_frame_in_the_catalogue(known, other):
     """Makers' data of two windings each: turns stand in the name, and masses are equal."""
     one, two = (entries("motors")[name].numbers() for name in (known, other))
     assert one["mass_kg"] == two["mass_kg"]
@@ -69,37 +68,36 @@ def test_windings_of_one_frame_in_the_catalogue(known: str, other: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def sized() -> sizing.SizingStudy:
+def sized():
     return sizing.size(aircraft(RANGE), MISSION, objective="min_mass", required_excess_time_h=3.0)
 
 
-def test_no_winding_of_a_scan_is_better(sized: sizing.SizingStudy) -> None:
+def test_no_winding_of_a_scan_is_better(sized):
     assert sized.feasible
     best = float(sized.design.variables.motor_speed_constant_rpm_per_v)
 
-    def lightest_kg(share: float) -> float:
+    def lightest_kg(share):
         wound = MOTOR.rewound(share * best).model_dump(exclude_none=True)
         given = aircraft({"airframe.propulsion": PARTS | {"motor": wound}})
         study = sizing.size(given, MISSION, objective="min_mass", required_excess_time_h=3.0)
         return float(study.design.total_mass_kg)
 
     found = float(sized.design.total_mass_kg)
-    faster = [lightest_kg(share) for share in (1.01, 1.1, 1.4)]
-    assert found < faster[0] < faster[1] < faster[2]
+    faster = [lightest_kg(share) for share in (1.01, 1.4)]
+    assert found < faster[0] < faster[1]
     assert faster[0] == pytest.approx(found, rel=1e-3)
     # With any less the empty battery's voltage asks for a slower and larger aircraft.
-    slower = [lightest_kg(share) for share in (0.98, 0.9)]
-    assert found < slower[0] < slower[1]
+    assert found < lightest_kg(0.98)
 
 
-def test_the_winding_is_limited_by_the_empty_battery(sized: sizing.SizingStudy) -> None:
+def test_the_winding_is_limited_by_the_empty_battery(sized):
     """All windings are as efficient as each other, but for what the duty costs."""
     assert "bus_voltage" in sized.result.active_constraints
 
 
-def test_the_sized_file_has_the_motor_that_was_wound(sized: sizing.SizingStudy) -> None:
+def test_the_sized_file_has_the_motor_that_was_wound(sized):
     built = sized.sized_aircraft()
-    motor = built.airframe.propulsion.own_motor  # type: ignore[union-attr]  # of parts
+    motor = built.airframe.propulsion.own_motor
     found = float(sized.design.variables.motor_speed_constant_rpm_per_v)
     assert motor.speed_constant_rpm_per_v == pytest.approx(found)
     assert motor.resistance_ohm == pytest.approx(0.299 * (317.0 / found) ** 2)
@@ -109,7 +107,7 @@ def test_the_sized_file_has_the_motor_that_was_wound(sized: sizing.SizingStudy) 
     assert sized.to_dict()["motor_speed_constant_rpm_per_v"] == pytest.approx(found)
 
 
-def test_a_motor_of_the_catalogue_is_wound_as_well() -> None:
+def test_a_motor_of_the_catalogue_is_wound_as_well():
     """Its mass by its torque is that of the file, whatever the winding."""
     given = MOTOR.model_dump(exclude_none=True, exclude={"mass_kg"})
     parts = [PARTS | {"motor": one} for one in ("maxon-re40-148867", given)]
@@ -118,10 +116,10 @@ def test_a_motor_of_the_catalogue_is_wound_as_well() -> None:
         assert study.feasible
         built = study.sized_aircraft()
         before = aircraft({"airframe.propulsion": part}).airframe.propulsion
-        after = built.airframe.propulsion  # type: ignore[union-attr]  # of parts
-        assert after.motor_mass_kg == pytest.approx(before.motor_mass_kg, rel=1e-9)  # type: ignore[union-attr]
+        after = built.airframe.propulsion
+        assert after.motor_mass_kg == pytest.approx(before.motor_mass_kg, rel=1e-9)
 
 
-def test_a_chain_of_constants_has_no_winding() -> None:
+def test_a_chain_of_constants_has_no_winding():
     with pytest.raises(InputError, match=r"motor_speed_constant_rpm_per_v: goes with airframe"):
         sizing.load_aircraft("atlantiksolar-design", RANGE)

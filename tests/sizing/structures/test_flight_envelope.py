@@ -1,28 +1,25 @@
 """The flight envelope against CS-23 by hand, and against what the structure is sized for."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import missions
 import sizing
 import studies
-from sizing.structures.assessment import FlightEnvelope
 
 MISSION = missions.load_mission("rafz-july")
 
 
-def analysed(**changes: object) -> sizing.Analysis:
+def analysed(**changes):
     keys = {f"airframe.structure.{key}": value for key, value in changes.items()}
     return sizing.analyse(sizing.load_aircraft("atlantiksolar-design", keys), MISSION)
 
 
-def envelope(**changes: object) -> FlightEnvelope:
+def envelope(**changes):
     return analysed(**changes).structure.flight_envelope
 
 
-def test_numbers_by_hand() -> None:
+def test_numbers_by_hand():
     flown = analysed()
     one, mass_kg = flown.structure.flight_envelope, flown.total_mass_kg
     area_m2 = 5.65**2 / 18.5
@@ -49,7 +46,7 @@ def test_numbers_by_hand() -> None:
 
 
 @pytest.mark.parametrize("gust", [0.0, 5.0, 15.25, 25.0])
-def test_structure_is_sized_for_the_outline(gust: float) -> None:
+def test_structure_is_sized_for_the_outline(gust):
     one = envelope(cruise_gust_m_per_s=gust)
     most = max(one.cruise_gust_increment, one.dive_gust_increment)
     # The smooth maximum lies above both by a few hundredths.
@@ -59,7 +56,7 @@ def test_structure_is_sized_for_the_outline(gust: float) -> None:
     assert down - 1e-9 <= one.negative_limit_load_factor <= 1.1 * down
 
 
-def test_manoeuvres_are_limited_by_lift_and_code() -> None:
+def test_manoeuvres_are_limited_by_lift_and_code():
     one = envelope()
     up, down = one.manoeuvre([0.0, one.stall_speed_m_per_s, one.dive_speed_m_per_s, 1e3])
     assert up == pytest.approx([0.0, 1.0, (one.dive_speed_m_per_s / one.stall_speed_m_per_s) ** 2,
@@ -67,7 +64,7 @@ def test_manoeuvres_are_limited_by_lift_and_code() -> None:
     assert down == pytest.approx([0.0, -1.0, 0.0, 0.0])
 
 
-def test_another_structure_has_no_envelope() -> None:
+def test_another_structure_has_no_envelope():
     spar = sizing.load_aircraft("atlantiksolar-design", {"airframe.structure": {"model": "spar"}})
     with pytest.raises(ValueError, match="has no rib_wing"):
         studies.plot_flight_envelope(sizing.analyse(spar, MISSION))

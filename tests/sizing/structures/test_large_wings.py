@@ -1,9 +1,6 @@
 """Narrow caps, webs with a core, wires, landing gear along the span, and masses along it."""
 
-from __future__ import annotations
-
 from math import cos, pi, radians, sin, tan
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -18,7 +15,7 @@ from scipy.optimize import brentq
 
 from sizing.aircraft import Aircraft
 from sizing.balance.in_design import structure_inputs
-from sizing.design import Design, FlightConditions, variables_of
+from sizing.design import FlightConditions, variables_of
 from sizing.mass_budget import closed_design
 from sizing.own_models import register_drag
 from sizing.structures.assessment import assess
@@ -32,7 +29,7 @@ INPUTS = StructureInputs(25.0, 22.0, 75.0, 30.0, 21.0, 0.12)
 CALM = {"cruise_gust_m_per_s": 0.0, "dive_gust_m_per_s": 0.0}
 
 
-def rib_wing(**keys: Any) -> RibWingStructure:
+def rib_wing(**keys):
     return RibWingStructure.model_validate({"model": "rib_wing", **keys})
 
 
@@ -40,11 +37,11 @@ def rib_wing(**keys: Any) -> RibWingStructure:
 
 
 @pytest.mark.parametrize("gear", [0.3, 2.0 / 3.0])
-def test_landing_gear_along_the_span_carries_the_mass_evenly(gear: float) -> None:
+def test_landing_gear_along_the_span_carries_the_mass_evenly(gear):
     for station in stations(6, gear):
         x = station.fraction
 
-        def net(y: float) -> float:
+        def net(y):
             return 1.0 - (1.0 / gear if y < gear else 0.0)
 
         shear = quad(net, x, 1.0, points=[gear])[0]
@@ -57,7 +54,7 @@ def test_landing_gear_along_the_span_carries_the_mass_evenly(gear: float) -> Non
 
 
 @pytest.mark.parametrize("wire", [0.2, 0.6])
-def test_a_wire_leaves_no_moment_at_the_root_and_changes_nothing_outboard(wire: float) -> None:
+def test_a_wire_leaves_no_moment_at_the_root_and_changes_nothing_outboard(wire):
     lift_at_root = 4.0 / (3.0 * pi)  # of an ellipse
     for station in stations(6, 0.0, wire):
         x = station.fraction
@@ -71,7 +68,7 @@ def test_a_wire_leaves_no_moment_at_the_root_and_changes_nothing_outboard(wire: 
 # ---- Caps and webs
 
 
-def test_narrow_caps_are_sized_by_strength_and_buckle_as_they_fail() -> None:
+def test_narrow_caps_are_sized_by_strength_and_buckle_as_they_fail():
     wide, narrow = rib_wing(), rib_wing(narrow_caps=True)
     assert narrow.breakdown(INPUTS).spar_caps < 0.5 * wide.breakdown(INPUTS).spar_caps
     assert "buckling" not in assess(narrow, INPUTS).spar_caps
@@ -88,12 +85,10 @@ def test_narrow_caps_are_sized_by_strength_and_buckle_as_they_fail() -> None:
 
 @settings(max_examples=40)
 @given(flow=st.floats(1e3, 2e5), facings=st.floats(1e-4, 3e-3), depth=st.floats(0.02, 0.5))
-def test_a_core_is_as_thick_as_the_web_needs_not_to_buckle(
-    flow: float, facings: float, depth: float
-) -> None:
+def test_a_core_is_as_thick_as_the_web_needs_not_to_buckle(flow, facings, depth):
     core = WebCore(minimum_thickness_m=1e-9, bond_kg_per_m2=0.0)
 
-    def strength(thickness: float) -> float:
+    def strength(thickness):
         """Shear flow at which two facings on a core buckle, bending and shear in series."""
         bending = 45e9 * facings / 2.0 * 2.0 * (thickness / 2.0) ** 2 / (1.0 - 0.09)
         plate = 5.35 * pi**2 * bending / depth**2
@@ -103,7 +98,7 @@ def test_a_core_is_as_thick_as_the_web_needs_not_to_buckle(
     assert core.kg_per_m2(flow, facings, depth, 45e9) == pytest.approx(52.0 * thickness, rel=1e-4)
 
 
-def test_a_core_makes_deep_webs_light_and_never_thinner_than_its_gauge() -> None:
+def test_a_core_makes_deep_webs_light_and_never_thinner_than_its_gauge():
     plain, cored = rib_wing(), rib_wing(web_core={})
     assert cored.breakdown(INPUTS).spar_web < plain.breakdown(INPUTS).spar_web
     idle = WebCore()
@@ -113,7 +108,7 @@ def test_a_core_makes_deep_webs_light_and_never_thinner_than_its_gauge() -> None
 # ---- Wires
 
 
-def test_wires_carry_by_statics_what_they_take_off_the_wing() -> None:
+def test_wires_carry_by_statics_what_they_take_off_the_wing():
     wire = Bracing.model_validate(WIRE)
     half_span, moment = 17.0, 3000.0
     found = wire.wires(moment, 0.0, half_span)
@@ -132,7 +127,7 @@ def test_wires_carry_by_statics_what_they_take_off_the_wing() -> None:
     assert both.mass_kg == pytest.approx(2.0 * found.mass_kg)
 
 
-def test_wires_lighten_a_spar_and_add_their_own_mass_to_the_joints() -> None:
+def test_wires_lighten_a_spar_and_add_their_own_mass_to_the_joints():
     keys = {"narrow_caps": True, "web_core": {}}
     inputs = INPUTS._replace(span_load_kg=0.0, total_mass_kg=110.0)
     free, braced = rib_wing(**keys), rib_wing(**keys, bracing=WIRE)
@@ -144,7 +139,7 @@ def test_wires_lighten_a_spar_and_add_their_own_mass_to_the_joints() -> None:
     assert parts.joints == pytest.approx(0.15 * rest + wires.mass_kg)
 
 
-def test_spars_of_braced_wings_are_lighter_as_human_powered_aircraft_have_it() -> None:
+def test_spars_of_braced_wings_are_lighter_as_human_powered_aircraft_have_it():
     """Cruz, Weight Analysis of the Daedalus Human Powered Aircraft (1989), by AeroSandbox."""
     library = pytest.importorskip("aerosandbox.library.mass_structural")
     base = CALM | {"manoeuvre_load_factor": 1.75 / 1.5, "narrow_caps": True, "web_core": {}}
@@ -156,7 +151,7 @@ def test_spars_of_braced_wings_are_lighter_as_human_powered_aircraft_have_it() -
         for kind in ("cantilevered", "one-wire")
     }
 
-    def spar_kg(model: RibWingStructure) -> float:
+    def spar_kg(model):
         parts = model.breakdown(inputs)
         return float(1.188 * 1.15 * (parts.spar_caps + parts.spar_web))
 
@@ -170,7 +165,7 @@ def test_spars_of_braced_wings_are_lighter_as_human_powered_aircraft_have_it() -
 # ---- Loads, gear and flying wings
 
 
-def test_the_load_factor_of_manoeuvres_of_the_file_counts() -> None:
+def test_the_load_factor_of_manoeuvres_of_the_file_counts():
     model = rib_wing(manoeuvre_load_factor=3.1, **CALM)
     assert model.wing(INPUTS).factors.up == pytest.approx(3.1, rel=0.01)
     assert model.wing(INPUTS).factors.down == pytest.approx(0.4 * 3.1, rel=0.01)
@@ -178,7 +173,7 @@ def test_the_load_factor_of_manoeuvres_of_the_file_counts() -> None:
     assert (found.load_case, found.negative_load_case) == ("manoeuvre", "manoeuvre")
 
 
-def test_gear_along_the_span_and_no_boom_lighten_a_flying_wing() -> None:
+def test_gear_along_the_span_and_no_boom_lighten_a_flying_wing():
     keys = CALM | {"narrow_caps": True, "web_core": {}, "manoeuvre_load_factor": 2.0}
     loaded = INPUTS._replace(span_load_kg=60.0)
     usual, spread = rib_wing(**keys), rib_wing(**keys, landing_gear_span_fraction=0.6667)
@@ -201,7 +196,7 @@ def test_gear_along_the_span_and_no_boom_lighten_a_flying_wing() -> None:
     ],
     ids=str,
 )
-def test_symbols_give_the_same_mass_with_finite_derivatives(keys: dict[str, Any]) -> None:
+def test_symbols_give_the_same_mass_with_finite_derivatives(keys):
     model = rib_wing(**keys)
     names = ("wingspan_m", "aspect_ratio", "total_mass_kg")
     symbols = [ca.MX.sym(name) for name in names]
@@ -220,20 +215,20 @@ def test_symbols_give_the_same_mass_with_finite_derivatives(keys: dict[str, Any]
 # ---- In an aircraft's file
 
 
-def of_airframe(**changes: Any) -> Aircraft:
+def of_airframe(**changes):
     data = DESIGN.model_dump()
     data["airframe"] |= changes
     return Aircraft.model_validate(data)
 
 
-def large(**keys: Any) -> dict[str, Any]:
+def large(**keys):
     return {"model": "rib_wing", "calibration": 1.188, "narrow_caps": True, "web_core": {}} | keys
 
 
-def test_masses_along_the_span_relieve_the_spar() -> None:
+def test_masses_along_the_span_relieve_the_spar():
     base = {"wingspan_m": 12.0, "avionics_mass_kg": 6.0, "structure": large()}
 
-    def structure_kg(**changes: Any) -> float:
+    def structure_kg(**changes):
         aircraft = of_airframe(**base, **changes)
         return float(closed_design(aircraft, mission(), variables_of(aircraft)).masses.structure)
 
@@ -242,7 +237,7 @@ def test_masses_along_the_span_relieve_the_spar() -> None:
     assert structure_kg(distributed_systems_fraction=1.0) < plain
 
 
-def test_wires_cost_the_power_of_their_drag() -> None:
+def test_wires_cost_the_power_of_their_drag():
     """The same power as of an aircraft whose parasitic drag has that of the wires."""
     dragging = of_airframe(wingspan_m=12.0, structure=large(bracing=WIRE))
     found = closed_design(dragging, mission(), variables_of(dragging))
@@ -261,7 +256,7 @@ def test_wires_cost_the_power_of_their_drag() -> None:
     assert found.propulsion_power_w == pytest.approx(same.propulsion_power_w, rel=1e-6)
 
 
-def structure_of(aircraft: Aircraft, design: Design) -> tuple[RibWingStructure, StructureInputs]:
+def structure_of(aircraft, design):
     conditions = FlightConditions.of(mission(), aircraft)
     model = aircraft.airframe.structure
     assert isinstance(model, RibWingStructure)
@@ -283,12 +278,12 @@ def structure_of(aircraft: Aircraft, design: Design) -> tuple[RibWingStructure, 
     ],
     ids=str,
 )
-def test_keys_that_cannot_be_are_refused(keys: dict[str, Any], said: str) -> None:
+def test_keys_that_cannot_be_are_refused(keys, said):
     with pytest.raises(ValidationError, match=said):
         of_airframe(structure=large(**keys))
 
 
-def test_a_tail_without_a_boom_and_wires_on_a_polar_of_ones_own_are_refused() -> None:
+def test_a_tail_without_a_boom_and_wires_on_a_polar_of_ones_own_are_refused():
     twin = shipped_aircraft("twin-boom-design").model_dump(exclude_unset=True)
     twin["airframe"]["structure"]["booms"] = 0
     with pytest.raises(ValidationError, match=r"must be 1 or 2 with airframe.tail \(got 0\)"):

@@ -1,7 +1,5 @@
 """Loads of the wing: published numbers, limits and directions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from arithmetics import assert_alike
@@ -22,7 +20,7 @@ masses = st.floats(0.5, 300.0)
     # 2.1 + 10900/(m + 4536) worked by hand; CS 23.337 gives 2.1 + 24000/(W + 10000), W in lb.
     [(0.0, 4.503), (6.92, 4.499), (464.0, 4.280), (5464.0, 3.190)],
 )
-def test_limit_load_factor_values(mass_kg: float, expected: float) -> None:
+def test_limit_load_factor_values(mass_kg, expected):
     # To the digits written down.
     assert limit_load_factor(mass_kg) == pytest.approx(expected, abs=5e-4)
     pounds = mass_kg / 0.45359237
@@ -31,9 +29,7 @@ def test_limit_load_factor_values(mass_kg: float, expected: float) -> None:
 
 
 @given(span=spans, mass=masses, share=st.floats(0.0, 0.7))
-def test_root_moment_is_that_of_an_elliptic_lift_relieved_by_an_even_mass(
-    span: float, mass: float, share: float
-) -> None:
+def test_root_moment_is_that_of_an_elliptic_lift_relieved_by_an_even_mass(span, mass, share):
     half = span / 2.0
     n = limit_load_factor(mass)
     # Moments integrated numerically: lift 4 m n g/(pi b) sqrt(1 - (y/half)^2), mass evenly spread.
@@ -48,5 +44,5 @@ def test_root_moment_is_that_of_an_elliptic_lift_relieved_by_an_even_mass(
 
 @settings(max_examples=30)
 @given(mass=masses)
-def test_arrays_and_symbols_equal_floats(mass: float) -> None:
+def test_arrays_and_symbols_equal_floats(mass):
     assert_alike(lambda m: [limit_load_factor(m)], mass)

@@ -1,9 +1,5 @@
 """Structural masses: published numbers, sums by hand and directions."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import pytest
 from arithmetics import assert_alike
 from hypothesis import given, settings
@@ -17,19 +13,18 @@ SPAR = SparStructure()
 spans = st.floats(1.0, 30.0)
 aspects = st.floats(6.0, 35.0)
 masses = st.floats(0.5, 300.0)
-growths = st.floats(1.01, 2.0)
 
 
-def wing(b: Any, ar: Any, m: Any = 1.0, load: Any = 0.0) -> StructureInputs:
+def wing(b, ar, m=1.0, load=0.0):
     """Wing in a flight that the simpler models of the structure ignore."""
     return StructureInputs(b, ar, m, load, airspeed_m_per_s=9.0, density_kg_per_m3=1.1)
 
 
-def spar_mass(b: Any, ar: Any, m: Any, load: Any = 0.0) -> Any:
+def spar_mass(b, ar, m, load=0.0):
     return SPAR.mass_kg(wing(b, ar, m, load))
 
 
-def test_power_law_is_noths() -> None:
+def test_power_law_is_noths():
     law = PowerLawStructure()
     found = law.mass_kg(wing(3.2, 13.2))
     # Noth (2008): weight 0.44 b^3.1 AR^-0.25 in newton, by hand 8.50 N at b = 3.2 m, AR = 13.2.
@@ -48,29 +43,14 @@ def test_power_law_is_noths() -> None:
     ids=["best 5 %", "all 415"],
 )
 @given(span=spans, aspect=aspects)
-def test_power_laws_are_those_published(law: Any, newton: Any, span: float, aspect: float) -> None:
+def test_power_laws_are_those_published(law, newton, span, aspect):
     # The same law in other variables: rounding.
     assert law.mass_kg(wing(span, aspect)) * 9.81 == pytest.approx(
         newton(span**2 / aspect, aspect), rel=1e-9
     )
 
 
-@given(span=spans, aspect=aspects, mass=masses, growth=growths)
-def test_spars_grow_with_span_and_mass(
-    span: float, aspect: float, mass: float, growth: float
-) -> None:
-    assert spar_mass(span * growth, aspect, mass) > spar_mass(span, aspect, mass)
-    assert spar_mass(span, aspect, mass * growth) > spar_mass(span, aspect, mass)
-
-
-@given(span=spans, aspect=aspects, mass=masses, share=st.floats(0.0, 0.5))
-def test_mass_along_the_span_relieves_the_spar(
-    span: float, aspect: float, mass: float, share: float
-) -> None:
-    assert spar_mass(span, aspect, mass, share * mass) <= spar_mass(span, aspect, mass)
-
-
-def test_spar_structure_adds_up_by_hand() -> None:
+def test_spar_structure_adds_up_by_hand():
     b, ar, m = 5.65, 18.5, 6.92
     chord = b / ar
     moment = root_bending_moment_nm(b, m, 3.7, 0.25)
@@ -86,5 +66,5 @@ def test_spar_structure_adds_up_by_hand() -> None:
 
 @settings(max_examples=30)
 @given(span=spans, aspect=aspects, mass=masses)
-def test_arrays_and_symbols_equal_floats(span: float, aspect: float, mass: float) -> None:
+def test_arrays_and_symbols_equal_floats(span, aspect, mass):
     assert_alike(lambda b, ar, m: [spar_mass(b, ar, m, m / 3.0)], span, aspect, mass)

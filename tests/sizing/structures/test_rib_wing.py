@@ -18,15 +18,12 @@ from sizing.smooth import BLEND, smooth_absolute, smooth_maximum, smooth_minimum
 from sizing.structures.assessment import assess
 from sizing.structures.loads import (
     StructureInputs,
-    gust_alleviation_factor,
     gust_load_increment,
     gust_mass_ratio,
-    lift_curve_slope,
     limit_load_factor,
     stations,
 )
 from sizing.structures.rib_wing import RibWingStructure
-from sizing.structures.rib_wing_keys import StructureParts
 from sizing.structures.torsion import WingTorsion
 
 G = 9.80665
@@ -41,20 +38,11 @@ shares = st.floats(0.0, 0.7)
 positives = st.floats(1e-3, 1e3)
 
 
-def airspeed(m: Any, b: Any, ar: Any, *, density: float = 1.1, lift: float = 1.0) -> Any:
+def airspeed(m, b, ar, *, density=1.1, lift=1.0):
     return (2.0 * m * G / (density * b**2 / ar * lift)) ** 0.5
 
 
-def inputs(
-    b: Any,
-    ar: Any,
-    m: Any,
-    load: Any = 0.0,
-    *,
-    battery: Any = 0.0,
-    density: float = 1.1,
-    gusts: float = 1.0,
-) -> StructureInputs:
+def inputs(b, ar, m, load=0.0, *, battery=0.0, density=1.1, gusts=1.0):
     """Level flight at a lift coefficient of one, with ``load`` kg along the span."""
     speed = airspeed(m, b, ar, density=density)
     return StructureInputs(
@@ -62,13 +50,11 @@ def inputs(
     )
 
 
-def parts(
-    b: Any, ar: Any, m: Any, share: Any = 0.5, model: RibWingStructure = RIB_WING
-) -> StructureParts:
+def parts(b, ar, m, share=0.5, model=RIB_WING):
     return model.breakdown(inputs(b, ar, m, share * m, battery=0.8 * share * m))
 
 
-def structure_kg(b: Any, ar: Any, m: Any, share: Any = 0.5, **changes: Any) -> Any:
+def structure_kg(b, ar, m, share=0.5, **changes):
     return parts(b, ar, m, share, RibWingStructure(model="rib_wing", **changes)).total_kg
 
 
@@ -76,9 +62,7 @@ def structure_kg(b: Any, ar: Any, m: Any, share: Any = 0.5, **changes: Any) -> A
 
 
 @given(first=positives, second=positives, growth=st.floats(1.001, 2.0))
-def test_smooth_maximum_is_just_above_and_minimum_just_below_and_both_rise(
-    first: float, second: float, growth: float
-) -> None:
+def test_smooth_maximum_is_just_above_and_minimum_just_below_and_both_rise(first, second, growth):
     high, low = smooth_maximum(first, second), smooth_minimum(first, second)
     smaller, larger = sorted((first, second))
     # Rounding of the sum below, the documented overshoot above.
@@ -89,14 +73,14 @@ def test_smooth_maximum_is_just_above_and_minimum_just_below_and_both_rise(
     assert smooth_maximum(3.0 * first, 3.0 * second) == pytest.approx(3.0 * high, rel=1e-12)
 
 
-def test_smooth_maximum_of_equals_and_of_nothing() -> None:
+def test_smooth_maximum_of_equals_and_of_nothing():
     assert smooth_maximum(2.0, 2.0) == pytest.approx(2.0 * (1.0 + BLEND), rel=1e-12)
     # (1 + sqrt(1 + blend^2))/2 = 1 + blend^2/4 to the next order.
     assert smooth_maximum(1.0, 0.0) == pytest.approx(1.0 + BLEND**2 / 4.0, abs=BLEND**4)
 
 
 @given(value=st.floats(-1e3, 1e3), scale=positives)
-def test_smooth_absolute_exceeds_by_no_more_than_its_width(value: float, scale: float) -> None:
+def test_smooth_absolute_exceeds_by_no_more_than_its_width(value, scale):
     found = smooth_absolute(value, scale)
     assert abs(value) <= found <= abs(value) + BLEND * scale * (1.0 + 1e-9)
 
@@ -105,9 +89,7 @@ def test_smooth_absolute_exceeds_by_no_more_than_its_width(value: float, scale: 
 
 
 @given(mass=masses, area=st.floats(0.1, 40.0), aspect=aspects, speed=st.floats(4.0, 40.0))
-def test_gust_load_is_that_of_the_rule_in_pounds_and_knots(
-    mass: float, area: float, aspect: float, speed: float
-) -> None:
+def test_gust_load_is_that_of_the_rule_in_pounds_and_knots(mass, area, aspect, speed):
     # CS/FAR 23.341 in customary units: K U V a / (498 W/S), U in ft/s, V in knots, W/S in lb/ft2.
     ratio = gust_mass_ratio(
         total_mass_kg=mass, wing_area_m2=area, aspect_ratio=aspect, density_kg_per_m3=1.1
@@ -128,23 +110,8 @@ def test_gust_load_is_that_of_the_rule_in_pounds_and_knots(
     assert found == pytest.approx(wanted, rel=2e-3)
 
 
-def test_gusts_are_those_of_the_rule() -> None:
-    # CS 23.333(c): 50 ft/s at the cruising speed and 25 ft/s at the dive speed, up to 20000 ft.
-    assert RIB_WING.cruise_gust_m_per_s == pytest.approx(50.0 * 0.3048, abs=0.05)
-    assert RIB_WING.dive_gust_m_per_s == pytest.approx(25.0 * 0.3048, abs=0.05)
-
-
-def test_gust_formula_limits() -> None:
-    # A heavy aircraft follows no gust: 0.88 of the sharp edge; a light one drifts with it.
-    assert gust_alleviation_factor(1e9) == pytest.approx(0.88, rel=1e-6)
-    assert gust_alleviation_factor(1e-9) == pytest.approx(0.0, abs=1e-9)
-    # Two-dimensional wing, and the slope at AR 6 of 3 pi/2 = 4.71 by hand.
-    assert lift_curve_slope(1e12) == pytest.approx(2.0 * np.pi, rel=1e-9)
-    assert lift_curve_slope(6.0) == pytest.approx(4.712, abs=1e-3)
-
-
 @given(mass=masses, span=spans, aspect=aspects)
-def test_larger_of_manoeuvre_and_gust_governs(mass: float, span: float, aspect: float) -> None:
+def test_larger_of_manoeuvre_and_gust_governs(mass, span, aspect):
     area, speed = span**2 / aspect, airspeed(mass, span, aspect) * (1.1 / 1.225) ** 0.5
     case = {
         "total_mass_kg": mass,
@@ -167,7 +134,7 @@ def test_larger_of_manoeuvre_and_gust_governs(mass: float, span: float, aspect: 
 
 
 @pytest.mark.parametrize("place", range(6))
-def test_stations_hold_the_moments_of_ellipse_and_even_mass(place: int) -> None:
+def test_stations_hold_the_moments_of_ellipse_and_even_mass(place):
     station = stations(6)[place]
     x = station.fraction
     assert 0.0 < x < 1.0
@@ -195,7 +162,7 @@ class HardWing(NamedTuple):
     slopes: tuple[float, float, float]
 
 
-def hard_wing(b: float, ar: float, m: float, share: float, **limits: Any) -> HardWing:
+def hard_wing(b, ar, m, share, **limits):
     """Structure by hard maxima at 2000 stations, the loads integrated numerically.
 
     ``narrow_caps`` and ``web_core`` are those of the model; other ``limits`` hold the strain.
@@ -220,7 +187,7 @@ def hard_wing(b: float, ar: float, m: float, share: float, **limits: Any) -> Har
     lift = 4.0 * m * G / (np.pi * b) * np.sqrt(np.clip(1.0 - (2.0 * y / b) ** 2, 0.0, None))
     inertia = np.full_like(y, relief * G / b)
 
-    def shear_and_moment(load: Any) -> tuple[Any, Any]:
+    def shear_and_moment(load):
         steps = np.diff(y) * (load[1:] + load[:-1]) / 2.0
         shear = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
         turns = np.diff(y) * (shear[1:] + shear[:-1]) / 2.0
@@ -319,9 +286,7 @@ STIFFNESS: list[dict[str, Any]] = [
 @pytest.mark.parametrize("limits", STIFFNESS, ids=str)
 @settings(max_examples=60, deadline=None)
 @given(span=spans, aspect=aspects, mass=masses, share=shares)
-def test_mass_is_that_of_hard_maxima_on_a_fine_grid(
-    limits: dict[str, Any], span: float, aspect: float, mass: float, share: float
-) -> None:
+def test_mass_is_that_of_hard_maxima_on_a_fine_grid(limits, span, aspect, mass, share):
     found = structure_kg(span, aspect, mass, share, **limits)
     hard = hard_wing(span, aspect, mass, share, **limits).mass_kg
     # 3000 random designs were within -0.5 % (six stations instead of 2000) and +1 %; the spar alone
@@ -329,34 +294,7 @@ def test_mass_is_that_of_hard_maxima_on_a_fine_grid(
     assert 0.985 * hard <= found <= 1.04 * hard
 
 
-@settings(max_examples=40)
-@given(span=spans, aspect=aspects)
-def test_wing_without_load_weighs_its_gauges(span: float, aspect: float) -> None:
-    # Nearly massless: every wall of spar and boom is at its minimum gauge. Unloaded sections leave
-    # 1 % for the last of the strength.
-    found = RIB_WING.breakdown(inputs(span, aspect, 1e-12))
-    c = span / aspect
-    assert found.boom == pytest.approx(1550 * np.pi * 0.1 * c * 0.5e-3 * 4 * c, rel=1e-2)
-    assert found.covering == pytest.approx(2.04 * span * c * 0.05, rel=1e-12)
-
-
 # ---- directions
-
-
-@settings(max_examples=60, deadline=None)
-@given(span=spans, aspect=aspects, mass=masses, share=shares, growth=st.floats(1.02, 1.5))
-def test_heavier_with_mass_and_span(
-    span: float, aspect: float, mass: float, share: float, growth: float
-) -> None:
-    def kg(b: float, m: float) -> float:
-        # What is carried along the span stays.
-        return float(RIB_WING.mass_kg(inputs(b, aspect, m, share * mass)))
-
-    assert kg(span * growth, mass) > kg(span, mass)
-    # An aircraft that is little more than its wing is bent down by its own inertia: what is added
-    # in the fuselage then relieves it.
-    assume(kg(span, mass) + share * mass < 0.7 * mass)
-    assert kg(span, mass * growth) > kg(span, mass)
 
 
 LOADS_DENSITIES_AND_GAUGES = [
@@ -380,8 +318,8 @@ MATERIAL = ["compressive_strength_pa", "tensile_strength_pa", "modulus_pa", "lam
     key=st.sampled_from(LOADS_DENSITIES_AND_GAUGES + MATERIAL),
 )
 def test_heavier_with_loads_densities_and_gauges_and_lighter_with_better_material(
-    span: float, aspect: float, mass: float, share: float, key: str
-) -> None:
+    span, aspect, mass, share, key
+):
     here = structure_kg(span, aspect, mass, share)
     changed = structure_kg(span, aspect, mass, share, **{key: 1.3 * getattr(RIB_WING, key)})
     # More covering also relieves the spar, by less than it weighs.
@@ -390,9 +328,7 @@ def test_heavier_with_loads_densities_and_gauges_and_lighter_with_better_materia
 
 @settings(max_examples=40, deadline=None)
 @given(span=spans, aspect=aspects, mass=masses, share=shares, density=st.floats(0.1, 1.2))
-def test_altitude_changes_the_gust_alone(
-    span: float, aspect: float, mass: float, share: float, density: float
-) -> None:
+def test_altitude_changes_the_gust_alone(span, aspect, mass, share, density):
     calm = RibWingStructure(model="rib_wing", cruise_gust_m_per_s=0.0, dive_gust_m_per_s=0.0)
     # Equal lift coefficient is equal equivalent airspeed, so without gusts altitude is no load.
     aloft, below = (
@@ -404,9 +340,7 @@ def test_altitude_changes_the_gust_alone(
 
 @settings(max_examples=40, deadline=None)
 @given(span=spans, aspect=aspects, mass=masses, share=shares)
-def test_parts_add_up_and_calibration_multiplies(
-    span: float, aspect: float, mass: float, share: float
-) -> None:
+def test_parts_add_up_and_calibration_multiplies(span, aspect, mass, share):
     found = parts(span, aspect, mass, share)
     assert all(part > 0.0 for part in found)
     assert found.total_kg == pytest.approx(sum(found), rel=1e-12)
@@ -430,14 +364,14 @@ STIFF = RibWingStructure(
 )
 
 
-def symbolic_log_mass(kind: Any, model: RibWingStructure = RIB_WING) -> tuple[Any, Any]:
+def symbolic_log_mass(kind, model=RIB_WING):
     """Logarithm of the mass over the logarithms of span, aspect ratio, mass, and span load."""
     x = kind.sym("x", 4)
     b, ar, m, load = (ca.exp(x[i]) for i in range(4))
     return x, ca.log(model.mass_kg(inputs(b, ar, m, load, battery=0.8 * load)))
 
 
-def random_designs(count: int) -> Any:
+def random_designs(count):
     rng = np.random.default_rng(5)
     low, high = np.log([1.0, 5.0, 0.3, 0.01]), np.log([40.0, 40.0, 400.0, 1.0])
     x = rng.uniform(low, high, (count, 4))
@@ -446,7 +380,7 @@ def random_designs(count: int) -> Any:
 
 
 @pytest.mark.parametrize("model", [RIB_WING, STIFF], ids=["strong", "stiff"])
-def test_arrays_and_symbols_equal_floats(model: RibWingStructure) -> None:
+def test_arrays_and_symbols_equal_floats(model):
     designs = random_designs(50)
     b, ar, m, load = np.exp(designs).T
     arrays = parts(b, ar, m, load / m, model).total_kg
@@ -460,11 +394,11 @@ def test_arrays_and_symbols_equal_floats(model: RibWingStructure) -> None:
 
 
 @pytest.mark.parametrize(("model", "bound"), [(RIB_WING, 100.0), (STIFF, 150.0)])
-def test_no_kinks_in_the_design_space(model: RibWingStructure, bound: float) -> None:
+def test_no_kinks_in_the_design_space(model, bound):
     x, log_mass = symbolic_log_mass(ca.SX, model)
     hessian, gradient = ca.hessian(log_mass, x)
     derivatives = ca.Function("d", [x], [log_mass, gradient, hessian])
-    for design in random_designs(3000):
+    for design in random_designs(600):
         value, first, second = (np.asarray(v) for v in derivatives(design))
         assert np.all(np.isfinite(value))
         assert np.all(np.isfinite(first))
@@ -491,9 +425,7 @@ def test_no_kinks_in_the_design_space(model: RibWingStructure, bound: float) -> 
         ({"maximum_tip_slope_deg": 5.0, "deflection_load_case": "limit_load"}, 1),
     ],
 )
-def test_tip_bends_and_turns_no_more_than_allowed(
-    limits: dict[str, Any], case: int, span_m: float
-) -> None:
+def test_tip_bends_and_turns_no_more_than_allowed(limits, case, span_m):
     wing = (span_m, 22.0, 0.2 * span_m**2, 0.4)
     free, held = hard_wing(*wing), hard_wing(*wing, **limits)
     # The independent sum shares its sizing rule with the model (see above) and integrates the
@@ -506,7 +438,7 @@ def test_tip_bends_and_turns_no_more_than_allowed(
     assert structure_kg(*wing, **limits) > structure_kg(*wing)
 
 
-def test_limit_in_flight_asks_nothing_of_the_landing() -> None:
+def test_limit_in_flight_asks_nothing_of_the_landing():
     # All of the mass lies along the span: what the wing lifts it carries, and flight hardly bends
     # it. Only the landing, without lift, does.
     heavy = {"b": 6.0, "ar": 20.0, "m": 8.0, "share": 0.9}
@@ -520,7 +452,7 @@ def test_limit_in_flight_asks_nothing_of_the_landing() -> None:
     )
 
 
-def test_gust_speeds_fall_with_altitude_as_the_code_lets_them() -> None:
+def test_gust_speeds_fall_with_altitude_as_the_code_lets_them():
     # CS 23.333 (c): 50 ft/s up to 20 000 ft, 25 ft/s at 50 000 ft, in feet.
     feet = np.array([0.0, 20_000.0, 35_000.0, 50_000.0, 65_000.0])
     # 0.3048 m to the foot against the metres rounded to 6096 and 15 240.
@@ -544,9 +476,7 @@ def test_gust_speeds_fall_with_altitude_as_the_code_lets_them() -> None:
         ({"landing_load_factor": 0.0, **NO_GUSTS}, 3.2, 0.1, "a pull-up"),
     ],
 )
-def test_governing_load_case_is_named(
-    changes: dict[str, float], span_m: float, share: float, case: str
-) -> None:
+def test_governing_load_case_is_named(changes, span_m, share, case):
     mass_kg = 6.92 * (span_m / 5.65) ** 2
     flight = inputs(span_m, 18.5, mass_kg, share * mass_kg)
     model = RibWingStructure(model="rib_wing", **changes)
@@ -561,9 +491,7 @@ def test_governing_load_case_is_named(
 
 @settings(max_examples=30, deadline=None)
 @given(span=spans, aspect=aspects, mass=masses, share=st.floats(0.0, 0.5))
-def test_reported_deflection_is_that_of_the_independent_sum(
-    span: float, aspect: float, mass: float, share: float
-) -> None:
+def test_reported_deflection_is_that_of_the_independent_sum(span, aspect, mass, share):
     found = assess(RIB_WING, inputs(span, aspect, mass, share * mass))
     hard = hard_wing(span, aspect, mass, share)
     # Six stations instead of 2000, and sections up to 6 % larger (three smooth maxima).
@@ -586,7 +514,7 @@ def test_reported_deflection_is_that_of_the_independent_sum(
 # ---- battery in the spar and in the pod
 
 
-def test_battery_that_does_not_fit_the_spar_goes_to_the_pod() -> None:
+def test_battery_that_does_not_fit_the_spar_goes_to_the_pod():
     flight = inputs(3.0, 15.0, 11.0, 7.5, battery=7.5)
     model = RibWingStructure(model="rib_wing", spar_battery_density_kg_per_m3=2100.0)
     found = assess(model, flight)
@@ -606,7 +534,7 @@ def test_battery_that_does_not_fit_the_spar_goes_to_the_pod() -> None:
 # ---- propulsion rated by climb
 
 
-def test_rated_power_by_ratio_and_by_climb_rate() -> None:
+def test_rated_power_by_ratio_and_by_climb_rate():
     by_default, by_ratio = Propulsion(), Propulsion(climb_power_ratio=3.0)
     assert by_default.rated_power_w(40.0, weight_n=68.0) == 200.0
     assert by_ratio.rated_power_w(40.0, weight_n=68.0) == 120.0
@@ -618,7 +546,7 @@ def test_rated_power_by_ratio_and_by_climb_rate() -> None:
     )
 
 
-def test_ratio_and_climb_rate_are_alternatives() -> None:
+def test_ratio_and_climb_rate_are_alternatives():
     with pytest.raises(ValidationError, match="alternative to climb_power_ratio"):
         Propulsion(climb_power_ratio=5.0, climb_rate_m_per_s=2.0)
     with pytest.raises(ValidationError):
@@ -628,7 +556,7 @@ def test_ratio_and_climb_rate_are_alternatives() -> None:
 # ---- buckling of the caps' plates against closed forms
 
 
-def cap_of(along: float, across: float, shear: float, poisson: float) -> RibWingStructure:
+def cap_of(along, across, shear, poisson):
     return RibWingStructure(
         model="rib_wing",
         modulus_pa=along,
@@ -638,7 +566,7 @@ def cap_of(along: float, across: float, shear: float, poisson: float) -> RibWing
     )
 
 
-def test_cap_of_isotropic_material_buckles_at_four_of_the_plate_formula() -> None:
+def test_cap_of_isotropic_material_buckles_at_four_of_the_plate_formula():
     # Timoshenko & Gere, section 9.2: a long isotropic plate, simply supported, buckles at
     # 4 pi^2 E/(12 (1 - nu^2)) (t/w)^2; its shear modulus is E/(2 (1 + nu)).
     modulus, poisson = 70e9, 0.33
@@ -648,7 +576,7 @@ def test_cap_of_isotropic_material_buckles_at_four_of_the_plate_formula() -> Non
     assert cap.cap_buckling_pa == pytest.approx(wanted, rel=1e-12)
 
 
-def test_cap_of_orthotropic_material_buckles_by_the_inverse_of_its_compliance() -> None:
+def test_cap_of_orthotropic_material_buckles_by_the_inverse_of_its_compliance():
     along, across, shear, poisson = 120e9, 9e9, 5e9, 0.28
     compliance = [[1.0 / along, -poisson / along], [-poisson / along, 1.0 / across]]
     stiffness = np.linalg.inv(compliance) / 12.0  # of a plate of thickness one
@@ -658,7 +586,7 @@ def test_cap_of_orthotropic_material_buckles_by_the_inverse_of_its_compliance() 
     assert cap.cap_buckling_pa == pytest.approx(2.0 * np.pi**2 * bending, rel=1e-11)
 
 
-def test_tubes_as_bought_weigh_what_they_do_whoever_builds() -> None:
+def test_tubes_as_bought_weigh_what_they_do_whoever_builds():
     wing = StructureInputs(4.0, 16.0, 5.0, 2.0, 9.0, 1.1)
     length_m, diameter_m = 4.0 * 0.25, 0.1 * 0.25
     for keys, kg in (
@@ -670,7 +598,7 @@ def test_tubes_as_bought_weigh_what_they_do_whoever_builds() -> None:
             assert model.breakdown(wing).boom == pytest.approx(kg)
 
 
-def test_a_core_of_foam_fills_the_section() -> None:
+def test_a_core_of_foam_fills_the_section():
     """SEAWAY-Mini's core: 1.69 kg in 3.848 m and 1.499 m2, as it was weighed."""
     span_m, area_m2 = 3.848, 1.499
     flight = StructureInputs(span_m, span_m**2 / area_m2, 7.07, 1.0, 12.0, 1.2)

@@ -1,7 +1,5 @@
 """Tests of technology beyond experience, which is told, and beyond nature, which is refused."""
 
-from __future__ import annotations
-
 from operator import attrgetter
 
 import pytest
@@ -26,7 +24,7 @@ JULY = load_mission("rafz-july")
         ("modules.temperature_coefficient_per_k", 1000, True),
     ],
 )
-def test_technology_beyond_experience_is_told(key: str, value: float, told: bool) -> None:
+def test_technology_beyond_experience_is_told(key, value, told):
     aircraft = load_aircraft("atlantiksolar-design", [f"{key}={value}"])
     found = [one for one in analyse(aircraft, JULY).extrapolations if one.model == "experience"]
     assert [one.quantity for one in found] == ([key] if told else [])
@@ -47,7 +45,7 @@ def test_technology_beyond_experience_is_told(key: str, value: float, told: bool
         ("battery.charge_efficiency", 1.0),
     ],
 )
-def test_what_nature_does_not_allow_is_refused(key: str, highest: float) -> None:
+def test_what_nature_does_not_allow_is_refused(key, highest):
     assert 587.7e3 / 0.02594 / 3600.0 < 6443.0
     allowed = load_aircraft("atlantiksolar-design", [f"{key}={highest}"])
     section, name = key.rsplit(".", 1)

@@ -1,7 +1,5 @@
 """Nothing from outside the range of a model is silent, and nothing inside is told."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import math
@@ -13,7 +11,7 @@ from builders import aircraft as shipped_aircraft
 from scipy.optimize import brentq
 
 from missions.files.shipped import shipped_names
-from missions.mission import Mission, Scenarios
+from missions.mission import Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.design import DesignVariables, variables_of
@@ -32,7 +30,6 @@ from sizing.validity.extrapolations import (
     told,
 )
 from sizing.validity.ranges import Extrapolation, ranges
-from solar.types import FloatArray
 
 GRAVITY = 9.80665
 POLAR = {
@@ -43,7 +40,7 @@ POLAR = {
 }
 
 
-def with_airframe(aircraft: Aircraft, **changes: object) -> Aircraft:
+def with_airframe(aircraft, **changes):
     data = aircraft.model_dump()
     data["airframe"] |= changes
     return Aircraft.model_validate(data)
@@ -57,20 +54,20 @@ UNLIMITED_DESIGN = Aircraft.model_validate(
 )
 
 
-def quantities(found: tuple[Extrapolation, ...]) -> set[str]:
+def quantities(found):
     return {f"{one.quantity} of {one.model}" for one in found}
 
 
 # ---- An independent account of what must be told
 
 
-def outside(value: float, low: float, high: float) -> bool | None:
+def outside(value, low, high):
     """Whether a value is outside a range; None so near to an end that rounding decides."""
     near = min(abs(value - end) for end in (low, high) if math.isfinite(end))
     return None if near < 1e-4 * abs(value) else not low <= value <= high
 
 
-def expected(craft: Aircraft, where: Mission, values: dict[str, float]) -> dict[str, bool | None]:
+def expected(craft, where, values):
     """Every range of a parametric design again, from its masses and sizes alone."""
     airframe, air = craft.airframe, where.air_state()
     assert airframe.kind == "parametric"
@@ -133,7 +130,7 @@ def expected(craft: Aircraft, where: Mission, values: dict[str, float]) -> dict[
     return told
 
 
-def fenced_margin(aircraft: Aircraft, reynolds: float, lift: float) -> float:
+def fenced_margin(aircraft, reynolds, lift):
     """Margin at which the section of the fenced polar stalls, by bracketing."""
     polar = aircraft.airframe.aerodynamics.polar
     return float(
@@ -141,11 +138,11 @@ def fenced_margin(aircraft: Aircraft, reynolds: float, lift: float) -> float:
     )
 
 
-def drawn(count: int) -> DesignVariables:
+def drawn(count):
     """Designs all over the space: spans 0.3 to 80 m, aspect ratios 5 to 48, loads and batteries."""
     dice = np.random.default_rng(7)
 
-    def between(low: float, high: float) -> FloatArray:
+    def between(low, high):
         return np.asarray(low * (high / low) ** dice.random(count))
 
     span, ratio = between(0.3, 80.0), between(5.0, 48.0)
@@ -160,9 +157,7 @@ def drawn(count: int) -> DesignVariables:
     ids=["parabolic", "polar", "spar", "power law", "unlimited charge"],
 )
 @pytest.mark.parametrize("altitude_m", [0.0, 6900.0, 7100.0, 24000.0, 26000.0])
-def test_all_over_the_design_space_exactly_what_is_outside_is_told(
-    aircraft: Aircraft, altitude_m: float
-) -> None:
+def test_all_over_the_design_space_exactly_what_is_outside_is_told(aircraft, altitude_m):
     variables = drawn(60)
     where = mission(altitude_m=altitude_m, wind_m_per_s=9.0)
     found = performance_of_designs(aircraft, where, variables, day=solar_day(aircraft, where))
@@ -213,18 +208,18 @@ def test_all_over_the_design_space_exactly_what_is_outside_is_told(
         )
     ),
 )
-def test_shipped_aircraft_on_shipped_missions_are_inside(aircraft: Aircraft, where: str) -> None:
+def test_shipped_aircraft_on_shipped_missions_are_inside(aircraft, where):
     assert extrapolations(aircraft, performance(aircraft, shipped_mission(where))) == ()
 
 
-def test_the_page_names_the_shipped_aircraft_that_have_a_note() -> None:
+def test_the_page_names_the_shipped_aircraft_that_have_a_note():
     where = shipped_mission("rafz-july")
     every = map(shipped_aircraft, shipped_names("aircraft"))
     noted = [one.name for one in every if extrapolations(one, performance(one, where))]
     assert noted == ["stratosphere-design", "twin-boom-design"]  # docs/validity.md
 
 
-def test_the_stratospheric_aircraft_is_inside_but_for_the_error_of_the_sun() -> None:
+def test_the_stratospheric_aircraft_is_inside_but_for_the_error_of_the_sun():
     aircraft, where = shipped_aircraft("stratosphere-design"), "stratosphere-mission"
     found = extrapolations(aircraft, performance(aircraft, shipped_mission(where)))
     # The two models of the structure differ by 16 %; docs/structure.md says which was checked.
@@ -232,7 +227,7 @@ def test_the_stratospheric_aircraft_is_inside_but_for_the_error_of_the_sun() -> 
     assert quantities(found) == known
 
 
-def test_the_text_names_value_and_range_once() -> None:
+def test_the_text_names_value_and_range_once():
     small = variables_of(DESIGN)._replace(wingspan_m=2.5, battery_mass_kg=0.3, module_area_m2=0.1)
     found = performance_of_designs(POLAR_DESIGN, mission(altitude_m=16000.0), small)
     every = extrapolations(POLAR_DESIGN, found)
@@ -242,13 +237,13 @@ def test_the_text_names_value_and_range_once() -> None:
     assert len({(e.quantity, e.model) for e in every}) == len(every)
 
 
-def test_a_value_next_to_the_end_is_told_with_digits_that_tell_it_apart() -> None:
+def test_a_value_next_to_the_end_is_told_with_digits_that_tell_it_apart():
     barely = with_airframe(DESIGN, wingspan_m=8.0004)
     (one,) = extrapolations(barely, performance(barely, mission()))
     assert one.text == "wingspan 8.0004 m: outside the range of rib wing, 3 to 8 m"
 
 
-def test_models_of_the_structure_that_differ_are_told_with_both_masses() -> None:
+def test_models_of_the_structure_that_differ_are_told_with_both_masses():
     """The ratio again from the masses that the two models give the same inputs."""
     wide = with_airframe(DESIGN, wingspan_m=12.0)
     for craft, names in (
@@ -267,10 +262,10 @@ def test_models_of_the_structure_that_differ_are_told_with_both_masses() -> None
     assert "structure_mass_ratio" not in {e.quantity for e in told_of}
 
 
-def test_wings_with_narrow_caps_and_webs_with_a_core_are_inside_up_to_75_m() -> None:
+def test_wings_with_narrow_caps_and_webs_with_a_core_are_inside_up_to_75_m():
     keys = {"model": "rib_wing", "calibration": 1.188, "narrow_caps": True, "web_core": {}}
 
-    def spans_told(span_m: float, **changes: object) -> set[str]:
+    def spans_told(span_m, **changes):
         wide = with_airframe(DESIGN, wingspan_m=span_m, structure=keys | changes)
         found = extrapolations(wide, performance(wide, mission()))
         return {one.model for one in found if one.quantity == "wingspan_m"}
@@ -281,7 +276,7 @@ def test_wings_with_narrow_caps_and_webs_with_a_core_are_inside_up_to_75_m() -> 
     assert spans_told(25.0, web_core=None) == {"rib_wing"}
 
 
-def test_the_stall_outside_of_the_polar_is_the_fenced_one() -> None:
+def test_the_stall_outside_of_the_polar_is_the_fenced_one():
     where = mission(altitude_m=16000.0)
     data = POLAR_DESIGN.model_dump()
     data["airframe"]["aerodynamics"] |= {"lift_coefficient": 0.9}
@@ -297,7 +292,7 @@ def test_the_stall_outside_of_the_polar_is_the_fenced_one() -> None:
     assert fenced < float(it.stall_margin)
 
 
-def test_a_sizing_tells_the_fenced_stall_and_keeps_its_limits_at_the_design_point() -> None:
+def test_a_sizing_tells_the_fenced_stall_and_keeps_its_limits_at_the_design_point():
     light = shipped_aircraft(
         "atlantiksolar-design",
         "airframe.aerodynamics={model: wing_polar, airfoil: sd7037, design_aspect_ratio: 18.5, "
@@ -320,13 +315,13 @@ def test_a_sizing_tells_the_fenced_stall_and_keeps_its_limits_at_the_design_poin
     assert "stall_margin of wing_polar" in quantities(study.extrapolations)
 
 
-def test_an_airspeed_below_the_wind_is_told_with_the_wind() -> None:
+def test_an_airspeed_below_the_wind_is_told_with_the_wind():
     found = extrapolations(AS2, performance(AS2, mission(wind_m_per_s=50.0)))
     assert [one.quantity for one in found] == ["airspeed_m_per_s"]
     assert "outside the range of flight against the wind, from 50 m/s" in found[0].text
 
 
-def test_a_measured_aircraft_far_from_its_measurement_is_told() -> None:
+def test_a_measured_aircraft_far_from_its_measurement_is_told():
     high = extrapolations(AS2, performance(AS2, mission(altitude_m=11500.0)))
     of_any = {f"altitude_m of {model}" for model in ("model_error", "module_temperature")}
     of_any |= {"altitude_m of battery"}
@@ -335,7 +330,7 @@ def test_a_measured_aircraft_far_from_its_measurement_is_told() -> None:
     assert "reynolds_ratio of measured" in quantities(laden)
 
 
-def test_a_correction_is_told_where_the_sun_stands_elsewhere_with_the_scenarios() -> None:
+def test_a_correction_is_told_where_the_sun_stands_elsewhere_with_the_scenarios():
     where = mission(latitude_deg={"from_deg": 20.0, "to_deg": 47.6, "count": 2})
     plain, corrected = (
         extrapolations(AS2, performance(AS2, where, SolarModel("CAM", c)))
@@ -348,14 +343,14 @@ def test_a_correction_is_told_where_the_sun_stands_elsewhere_with_the_scenarios(
     assert one.value == pytest.approx(90.0 - 1.5, abs=0.1)
 
 
-def test_a_margin_of_the_model_uses_the_same_flight() -> None:
+def test_a_margin_of_the_model_uses_the_same_flight():
     where = mission(latitude_deg=70.0, uncertainty_margins={"solar_model_sigmas": 1.0})
     assert quantities(extrapolations(AS2, performance(AS2, where))) == {
         "noon_elevation_deg of correction"
     }
 
 
-def test_a_path_flown_at_another_airspeed_is_told() -> None:
+def test_a_path_flown_at_another_airspeed_is_told():
     path = {"kind": "circle", "radius_m": 100.0, "airspeed_m_per_s": 12.0}
     found = performance(AS2, mission(flight_path=path), SolarModel("VM"))
     assert quantities(extrapolations(AS2, found)) == {"airspeed_m_per_s of flight_path"}
@@ -365,7 +360,7 @@ def test_a_path_flown_at_another_airspeed_is_told() -> None:
 # ---- Many results
 
 
-def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count() -> None:
+def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count():
     each = [
         extrapolations(one, performance(one, mission()))
         for one in (with_airframe(DESIGN, wingspan_m=span) for span in (5.65, 9.0, 10.0))
@@ -376,7 +371,7 @@ def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count()
     assert together([(), ()], "designs") == ()
 
 
-def test_text_and_record_keep_what_is_told() -> None:
+def test_text_and_record_keep_what_is_told():
     wide = with_airframe(DESIGN, wingspan_m=10.0)
     found = extrapolations(wide, performance(wide, mission(wind_m_per_s=20.0)))
     assert len(found) == 3
@@ -387,14 +382,14 @@ def test_text_and_record_keep_what_is_told() -> None:
     assert tuple(Extrapolation.from_dict(one.to_dict()) for one in found) == found
 
 
-def test_text_keeps_technology_beyond_experience() -> None:
+def test_text_keeps_technology_beyond_experience():
     dense = shipped_aircraft("atlantiksolar-design", "battery.specific_energy_wh_per_kg=1200")
     found = extrapolations(dense, performance(dense, mission()))
     assert "battery.specific_energy_wh_per_kg" in {one.quantity for one in found}
     assert from_text(as_text(found)) == tuple(found)
 
 
-def test_cells_are_counted_and_the_farthest_is_told() -> None:
+def test_cells_are_counted_and_the_farthest_is_told():
     from sizing.validity.checks import correction_check
 
     cells = Scenarios(np.array([47.6, 20.0, 60.0]), np.array([182, 182, 355]))
@@ -405,7 +400,7 @@ def test_cells_are_counted_and_the_farthest_is_told() -> None:
     assert one.value == pytest.approx(6.6, abs=0.1)
 
 
-def test_every_range_of_the_catalogue_has_a_source_and_an_order() -> None:
+def test_every_range_of_the_catalogue_has_a_source_and_an_order():
     for row in ranges().values():
         assert len(row.source) > 10
         if row.minimum is not None and row.maximum is not None:

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 from builders import AS2, DESIGN, SKY_SAILOR, aircraft
 
-from sizing.aircraft import Aircraft
 from studies.exchange.airplane import airplane_text, to_aerosandbox
 from studies.exchange.geometry import lifting_surfaces
 
@@ -24,7 +23,7 @@ AIRFOIL = aircraft(
 CASES = pytest.mark.parametrize("craft", [AS2, DESIGN, SKY_SAILOR, AIRFOIL], ids=lambda a: a.name)
 
 
-def avl(craft: Aircraft, folder: Path) -> Any:
+def avl(craft, folder):
     """AVL with the exported file; its paths are short."""
     # A link that optvl left for an environment that is gone by now stands in its way.
     link = Path(tempfile.gettempdir()) / "optvl.libs"
@@ -35,7 +34,7 @@ def avl(craft: Aircraft, folder: Path) -> Any:
     return optvl.OVLSolver(geo_file=str(path))
 
 
-def lift_of_wing(solver: Any, alpha_deg: float) -> float:
+def lift_of_wing(solver, alpha_deg):
     """Lift coefficient of both halves of the wing."""
     solver.set_variable("alpha", alpha_deg)
     solver.execute_run()
@@ -44,7 +43,7 @@ def lift_of_wing(solver: Any, alpha_deg: float) -> float:
 
 
 @CASES
-def test_airplane_has_the_dimensions_of_the_aircraft(craft: Aircraft) -> None:
+def test_airplane_has_the_dimensions_of_the_aircraft(craft):
     airplane = to_aerosandbox(craft)
     span, ratio = craft.airframe.wingspan_m, craft.airframe.aspect_ratio
     wing = airplane.wings[0]
@@ -56,7 +55,7 @@ def test_airplane_has_the_dimensions_of_the_aircraft(craft: Aircraft) -> None:
 
 @pytest.mark.long
 @CASES
-def test_avl_lifts_the_exported_wing_as_the_models_do(craft: Aircraft, tmp_path: Path) -> None:
+def test_avl_lifts_the_exported_wing_as_the_models_do(craft, tmp_path):
     solver = avl(craft, tmp_path)
     given = solver.get_reference_data()
     span, ratio = craft.airframe.wingspan_m, craft.airframe.aspect_ratio
@@ -74,14 +73,14 @@ def test_avl_lifts_the_exported_wing_as_the_models_do(craft: Aircraft, tmp_path:
 
 
 @pytest.mark.long
-def test_avl_sees_camber_incidence_and_drag(tmp_path: Path) -> None:
+def test_avl_sees_camber_incidence_and_drag(tmp_path):
     # 5.7 degrees of incidence carry a symmetric wing at no angle of attack, and camber adds to it:
     # about 7 degrees of zero lift angle for an airfoil with 6.6 % of camber.
     plain, cambered = avl(DESIGN, tmp_path), avl(AIRFOIL, tmp_path)
     slope = math.radians(1.0) * 5.4
     assert lift_of_wing(plain, 0.0) == pytest.approx(5.7 * slope, rel=0.05)
     assert 6.0 * slope < lift_of_wing(cambered, 0.0) - lift_of_wing(plain, 0.0) < 10.0 * slope
-    polar = DESIGN.airframe.aerodynamics  # type: ignore[union-attr]  # a parametric one
+    polar = DESIGN.airframe.aerodynamics
     lift_of_wing(plain, 0.0)
     viscous = plain.get_total_forces()["CDv"]
     expected = polar.profile_drag_coefficient + polar.parasitic_drag_coefficient
@@ -89,7 +88,7 @@ def test_avl_sees_camber_incidence_and_drag(tmp_path: Path) -> None:
     assert expected < viscous < 1.003 * expected
 
 
-def test_the_script_makes_the_same_airplane() -> None:
+def test_the_script_makes_the_same_airplane():
     for craft in (AIRFOIL, SKY_SAILOR):
         space: dict[str, Any] = {}
         exec(airplane_text(craft, "py"), space)  # a script of our own
@@ -108,7 +107,7 @@ def test_the_script_makes_the_same_airplane() -> None:
                 assert a.airfoil.max_thickness() == pytest.approx(b.airfoil.max_thickness())
 
 
-def test_names_mean_nothing_in_scripts() -> None:
+def test_names_mean_nothing_in_scripts():
     craft = DESIGN.model_copy(update={"name": '"); import os # \\ \u00e9'})
     for kind in ("avl", "vspscript", "py"):
         text = airplane_text(craft, kind)
@@ -116,7 +115,7 @@ def test_names_mean_nothing_in_scripts() -> None:
         assert "; import os" not in text
 
 
-def test_surfaces_say_where_their_numbers_come_from() -> None:
+def test_surfaces_say_where_their_numbers_come_from():
     found = lifting_surfaces(AS2)
     assert any("no drag polar" in note for note in found.notes)
     assert any("symmetric" in note for note in found.notes)

@@ -1,11 +1,9 @@
 """Tests of what exports and drawings have of an aircraft with tail, taper and balance."""
 
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 from builders import DESIGN, aircraft
-from command_line import Run
 
 import missions
 import sizing
@@ -19,7 +17,7 @@ TWIN = aircraft("twin-boom-design")
 ANALYSIS = sizing.analyse(TWIN, missions.load_mission("rafz-july"), replay=False)
 
 
-def test_surfaces_have_the_areas_and_places_of_the_file() -> None:
+def test_surfaces_have_the_areas_and_places_of_the_file():
     found, planes = lifting_surfaces(TWIN, 0.13), ANALYSIS.balance.planes
     wing, horizontal, vertical = found.surfaces
     halves = (
@@ -43,7 +41,7 @@ def test_surfaces_have_the_areas_and_places_of_the_file() -> None:
     assert found.other_drag_coefficient == pytest.approx(parasitic, rel=0.02)
 
 
-def test_files_carry_the_centre_of_gravity() -> None:
+def test_files_carry_the_centre_of_gravity():
     gravity_m = ANALYSIS.balance.gravity_m
     script = design_bytes(ANALYSIS, "a.py").decode()
     assert f"xyz_ref=[{gravity_m:.6g}, 0.0, 0.0]" in script
@@ -55,7 +53,7 @@ def test_files_carry_the_centre_of_gravity() -> None:
     assert "static_margin" not in plain.to_dict()
 
 
-def test_views_show_both_booms_and_the_taper() -> None:
+def test_views_show_both_booms_and_the_taper():
     drawing = aircraft_drawing(TWIN)
     assert len(drawing.booms_m) == 2
     assert drawing.chord_at(2.5) == pytest.approx(0.6 * drawing.chord_at(0.0))
@@ -68,7 +66,7 @@ def test_views_show_both_booms_and_the_taper() -> None:
 
 
 @pytest.mark.slow
-def test_a_report_has_drag_and_balance(run: Run, tmp_path: Path) -> None:
+def test_a_report_has_drag_and_balance(run, tmp_path):
     target = tmp_path / "twin.html"
     assert run("report", "twin-boom-design", "--out", str(target)).code == 0
     text = target.read_text(encoding="utf-8")
@@ -77,7 +75,7 @@ def test_a_report_has_drag_and_balance(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_sized_aircraft_tells_its_margin(run: Run, tmp_path: Path) -> None:
+def test_a_sized_aircraft_tells_its_margin(run, tmp_path):
     """The sizing moves no mass: the analysis says what is left of the margin."""
     folder = str(tmp_path / "sized")
     arguments = ("twin-boom-design", "-m", "rafz-july", "--required-excess-time", "2")

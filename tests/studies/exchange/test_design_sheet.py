@@ -15,7 +15,7 @@ SHEETS = [
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda sheet: sheet.title)
-def test_quantities_agree_with_each_other(sheet) -> None:  # type: ignore[no-untyped-def]  # parametrised
+def test_quantities_agree_with_each_other(sheet):
     values = {q.key: q.value for q in sheet.quantities}
     parts = [
         q.value for q in sheet.quantities if q.group == "masses" and q.label.startswith("mass:")
@@ -32,7 +32,7 @@ def test_quantities_agree_with_each_other(sheet) -> None:  # type: ignore[no-unt
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda sheet: sheet.title)
-def test_latex_is_balanced_and_has_four_columns(sheet) -> None:  # type: ignore[no-untyped-def]  # parametrised
+def test_latex_is_balanced_and_has_four_columns(sheet):
     text = latex_table(sheet)
     bare = re.sub(r"\\.", "", text)
     assert bare.count("{") == bare.count("}")
@@ -43,7 +43,7 @@ def test_latex_is_balanced_and_has_four_columns(sheet) -> None:  # type: ignore[
     assert text.isascii()
 
 
-def test_latex_is_drawn_by_mathtext() -> None:
+def test_latex_is_drawn_by_mathtext():
     # Matplotlib reads the same symbols; what it cannot read, LaTeX is not given.
     from matplotlib.mathtext import MathTextParser
 
@@ -53,7 +53,7 @@ def test_latex_is_drawn_by_mathtext() -> None:
             parser.parse(f"${quantity.symbol}$")
 
 
-def test_special_characters() -> None:
+def test_special_characters():
     assert escaped("50 % of A_B & {C} #1 ~^\\ $") == (
         r"50 \% of A\_B \& \{C\} \#1 \textasciitilde{}\textasciicircum{}\textbackslash{} \$"
     )
@@ -73,5 +73,5 @@ def test_special_characters() -> None:
         (-0.25, "-0.2500"),
     ],
 )
-def test_numbers_have_four_digits(value: float | None, text: str) -> None:
+def test_numbers_have_four_digits(value, text):
     assert number_text(value) == text

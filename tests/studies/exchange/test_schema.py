@@ -2,8 +2,6 @@
 
 import copy
 import json
-from collections.abc import Iterator
-from typing import Any
 
 import jsonschema
 import pytest
@@ -15,17 +13,17 @@ from sizing.aircraft import Aircraft
 from studies.exchange.schema import file_schema
 
 CLASSES: dict[str, type[BaseModel]] = {"aircraft": Aircraft, "mission": Mission}
-VALIDATORS = {kind: jsonschema.Draft202012Validator(file_schema(kind)) for kind in CLASSES}  # type: ignore[arg-type]  # both are
-SHIPPED = [(kind, name) for kind in CLASSES for name in shipped_names(kind)]  # type: ignore[arg-type]  # both are
+VALIDATORS = {kind: jsonschema.Draft202012Validator(file_schema(kind)) for kind in CLASSES}
+SHIPPED = [(kind, name) for kind in CLASSES for name in shipped_names(kind)]
 
 
-def content(kind: str, name: str) -> dict[str, Any]:
+def content(kind, name):
     """File as JSON has it."""
-    data = find_document(kind, name).data  # type: ignore[arg-type]  # one of both
+    data = find_document(kind, name).data
     return json.loads(json.dumps(data))
 
 
-def places(node: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+def places(node, path=()):
     """Every key of a file."""
     if isinstance(node, dict):
         for key, inner in node.items():
@@ -33,7 +31,7 @@ def places(node: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
             yield from places(inner, (*path, key))
 
 
-def changed(data: dict[str, Any], path: tuple[Any, ...], value: Any) -> dict[str, Any]:
+def changed(data, path, value):
     """File with a value replaced, or left out if it is ``...``."""
     new = copy.deepcopy(data)
     node = new
@@ -47,19 +45,19 @@ def changed(data: dict[str, Any], path: tuple[Any, ...], value: Any) -> dict[str
 
 
 @pytest.mark.parametrize("kind", CLASSES)
-def test_schema_is_a_schema(kind: str) -> None:
+def test_schema_is_a_schema(kind):
     schema = VALIDATORS[kind].schema
     jsonschema.Draft202012Validator.check_schema(schema)
     assert json.loads(json.dumps(schema, allow_nan=False)) == schema
 
 
 @pytest.mark.parametrize(("kind", "name"), SHIPPED)
-def test_shipped_files_are_valid(kind: str, name: str) -> None:
+def test_shipped_files_are_valid(kind, name):
     VALIDATORS[kind].validate(content(kind, name))
 
 
 @pytest.mark.parametrize("kind", CLASSES)
-def test_keys_have_labels_and_units(kind: str) -> None:
+def test_keys_have_labels_and_units(kind):
     schema = VALIDATORS[kind].schema
     if kind == "aircraft":
         found = schema["$defs"]["Battery"]["properties"]["specific_energy_wh_per_kg"]
@@ -72,7 +70,7 @@ def test_keys_have_labels_and_units(kind: str) -> None:
 @pytest.mark.parametrize(
     ("kind", "name"), [("aircraft", "atlantiksolar-design"), ("mission", "rafz-28h")]
 )
-def test_whatever_is_accepted_is_valid(kind: str, name: str) -> None:
+def test_whatever_is_accepted_is_valid(kind, name):
     # An editor must not underline what the software takes: every key left out, and with values of
     # other types, judged by both.
     data, refused_by_both = content(kind, name), 0
@@ -89,7 +87,7 @@ def test_whatever_is_accepted_is_valid(kind: str, name: str) -> None:
     assert refused_by_both > 5 * len(list(places(data)))
 
 
-def test_plain_mistakes_are_refused() -> None:
+def test_plain_mistakes_are_refused():
     data = content("aircraft", "atlantiksolar-as2")
     for path, value in (
         (("airframe", "wingspan_m"), "5"),
