@@ -72,31 +72,6 @@ def test_dates_are_normalised():
     assert Dates(on=" 7-5 ").on == Dates(on="2015-07-05").on == "07-05"
 
 
-@pytest.mark.parametrize(
-    "text", ["02-29", "13-01", "00-01", "04-31", "abc", "", "07-01-2015", 715, 7.15, True]
-)
-def test_other_dates_are_refused(text):
-    with pytest.raises(ValidationError, match="on\n"):
-        Dates(on=text)
-
-
-FROM_TO = {"from": "05-01", "to": "08-15"}
-
-
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
-        *((one, "empty date range") for one in ({}, {"on": None}, {"from": "05-01"})),
-        *((one, "empty date range") for one in ({"to": "05-01"}, {"count": 3})),
-        *(({"on": "07-15"} | one, "not both") for one in ({"from": "05-01"}, {"count": 3})),
-        *((FROM_TO | {"count": count}, "count") for count in (0, -1, 366, 2.5, "3", True)),
-    ],
-)
-def test_other_ranges_are_refused(data, message):
-    with pytest.raises(ValidationError, match=message):
-        Dates.model_validate(data)
-
-
 # ---- Latitudes
 
 
@@ -106,20 +81,6 @@ def test_other_ranges_are_refused(data, message):
 def test_latitude_range_includes_its_ends_and_may_lead_south(ends, values):
     first, last, count = ends
     assert LatitudeRange(from_deg=first, to_deg=last, count=count).values() == values
-
-
-@pytest.mark.parametrize("count", [1, 0, -3, 182, 3.0, "3"])
-def test_other_counts_of_latitudes_are_refused(count):
-    with pytest.raises(ValidationError, match="count"):
-        LatitudeRange(from_deg=45.0, to_deg=50.0, count=count)
-
-
-@pytest.mark.parametrize("latitude", [95.0, -90.1, float("nan"), float("inf"), "47.6", True, None])
-def test_other_latitudes_are_refused(latitude):
-    with pytest.raises(ValidationError, match="latitude_deg"):
-        mission(latitude_deg=latitude)
-    with pytest.raises(ValidationError, match="from_deg"):
-        LatitudeRange(from_deg=latitude, to_deg=50.0)
 
 
 @pytest.mark.parametrize(
@@ -134,28 +95,66 @@ def test_latitudes_are_accepted_and_labelled(latitude, label):
 # ---- Missions
 
 
+FROM_TO = {"from": "05-01", "to": "08-15"}
+NORTH = {"from_deg": 45.0, "to_deg": 50.0}
+NOT_A_DATE = ("02-29", "13-01", "00-01", "04-31", "abc", "", 715, 7.15, True)
+BEFORE_1_2 = 674  # what YAML 1.1 makes of an unquoted 11:14
+
+
 @pytest.mark.parametrize(
-    ("section", "key", "values"),
+    ("key", "message", "values"),
     [
-        ("", "longitude_deg", (*NO_NUMBERS, 180.5)),
-        ("", "altitude_m", (*NO_NUMBERS, -501.0, 32001.0)),
-        ("", "clearness", (*NO_NUMBERS, 0.0, 1.1)),
-        ("", "wind_m_per_s", (*NO_NUMBERS, -1.0)),
-        ("", "required_excess_time_h", (*NO_NUMBERS, -1.0)),
-        ("", "name", ("",)),
-        ("payload", "mass_kg", (*NO_NUMBERS, -0.1)),
-        ("payload", "power_w", (*NO_NUMBERS, -0.1)),
-        ("turbulence", "all_day", (*NO_NUMBERS, -0.1)),
-        ("turbulence", "thermal", (*NO_NUMBERS, -0.1)),
+        ("dates", "on\n", [{"on": text} for text in NOT_A_DATE]),
+        ("dates", "empty date range", [{}, {"on": None}, {"from": "05-01"}, {"to": "05-01"}]),
+        ("dates", "empty date range", [{"count": 3}]),
+        (
+            "dates",
+            "not both",
+            [{"on": "07-15"} | more for more in ({"from": "05-01"}, {"count": 3})],
+        ),
+        ("dates", "count", [FROM_TO | {"count": n} for n in (0, -1, 366, 2.5, "3", True)]),
+        ("latitude_deg", "latitude_deg", (*NO_NUMBERS, 95.0, -90.1, None)),
+        ("latitude_deg", "from_deg", [NORTH | {"from_deg": x} for x in (*NO_NUMBERS, 95.0, None)]),
+        ("latitude_deg", "count", [NORTH | {"count": n} for n in (1, 0, -3, 182, 3.0, "3")]),
+        ("longitude_deg", "longitude_deg", (*NO_NUMBERS, 180.5)),
+        ("altitude_m", "altitude_m", (*NO_NUMBERS, -501.0, 32001.0, None)),
+        ("clearness", "clearness", (*NO_NUMBERS, 0.0, 1.1)),
+        ("wind_m_per_s", "wind_m_per_s", (*NO_NUMBERS, -1.0)),
+        ("required_excess_time_h", "required_excess_time_h", (*NO_NUMBERS, -1.0)),
+        ("name", "name", ("",)),
+        ("payload.mass_kg", "mass_kg", (*NO_NUMBERS, -0.1)),
+        ("payload.power_w", "power_w", (*NO_NUMBERS, -0.1)),
+        ("turbulence.all_day", "all_day", (*NO_NUMBERS, -0.1)),
+        ("turbulence.thermal", "thermal", (*NO_NUMBERS, -0.1)),
         # In kelvin, or no temperature.
-        ("air", "ambient_temperature_c", (*NO_NUMBERS, 295.85, -101.0)),
-        ("air", "module_temperature_c", (*NO_NUMBERS, 295.85, -101.0)),
+        ("air.ambient_temperature_c", "ambient_temperature_c", (*NO_NUMBERS, 295.85, -101.0)),
+        ("air.module_temperature_c", "module_temperature_c", (*NO_NUMBERS, 295.85, -101.0)),
+        ("air", "not both", [{"temperature_offset_k": 0.0, "ambient_temperature_c": 20.0}]),
+        ("launch", "date", [LAUNCH | {"date": value} for value in ("02-29", 630)]),
+        (
+            "launch",
+            "time_local",
+            [
+                LAUNCH | {"time_local": value}
+                for value in ("24:00", "11:60", "11", "11:14:00", BEFORE_1_2)
+            ],
+        ),
+        ("launch", "utc_offset_h", [LAUNCH | {"utc_offset_h": 15.0}]),
+        ("launch", "state_of_charge", [LAUNCH | {"state_of_charge": x} for x in (57.7, -0.1)]),
+        ("launch", "duration_h", [LAUNCH | {"duration_h": x} for x in (0.0, float("nan"))]),
+        ("launch", "single latitude", [LAUNCH]),
     ],
 )
-def test_values_out_of_range_are_refused(section, key, values):
+def test_values_that_cannot_be_are_refused(key, message, values):
+    section, _, name = key.rpartition(".")
     for value in values:
-        with pytest.raises(ValidationError, match=key):
-            mission(**({section: {key: value}} if section else {key: value}))
+        changes = {section: {name: value}} if section else {key: value}
+        if key == "launch":
+            changes["longitude_deg"] = 8.53
+        if message == "single latitude":
+            changes["latitude_deg"] = NORTH
+        with pytest.raises(ValidationError, match=message):
+            mission(**changes)
 
 
 @pytest.mark.parametrize("key", ["name", "latitude_deg", "dates"])
@@ -204,11 +203,6 @@ def test_module_temperature_is_that_of_the_air_unless_given():
     assert mission(altitude_m=0.0).module_temperature_c() == pytest.approx(15.0)  # sea level
 
 
-def test_two_air_temperatures_are_refused():
-    with pytest.raises(ValidationError, match="not both"):
-        mission(air={"temperature_offset_k": 0.0, "ambient_temperature_c": 20.0})
-
-
 # ---- Launch
 
 
@@ -245,8 +239,6 @@ def test_bad_floors_are_one_line(changes, message):
 def test_null_altitude_leaves_it_to_the_floor():
     climb = {"ceiling_m": 18000.0, "minimum_altitude_m": 12000.0}
     assert mission(altitude_m=None, climb=climb).altitude_m == 12000.0
-    with pytest.raises(ValidationError):
-        mission(altitude_m=None)
 
 
 def test_a_flight_path_is_flown_in_the_winds_of_all_heights():
@@ -279,35 +271,11 @@ def test_launch_is_read(text, hours):
     assert (launch.date, launch.state_of_charge) == ("06-30", 1.0)
 
 
-def test_launch_needs_a_longitude_and_a_single_latitude():
+def test_launch_needs_a_longitude():
     assert mission(longitude_deg=0.0, launch=LAUNCH).launch is not None
     with pytest.raises(ValidationError, match="needs longitude_deg") as caught:
         mission(launch=LAUNCH)
     assert caught.value.errors()[0]["ctx"]["key"] == "launch"
-    with pytest.raises(ValidationError, match="single latitude"):
-        mission(latitude_deg={"from_deg": 45.0, "to_deg": 50.0}, longitude_deg=8.53, launch=LAUNCH)
-
-
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        ("date", "02-29"),
-        ("date", 630),
-        ("time_local", "24:00"),
-        ("time_local", "11:60"),
-        ("time_local", "11"),
-        ("time_local", "11:14:00"),
-        ("time_local", 674),  # what YAML 1.1 makes of an unquoted 11:14
-        ("utc_offset_h", 15.0),
-        ("state_of_charge", 57.7),
-        ("state_of_charge", -0.1),
-        ("duration_h", 0.0),
-        ("duration_h", float("nan")),
-    ],
-)
-def test_bad_launches_are_refused(key, value):
-    with pytest.raises(ValidationError, match=key):
-        Launch.model_validate({**LAUNCH, key: value})
 
 
 # ---- Scenarios

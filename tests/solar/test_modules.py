@@ -46,24 +46,47 @@ def test_curve_with_points_close_together_is_searched():
     assert curve(np.zeros((2, 3, 4))).shape == (2, 3, 4)
 
 
+NAN, PER_CENT, UP = float("nan"), 100.0, {"x": (0.0, 1.0), "y": (0.0, 1.0)}
+FALLING = {"aoi_deg": (0.0, 90.0), "relative_efficiency": (1.0, 0.0)}
+
+
 @pytest.mark.parametrize(
-    ("table", "message"),
+    ("kind", "keys", "message"),
     [
-        ({"x": (0.0, 1.0), "y": (0.0,)}, "at least 2"),
-        ({"x": (0.0,), "y": (0.0,)}, "at least 2"),
-        ({"x": (0.0, 1.0, 2.0), "y": (0.0, 1.0)}, "must match"),
-        ({"x": (0.0, 0.0), "y": (0.0, 1.0)}, "increase strictly"),
-        ({"x": (1.0, 0.0), "y": (0.0, 1.0)}, "increase strictly"),
-        ({"x": (0.0, 1.0), "y": (0.0, float("nan"))}, "finite"),
-        ({"x": (0.0, float("inf")), "y": (0.0, 1.0)}, "finite"),
-        ({"x": (0.0, "1"), "y": (0.0, 1.0)}, "valid number"),
-        ({"x": (0.0, True), "y": (0.0, 1.0)}, "valid number"),
-        ({"x": (0.0, 1.0), "y": (0.0, 1.0), "z": 1.0}, "Extra inputs"),
+        (Curve, UP | {"y": (0.0,)}, "at least 2"),
+        (Curve, {"x": (0.0,), "y": (0.0,)}, "at least 2"),
+        (Curve, UP | {"x": (0.0, 1.0, 2.0)}, "must match"),
+        (Curve, UP | {"x": (0.0, 0.0)}, "increase strictly"),
+        (Curve, UP | {"x": (1.0, 0.0)}, "increase strictly"),
+        (Curve, UP | {"y": (0.0, NAN)}, "finite"),
+        (Curve, UP | {"x": (0.0, float("inf"))}, "finite"),
+        (Curve, UP | {"x": (0.0, "1")}, "valid number"),
+        (Curve, UP | {"x": (0.0, True)}, "valid number"),
+        (Curve, UP | {"z": 1.0}, "Extra inputs"),
+        (IncidenceTable, FALLING | {"relative_efficiency": (1.0,)}, "at least 2"),
+        (IncidenceTable, FALLING | {"aoi_deg": (0.0, 45.0, 90.0)}, "same length"),
+        (IncidenceTable, FALLING | {"aoi_deg": (90.0, 0.0)}, "increase strictly"),
+        (IncidenceTable, FALLING | {"aoi_deg": (0.0, 91.0)}, "less than or equal to 90"),
+        (IncidenceTable, FALLING | {"aoi_deg": (-1.0, 90.0)}, "greater than or equal to 0"),
+        (IncidenceTable, FALLING | {"relative_efficiency": (PER_CENT, 0.0)}, "equal to 1"),
+        (IncidenceTable, FALLING | {"relative_efficiency": (1.0, NAN)}, "finite"),
+        (IncidenceTable, {"aoi_rad": (0.0, 1.5), "relative_efficiency": (1.0, 0.0)}, "aoi_rad"),
+        (SolarCell, {"efficiency_stc": 23.7}, "efficiency_stc"),  # per cent
+        (SolarCell, {"efficiency_stc": 0.0}, "efficiency_stc"),
+        (SolarCell, {"efficiency_stc": "0.2"}, "efficiency_stc"),
+        (SolarCell, {"efficiency_stc": True}, "efficiency_stc"),
+        (SolarCell, {"efficiency": 0.2}, "efficiency"),
+        (SolarCell, {"mppt_efficiency": 1.01}, "mppt_efficiency"),
+        (SolarCell, {"camber_efficiency": -0.1}, "camber_efficiency"),
+        (SolarCell, {"diffuse_efficiency": NAN}, "diffuse_efficiency"),
+        (SolarCell, {"temperature_coefficient_per_k": -0.003}, "temperature_coefficient"),
     ],
 )
-def test_bad_curves_are_refused(table, message):
+def test_tables_and_cells_that_cannot_be_are_refused(kind, keys, message):
     with pytest.raises(ValidationError, match=message):
-        Curve(**table)
+        kind(**keys)
+    with pytest.raises(FileNotFoundError):
+        shipped_curve("no_such_curve")
 
 
 # ---- Shipped curves
@@ -86,11 +109,6 @@ def test_shipped_curves_are_relative_efficiencies(name):
 )
 def test_shipped_curves_are_the_published_ones(name, published):
     assert shipped_curve(name)(list(published)) == pytest.approx(list(published.values()))
-
-
-def test_unknown_curve_is_refused():
-    with pytest.raises(FileNotFoundError):
-        shipped_curve("no_such_curve")
 
 
 # ---- Module efficiencies
@@ -147,40 +165,3 @@ def test_diffuse_efficiency_is_the_mean_incidence_efficiency_of_the_sky():
     # Half of that area is beyond 60 degrees, where the eleven points read off a figure follow the
     # steep end of the curve only to some per cent.
     assert mean == pytest.approx(cell.diffuse_efficiency, abs=0.04)
-
-
-@pytest.mark.parametrize(
-    "table",
-    [
-        {"aoi_deg": (0.0, 90.0), "relative_efficiency": (1.0,)},
-        {"aoi_deg": (0.0, 45.0, 90.0), "relative_efficiency": (1.0, 0.0)},
-        {"aoi_deg": (90.0, 0.0), "relative_efficiency": (0.0, 1.0)},
-        {"aoi_deg": (0.0, 91.0), "relative_efficiency": (1.0, 0.0)},
-        {"aoi_deg": (-1.0, 90.0), "relative_efficiency": (1.0, 0.0)},
-        {"aoi_deg": (0.0, 90.0), "relative_efficiency": (100.0, 0.0)},  # per cent
-        {"aoi_deg": (0.0, 90.0), "relative_efficiency": (1.0, float("nan"))},
-        {"aoi_rad": (0.0, 1.5), "relative_efficiency": (1.0, 0.0)},
-    ],
-)
-def test_bad_incidence_tables_are_refused(table):
-    with pytest.raises(ValidationError):
-        IncidenceTable(**table)
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"efficiency_stc": 23.7},  # per cent
-        {"efficiency_stc": 0.0},
-        {"mppt_efficiency": 1.01},
-        {"camber_efficiency": -0.1},
-        {"diffuse_efficiency": float("nan")},
-        {"temperature_coefficient_per_k": -0.003},
-        {"efficiency_stc": "0.2"},
-        {"efficiency_stc": True},
-        {"efficiency": 0.2},
-    ],
-)
-def test_bad_cells_are_refused(change):
-    with pytest.raises(ValidationError, match=next(iter(change))):
-        SolarCell(**change)

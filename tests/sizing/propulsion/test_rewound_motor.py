@@ -72,6 +72,7 @@ def sized():
     return sizing.size(aircraft(RANGE), MISSION, objective="min_mass", required_excess_time_h=3.0)
 
 
+@pytest.mark.long
 def test_no_winding_of_a_scan_is_better(sized):
     assert sized.feasible
     best = float(sized.design.variables.motor_speed_constant_rpm_per_v)

@@ -266,21 +266,30 @@ def structure_of(aircraft, design):
 
 
 @pytest.mark.parametrize(
-    ("keys", "said"),
+    ("key", "value", "said"),
     [
-        ({"spar_battery_density_kg_per_m3": 2100.0}, "has no room for cells"),
-        ({"bracing": WIRE | {"angle_deg": 80.0}}, "less than or equal to 60"),
-        ({"bracing": WIRE | {"attachment_span_fraction": 0.0}}, "greater than or equal to 0.1"),
-        ({"web_core": {"density_kg_per_m3": 0.0}}, "greater than 0"),
-        ({"landing_gear_span_fraction": 1.0}, "less than or equal to 0.95"),
-        ({"manoeuvre_load_factor": 0.5}, "greater than or equal to 1"),
-        ({"booms": 3}, "less than or equal to 2"),
+        ("spar_battery_density_kg_per_m3", 2100.0, "has no room for cells"),
+        ("bracing", WIRE | {"angle_deg": 80.0}, "less than or equal to 60"),
+        ("bracing", WIRE | {"attachment_span_fraction": 0.0}, "greater than or equal to 0.1"),
+        ("web_core", {"density_kg_per_m3": 0.0}, "greater than 0"),
+        ("landing_gear_span_fraction", 1.0, "less than or equal to 0.95"),
+        ("manoeuvre_load_factor", 0.5, "greater than or equal to 1"),
+        ("booms", 3, "less than or equal to 2"),
+        ("torsion", {"aileron_start_fraction": 1.0}, "aileron_start_fraction"),
+        ("torsion", {"speed_margin": 0.9}, "speed_margin"),
+        ("torsion", {"maximum_twist_deg": 0.0}, "maximum_twist_deg"),
+        ("torsion", {"sheet_shear_modulus_pa": 0.0}, "sheet_shear_modulus_pa"),
+        ("torsion", {"sheer_modulus_pa": 1e9}, "sheer_modulus_pa"),
+        *(
+            ("build", build, "record, careful, ordinary or a number greater than 0")
+            for build in ("carefull", 0, -1.0, True, [1])
+        ),
     ],
     ids=str,
 )
-def test_keys_that_cannot_be_are_refused(keys, said):
+def test_keys_that_cannot_be_are_refused(key, value, said):
     with pytest.raises(ValidationError, match=said):
-        of_airframe(structure=large(**keys))
+        of_airframe(structure=large(**{key: value}))
 
 
 def test_a_tail_without_a_boom_and_wires_on_a_polar_of_ones_own_are_refused():
