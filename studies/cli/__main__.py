@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import importlib
 import io
 import os
 import signal
 import sys
 import warnings
-from typing import NamedTuple, TextIO
+from typing import TextIO
 
 import click
 
 from missions.files.errors import InputError, did_you_mean
 from solar._version import __version__
 from solar.versions import DeprecatedKeyWarning
-from studies.cli.command import Command, write_examples
+from studies.cli import commands as commands  # which declares them
+from studies.cli.command import COMMANDS, write_examples, write_shared_options
 from studies.cli.options import EXIT_BAD_INPUT, EXIT_FAILED
 from studies.cli.telling import tell_error
 from studies.signals import Signals, interruptible
@@ -23,42 +23,8 @@ from studies.signals import Signals, interruptible
 _SHOW_WARNING = warnings.showwarning
 
 
-class _Lazy(NamedTuple):
-    """A command that is imported when it is called: its module, its summary, and what it is for."""
-
-    module: str
-    summary: str
-    task: str
-
-
 # What one does with the command, in the order in which one does it.
 _TASKS = ("Start", "Design", "Analyse", "Verify")
-_COMMANDS = {
-    "list": _Lazy("files", "Shipped aircraft, missions and weather records.", "Start"),
-    "show": _Lazy("files", "The file of a shipped aircraft, mission or record.", "Start"),
-    "init": _Lazy("files", "Commented files to start your own aircraft from.", "Start"),
-    "validate": _Lazy("files", "Everything that is wrong with files.", "Start"),
-    "schema": _Lazy("exchange", "Completion of files in an editor.", "Start"),
-    "size": _Lazy("size", "The best design for a mission.", "Design"),
-    "sweep": _Lazy("sweep", "Trade study: vary keys, judge or size.", "Design"),
-    "explore": _Lazy("explore", "Sliders for a design, on a local page.", "Design"),
-    "analyse": _Lazy("analyse", "How long it flies, there and then.", "Analyse"),
-    "map": _Lazy("map", "Where and when it flies perpetually.", "Analyse"),
-    "ceiling": _Lazy("ceiling", "How high it flies perpetually.", "Analyse"),
-    "station": _Lazy("station", "How often it holds its place in the wind.", "Analyse"),
-    "uncertainty": _Lazy(
-        "uncertainty", "How likely it flies perpetually when inputs scatter.", "Analyse"
-    ),
-    "export": _Lazy("exchange", "A design for other tools, papers and sheets.", "Design"),
-    "report": _Lazy("report", "A page on a design, to be read or printed.", "Analyse"),
-    "compare": _Lazy("compare", "All solar power models side by side.", "Verify"),
-    "verify": _Lazy("verify", "The solar power models against a flight log.", "Verify"),
-    "reproduce-report": _Lazy(
-        "reproduce", "The four models on the morning they were published with.", "Verify"
-    ),
-}
-
-
 _SPELLED = {"analyze": "analyse"}
 _EXAMPLES = (
     "solar-uav analyse atlantiksolar-as2 --latitude 47.6 --date 10-15",
@@ -67,25 +33,16 @@ _EXAMPLES = (
 )
 
 
-class _LazyGroup(click.Group):
-    """Group whose commands are imported when they are called.
-
-    The pattern is that of click's documentation, "Lazily Loading Subcommands"; the list of commands
-    needs no import at all.
-    """
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of all commands."""
-        return list(_COMMANDS)
+class _Group(click.Group):
+    """Group of all commands, whose page has them by task, and the options of several of them."""
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Command of a name, in either spelling; None where there is none."""
-        name = _SPELLED.get(cmd_name, cmd_name)
-        if name not in _COMMANDS:
-            return None
-        module = importlib.import_module(f"studies.cli.commands.{_COMMANDS[name].module}")
-        commands = (one for one in vars(module).values() if isinstance(one, Command))
-        return next(one for one in commands if one.name == name)
+        return super().get_command(ctx, _SPELLED.get(cmd_name, cmd_name))
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of all commands."""
+        return list(COMMANDS)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -94,7 +51,7 @@ class _LazyGroup(click.Group):
         try:
             return super().resolve_command(ctx, args)
         except click.UsageError as error:
-            meant = did_you_mean(args[0], _COMMANDS)
+            meant = did_you_mean(args[0], COMMANDS)
             raise click.UsageError(f"{error.message.rstrip('.')}{meant}", ctx) from None
 
     def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -103,15 +60,20 @@ class _LazyGroup(click.Group):
         super().format_help_text(ctx, formatter)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the list of commands by what they are for."""
-        longest = max(map(len, _COMMANDS))
+        """Write the list of commands by what they are for, and the options of several of them."""
+        longest = max(map(len, COMMANDS))
         for task in _TASKS:
-            some = {name: lazy for name, lazy in _COMMANDS.items() if lazy.task == task}
+            rows = [
+                (f"{n:{longest}}", str(c.short_help)) for n, c in COMMANDS.items() if c.task == task
+            ]
             with formatter.section(task):
-                formatter.write_dl([(f"{n:{longest}}", one.summary) for n, one in some.items()])
+                formatter.write_dl(rows)
+        write_shared_options(ctx, formatter)
 
 
-@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=_Group, commands=dict(COMMANDS), context_settings={"help_option_names": ["-h", "--help"]}
+)
 @click.version_option(__version__, prog_name="solar-uav")
 def cli() -> None:
     """Size solar-electric aircraft and predict how long they remain airborne.

@@ -41,7 +41,15 @@ from sizing.library import refuse_named_twice
 from sizing.mass_budget import ImpossibleDesignError, design_of, with_total_mass
 from sizing.parameters import design_keys
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
-from studies.cli.options import CaseOptions, PlaceOptions
+from studies.cli.options import (
+    CaseOptions,
+    JsonOptions,
+    LevelOptions,
+    MassOptions,
+    ModelOptions,
+    PlaceOptions,
+    RequirementOptions,
+)
 from studies.cli.telling import tell_error
 from studies.output.run_folder import InputFile, RunFolder, RunInputs
 
@@ -224,21 +232,17 @@ def open_mission(name_or_path: str, overrides: Sequence[str] = ()) -> Loaded[Mis
     return Loaded(validate(document, Mission), document, _checksum("mission", name_or_path))
 
 
-def load(
-    options: CaseOptions,
-    place: PlaceOptions | None = None,
-    *,
-    required_excess_time_h: float | None = None,
-    total_mass_kg: float | None = None,
-) -> Case:
+def load(options: CaseOptions) -> Case:
     """Load what the options of a command name, and report what is wrong with it together.
 
     A folder that ``--out`` wrote stands for an aircraft, and its mission, model and correction for
-    options that are not given. ``required_excess_time_h``: what the mission requires instead of its
-    own. ``total_mass_kg``: of the aircraft, where it is known.
+    options that are not given. Place, day, required excess time and total mass replace the files'
+    own, for commands with such options.
     """
     aircraft, mission = options.aircraft, options.mission
-    model, correction = options.model, options.correction
+    solar = SolarModel()
+    if isinstance(options, ModelOptions):
+        solar = SolarModel(options.model, options.correction)
     is_default = _is_default("mission")
     is_folder = os.path.isdir(aircraft)  # noqa: PTH112 - takes any text for a path
     folder = RunFolder.at(aircraft) if is_folder else None
@@ -249,8 +253,9 @@ def load(
         aircraft = folder.aircraft
         if is_default:
             mission, is_default = folder.mission, False
-        model = folder.model if _is_default("model") else model
-        correction = folder.correction if _is_default("correction") else correction
+        model = folder.model if _is_default("model") else solar.model
+        correction = folder.correction if _is_default("correction") else solar.correction
+        solar = SolarModel(model, correction)  # type: ignore[arg-type]  # the folder was checked
     beside = mission_beside(aircraft)
     if mission is None and beside is not None:
         mission, is_default = beside, False
@@ -264,18 +269,36 @@ def load(
     mission_file = _attempt(partial(open_mission, mission, of_mission), errors)
     if aircraft_file is None or mission_file is None:
         raise _joined_errors(errors)
-    solar = SolarModel(model, correction)  # type: ignore[arg-type]  # click checked both
-    shown = options.as_json, options.verbose
-    case = Case(aircraft_file, mission_file, is_default, solar, *shown)
+    case = Case(
+        *(aircraft_file, mission_file, is_default, solar),
+        as_json=isinstance(options, JsonOptions) and options.as_json,
+        verbose=isinstance(options, LevelOptions) and options.verbose,
+    )
     if case.mission.holds_station and isinstance(case.aircraft.airframe, MeasuredAirframe):
         message = "needs a parametric aircraft: this one's power is known at one airspeed"
         raise located_error(case.mission_file.document, ("wind", "hold_station"), message)
     if is_default and mission != beside and beside is not None:
         tell_error(f"solar-uav: the default mission is flown; beside it lies -m {beside}")
-    case = case if place is None else case.at(place)
-    if required_excess_time_h is not None:
-        case = case.with_mission(required_excess_time_h=required_excess_time_h)
-    return case if total_mass_kg is None else case.with_total_mass(total_mass_kg)
+    return _with_values(case, options)
+
+
+def _with_values(case: Case, options: CaseOptions) -> Case:
+    """Case with what options give in place of the files' own."""
+    if isinstance(options, PlaceOptions):
+        case = case.at(options)
+    if isinstance(options, RequirementOptions) and options.required_h is not None:
+        case = case.with_mission(required_excess_time_h=options.required_h)
+    if isinstance(options, MassOptions) and options.mass_kg is not None:
+        case = case.with_total_mass(options.mass_kg)
+    return case
+
+
+def load_flyable(options: CaseOptions) -> Case:
+    """Load a case whose aircraft can fly the mission's path and climbs."""
+    case = load(options)
+    require_path(case)
+    require_climber(case)
+    return case
 
 
 def mission_beside(aircraft: str) -> str | None:

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 
-from solar.names import CORRECTION_NAMES, MODEL_NAMES
-from studies.cli.command import (
-    OutputFile,
-    OutputFolder,
-    Parsed,
-    RealRange,
-    argument,
-    group,
-    option,
-)
+from solar.names import CORRECTION_NAMES, MODEL_NAMES, CorrectionName, ModelName
+from studies.cli.command import CommandOptions, argument, option
+from studies.cli.values import OutputFile, OutputFolder, Parsed, RealRange
 from studies.output.figures.options import SHIPPED_STYLES, FigureOptions
 from studies.output.formats import (
     GRID_FORMATS,
@@ -42,32 +36,11 @@ _MAXIMUM_WORKERS = 1000
 FormatOf: TypeAlias = Callable[[str], str | None]
 
 
-@dataclass(frozen=True)
-class CaseOptions:
-    """What a command is asked about, and in which form it answers."""
-
-    aircraft: str
-    mission: str | None
-    overrides: tuple[str, ...] = ()
-    model: str = "CAM"
-    correction: str = "none"
-    as_json: bool = False
-    verbose: bool = False
-
-
-def aircraft_argument(default: str | None = None) -> Any:
-    """Argument ``AIRCRAFT``: name, file or folder; required without a default."""
-    # A default of None is one, by click's rules: the argument would be missing without a word.
-    given = {} if default is None else {"default": default}
-    return argument(required=default is None, type=click.Path(), metavar="AIRCRAFT", **given)
-
-
 def mission_option(default: str | None) -> Any:
     """Option ``--mission``; without a default only a folder of results may stand in for it."""
     needed = "" if default else "  [required, unless AIRCRAFT is a folder that --out wrote]"
     return option(
-        "--mission",
-        "-m",
+        *("--mission", "-m"),
         default=default,
         show_default=True,
         type=click.Path(),
@@ -81,73 +54,93 @@ def json_option(text: str = "Print JSON instead of tables.") -> Any:
     return option("--json", is_flag=True, help=text)
 
 
-def verbose_option() -> Any:
-    """Option ``--verbose``."""
-    return option("--verbose", "-v", is_flag=True, help="Print all of the result, not a summary.")
+@dataclass(frozen=True, kw_only=True)
+class CaseOptions(CommandOptions):
+    """What a command is asked about: an aircraft on a mission."""
+
+    aircraft: str = argument(required=True, type=click.Path(), metavar="AIRCRAFT")
+    mission: str | None = mission_option("rafz-july")
+    overrides: tuple[str, ...] = option(
+        "--set",
+        metavar="KEY=VALUE",
+        multiple=True,
+        help="Override a key of the aircraft file, e.g. power.avionics_w=8 or wingspan_m=5, or of "
+        "the mission with the prefix 'mission.', e.g. mission.clearness=0.8. May be repeated.",
+    )
 
 
-_MODEL_OPTIONS = {
-    "model": option(
+@dataclass(frozen=True, kw_only=True)
+class ModelOptions(CaseOptions):
+    """A case whose solar power model can be chosen."""
+
+    model: ModelName = option(
         "--model",
         type=click.Choice(MODEL_NAMES, case_sensitive=False),
         default="CAM",
         show_default=True,
         help="Solar power model. CDM and CAM: horizontal modules; VM and FM: the aircraft's "
         "module surfaces on the mission's flight path.",
-    ),
-    "correction": option(
+    )
+    correction: CorrectionName = option(
         "--correction",
         type=click.Choice(CORRECTION_NAMES),
         default="none",
         show_default=True,
         help="Correction of the model's systematic error: none; report, as one flight measured "
         "it; loiter, from FM on the mission's flight path.",
-    ),
-}
-
-
-def case_options(
-    aircraft: str | None = None,
-    mission: str | None = "rafz-july",
-    *,
-    with_models: bool = True,
-    with_json: bool = True,
-    with_levels: bool = False,
-) -> Any:
-    """Options of a command on an aircraft and a mission: both, ``--set`` and, by default, more.
-
-    ``aircraft``, ``mission``: what is meant where nothing is given. ``with_models``,
-    ``with_json``, ``with_levels``: whether the solar power model, the form of the answer, and how
-    much of it is printed can be chosen.
-    """
-    return group(
-        CaseOptions,
-        aircraft=aircraft_argument(aircraft),
-        mission=mission_option(mission),
-        **(_MODEL_OPTIONS if with_models else {}),
-        overrides=option(
-            "--set",
-            metavar="KEY=VALUE",
-            multiple=True,
-            help="Override a key of the aircraft file, e.g. power.avionics_w=8 or wingspan_m=5, or "
-            "of the mission with the prefix 'mission.', e.g. mission.clearness=0.8. May be "
-            "repeated.",
-        ),
-        **({"as_json": json_option()} if with_json else {}),
-        **({"verbose": verbose_option()} if with_levels else {}),
     )
 
 
-@dataclass(frozen=True)
-class PlaceOptions:
+@dataclass(frozen=True, kw_only=True)
+class JsonOptions(CaseOptions):
+    """A case whose result may be printed as JSON."""
+
+    as_json: bool = json_option()
+
+
+@dataclass(frozen=True, kw_only=True)
+class LevelOptions(JsonOptions):
+    """A case of whose result a summary is printed, or all of it."""
+
+    verbose: bool = option(
+        "--verbose", "-v", is_flag=True, help="Print all of the result, not a summary."
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MassOptions(CaseOptions):
+    """A case whose total mass may be known."""
+
+    mass_kg: float | None = option(
+        "--mass",
+        type=RealRange(0.0, 1e5, unit="kilograms", above=True),
+        metavar="KG",
+        help="Total mass with payload, where it is known: what the parts do not account for is "
+        "other mass.",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceOptions(CaseOptions):
     """Where and when instead of the mission's own; days of the year."""
 
-    latitude: float | None = None
-    day_of_year: int | None = None
-    date: int | None = None
+    latitude: float | None = option(
+        "--latitude",
+        type=Parsed("deg", "studies.cli.values:latitude_deg"),
+        help="Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
+    )
+    day_of_year: int | None = option(
+        "--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's."
+    )
+    date: int | None = option(
+        "--date",
+        type=Parsed("mm-dd", "missions.dates:day_of_year"),
+        help="Date instead of the mission's, e.g. 10-15 or 15 Oct.",
+    )
 
     def __post_init__(self) -> None:
         """Refuse what does not go together."""
+        super().__post_init__()
         if self.day_of_year is not None and self.date is not None:
             raise click.UsageError("give --day-of-year or --date, not both")
 
@@ -167,40 +160,11 @@ class PlaceOptions:
             raise click.UsageError(f"a weather record has its own days: give {dated} or --weather")
 
 
-def mass_option() -> Any:
-    """Option ``--mass``."""
-    return option(
-        "--mass",
-        type=RealRange(0.0, 1e5, unit="kilograms", above=True),
-        metavar="KG",
-        help="Total mass with payload, where it is known: what the parts do not account for is "
-        "other mass.",
-    )
+@dataclass(frozen=True, kw_only=True)
+class RequirementOptions(CaseOptions):
+    """A case whose required excess time can be chosen."""
 
-
-def place_options() -> Any:
-    """Options ``--latitude``, ``--day-of-year`` and ``--date``."""
-    return group(
-        PlaceOptions,
-        latitude=option(
-            "--latitude",
-            type=Parsed("deg", "studies.cli.command:latitude_deg"),
-            help="Latitude, -90 to 90 (north) or as 33.9S, instead of the mission's.",
-        ),
-        day_of_year=option(
-            "--day-of-year", type=click.IntRange(1, 365), help="Day instead of the mission's."
-        ),
-        date=option(
-            "--date",
-            type=Parsed("mm-dd", "missions.dates:day_of_year"),
-            help="Date instead of the mission's, e.g. 10-15 or 15 Oct.",
-        ),
-    )
-
-
-def required_time_option() -> Any:
-    """Option ``--required-excess-time``."""
-    return option(
+    required_h: float | None = option(
         "--required-excess-time",
         type=RealRange(0.0, 1000.0, unit="hours"),
         metavar="HOURS",
@@ -208,17 +172,36 @@ def required_time_option() -> Any:
     )
 
 
-@dataclass(frozen=True)
-class WorkOptions:
+@dataclass(frozen=True, kw_only=True)
+class WorkOptions(CommandOptions):
     """Where a command computes in chunks, and what it keeps of them."""
 
-    workers: int | None = None
-    scheduler: str | None = None
-    work_dir: str | None = None
-    keep_parts: bool = False
+    workers: int | None = option(
+        "--workers",
+        type=click.IntRange(1, _MAXIMUM_WORKERS),
+        help="Processes that compute; 1 starts none.  [default: as many as there are cores, "
+        "where the work is worth their start]",
+    )
+    scheduler: str | None = option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this "
+        "machine.",
+    )
+    work_dir: str | None = option(
+        "--work",
+        type=click.Path(),
+        help="Folder for finished chunks.  [default: the name of --out with .parts]",
+    )
+    keep_parts: bool = option(
+        "--keep-parts",
+        is_flag=True,
+        help="Keep the finished chunks when the result is written.",
+    )
 
     def __post_init__(self) -> None:
         """Refuse what does not go together."""
+        super().__post_init__()
         if self.scheduler not in (None, "local-cluster"):
             if self.workers is not None:
                 raise click.UsageError(
@@ -234,35 +217,6 @@ class WorkOptions:
             context = click.get_current_context(silent=True)
             if context is not None and context.params.get("out_file") is None:
                 raise click.UsageError("--keep-parts needs --out or --work")
-
-
-def work_options() -> Any:
-    """Options of a command that computes in chunks."""
-    return group(
-        WorkOptions,
-        workers=option(
-            "--workers",
-            type=click.IntRange(1, _MAXIMUM_WORKERS),
-            help="Processes that compute; 1 starts none.  [default: as many as there are cores, "
-            "where the work is worth their start]",
-        ),
-        scheduler=option(
-            "--scheduler",
-            metavar="ADDRESS",
-            help="Compute on a dask cluster: tcp://HOST:PORT, or local-cluster for one of this "
-            "machine.",
-        ),
-        work_dir=option(
-            "--work",
-            type=click.Path(),
-            help="Folder for finished chunks.  [default: the name of --out with .parts]",
-        ),
-        keep_parts=option(
-            "--keep-parts",
-            is_flag=True,
-            help="Keep the finished chunks when the result is written.",
-        ),
-    )
 
 
 def out_option(contents: str) -> Any:
@@ -325,116 +279,103 @@ def report_option() -> Any:
 
 def weather_option(text: str) -> Any:
     """Option ``--weather FILE``."""
-    return option(
-        "--weather",
-        type=click.Path(),
-        metavar="FILE",
-        help=text,
+    return option("--weather", type=click.Path(), metavar="FILE", help=text)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnOptions(CommandOptions):
+    """How figures of a command look, refused where none is asked for: it draws on request."""
+
+    size_in: tuple[float, float | None] | None = option(
+        "--figure-size",
+        type=Parsed("size", "studies.output.figures.options:read_size"),
+        metavar="WIDTHxHEIGHT",
+        help="For example 170x100mm or 7x4in; a width alone, 85mm, leaves the height to the "
+        "figure.",
+    )
+    dots_per_inch: float | None = option(
+        "--dpi",
+        type=Parsed("dots", "studies.output.figures.options:read_dots_per_inch"),
+        metavar="DOTS",
+        help="Dots per inch of PNG.  [default: 150]",
+    )
+    style: str | None = option(
+        "--style",
+        type=Parsed("name|file", "studies.output.figures.drawing:read_style"),
+        metavar="NAME|FILE",
+        help=f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
+        "an .mplstyle file.  [default: default]",
+    )
+    no_title: bool = option(
+        "--no-title", is_flag=True, help="Leave title and notes to the caption."
     )
 
+    def __post_init__(self) -> None:
+        """Refuse what does not go together."""
+        super().__post_init__()
+        command = click.get_current_context()
+        spelled = {str(one.name): one.opts[0] for one in command.command.params}
+        places = [name for name in ("plot_file", "out_dir") if name in spelled]
+        looks = ("size_in", "dots_per_inch", "style", "no_title")
+        named = [name for name in looks if getattr(self, name) not in (None, False)]
+        if named and all(getattr(self, name) is None for name in places):
+            draws = " or ".join(spelled[name] for name in places)
+            raise click.UsageError(f"{spelled[named[0]]} is of the figure: give {draws} too")
+        try:
+            _ = self.figure
+        except ValueError as error:
+            raise click.BadParameter(str(error), param_hint="--dpi") from None
 
-def figure_options() -> Any:
-    """Options of commands that draw."""
-    return group(
-        _figure_asked_for,
-        size_in=option(
-            "--figure-size",
-            type=Parsed("size", "studies.output.figures.options:read_size"),
-            metavar="WIDTHxHEIGHT",
-            help="For example 170x100mm or 7x4in; a width alone, 85mm, leaves the height to the "
-            "figure.",
-        ),
-        dots_per_inch=option(
-            "--dpi",
-            type=Parsed("dots", "studies.output.figures.options:read_dots_per_inch"),
-            metavar="DOTS",
-            help="Dots per inch of PNG.  [default: 150]",
-        ),
-        style=option(
-            "--style",
-            type=Parsed("name|file", "studies.output.figures.drawing:read_style"),
-            metavar="NAME|FILE",
-            help=f"Type, lines and colours: {', '.join(SHIPPED_STYLES)}, a style of matplotlib, or "
-            "an .mplstyle file.  [default: default]",
-        ),
-        no_title=option("--no-title", is_flag=True, help="Leave title and notes to the caption."),
-    )
+    @cached_property
+    def figure(self) -> FigureOptions:
+        """How figures look."""
+        style = {} if self.style is None else {"style": self.style}
+        return FigureOptions(self.size_in, self.dots_per_inch, title=not self.no_title, **style)
 
 
-def _figure_asked_for(**given: Any) -> FigureOptions:
-    """How figures look, refused where none is asked for: a command draws on request."""
-    command = click.get_current_context()
-    spelled = {str(one.name): one.opts[0] for one in command.command.params}
-    places = [name for name in ("plot_file", "out_dir") if name in spelled]
-    named = [name for name, value in given.items() if value not in (None, False)]
-    if named and all(command.params[name] is None for name in places):
-        draws = " or ".join(spelled[name] for name in places)
-        raise click.UsageError(f"{spelled[named[0]]} is of the figure: give {draws} too")
-    no_title = given.pop("no_title")
-    chosen = {name: value for name, value in given.items() if value is not None}
-    try:
-        return FigureOptions(**chosen, title=not no_title)
-    except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="--dpi") from None
-
-
-@dataclass(frozen=True)
-class LogOptions:
+@dataclass(frozen=True, kw_only=True)
+class LogOptions(CommandOptions):
     """A flight log, and how it is written: its columns, and its clock."""
 
-    log_file: str
-    columns_file: str | None
-    columns: tuple[tuple[str, str], ...]
-    timezone: datetime.tzinfo | None
-    start: float | None
-    exclude: tuple[Span, ...]
-    ignore: tuple[str, ...]
-
-
-def log_options() -> Any:
-    """Argument ``LOG``, and options that say how it is written."""
-    return group(
-        LogOptions,
-        log_file=argument(metavar="LOG", type=click.Path()),
-        columns_file=option(
-            "--columns",
-            type=click.Path(),
-            metavar="FILE",
-            help="YAML that says which column is what; what it does not say is guessed.",
-        ),
-        columns=option(
-            "--column",
-            type=Parsed("quantity=column", "missions.logs.columns:parse_column"),
-            multiple=True,
-            metavar="QUANTITY=COLUMN",
-            help="Column of the log, e.g. 'solar_power_w=P [kW]' or 'solar_power_w=U * I [mA]'. "
-            "May be repeated.",
-        ),
-        timezone=option(
-            "--timezone",
-            type=Parsed("zone", "missions.logs.clock:parse_zone"),
-            metavar="ZONE",
-            help="Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
-        ),
-        start=option(
-            "--start",
-            type=Parsed("instant", "missions.logs.clock:parse_instant"),
-            metavar="TIME",
-            help="Time of the first row with its zone, where times count from there.",
-        ),
-        exclude=option(
-            "--exclude",
-            type=Parsed("times", "missions.logs.clock:parse_span"),
-            multiple=True,
-            metavar="TIMES",
-            help="Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "
-            "day; by the clock of --timezone, else UTC. May be repeated.",
-        ),
-        ignore=option(
-            "--ignore",
-            type=Parsed("name", "missions.logs.columns:column_name"),
-            multiple=True,
-            metavar="NAME",
-            help="Column or quantity of the log that is not used. May be repeated.",
-        ),
+    log_file: str = argument(metavar="LOG", type=click.Path())
+    columns_file: str | None = option(
+        "--columns",
+        type=click.Path(),
+        metavar="FILE",
+        help="YAML that says which column is what; what it does not say is guessed.",
+    )
+    columns: tuple[tuple[str, str], ...] = option(
+        "--column",
+        type=Parsed("quantity=column", "missions.logs.columns:parse_column"),
+        multiple=True,
+        metavar="QUANTITY=COLUMN",
+        help="Column of the log, e.g. 'solar_power_w=P [kW]' or 'solar_power_w=U * I [mA]'. "
+        "May be repeated.",
+    )
+    timezone: datetime.tzinfo | None = option(
+        "--timezone",
+        type=Parsed("zone", "missions.logs.clock:parse_zone"),
+        metavar="ZONE",
+        help="Zone of times that are written without one: UTC, +02:00 or Europe/Zurich.",
+    )
+    start: float | None = option(
+        "--start",
+        type=Parsed("instant", "missions.logs.clock:parse_instant"),
+        metavar="TIME",
+        help="Time of the first row with its zone, where times count from there.",
+    )
+    exclude: tuple[Span, ...] = option(
+        "--exclude",
+        type=Parsed("times", "missions.logs.clock:parse_span"),
+        multiple=True,
+        metavar="TIMES",
+        help="Times of day to leave out, e.g. 11:20-11:45, or 2015-07-01@11:20-11:45 of one "
+        "day; by the clock of --timezone, else UTC. May be repeated.",
+    )
+    ignore: tuple[str, ...] = option(
+        "--ignore",
+        type=Parsed("name", "missions.logs.columns:column_name"),
+        multiple=True,
+        metavar="NAME",
+        help="Column or quantity of the log that is not used. May be repeated.",
     )

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -36,49 +35,48 @@ Content: TypeAlias = Callable[[str], bytes]
 Shown: TypeAlias = Result | Summary | Table
 
 
-@contextmanager
-def told(
+def deliver(
     case: Case,
-    record: Any,
     shown: Shown | Callable[[], Shown],
+    files: Mapping[str | None, Content] | None = None,
     *,
-    files: Iterable[str | os.PathLike[str] | None] = (),
+    record: Callable[[], Any] | None = None,
+    writers: Mapping[str | None, Callable[[str], None]] | None = None,
     next_step: str | None = None,
-) -> Iterator[None]:
-    """Print a result once its files are written, inside; also where one of them cannot be.
+) -> None:
+    """Write the files of a result that were asked for, and print it, also where one cannot be.
 
     Aircraft and mission come first, which JSON has among its keys.
 
-    ``shown``: what is printed, or a function that makes it where it is. ``files``: files and
-    folders that were written, to be named, unless writing failed; None where one was not asked for.
-    ``next_step``: what to do next, for somebody at a terminal.
+    ``shown``: what is printed, or a function that makes it where it is. ``files``, ``writers``:
+    what files hold, and what writes others and folders, by their names; None where one was not
+    asked for. ``record``: makes what JSON has, by default that of the result. ``next_step``: what
+    to do next, for somebody at a terminal.
     """
+    files, writers = files or {}, writers or {}
+    record = shown.to_dict if record is None and isinstance(shown, Result) else record
     try:
-        yield
+        write_results(files)
+        for path, write in writers.items():
+            if path is not None:
+                write(path)
     except BaseException:  # a signal, too: a report takes seconds
         _print_result(case, record, shown)
         raise
     _print_result(case, record, shown)
     if not case.as_json:
-        name_written(files)
+        name_written([*files, *writers])
         suggest(next_step)
 
 
-def _print_result(case: Case, record: Any, shown: Shown | Callable[[], Shown]) -> None:
+def _print_result(
+    case: Case, record: Callable[[], Any] | None, shown: Shown | Callable[[], Shown]
+) -> None:
     if case.as_json:
-        print_json(record)
+        print_json(case.named({} if record is None else record()))
         return
     result = shown if isinstance(shown, Result | Summary | Table) else shown()
     show(_headed(result.at_level(case.level) if isinstance(result, Result) else result, case))
-
-
-def answer(record: Any, shown: Result, files: Iterable[str | None] = (), *, as_json: bool) -> None:
-    """Print a result that has no mission, and name the files that were written."""
-    if as_json:
-        print_json(record)
-    else:
-        show(shown)
-        name_written(files)
 
 
 def name_written(places: Iterable[str | os.PathLike[str] | None]) -> None:
@@ -121,19 +119,6 @@ def _headed(shown: Summary | Table, case: Case) -> Summary:
     text = f"{before}{aircraft}{between}{mission}{rest}"
     changed = replace(first, title=text) if isinstance(first, Table) else Line(text, "strong")
     return Summary((changed, *others))
-
-
-def deliver(
-    case: Case,
-    record: Any,
-    shown: Shown | Callable[[], Shown],
-    files: Mapping[str | None, Content],
-    *,
-    next_step: str | None = None,
-) -> None:
-    """Write the files of a result that were asked for, and print it, as :func:`told` does."""
-    with told(case, record, shown, files=files, next_step=next_step):
-        write_results(files)
 
 
 def write_results(files: Mapping[str | None, Content]) -> None:

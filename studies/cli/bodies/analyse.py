@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sizing.results import analysis
 from studies.cli.commands.analyse import Analyse
-from studies.cli.files import Case, load, require_climber, require_path
+from studies.cli.files import Case, load_flyable
 from studies.cli.outputs import call, deliver, figure_of, refuse_to_overwrite, table_of
 from studies.output.cycle_plots import plot_cycle, plot_flight
 
@@ -13,9 +13,7 @@ def analyse(options: Analyse) -> None:
     """Fly the mission, and tell what became of it."""
     for option, path in (("--table", options.table_file), ("--table-years", options.table_years)):
         refuse_to_overwrite(option, path, (options.weather_file,))
-    case = load(options.case, options.place, total_mass_kg=options.mass_kg)
-    require_path(case)
-    require_climber(case)
+    case = load_flyable(options)
     if options.weather_file is not None:
         from studies.cli.bodies.weather import analyse_in_weather
 
@@ -33,9 +31,7 @@ def analyse(options: Analyse) -> None:
             )
         ),
     }
-    perpetual = result.is_perpetual
-    step = _next_step(case, perpetual=perpetual)
-    deliver(case, case.named(result.to_dict()), result, files, next_step=step)
+    deliver(case, result, files, next_step=_next_step(case, perpetual=result.is_perpetual))
 
 
 def _next_step(case: Case, *, perpetual: bool) -> str:

@@ -8,8 +8,8 @@ import click
 
 from missions.files.validation import located_error
 from studies.ceiling import perpetual_ceiling, plot_ceiling
-from studies.cli.commands.ceiling import Ceiling
-from studies.cli.files import load, refuse_polar_night, require_climber, require_path
+from studies.cli.commands.analyse import Ceiling
+from studies.cli.files import load_flyable, refuse_polar_night
 from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import deliver, figure_of, table_of
 from studies.cli.telling import progress_of
@@ -17,10 +17,8 @@ from studies.cli.telling import progress_of
 
 def ceiling(options: Ceiling) -> None:
     """Find the highest altitude of perpetual flight, and tell it."""
-    case = load(options.case)
+    case = load_flyable(options)
     refuse_polar_night(case)
-    require_path(case)
-    require_climber(case)
     lowest_m, highest_m = case.mission.altitude_m, options.highest_m
     climb = case.mission.climb
     if climb is not None and climb.ceiling_m <= lowest_m:
@@ -37,6 +35,6 @@ def ceiling(options: Ceiling) -> None:
         options.table_file: table_of(result.to_frame, "altitudes"),
         options.plot_file: figure_of(lambda: plot_ceiling(result, figure=options.figure)),
     }
-    deliver(case, case.named(result.to_dict()), result, files)
+    deliver(case, result, files)
     if result.found.highest is None:
         sys.exit(EXIT_FAILED)

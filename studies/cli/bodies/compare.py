@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from studies.cli.commands.compare import Compare
+from studies.cli.commands.verify import Compare
 from studies.cli.files import load, refuse_polar_night, require_climber, require_path
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import figure_of, table_of, told, write_results
+from studies.cli.outputs import deliver, figure_of, table_of
 from studies.cli.telling import progress_of
 from studies.models import comparison
 from studies.models.plots import plot_comparison
@@ -19,7 +19,7 @@ from studies.output.run_folder import write_run_folder
 
 def compare(options: Compare) -> None:
     """Run all solar power models, and tell what each says."""
-    case = load(options.case, required_excess_time_h=options.required_h)
+    case = load(options)
     require_climber(case)
     refuse_polar_night(case)
     if options.needs_path is not None or attitude_is_known(case.aircraft, case.mission):
@@ -35,18 +35,18 @@ def compare(options: Compare) -> None:
             design=not options.no_design,
             progress=progress,
         )
-    record, folder = case.named(compared.to_dict()), options.out_dir
     drawing = figure_of(lambda: plot_comparison(compared, figure=options.figure))
     files = {
         options.table_file: table_of(compared.to_frame, "models"),
         options.plot_file: drawing,
     }
-    with told(case, record, compared, files=(*files, folder)):
-        write_results(files)
-        if folder is not None:
-            contents = {"comparison.csv": csv_bytes(compared.to_frame())}
-            drawn = {"comparison.png": drawing}
-            write_run_folder(Path(folder), case.inputs(), record, contents, drawn)
+
+    def write(folder: str) -> None:
+        contents = {"comparison.csv": csv_bytes(compared.to_frame())}
+        record, drawn = case.named(compared.to_dict()), {"comparison.png": drawing}
+        write_run_folder(Path(folder), case.inputs(), record, contents, drawn)
+
+    deliver(case, compared, files, writers={options.out_dir: write})
     sized = [one.built for one in compared.cases if one.built is not None]
     if sized and all(built.judged is None for built in sized):
         sys.exit(EXIT_FAILED)

@@ -1,4 +1,4 @@
-"""What ``solar-uav export`` and ``schema`` do."""
+"""What ``solar-uav export`` does."""
 
 from __future__ import annotations
 
@@ -6,16 +6,14 @@ import sys
 
 import click
 
-from missions.files.writing import to_json, write_bytes_atomically, write_text_atomically
-from sizing.results.analysis import Analysis, analyse
+from missions.files.writing import write_bytes_atomically
+from sizing.results.analysis import analyse
 from studies.cli.command import check_outputs
-from studies.cli.commands.exchange import Export, Schema
-from studies.cli.files import load, require_climber, require_path
-from studies.cli.options import EXIT_FAILED, CaseOptions, check_format
-from studies.cli.outputs import print_json
+from studies.cli.commands.design import Export
+from studies.cli.files import load_flyable
+from studies.cli.options import EXIT_FAILED, check_format
 from studies.cli.telling import tell_error
 from studies.exchange import files
-from studies.exchange.schema import file_schema
 from studies.output.terminal import tell_line
 
 
@@ -39,7 +37,7 @@ def export(options: Export) -> None:
             troubles[path] = click.BadParameter(missing, param_hint="--out")
     if len(troubles) == len(set(options.out_files)):
         raise next(iter(troubles.values()))
-    analysis = _analysed(options.case)
+    analysis = analyse(**load_flyable(options).arguments, replay=False)
     for path in options.out_files:
         if path not in troubles:
             try:
@@ -54,21 +52,3 @@ def export(options: Export) -> None:
         tell_error(f"solar-uav: {path} is not written: {reason}")
     if troubles:
         sys.exit(EXIT_FAILED)
-
-
-def _analysed(options: CaseOptions) -> Analysis:
-    """Aircraft on its mission, without the replay."""
-    case = load(options)
-    require_path(case)
-    require_climber(case)
-    return analyse(**case.arguments, replay=False)
-
-
-def schema(options: Schema) -> None:
-    """Print or write the schema of a kind of file."""
-    record = file_schema(options.kind)
-    if options.out_file is None:
-        print_json(record)
-        return
-    write_text_atomically(options.out_file, to_json(record, indent=2) + "\n")
-    click.echo(f"written to {options.out_file}")

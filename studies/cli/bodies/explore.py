@@ -6,8 +6,8 @@ import sys
 
 import click
 
-from studies.cli.commands.explore import Explore
-from studies.cli.files import load, require_climber, require_path
+from studies.cli.commands.design import Explore
+from studies.cli.files import load_flyable
 from studies.cli.options import EXIT_FAILED
 from studies.cli.telling import tell_error
 from studies.explorer.session import Session
@@ -15,12 +15,10 @@ from studies.explorer.session import Session
 
 def explore(options: Explore) -> None:
     """Serve the page of a design."""
-    case = load(options.case)
-    require_path(case)
-    require_climber(case)
+    case = load_flyable(options)
     aircraft, mission = case.aircraft_file.document, case.mission_file.document
-    words = [options.case.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
-    words += [word for one in options.case.overrides for word in ("--set", one)]
+    words = [options.aircraft, "-m", mission.source.removesuffix(" (shipped)")]
+    words += [word for one in options.overrides for word in ("--set", one)]
     session = Session(aircraft, mission, case.solar, command=words)
     from studies.explorer.serve import ADDRESS, bound_socket, serve  # of the extra
 

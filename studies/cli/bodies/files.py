@@ -1,4 +1,4 @@
-"""What ``solar-uav init`` and ``validate`` do."""
+"""What ``solar-uav init``, ``validate`` and ``schema`` do."""
 
 from __future__ import annotations
 
@@ -13,14 +13,20 @@ import click
 
 from missions.files.errors import InputError, file_error, printable
 from missions.files.validation import validate as check
-from missions.files.writing import names_a_device, write_files_atomically
+from missions.files.writing import (
+    names_a_device,
+    to_json,
+    write_files_atomically,
+    write_text_atomically,
+)
 from missions.files.yaml import read_yaml
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from studies.cli.commands.files import Init, Validate
+from studies.cli.commands.start import Init, Schema, Validate
 from studies.cli.options import EXIT_BAD_INPUT
-from studies.cli.outputs import suggest
+from studies.cli.outputs import print_json, suggest
 from studies.cli.telling import tell_error
+from studies.exchange.schema import file_schema
 
 
 def init(options: Init) -> None:
@@ -85,3 +91,13 @@ def write_starters(name: str, folder: Path) -> list[Path]:
         {path: text.replace("NAME", name).encode() for path, text in contents.items()}
     )
     return list(contents)
+
+
+def schema(options: Schema) -> None:
+    """Print or write the schema of a kind of file."""
+    record = file_schema(options.kind)
+    if options.out_file is None:
+        print_json(record)
+        return
+    write_text_atomically(options.out_file, to_json(record, indent=2) + "\n")
+    click.echo(f"written to {options.out_file}")

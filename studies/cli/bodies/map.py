@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from studies.cli.commands.map import Map
+from studies.cli.commands.analyse import Map
 from studies.cli.files import (
     load,
     require_climb_power,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 def map_(options: Map) -> None:
     """Compute the cells of a map, write it, and tell it."""
-    case = load(options.case, total_mass_kg=options.mass_kg)
+    case = load(options)
     require_path(case, in_winds_of_cells=True)
     resized = options.objective is not None
     if not resized:
@@ -42,15 +42,15 @@ def map_(options: Map) -> None:
     )
     record = results.designs_record if resized else results.seasons_record
     table = results.designs_table if resized else results.seasons_table
-    with completed(study, options.work, options.out_file) as data:
+    with completed(study, options, options.out_file) as data:
         deliver(
             case,
-            case.named(record(data)),
             lambda: table(data),
             files={
                 options.out_file: lambda path: to_bytes(data, grid_format(path), "cells"),
                 options.plot_file: figure_of(lambda: _drawn_map(data, options)),
             },
+            record=lambda: record(data),
             next_step=call("report", "--out", "report.html"),
         )
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from missions.weather.files import load_weather
-from studies.cli.commands.report import Report
-from studies.cli.files import load, require_climber, require_path
+from studies.cli.commands.analyse import Report
+from studies.cli.files import load_flyable
 from studies.cli.outputs import check_report, name_written, print_json
 
 
 def report(options: Report) -> None:
     """Write a report on an aircraft and a mission."""
     check_report(options.out_file, with_pdf=options.with_pdf)
-    case = load(options.case, total_mass_kg=options.mass_kg)
-    require_path(case)
-    require_climber(case)
+    case = load_flyable(options)
     from studies.cli.reports import sizing_of_folder, subject_of, write_report  # takes a second
 
     record = (
@@ -21,8 +19,8 @@ def report(options: Report) -> None:
     )
     subject = subject_of(
         case,
-        sizing=sizing_of_folder(options.case.aircraft, case),
-        overrides=options.case.overrides,
+        sizing=sizing_of_folder(options.aircraft, case),
+        overrides=options.overrides,
         with_uncertainty=options.uncertainty,
         weather_record=record,
     )

@@ -15,7 +15,7 @@ from missions.files.shipped import (
 )
 from missions.files.writing import to_json
 from sizing.results.layout import Grid
-from studies.cli.commands.files import List, Show
+from studies.cli.commands.start import List, Show
 from studies.output import terminal
 
 _HEADINGS = {"aircraft": "aircraft", "mission": "missions", "weather": "weather records"}

@@ -18,10 +18,10 @@ from sizing.results.sizing_study import SizingStudy
 from sizing.results.tables import Line, Summary
 from sizing.results.weather_sizing import size_in_weather
 from studies.cli import files as checks
-from studies.cli.commands.size import Size
+from studies.cli.commands.design import Size
 from studies.cli.files import Case, load
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import check_report, figure_of, told
+from studies.cli.outputs import check_report, deliver, figure_of
 from studies.cli.telling import progress_of
 from studies.models.solar_models import perpetual_by_model, perpetual_line
 from studies.output.run_folder import write_run_folder
@@ -37,42 +37,41 @@ def size(options: Size) -> None:
             check_survival(options.goal, options.survive)
         except ValueError as error:
             raise click.UsageError(str(error)) from error
-    case = load(
-        *(options.case, options.place),
-        required_excess_time_h=options.required_h,
-        total_mass_kg=options.mass_kg,
-    )
+    case = load(options)
     if options.hold_station is not None:
         case = case.holding_station(options.hold_station)
     _refuse_unsizable(case, options)
     check_report(options.report_file, option="--report")
     study = _designed(case, options)
-    record = case.named(study.to_dict())
     folder, report = (options.out_dir, options.report_file) if study.feasible else (None, None)
-    step = _next_step(study, folder)
-    with told(
-        case,
-        record,
-        lambda: _summary(study, options),
-        files=(report, folder),
-        next_step=step,
-    ):
-        if folder is not None:
-            inputs = sized_inputs(study, case.inputs(options.weather_file))
-            figures = sizing_figures(study, options.figure)
-            drawn = {name: figure_of(draw) for name, draw in figures.items()}
-            write_run_folder(Path(folder), inputs, record, sizing_tables(study), drawn)
-        if report is not None:
-            from studies.cli.reports import report_on_sizing  # with all that a page has
 
-            report_on_sizing(case, study, record, report, overrides=options.case.overrides)
+    def write(folder: str) -> None:
+        inputs = sized_inputs(study, case.inputs(options.weather_file))
+        figures = sizing_figures(study, options.figure)
+        drawn = {name: figure_of(draw) for name, draw in figures.items()}
+        record = case.named(study.to_dict())
+        write_run_folder(Path(folder), inputs, record, sizing_tables(study), drawn)
+
+    def write_page(path: str) -> None:
+        from studies.cli.reports import report_on_sizing  # with all that a page has
+
+        record = case.named(study.to_dict())
+        report_on_sizing(case, study, record, path, overrides=options.overrides)
+
+    deliver(
+        case,
+        lambda: _summary(study, options),
+        record=study.to_dict,
+        writers={folder: write, report: write_page},
+        next_step=_next_step(study, folder),
+    )
     if not study.feasible:
         sys.exit(EXIT_FAILED)
 
 
 def _summary(study: SizingStudy, options: Size) -> Summary:
     """Summary of a sizing, and what the other solar power models say of the optimum."""
-    found = study.at_level(SUMMARY + options.case.verbose)
+    found = study.at_level(SUMMARY + options.verbose)
     if not study.feasible or options.weather_file is not None:
         return found
     aircraft, mission = study.sized_aircraft(), study.sized_mission()

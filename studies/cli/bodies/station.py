@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from studies.cli.commands.station import Station
+from studies.cli.commands.analyse import Station
 from studies.cli.files import IN_WINDS, load, refuse_climb, require_parametric, require_path
 from studies.cli.jobs import completed
 from studies.cli.outputs import deliver, figure_of
@@ -13,14 +13,14 @@ from studies.station import plot_station, prepare, station_of
 
 def station(options: Station) -> None:
     """Compute the time on station of each month, and tell it."""
-    case = load(options.case)
+    case = load(options)
     refuse_climb(case, "station", IN_WINDS)
     require_path(case)
     require_parametric(case, "station needs a parametric aircraft, this one is measured")
     study = prepare(
         *(case.aircraft, case.mission, options.latitudes, options.altitudes, case.solar)
     )
-    with completed(study, options.work, options.out_file) as data:
+    with completed(study, options, options.out_file) as data:
         result = station_of(study, data)
 
         def content(path: str) -> bytes:
@@ -34,4 +34,4 @@ def station(options: Station) -> None:
             options.out_file: content,
             options.plot_file: figure_of(lambda: plot_station(result, figure=options.figure)),
         }
-        deliver(case, case.named(result.to_dict()), result, files)
+        deliver(case, result, files)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -11,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from missions.files.errors import InputError
-from missions.files.writing import write_files_atomically
-from studies.cli.commands.sweep import Sweep
+from studies.cli.commands.design import Sweep
 from studies.cli.files import (
     Case,
     load,
@@ -22,7 +20,7 @@ from studies.cli.files import (
 )
 from studies.cli.jobs import completed
 from studies.cli.options import EXIT_FAILED
-from studies.cli.outputs import call, figure_of, told
+from studies.cli.outputs import call, deliver, figure_of
 from studies.cli.telling import tell_error
 from studies.output.formats import grid_format
 from studies.output.gridded import to_bytes
@@ -42,7 +40,7 @@ if TYPE_CHECKING:
 def sweep(options: Sweep) -> None:
     """Compute the points of a trade study, write them, and tell them."""
     out_file, plot_file = options.out_file, options.plot_file
-    case = load(options.case, total_mass_kg=options.mass_kg)
+    case = load(options)
     climbs = case.mission.climb is not None or varies_climb(axis.key for axis in options.axes)
     _check_shown(options, climbs=climbs)
     require_path(case)
@@ -50,26 +48,20 @@ def sweep(options: Sweep) -> None:
         require_climber(case)
     else:
         require_climb_power(case)
-    with completed(_prepared(case, options), options.work, out_file) as points:
+    with completed(_prepared(case, options), options, out_file) as points:
         data = points.to_xarray()
-        contents: dict[str | os.PathLike[str], bytes] = {}
-        trouble = None
         record, summary = _record_and_summary(data, options)
-        step = f"{call('explore')} (the same with sliders)"
-        with told(case, case.named(record), summary, files=contents, next_step=step):
-            if out_file is not None:
-                contents[out_file] = to_bytes(data, grid_format(out_file), "points")
-            if plot_file is not None:
-                try:
-                    contents[plot_file] = figure_of(lambda: _chart(data, options))(plot_file)
-                except ValueError as error:
-                    # The points are worth keeping even where there is nothing to draw.
-                    trouble = str(error)
-            write_files_atomically(contents)
-        if trouble is not None:
-            tell_error(f"solar-uav: no chart: {trouble}")
-    if trouble is not None:
-        sys.exit(EXIT_FAILED)
+        files = {
+            out_file: lambda path: to_bytes(data, grid_format(path), "points"),
+            plot_file: figure_of(lambda: _chart(data, options)),
+        }
+        try:
+            step = f"{call('explore')} (the same with sliders)"
+            deliver(case, summary, files, record=record, next_step=step)
+        except ValueError as error:
+            # The points are worth keeping even where there is nothing to draw.
+            tell_error(f"solar-uav: no chart: {error}")
+            sys.exit(EXIT_FAILED)
 
 
 def _prepared(case: Case, options: Sweep) -> Study:
@@ -113,12 +105,15 @@ def _check_names(option: str, names: Sequence[str], allowed: list[str]) -> None:
 
 def _record_and_summary(
     data: Dataset, options: Sweep
-) -> tuple[dict[str, Any], Callable[[], Summary]]:
-    """What JSON says, and what makes what is printed."""
+) -> tuple[Callable[[], dict[str, Any]], Callable[[], Summary]]:
+    """What makes what JSON has, and what is printed."""
     from studies.sweeps import results  # pandas and xarray
 
-    front = {} if options.pareto is None else results.front_record(data, *options.pareto)
-    return results.points_record(data) | front, lambda: results.points_summary(
+    def record() -> dict[str, Any]:
+        front = {} if options.pareto is None else results.front_record(data, *options.pareto)
+        return results.points_record(data) | front
+
+    return record, lambda: results.points_summary(
         data, sort=options.sort, top=options.top, front=options.pareto
     )
 

@@ -13,7 +13,7 @@ from missions.logs.table import FlightLog
 from studies.cli.commands.verify import Verify
 from studies.cli.files import load
 from studies.cli.options import LogOptions
-from studies.cli.outputs import check_report, figure_of, refuse_to_overwrite, told
+from studies.cli.outputs import check_report, deliver, figure_of, refuse_to_overwrite
 from studies.flight_logs import verification
 from studies.flight_logs.plots import figures
 from studies.output.run_folder import write_run_folder
@@ -25,35 +25,36 @@ _SAMPLES = "samples.csv"
 
 def verify(options: Verify) -> None:
     """Compare the models with a flight, write what was found, and tell it."""
-    log_file, folder, report = options.log.log_file, options.out_dir, options.report_file
+    log_file, folder, report = options.log_file, options.out_dir, options.report_file
     if folder is not None:
         refuse_to_overwrite("--out", str(Path(folder) / _SAMPLES), (log_file,))
     check_report(report, option="--report")
-    _refuse_swapped_log(options.case.aircraft, log_file, "verify")
-    case = load(options.case)
+    _refuse_swapped_log(options.aircraft, log_file, "verify")
+    case = load(options)
     result = verification.verify(
         case.aircraft,
-        _read_log(options.log),
+        _read_log(options),
         case.mission,
         windows=options.windows,
         filter_s=options.filter_s,
         clock_offset_min=options.clock_offset_min,
         heading_offset_deg=options.heading_offset_deg,
     )
-    record = case.named(result.to_dict())
-    with told(case, record, result, files=(report, folder)):
-        if folder is not None:
-            contents = {_SAMPLES: result.to_csv().encode()}
-            drawn = {
-                f"{name}.png": figure_of(draw)
-                for name, draw in figures(result, figure=options.figure)
-            }
-            inputs = case.inputs(log=Path(log_file))
-            write_run_folder(Path(folder), inputs, record, contents, drawn)
-        if report is not None:
-            from studies.cli.reports import report_on_log  # with all that a page has
 
-            report_on_log(case, result, log_file, report, overrides=options.case.overrides)
+    def write(folder: str) -> None:
+        contents = {_SAMPLES: result.to_csv().encode()}
+        drawn = {
+            f"{name}.png": figure_of(draw) for name, draw in figures(result, figure=options.figure)
+        }
+        inputs = case.inputs(log=Path(log_file))
+        write_run_folder(Path(folder), inputs, case.named(result.to_dict()), contents, drawn)
+
+    def write_page(path: str) -> None:
+        from studies.cli.reports import report_on_log  # with all that a page has
+
+        report_on_log(case, result, log_file, path, overrides=options.overrides)
+
+    deliver(case, result, writers={folder: write, report: write_page})
 
 
 def _read_log(options: LogOptions) -> FlightLog:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from missions.weather.files import load_weather
@@ -21,15 +23,16 @@ def analyse_in_weather(case: Case, options: Analyse, weather_file: str) -> None:
     result = analyse_weather(
         **case.arguments, weather=weather, mission_chosen=not case.mission_is_default
     )
-    record = {"weather": result.to_dict()}
-    if case.as_json:
+
+    def record() -> dict[str, Any]:
         there = case.arguments
         there["mission"] = result.mission
         clear_day = analysis.analyse(**there, replay=False)
-        record = clear_day.to_dict() | record
+        return clear_day.to_dict() | {"weather": result.to_dict()}
+
     files = {
         options.table_file: table_of(result.to_frame, "days"),
         options.table_years: table_of(result.to_years_frame, "years"),
         options.plot_file: figure_of(lambda: plot_weather(result, figure=options.figure)),
     }
-    deliver(case, case.named(record), result, files)
+    deliver(case, result, files, record=record)

@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 from studies.cli import __main__ as main
-from studies.cli.command import Command
+from studies.cli.command import COMMANDS, Command
 
-NAMES = list(main._COMMANDS)
+NAMES = list(COMMANDS)
 
 
 def command(name: str) -> click.Command:
@@ -29,9 +29,9 @@ def help_text(*names: str, columns: int = 80) -> str:
 
 def test_every_command_stands_under_what_it_is_for() -> None:
     text = help_text()
-    for name, lazy in main._COMMANDS.items():
-        assert lazy.task in main._TASKS
-        _, _, below = text.partition(f"\n{lazy.task}:\n")
+    for name, made in COMMANDS.items():
+        assert made.task in main._TASKS
+        _, _, below = text.partition(f"\n{made.task}:\n")
         section, _, _ = below.partition("\n\n")
         assert f"  {name} " in section
 
@@ -66,3 +66,14 @@ def test_names_to_choose_from_are_told_as_they_are_written() -> None:
     assert "--model [CDM|CAM|VM|FM]" in text
     assert "--objective NAME" in text
     assert "One of max_excess_time, min_wingspan," in " ".join(text.split())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_page_explains_at_most_18_options_and_names_the_others(name: str) -> None:
+    page, shared = help_text(name), help_text()
+    explained, _, named = page.partition("More, which solar-uav --help explains")
+    assert explained.count("\n  -") <= 18 + 1  # with --help
+    for option in (one for one in COMMANDS[name].params if isinstance(one, click.Option)):
+        if not option.hidden:
+            spelled = option.opts[0]
+            assert f" {spelled}" in explained or (spelled in named and f" {spelled}" in shared)

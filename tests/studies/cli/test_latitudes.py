@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.cli.command import latitude_deg
+from studies.cli.values import latitude_deg
 
 
 @pytest.mark.parametrize(

@@ -1,21 +1,28 @@
-"""Commands about files: ``solar-uav list``, ``show``, ``init`` and ``validate``."""
+"""Commands to start with: ``solar-uav list``, ``show``, ``init``, ``validate`` and ``schema``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
-from studies.cli.command import Command, argument, option
+from studies.cli.command import CommandOptions, argument, command, option
 from studies.cli.options import json_option
+from studies.cli.values import OutputFile
 
 if TYPE_CHECKING:
     from sizing.catalogues.choice import Kind
 
 
-@dataclass(frozen=True)
-class List:
+@command(
+    "Start",
+    "Shipped aircraft, missions and weather records.",
+    "shipped:list_",
+    "solar-uav list",
+)
+@dataclass(frozen=True, kw_only=True)
+class List(CommandOptions):
     """List the aircraft, missions and weather records that ship with the package.
 
     With --cells, --batteries, --motors, --propellers or --mppts list what a catalogue has; --json
@@ -31,6 +38,7 @@ class List:
 
     def __post_init__(self) -> None:
         """Refuse what does not go together."""
+        super().__post_init__()
         if len(self.catalogues) > 1:
             named = " and ".join(f"--{kind}" for kind in self.catalogues)
             raise click.UsageError(f"{named}: one at a time")
@@ -42,8 +50,14 @@ class List:
         return [kind for kind in kinds if getattr(self, kind)]
 
 
-@dataclass(frozen=True)
-class Show:
+@command(
+    "Start",
+    "The file of a shipped aircraft, mission or record.",
+    "shipped:show",
+    "solar-uav show atlantiksolar-as2 > mine.yaml",
+)
+@dataclass(frozen=True, kw_only=True)
+class Show(CommandOptions):
     """Print the file of the shipped aircraft or mission NAME, comments included.
 
     It is one to start your own from.
@@ -52,26 +66,43 @@ class Show:
     name: str = argument()
 
 
-@dataclass(frozen=True)
-class Init:
+@command(
+    "Start",
+    "Commented files to start your own aircraft from.",
+    "files:init",
+    "solar-uav init albatross",
+)
+@dataclass(frozen=True, kw_only=True)
+class Init(CommandOptions):
     """Write commented starter files NAME.yaml and NAME-mission.yaml into this folder."""
 
     name: str = argument()
 
 
-@dataclass(frozen=True)
-class Validate:
+@command(
+    "Start",
+    "Everything that is wrong with files.",
+    "files:validate",
+    "solar-uav validate albatross.yaml albatross-mission.yaml",
+)
+@dataclass(frozen=True, kw_only=True)
+class Validate(CommandOptions):
     """Check aircraft and mission FILES and say everything that is wrong with them."""
 
     files: tuple[str, ...] = argument(nargs=-1, required=True, type=click.Path())
 
 
-list_ = Command("list", List, "shipped:list_", "solar-uav list")
-show = Command("show", Show, "shipped:show", "solar-uav show atlantiksolar-as2 > mine.yaml")
-init = Command("init", Init, "files:init", "solar-uav init albatross")
-validate = Command(
-    "validate",
-    Validate,
-    "files:validate",
-    "solar-uav validate albatross.yaml albatross-mission.yaml",
+@command(
+    "Start",
+    "Completion of files in an editor.",
+    "files:schema",
+    "solar-uav schema aircraft --out aircraft.schema.json",
 )
+@dataclass(frozen=True, kw_only=True)
+class Schema(CommandOptions):
+    """Print the JSON Schema of aircraft or mission files, for completion in an editor."""
+
+    kind: Literal["aircraft", "mission"] = argument(type=click.Choice(("aircraft", "mission")))
+    out_file: str | None = option(
+        "--out", type=OutputFile(), metavar="FILE", help="Write it instead of printing it."
+    )

@@ -1,0 +1,193 @@
+"""Values of options: numbers of a range, grids, names, what a function of a study reads."""
+
+from __future__ import annotations
+
+import math
+import re
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from studies.cli.telling import tell_error
+
+_MAXIMUM_GRID = 2000  # numbers of first:last:step
+_DECIMAL = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
+_LATITUDE = re.compile(rf"({_DECIMAL}) *°? *([ns])|([+-]?{_DECIMAL}) *°", re.IGNORECASE)
+
+
+class OutputFile(click.Path):
+    """File that a command writes; it is checked before any work is done for it."""
+
+
+class OutputFolder(click.Path):
+    """Folder that a command writes; it is checked before any work is done for it."""
+
+
+if TYPE_CHECKING:
+    from click import ParamType as ParamType
+else:
+
+    class ParamType(click.ParamType):
+        """Base of the types below; click before 8.4 does not say of which values one is."""
+
+        def __class_getitem__(cls, item: Any) -> type[ParamType]:
+            """Take the type of values, for readers alone."""
+            return cls
+
+
+class Parsed(ParamType[Any]):
+    """Values that a function of a study reads; it is imported when there is a value.
+
+    ``reader``: module and function, ``package.module:function``; it takes text, and raises
+    ValueError. ``stepped``: whether ``first:last:step`` may stand in a value, of which ``values``
+    then are read.
+    """
+
+    def __init__(self, name: str, reader: str, *, stepped: bool = False) -> None:
+        self.name, self._reader, self._stepped = name, reader, stepped
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read a value."""
+        module, _, function = self._reader.partition(":")
+        try:
+            converted = getattr(import_module(module), function)(str(value))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+        if self._stepped and str(value).count(":") == 2:
+            written = f"{param.opts[0] if param else ''} {value}".strip()
+            note_last(converted.values[-1], float(str(value).split(":")[1]), written)
+        return converted
+
+
+def latitude_deg(text: str) -> float:
+    """Latitude [deg], north positive, of ``-33.9``, ``-33.9°``, ``33.9S`` or ``33.9° S``.
+
+    Another text is a ValueError.
+    """
+    match = _LATITUDE.fullmatch(text.strip())
+    try:
+        if "_" in text:  # Python's own notation, nobody's latitude
+            raise ValueError
+        number = float((match[1] or match[3]) if match else text)
+    except ValueError:
+        raise ValueError(
+            f"{text!r} is not a number of degrees; north is positive, or written 47.6N, 33.9S"
+        ) from None
+    number = -number if match and match[2] in ("s", "S") else number
+    if not -90.0 <= number <= 90.0:
+        raise ValueError(f"must be from -90 to 90 (got {text})")
+    return number
+
+
+class Grid(ParamType["list[float]"]):
+    """Numbers ``first:last:step``, or one: first, and steps from there that do not go beyond last.
+
+    Where they do not lead to ``last`` itself, a note on standard error says where they end.
+    """
+
+    name = "first:last:step"
+
+    def __init__(
+        self, lowest: float, highest: float, *, whole: bool = False, latitudes: bool = False
+    ) -> None:
+        self.lowest, self.highest, self.whole = lowest, highest, whole
+        self.latitudes = latitudes
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> list[float]:
+        """Read the numbers and check their range.
+
+        Returns from the first to the last in steps, both in the unit of the option.
+        """
+        try:
+            parts: list[Any] = str(value).split(":")
+            if len(parts) == 1:
+                parts = [*parts, *parts, "1"]
+            if self.latitudes:  # whose ends may be written as 40N and 20S
+                parts[:2] = map(latitude_deg, parts[:2])
+            first, last, step = map(float, parts)
+        except ValueError:
+            self.fail(
+                f"{value!r} is no number and not first:last:step, for example -70:70:2", param, ctx
+            )
+        # NaN is no number that rises, and a step without end none that could be added.
+        if not (self.lowest <= first <= last <= self.highest and 0.0 < step < math.inf):
+            self.fail(
+                f"must rise within {self.lowest:g} to {self.highest:g} by a positive step "
+                f"(got {value})",
+                param,
+                ctx,
+            )
+        if self.whole and not (first.is_integer() and step.is_integer()):
+            self.fail(f"takes whole numbers (got {value})", param, ctx)
+        steps = (last - first) / step + 1e-9
+        if steps >= _MAXIMUM_GRID:
+            self.fail(f"has more than the {_MAXIMUM_GRID} numbers that are allowed", param, ctx)
+        numbers = [first + i * step for i in range(int(steps) + 1)]
+        note_last(numbers[-1], last, f"{param.opts[0] if param else ''} {value}".strip())
+        return numbers
+
+
+def note_last(reached: float, last: float, written: str) -> None:
+    """Say on standard error where the steps of ``first:last:step`` end, if not at ``last``."""
+    if abs(reached - last) > 1e-9 * max(abs(reached), abs(last)):
+        text = f"{written} ends at {reached:g}: no whole number of steps leads to {last:g}"
+        tell_error(f"solar-uav: {text}")
+
+
+class RealRange(click.FloatRange):
+    """Numbers of a range; unlike click's own it refuses NaN, which passes every comparison.
+
+    ``above``, ``below``: whether numbers must lie above the lowest, and below the highest.
+    """
+
+    def __init__(
+        self, lowest: float, highest: float, *, unit: str, above: bool = False, below: bool = False
+    ) -> None:
+        super().__init__(lowest, highest, min_open=above, max_open=below)
+        self.unit = unit
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Read the number and check its range.
+
+        Returns in :attr:`unit`, within the range.
+        """
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if math.isnan(number):
+            text = f"must be a number of {self.unit}, written without a unit (got {value})"
+            self.fail(text, param, ctx)
+        super().convert(number, param, ctx)
+        return number
+
+
+class Names(ParamType["tuple[str, ...]"]):
+    """Names separated by commas, each of a given set."""
+
+    name = "a,b"
+
+    def __init__(self, allowed: tuple[str, ...]) -> None:
+        self.allowed = allowed
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
+        """Read the names in their usual order, without repetition.
+
+        Returns names, those of ``allowed``.
+        """
+        by_lower = {name.lower(): name for name in self.allowed}
+        models = []
+        for part in str(value).split(","):
+            name = by_lower.get(part.strip().lower())
+            if name is None:
+                allowed = ", ".join(self.allowed)
+                self.fail(f"{part.strip()!r} is not one of {allowed}", param, ctx)
+            models.append(name)
+        return tuple(name for name in self.allowed if name in models)
