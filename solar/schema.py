@@ -68,7 +68,7 @@ class Record(BaseModel, metaclass=_Described):
     """
 
     model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True
+        frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True, defer_build=True
     )
 
     def __eq__(self, other: object) -> bool:

@@ -90,7 +90,8 @@ class Dates(Record):
         """Days of year that stand for the range, in its order."""
         every = self.range()
         count = min(self.count or 3, len(every))
-        picks = np.unique(np.round(np.linspace(0, len(every) - 1, count)).astype(int)).tolist()
+        places = np.round(np.linspace(0, len(every) - 1, count)).astype(int)
+        picks = sorted(set(places.tolist()))
         inside = {every.index(day) for day in SOLSTICES if count > 1 and day in every}
         for solstice in sorted(inside - set(picks)):
             if not _move_pick(picks, solstice, inside) and self.count is None:

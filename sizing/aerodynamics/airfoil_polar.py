@@ -14,7 +14,6 @@ from math import e, pi
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from missions.files.errors import file_error
 from sizing.aerodynamics.polar_merging import parse_polar
@@ -287,7 +286,7 @@ def _end_of_rise(alpha_deg: FloatArray, cl: FloatArray, row: int, step: int) -> 
 def _fit_maximum_lift(branches: tuple[_Branch, ...], scale: _ReynoldsScale) -> tuple[float, ...]:
     z = [scale.at(b.reynolds) for b in branches]
     degree = min(_MAXIMUM_LIFT_DEGREE, len(branches) - 2)
-    fitted = chebyshev.chebfit(z, [b.maximum_lift for b in branches], degree)
+    fitted = np.polynomial.chebyshev.chebfit(z, [b.maximum_lift for b in branches], degree)
     return tuple(float(value) for value in fitted)
 
 
@@ -306,7 +305,7 @@ def _fit_log_drag(
         logs.append(log_drag[used])
     u, v, target = (np.concatenate(parts) for parts in (shares, coordinates, logs))
     degrees = (_LIFT_DEGREE, min(_REYNOLDS_DEGREE, len(branches) - 2))
-    basis = chebyshev.chebvander2d(u, v, degrees)
+    basis = np.polynomial.chebyshev.chebvander2d(u, v, degrees)
     ridge = _RIDGE * np.sqrt(len(target)) * np.eye(basis.shape[1])
     fitted, *_ = np.linalg.lstsq(
         np.vstack((basis, ridge)), np.concatenate((target, np.zeros(len(ridge)))), rcond=None

@@ -46,7 +46,7 @@ class ChargeClock:
             return None
         soc = np.linspace(0.0, 1.0, _TABLE_POINTS)
         if isinstance(limit, TableChargeLimit):
-            soc = np.union1d(soc, limit.state_of_charge)
+            soc = np.array(sorted({*soc.tolist(), *limit.state_of_charge}))
         slowness = 1.0 / charge_rate_per_h(limit, soc)
         hours = np.concatenate(
             ([0.0], np.cumsum(np.diff(soc) * (slowness[1:] + slowness[:-1]) / 2.0))
