@@ -2,6 +2,6 @@
 
 * ``document``: the page, ``make_report``; ``subject``: what it is about; ``blocks``: its parts
 * ``verdict``, ``design``, ``flight``, ``margins``, ``confidence``: its sections
-* ``geometry``, ``three_view``, ``svg``: the drawing; ``figures``: matplotlib's
+* ``geometry``, ``three_view``: the drawing; ``figures``: matplotlib's on a page
 * ``pdf``: the page as PDF
 """

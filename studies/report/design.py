@@ -28,12 +28,13 @@ from sizing.results.render import (
 from sizing.results.requirements import constraint_words, requirement_margins
 from sizing.results.sentences import balance_lines, cells_lines, cross_check_line, loss_line
 from sizing.results.tables import facts
-from studies.report.blocks import Bars, Block, Figure, Section, Tables, Text, sentence
+from studies.report.blocks import Bars, Block, Section, Tables, Text, sentence
+from studies.report.figures import page_figure, page_options
 from studies.report.geometry import aircraft_drawing
 from studies.report.subject import Subject
-from studies.report.three_view import three_view
+from studies.report.three_view import description, plot_three_view
 
-_WIDE, _NARROW = 940.0, 350.0
+_WIDTH_IN = 7.4
 _HELD = ("flown, to hold its place", "as fast as the wind at least")
 
 
@@ -45,17 +46,17 @@ def aircraft_section(subject: Subject) -> Section:
     points = {}
     if balance is not None:
         points = {"gravity_m": balance.gravity_m, "neutral_m": float(balance.found.x_m)}
-    views = "".join(
-        three_view(
-            drawing, name=aircraft.name, key=f"views-{kind}", width=width, kind=kind, **points
-        )
-        for kind, width in (("wide", _WIDE), ("narrow", _NARROW))
+    views = page_figure(
+        plot_three_view(drawing, **points, figure=page_options(_WIDTH_IN)),
+        f"Three views to scale. {' '.join(drawing.notes)}",
+        title=f"Three views of {aircraft.name}",
+        description=description(drawing, **points),
+        key="views",
     )
-    caption = "Three views to scale. " + " ".join(drawing.notes)
     blocks: list[Block] = []
     if aircraft.description:
         blocks.append(Text(aircraft.description))
-    blocks.append(Figure(views, caption))
+    blocks.append(views)
     if subject.verification is None:
         blocks.append(Tables(tuple(_design_tables(subject))))
     return Section("aircraft", "The aircraft", blocks)

@@ -16,9 +16,10 @@ from xml.etree import ElementTree
 from matplotlib.collections import QuadMesh
 
 from studies.output.figures.options import FigureOptions
+from studies.report.blocks import Figure
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure as Plot
 
 # Colours of the figures, and the variables of the style sheet that stand for them.
 COLOURS = {
@@ -56,7 +57,13 @@ def page_options(width_in: float, height_in: float | None = None) -> FigureOptio
     )
 
 
-def figure_markup(figure: Figure, *, title: str, description: str, key: str) -> str:
+def page_figure(figure: Plot, caption: str, *, title: str, description: str, key: str) -> Figure:
+    """Figure of matplotlib as a block; it is moved under the finger on a telephone."""
+    markup = figure_markup(figure, title=title, description=description, key=key)
+    return Figure(markup, caption, scrolls=True)
+
+
+def figure_markup(figure: Plot, *, title: str, description: str, key: str) -> str:
     """Make a figure an element of a page."""
     # Cells of maps become an image: thousands of paths would be slow, with seams between them.
     for artist in (one for axes in figure.axes for one in axes.collections):

@@ -19,8 +19,8 @@ from studies.maps.plots import plot_map
 from studies.maps.study import prepare
 from studies.models.plots import plot_comparison
 from studies.output.cycle_plots import plot_cycle, plot_flight
-from studies.report.blocks import Block, Figure, Items, Section, Tables, Text
-from studies.report.figures import figure_markup, page_options
+from studies.report.blocks import Block, Items, Section, Tables, Text
+from studies.report.figures import page_figure, page_options
 from studies.report.subject import Subject
 from studies.uncertainty import plot_uncertainty
 from studies.weather.plots import plot_weather
@@ -64,12 +64,6 @@ def summary_blocks(summary: Summary, *, title: str, skip: int = 0) -> list[Block
     return blocks
 
 
-def _page_figure(plot: Plot, caption: str, *, title: str, description: str, key: str) -> Figure:
-    """Figure of matplotlib on the page; it is moved under the finger on a telephone."""
-    markup = figure_markup(plot, title=title, description=description, key=key)
-    return Figure(markup, caption, scrolls=True)
-
-
 def day_section(subject: Subject) -> Section:
     """Cycle of the weakest scenario, all scenarios, and the flight on the calendar."""
     analysis = subject.analysis
@@ -89,13 +83,13 @@ def day_section(subject: Subject) -> Section:
     plot = plot_cycle(analysis, figure=page_options(_WIDTH_IN, height))
     title = f"Day cycle at {where}"
     blocks: list[Block] = [
-        _page_figure(plot, caption, title=title, description=described, key="cycle")
+        page_figure(plot, caption, title=title, description=described, key="cycle")
     ]
     if several:
         blocks.append(Tables((_scenarios(analysis),)))
     if analysis.flight is not None:
         blocks.append(
-            _page_figure(
+            page_figure(
                 plot_flight(analysis, analysis.flight, figure=page_options(_WIDTH_IN, 4.8)),
                 "The mission's launch, flown on the calendar. Grey: night.",
                 title="Flight on the calendar",
@@ -143,7 +137,7 @@ def season_section(subject: Subject) -> Section:
         caption = f"{caption[:-1]}; flown as fast as the wind, at the latitudes where it is known."
     if subject.mission.climb is not None:
         caption = f"{caption[:-1]}; with {subject.mission.climb_label}."
-    drawing = _page_figure(
+    drawing = page_figure(
         plot,
         caption,
         title="Season map",
@@ -215,7 +209,7 @@ def models_section(subject: Subject) -> Section:
     )
     blocks: list[Block] = [
         Text(f"{comparison.headline()} {comparison.perpetual_line()}"),
-        _page_figure(
+        page_figure(
             plot,
             caption,
             title="Solar power models side by side",
@@ -239,7 +233,7 @@ def uncertainty_section(subject: Subject) -> Section | None:
     uncertainty = subject.uncertainty
     if uncertainty is None:
         return None
-    drawing = _page_figure(
+    drawing = page_figure(
         plot_uncertainty(uncertainty, figure=page_options(9.6)),
         f"Excess time of the weakest scenario in {uncertainty.samples} draws of the uncertain "
         "inputs, and what it depends on.",
@@ -257,7 +251,7 @@ def weather_section(subject: Subject) -> Section | None:
     weather = subject.weather
     if weather is None:
         return None
-    drawing = _page_figure(
+    drawing = page_figure(
         plot_weather(weather, figure=page_options(_WIDTH_IN + 0.4, 6.4)),
         "State of charge at every dawn, survival of launches, and the season in this weather.",
         title="Flight through the weather record",
@@ -279,7 +273,7 @@ def verification_section(subject: Subject) -> Section | None:
     blocks = summary_blocks(verification.at_level(ALL), title="errors")
     some = figures(verification, figure=page_options(_WIDTH_IN + 0.4))
     drawings = (
-        _page_figure(
+        page_figure(
             draw(),
             f"Measured and modelled power: {name}.",
             title=f"Log and models, {name}",

@@ -2,125 +2,145 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon
+
+from studies.output.figures.drawing import (
+    DARK_GREY,
+    GREY,
+    LOAD,
+    VERMILLION,
+    Canvas,
+    ink,
+    new_figure,
+    paper,
+    styled,
+)
+from studies.output.figures.options import DEFAULT
 from studies.report.geometry import Drawing
-from studies.report.svg import Canvas, Point
 
-_MARGIN, _TOP, _GAP, _LABEL = 14.0, 40.0, 30.0, 24.0
-_ROOM_RIGHT = 74.0  # for the dimension of the chord
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 # Thickness of a symmetrical four-digit section over its chord, at full thickness ratio one
 # (Abbott & von Doenhoff, Theory of Wing Sections, section 6.4).
 _SECTION = (1.4845, -0.63, -1.758, 1.4215, -0.5075)
-_STATIONS = 24
-_MARK = 6.0  # radius of a point of balance [px]
-_ROOM_FOR_LEGEND = 150.0  # beside the view from the left, else it stands below [px]
-_ROOM_FOR_HALF = 80.0  # of the scale bar, for a number at its middle [px]
+_WIDTH_IN = 8.0
+_AROUND = 0.1  # of what is drawn, to either side of it: for dimensions
+_THIN: dict[str, Any] = {"color": DARK_GREY, "linewidth": 0.6}
+_BETWEEN_IN = 0.6  # of views: their headings and dimensions
+
+Points = Sequence[tuple[float, float]]
 
 
-@dataclass(frozen=True)
 class _View:
-    """Places of a view in pixels: where its origin lies, and pixels per metre."""
+    """A view in metres; parts that no model has numbers for are dashed.
 
-    x: float
-    y: float
-    scale: float
+    ``unit_m``: a hundredth of the width.
+    """
 
-    def at(self, right_m: float, down_m: float) -> Point:
-        return self.x + self.scale * right_m, self.y + self.scale * down_m
+    def __init__(self, axes: Axes, drawing: Drawing, unit_m: float) -> None:
+        self.axes, self.drawing, self.unit_m = axes, drawing, unit_m
 
-    def box(self, left_m: float, right_m: float, top_m: float, bottom_m: float) -> list[Point]:
-        corners = (
-            (left_m, top_m), (right_m, top_m), (right_m, bottom_m), (left_m, bottom_m),
-        )  # fmt: skip
-        return [self.at(*corner) for corner in corners]
+    def shape(self, points: Any, part: str, fill: str = GREY, **looks: Any) -> None:
+        """Draw an outline; ``part``: what of the drawing it belongs to."""
+        dashed = "--" if part in self.drawing.schematic else "-"
+        looks = {"edgecolor": ink(), "linewidth": 0.8, "linestyle": dashed, **looks}
+        self.axes.add_patch(Polygon(np.asarray(points), facecolor=fill, gid=part, **looks))
+
+    def box(
+        self, left: float, right: float, low: float, high: float, part: str, **looks: Any
+    ) -> None:
+        """Draw a rectangle."""
+        self.shape([(left, low), (right, low), (right, high), (left, high)], part, **looks)
+
+    def line(self, points: Points, **looks: Any) -> None:
+        """Draw a line that is no edge of anything."""
+        self.axes.plot(*np.transpose(points), **(_THIN | looks))
+
+    def dimension(self, start: tuple[float, float], end: tuple[float, float], text: str) -> None:
+        """Draw an arrow from end to end, and a length beside it."""
+        arrow = {"arrowstyle": "<->", "color": DARK_GREY, "shrinkA": 0, "shrinkB": 0}
+        self.axes.annotate("", end, start, arrowprops=arrow)
+        level = start[1] == end[1]
+        middle = ((start[0] + end[0]) / 2.0, (start[1] + end[1]) / 2.0)
+        self.note(middle, text, (0, 2) if level else (4, 0), "center" if level else "left")
+
+    def note(
+        self, place: tuple[float, float], text: str, shift: tuple[float, float], ha: str
+    ) -> None:
+        """Write a text a few points beside a place."""
+        self.axes.annotate(
+            text,
+            place,
+            shift,
+            textcoords="offset points",
+            ha=ha,
+            va="bottom" if ha == "center" else "center",
+            fontsize="small",
+        )
 
 
-def three_view(
+@styled
+def plot_three_view(
     drawing: Drawing,
     *,
-    name: str,
-    key: str,
-    width: float,
-    kind: str,
     gravity_m: float | None = None,
     neutral_m: float | None = None,
-) -> str:
-    """Three views with dimensions and a scale bar, as SVG.
+    figure: Canvas = DEFAULT,
+) -> Figure:
+    """Three views at one scale with dimensions, below each other.
 
-    ``width``: width of the drawing [px]; texts keep their size. ``gravity_m``, ``neutral_m``:
-    centre of gravity and neutral point behind the leading edge of the wing root, where known [m].
+    ``gravity_m``, ``neutral_m``: centre of gravity and neutral point behind the leading edge of the
+    wing root, where known [m].
     """
-    canvas = Canvas(width)
-    ahead = max(drawing.nose_m, 0.0)
-    room = width - _MARGIN - _ROOM_RIGHT
-    scale = room / max(drawing.wingspan_m, ahead + drawing.tail_end_m)
-    middle = _MARGIN + 0.5 * room
-    above = _View(middle, _TOP + _LABEL + scale * ahead, scale)
-    _draw_above(canvas, drawing, above)
-    points = {"neutral point": neutral_m, "centre of gravity": gravity_m}
-    known = {name: place for name, place in points.items() if place is not None}
-    for point, place in known.items():
-        _balance_mark(canvas, above.at(0.0, place), filled=point == "centre of gravity")
-    bottom = above.y + scale * drawing.tail_end_m
-    tip_m = drawing.height_m(drawing.wingspan_m / 2.0)
-    highest = max(tip_m, *_tail_heights(drawing))
-    lowest = max(drawing.pod_depth_m / 2.0, -min(_tail_heights(drawing)))
-    front = _View(middle, bottom + _GAP + _LABEL + scale * highest, scale)
-    _draw_ahead(canvas, drawing, front)
-    bottom = front.y + scale * lowest
-    side = _View(
-        _MARGIN + scale * ahead,
-        bottom + _GAP + _LABEL + scale * max(*_tail_heights(drawing), drawing.pod_depth_m / 2.0),
-        scale,
+    length_m = drawing.nose_m + drawing.tail_end_m
+    width_m = (1.0 + 2.0 * _AROUND) * max(drawing.wingspan_m, length_m)
+    pad_m = 0.05 * width_m
+    low_m, high_m = _heights(drawing)
+    middle_m, half_m = (drawing.tail_end_m - drawing.nose_m) / 2.0, width_m / 2.0
+    limits = (
+        ("From above", (-half_m, half_m), (-drawing.tail_end_m - pad_m, drawing.nose_m + pad_m)),
+        ("From ahead", (-half_m, half_m), (low_m, high_m)),
+        ("From the left", (middle_m - half_m, middle_m + half_m), (low_m - pad_m, high_m)),
     )
-    _draw_side(canvas, drawing, side)
-    canvas.text((_MARGIN, 16.0), "From above", "view", anchor="start")
-    for text, y in (
-        ("From ahead", front.y - scale * highest),
-        ("From the left", bottom + _GAP + _LABEL),
-    ):
-        canvas.text((_MARGIN, y - 12.0), text, "view", anchor="start")
-    end = side.y + scale * lowest + 34.0
-    legend = (side.x + scale * drawing.tail_end_m + 96.0, bottom + _GAP + _LABEL)
-    if width - legend[0] < _ROOM_FOR_LEGEND:
-        legend = (_MARGIN, end + 8.0)
-    x, lowest_y = legend[0], _draw_legend(canvas, drawing, legend, scale)
-    for number, point in enumerate(known, 1):
-        y = lowest_y + 19.0 * number
-        _balance_mark(canvas, (x + 11.0, y - 5.0), filled=point == "centre of gravity")
-        canvas.text((x + 30.0, y - 0.5), point, "label", anchor="start")
-    end = max(end, lowest_y + 19.0 * len(known))
-    canvas.height = math.ceil(end + 6.0)
-    return canvas.markup(
-        title=f"Three views of {name}",
-        description=_described(drawing)
-        + "".join(
-            f" The {point} lies {place:.3f} m behind the leading edge of the wing root."
-            for point, place in known.items()
-        ),
-        key=key,
-        classes=("drawing", kind),
+    tall_m = [top - bottom for _, _, (bottom, top) in limits]
+    per_m = _WIDTH_IN / width_m
+    drawn, panels = new_figure(
+        *(3, 1),
+        canvas=figure,
+        size_in=(_WIDTH_IN, per_m * sum(tall_m) + 3.0 * _BETWEEN_IN),
+        grid="",
+        height_ratios=tall_m,
     )
+    views = []
+    for axes, (title, across, along) in zip(panels, limits, strict=True):
+        axes.set(xlim=across, ylim=along, aspect="equal")
+        axes.set_axis_off()
+        axes.set_title(title, loc="left")
+        views.append(_View(axes, drawing, 0.01 * width_m))
+    _draw_above(views[0])
+    _draw_ahead(views[1])
+    _draw_left(views[2])
+    points = {"centre of gravity": (gravity_m, "o"), "neutral point": (neutral_m, "D")}
+    known = {name: point for name, point in points.items() if point[0] is not None}
+    for name, (aft_m, marker) in known.items():
+        views[0].line([(0.0, -float(aft_m or 0.0))], marker=marker, markersize=6, color=ink(),
+                      markerfacecolor=ink() if marker == "o" else paper(), label=name)  # fmt: skip
+    drawn.legend(handles=_legend(drawing, panels[0]), loc="outside lower center", ncols=3)
+    return drawn
 
 
-def _balance_mark(canvas: Canvas, place: Point, *, filled: bool) -> None:
-    """Point of balance: a circle, with two dark quarters for the centre of gravity."""
-    x, y = place
-
-    def arc(first: float, last: float) -> list[Point]:
-        angles = [first + (last - first) * i / 16.0 for i in range(17)]
-        return [(x + _MARK * math.cos(a), y + _MARK * math.sin(a)) for a in angles]
-
-    canvas.shape(arc(0.0, 2.0 * math.pi), "point")
-    for quarter in (0.0, math.pi) if filled else ():
-        canvas.shape([(x, y), *arc(quarter, quarter + math.pi / 2.0)], "point dark")
-
-
-def _described(drawing: Drawing) -> str:
-    """What the drawing shows, for those who do not see it."""
+def description(
+    drawing: Drawing, *, gravity_m: float | None = None, neutral_m: float | None = None
+) -> str:
+    """What the drawing shows, for those who do not see it; points as in :func:`plot_three_view`."""
+    points = {"centre of gravity": gravity_m, "neutral point": neutral_m}
     tail = drawing.tail
     dihedral = (
         f"flat to {drawing.dihedral_from_m:.2f} m from the middle and raised by "
@@ -135,230 +155,146 @@ def _described(drawing: Drawing) -> str:
         f"{tail.horizontal_span_m:.2f} by {tail.horizontal_chord_m:.2f} m, its leading edge "
         f"{tail.horizontal_aft_m:.2f} m behind that of the wing; vertical tail "
         f"{abs(tail.vertical_height_m):.2f} m high."
+        + "".join(
+            f" The {point} lies {place:.3f} m behind the leading edge of the wing root."
+            for point, place in points.items()
+            if place is not None
+        )
     )
 
 
-def _looks(drawing: Drawing, part: str, kind: str) -> str:
-    return f"{kind} schematic" if part in drawing.schematic else kind
+def _fin_heights(drawing: Drawing) -> tuple[float, float]:
+    """Lower and upper end of the fins over the wing root."""
+    ends = drawing.tail.boom_height_m, drawing.tail.boom_height_m + drawing.tail.vertical_height_m
+    return min(ends), max(ends)
 
 
-def _tail_heights(drawing: Drawing) -> tuple[float, float, float]:
-    tail = drawing.tail
-    return tail.boom_height_m, tail.boom_height_m + tail.vertical_height_m, tail.height_m
+def _heights(drawing: Drawing) -> tuple[float, float]:
+    """Lowest and highest point, with a little room."""
+    pod, room = drawing.pod_depth_m / 2.0, 0.25 * drawing.chord_m
+    low, high = _fin_heights(drawing)
+    tip = drawing.height_m(drawing.wingspan_m / 2.0)
+    return min(low, -pod) - room, max(high, drawing.tail.height_m, tip, pod) + room
 
 
-# ---- From above
+def _ellipse(middle: float, half_width: float, half_height: float, up: float = 0.0) -> Points:
+    angles = np.linspace(0.0, 2.0 * np.pi, 41)
+    return list(
+        zip(middle + half_width * np.cos(angles), up + half_height * np.sin(angles), strict=True)
+    )
 
 
-def _draw_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
-    tail, half = drawing.tail, drawing.wingspan_m / 2.0
-    looks = _looks(drawing, "tail", "tail")
-    pod, boom = drawing.pod_depth_m / 2.0, drawing.boom_m / 2.0
+def _draw_above(view: _View) -> None:
+    """Draw the plan view, whose ordinate is forward of the leading edge of the root."""
+    drawing, tail, half = view.drawing, view.drawing.tail, view.drawing.wingspan_m / 2.0
+    boom, side = drawing.boom_m / 2.0, tail.horizontal_span_m / 2.0
+    fin = -tail.vertical_aft_m
     for place in drawing.booms_m:
-        tube = view.box(place - boom, place + boom, 0.0, drawing.tail_end_m)
-        canvas.shape(tube, _looks(drawing, "tail", "body"))
-    canvas.shape(_pod(view, drawing, pod), "body schematic")
-    side = tail.horizontal_span_m / 2.0
-    rear = tail.horizontal_aft_m + tail.horizontal_chord_m
-    canvas.shape(view.box(-side, side, tail.horizontal_aft_m, rear), looks)
+        view.box(place - boom, place + boom, -drawing.tail_end_m, 0.0, "tail", fill=paper())
+    middle = drawing.nose_m - drawing.pod_m / 2.0
+    view.shape(
+        _ellipse(0.0, drawing.pod_depth_m / 2.0, drawing.pod_m / 2.0, middle), "pod", paper()
+    )
+    front, rear = -tail.horizontal_aft_m, -tail.horizontal_aft_m - tail.horizontal_chord_m
+    view.box(-side, side, rear, front, "tail")
     for place in drawing.booms_m:
-        canvas.line(
-            view.at(place, tail.vertical_aft_m),
-            view.at(place, tail.vertical_aft_m + tail.vertical_chord_m),
-            "fin",
+        view.line(
+            [(place, fin), (place, fin - tail.vertical_chord_m)],
+            color=ink(),
+            linewidth=1.4,
+            gid="fin",
         )
-    leading = [view.at(y, front) for y, front, _ in drawing.outline]
-    trailing = [view.at(y, rear) for y, _, rear in reversed(drawing.outline)]
-    canvas.shape([*leading, *trailing], "wing")
+    leading = [(y, -front) for y, front, _ in drawing.outline]
+    view.shape([*leading, *((y, -rear) for y, _, rear in reversed(drawing.outline))], "wing")
     for m in drawing.modules:
-        canvas.shape(
-            view.box(m.left_m, m.right_m, m.front_m, m.rear_m), _looks(drawing, "modules", "module")
-        )
-    canvas.line(
-        view.at(-half, drawing.spar_m),
-        view.at(half, drawing.spar_m),
-        _looks(drawing, "spar", "spar"),
+        looks = {"edgecolor": LOAD, "linewidth": 0.5, "alpha": 0.6}
+        view.box(m.left_m, m.right_m, -m.rear_m, -m.front_m, "modules", fill=LOAD, **looks)
+    dashed = "--" if "spar" in drawing.schematic else "-"
+    view.line(
+        [(-half, -drawing.spar_m), (half, -drawing.spar_m)], color=VERMILLION, linestyle=dashed
     )
-    if drawing.dihedral_deg:
-        for place in (-drawing.dihedral_from_m, drawing.dihedral_from_m):
-            canvas.line(view.at(place, 0.0), view.at(place, drawing.chord_m), "break")
-    canvas.line((view.x, view.at(0, -drawing.nose_m)[1] - 6.0),
-                (view.x, view.at(0, drawing.tail_end_m)[1] + 8.0), "centre")  # fmt: skip
-    _dimensions_above(canvas, drawing, view)
+    for place in (
+        (-drawing.dihedral_from_m, drawing.dihedral_from_m) if drawing.dihedral_deg else ()
+    ):
+        view.line([(place, 0.0), (place, -drawing.chord_m)])
+    over = max(drawing.nose_m, 2.0 * view.unit_m) + 2.0 * view.unit_m
+    view.dimension((-half, over), (half, over), f"{drawing.wingspan_m:.2f} m")
+    beside, lead = half + 1.5 * view.unit_m, -drawing.front_at(half)
+    tip_m = drawing.chord_at(half)
+    view.dimension((beside, lead), (beside, lead - tip_m), f"{tip_m:.3f} m")
+    arm = side + 2.0 * view.unit_m
+    view.dimension((arm, 0.0), (arm, front), f"{tail.horizontal_aft_m:.2f} m")
+    size = f"{tail.horizontal_span_m:.2f} × {tail.horizontal_chord_m:.2f} m"
+    view.note((-side, (front + rear) / 2.0), size, (-5, 0), "right")
 
 
-def _pod(view: _View, drawing: Drawing, half_width: float) -> list[Point]:
-    """Outline of the pod, an ellipse from the nose on."""
-    middle = drawing.pod_m / 2.0 - drawing.nose_m
-    angles = [2.0 * math.pi * i / 40 for i in range(40)]
-    return [
-        view.at(half_width * math.sin(a), middle - drawing.pod_m / 2.0 * math.cos(a))
-        for a in angles
-    ]
-
-
-def _dimensions_above(canvas: Canvas, drawing: Drawing, view: _View) -> None:
-    tail, half = drawing.tail, drawing.wingspan_m / 2.0
-    over = min(view.at(0.0, -drawing.nose_m)[1] - 22.0, view.y - 26.0)
-    left, right = view.at(-half, 0.0), view.at(half, 0.0)
-    for place in (left, right):
-        canvas.line((place[0], place[1] - 4.0), (place[0], over - 4.0), "extension")
-    canvas.dimension((left[0], over), (right[0], over), f"{drawing.wingspan_m:.2f} m")
-    beside = right[0] + 14.0
-    tip_m, front_m = drawing.chord_at(half), drawing.front_at(half)
-    top, bottom = view.at(half, front_m)[1], view.at(half, front_m + tip_m)[1]
-    for y in (top, bottom):
-        canvas.line((right[0] + 3.0, y), (beside + 4.0, y), "extension")
-    canvas.dimension((beside, top), (beside, bottom), f"{tip_m:.3f} m")
-    side = tail.horizontal_span_m / 2.0
-    rear = view.at(0.0, tail.horizontal_aft_m + tail.horizontal_chord_m)[1]
-    arm_x = view.at(side, 0.0)[0] + 22.0
-    fore = view.at(0.0, tail.horizontal_aft_m)[1]
-    canvas.line((view.at(side, 0.0)[0] + 3.0, fore), (arm_x + 4.0, fore), "extension")
-    canvas.dimension((arm_x, view.y), (arm_x, fore), f"{tail.horizontal_aft_m:.2f} m")
-    canvas.text(
-        (view.at(-side, 0.0)[0] - 8.0, (fore + rear) / 2.0 + 4.0),
-        f"{tail.horizontal_span_m:.2f} × {tail.horizontal_chord_m:.2f} m",
-        "value",
-        anchor="end",
-    )
-
-
-# ---- From ahead
-
-
-def _draw_ahead(canvas: Canvas, drawing: Drawing, view: _View) -> None:
-    tail, half = drawing.tail, drawing.wingspan_m / 2.0
-    inner = [y for y, _ in drawing.chords[1:-1]]
-    right = sorted([drawing.dihedral_from_m, *inner, half])
-    places = [*(-y for y in reversed(right)), *right]
-    thick = {y: drawing.thickness_ratio * drawing.chord_at(y) / 2.0 for y in places}
-    upper = [view.at(y, -drawing.height_m(y) - thick[y]) for y in places]
-    lower = [view.at(y, -drawing.height_m(y) + thick[y]) for y in reversed(places)]
+def _draw_ahead(view: _View) -> None:
+    """Draw the view from ahead: right, and up from the wing root."""
+    drawing, tail, half = view.drawing, view.drawing.tail, view.drawing.wingspan_m / 2.0
+    right = sorted({drawing.dihedral_from_m, *(y for y, _ in drawing.chords[1:-1]), half})
+    places = np.array([*(-y for y in reversed(right)), *right])
+    up = np.array([drawing.height_m(y) for y in places])
+    thick = np.array([drawing.thickness_ratio * drawing.chord_at(y) / 2.0 for y in places])
+    low, high = _fin_heights(drawing)
     fin = drawing.thickness_ratio * tail.vertical_chord_m / 2.0
-    root, end, top = _tail_heights(drawing)
-    looks = _looks(drawing, "tail", "tail")
     for y in drawing.booms_m:
-        canvas.shape(view.box(y - fin, y + fin, -max(root, end), -min(root, end)), looks)
-    plane = drawing.thickness_ratio * tail.horizontal_chord_m / 2.0
-    side = tail.horizontal_span_m / 2.0
-    canvas.shape(view.box(-side, side, -top - plane, -top + plane), looks)
-    canvas.shape([*upper, *lower], "wing")
+        view.box(y - fin, y + fin, low, high, "tail")
+    plane, side = (
+        drawing.thickness_ratio * tail.horizontal_chord_m / 2.0,
+        tail.horizontal_span_m / 2.0,
+    )
+    view.box(-side, side, tail.height_m - plane, tail.height_m + plane, "tail")
+    upper = zip(places, up + thick, strict=True)
+    view.shape([*upper, *zip(places[::-1], (up - thick)[::-1], strict=True)], "wing")
     radius = drawing.pod_depth_m / 2.0
-    angles = [2.0 * math.pi * i / 32 for i in range(32)]
-    canvas.shape(
-        [view.at(radius * math.cos(a), radius * math.sin(a)) for a in angles], "body schematic"
-    )
+    view.shape(_ellipse(0.0, radius, radius), "pod", paper())
     if drawing.dihedral_deg:
-        place = view.at(half, -drawing.height_m(half))
-        canvas.text((place[0] + 8.0, place[1] + 4.0), f"{drawing.dihedral_deg:g}°", "value",
-                    anchor="start")  # fmt: skip
+        view.note((half, float(up[-1])), f"{drawing.dihedral_deg:g}°", (5, 0), "left")
 
 
-# ---- From the left
-
-
-def _draw_side(canvas: Canvas, drawing: Drawing, view: _View) -> None:
-    tail = drawing.tail
-    root, end, top = _tail_heights(drawing)
-    looks = _looks(drawing, "tail", "tail")
-    boom = drawing.boom_m / 2.0
-    canvas.shape(
-        view.box(0.0, drawing.tail_end_m, -root - boom, -root + boom),
-        _looks(drawing, "tail", "body"),
-    )
-    canvas.shape(_pod_from_left(view, drawing), "body schematic")
-    fin_rear = tail.vertical_aft_m + tail.vertical_chord_m
-    canvas.shape(view.box(tail.vertical_aft_m, fin_rear, -max(root, end), -min(root, end)), looks)
-    section = _section(drawing.thickness_ratio)
-    canvas.shape(
-        [
-            view.at(tail.horizontal_aft_m + tail.horizontal_chord_m * x,
-                    -top - tail.horizontal_chord_m * z)
-            for x, z in section
-        ],
-        looks,
-    )  # fmt: skip
-    tip_m = drawing.height_m(drawing.wingspan_m / 2.0)
-    if tip_m:
-        canvas.shape(_wing_section(view, drawing, drawing.wingspan_m / 2.0), "wing tip")
-    canvas.shape(_wing_section(view, drawing, 0.0), _looks(drawing, "section", "wing"))
-    right = view.at(max(fin_rear, drawing.tail_end_m), 0.0)[0] + 14.0
-    heights = sorted((view.at(0.0, -root)[1], view.at(0.0, -end)[1]))
-    for y in heights:
-        canvas.line((view.at(fin_rear, 0.0)[0] + 3.0, y), (right + 4.0, y), "extension")
-    canvas.dimension((right, heights[0]), (right, heights[1]), f"{abs(end - root):.2f} m")
-    under = view.y + view.scale * max(drawing.pod_depth_m / 2.0, -min(root, end)) + 20.0
-    start, stop = view.at(0.0, 0.0), view.at(drawing.tail_end_m, 0.0)
-    for place in (start, stop):
-        canvas.line((place[0], under - 8.0), (place[0], under + 4.0), "extension")
-    canvas.dimension((start[0], under), (stop[0], under), f"{drawing.tail_end_m:.2f} m")
-
-
-def _pod_from_left(view: _View, drawing: Drawing) -> list[Point]:
+def _draw_left(view: _View) -> None:
+    """Draw the view from the left: aft of the leading edge of the root, and up."""
+    drawing, tail = view.drawing, view.drawing.tail
+    low, high = _fin_heights(drawing)
+    root, boom = tail.boom_height_m, drawing.boom_m / 2.0
+    view.box(0.0, drawing.tail_end_m, root - boom, root + boom, "tail", fill=paper())
     middle = drawing.pod_m / 2.0 - drawing.nose_m
-    angles = [2.0 * math.pi * i / 40 for i in range(40)]
-    return [
-        view.at(middle + drawing.pod_m / 2.0 * math.cos(a), drawing.pod_depth_m / 2.0 * math.sin(a))
-        for a in angles
-    ]
+    view.shape(_ellipse(middle, drawing.pod_m / 2.0, drawing.pod_depth_m / 2.0), "pod", paper())
+    fin_rear = tail.vertical_aft_m + tail.vertical_chord_m
+    view.box(tail.vertical_aft_m, fin_rear, low, high, "tail")
+    plane = tail.horizontal_chord_m * _section(drawing.thickness_ratio, 0.0)
+    view.shape(plane + np.array([tail.horizontal_aft_m, tail.height_m]), "tail")
+    section = _section(drawing.thickness_ratio, drawing.incidence_deg)
+    for right_m in (drawing.wingspan_m / 2.0, 0.0) if drawing.dihedral_deg else (0.0,):
+        place = np.array([drawing.front_at(right_m), drawing.height_m(right_m)])
+        view.shape(
+            drawing.chord_at(right_m) * section + place, "section", "none" if right_m else GREY
+        )
+    right = max(fin_rear, drawing.tail_end_m) + 1.5 * view.unit_m
+    view.dimension((right, low), (right, high), f"{high - low:.2f} m")
+    under = min(low, -drawing.pod_depth_m / 2.0) - 3.0 * view.unit_m
+    view.dimension((0.0, under), (drawing.tail_end_m, under), f"{drawing.tail_end_m:.2f} m")
 
 
-def _section(thickness_ratio: float) -> list[Point]:
-    """Outline of a symmetrical section of chord one, aft and up."""
-    chords = [0.5 * (1.0 - math.cos(math.pi * i / _STATIONS)) for i in range(_STATIONS + 1)]
-    upper = [(x, thickness_ratio * _half_thickness(x)) for x in chords]
-    return [*upper, *((x, -z) for x, z in reversed(upper[1:-1]))]
-
-
-def _half_thickness(x: float) -> float:
+def _section(thickness_ratio: float, incidence_deg: float) -> Any:
+    """Outline of a symmetrical section of chord one, aft and up, nose up about the leading edge."""
+    x = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))
     root, *powers = _SECTION
-    return float(root * x**0.5 + sum(a * x ** (i + 1) for i, a in enumerate(powers)))
-
-
-def _wing_section(view: _View, drawing: Drawing, right_m: float) -> list[Point]:
-    """Section of the wing at its incidence, nose up about the leading edge."""
-    height_m, front_m = drawing.height_m(right_m), drawing.front_at(right_m)
-    chord_m, pitch = drawing.chord_at(right_m), math.radians(drawing.incidence_deg)
-    turned = (
-        (x * math.cos(pitch) + z * math.sin(pitch), -x * math.sin(pitch) + z * math.cos(pitch))
-        for x, z in _section(drawing.thickness_ratio)
+    half = thickness_ratio * (
+        root * np.sqrt(x) + sum(a * x ** (i + 1) for i, a in enumerate(powers))
     )
-    return [view.at(front_m + chord_m * x, -chord_m * z - height_m) for x, z in turned]
+    outline = np.concatenate([np.stack([x, half], axis=1), np.stack([x, -half], axis=1)[::-1]])
+    pitch = np.radians(incidence_deg)
+    turn = np.array([[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]])
+    return outline @ turn
 
 
-# ---- Legend and scale
-
-
-def _draw_legend(canvas: Canvas, drawing: Drawing, place: Point, scale: float) -> float:
-    """Scale bar and what the looks mean; returns the lowest place."""
-    x, y = place
-    bar_m = _round_length(0.3 * (canvas.width - x - _MARGIN) / scale, drawing.wingspan_m)
-    for i in range(2):
-        kind = "scale dark" if i == 0 else "scale"
-        start, end = x + scale * bar_m * i / 2.0, x + scale * bar_m * (i + 1) / 2.0
-        canvas.shape([(start, y), (end, y), (end, y + 6.0), (start, y + 6.0)], kind)
-    for share in (0.0, 0.5, 1.0) if scale * bar_m > _ROOM_FOR_HALF else (0.0, 1.0):
-        text = f"{bar_m * share:g}" + (" m" if share == 1.0 else "")
-        canvas.text((x + scale * bar_m * share, y + 20.0), text, "value")
-    y += 42.0
-    for kind, text in _legend(drawing):
-        canvas.shape([(x, y - 9.0), (x + 22.0, y - 9.0), (x + 22.0, y), (x, y)], kind)
-        canvas.text((x + 30.0, y - 0.5), text, "label", anchor="start")
-        y += 19.0
-    canvas.line((x, y - 5.0), (x + 22.0, y - 5.0), _looks(drawing, "spar", "spar"))
-    canvas.text((x + 30.0, y - 0.5), "spar", "label", anchor="start")
-    return y
-
-
-def _legend(drawing: Drawing) -> Iterable[tuple[str, str]]:
-    if drawing.modules:
-        yield _looks(drawing, "modules", "module"), "solar modules"
-    yield "body schematic", "schematic"
-
-
-def _round_length(longest_m: float, span_m: float) -> float:
-    """Length of the scale bar: 1, 2 or 5 times a power of ten, no longer than fits."""
-    longest_m = min(longest_m, 0.3 * span_m)
-    power: float = 10.0 ** math.floor(math.log10(longest_m))
-    return float(next(power * step for step in (5.0, 2.0, 1.0) if power * step <= longest_m))
+def _legend(drawing: Drawing, axes: Axes) -> list[Any]:
+    """Entries of the legend: modules, spar, what is schematic, points of balance."""
+    modules = [Patch(facecolor=LOAD, alpha=0.6, label=drawing.modules_are)]
+    return [
+        *(modules if drawing.modules else []),
+        Line2D([], [], color=VERMILLION, label="spar"),
+        Patch(facecolor="none", edgecolor=ink(), linestyle="--", label="schematic"),
+        *axes.get_legend_handles_labels()[0],
+    ]

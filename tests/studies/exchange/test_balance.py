@@ -11,7 +11,7 @@ from studies.exchange.design_sheet import design_sheet
 from studies.exchange.files import design_bytes
 from studies.exchange.geometry import lifting_surfaces
 from studies.report.geometry import aircraft_drawing
-from studies.report.three_view import three_view
+from studies.report.three_view import plot_three_view
 
 TWIN = aircraft("twin-boom-design")
 ANALYSIS = sizing.analyse(TWIN, missions.load_mission("rafz-july"), replay=False)
@@ -60,9 +60,9 @@ def test_views_show_both_booms_and_the_taper():
     assert drawing.front_at(0.0) == 0.0 < drawing.front_at(2.5)
     areas = [(m.right_m - m.left_m) * (m.rear_m - m.front_m) for m in drawing.modules]
     assert sum(areas) == pytest.approx(TWIN.modules.area_m2)
-    svg = three_view(drawing, name="a", key="a", width=940.0, kind="wide")
-    plain = three_view(aircraft_drawing(DESIGN), name="a", key="a", width=940.0, kind="wide")
-    assert svg.count('class="fin"') == 2 * plain.count('class="fin"') == 2
+    for shown, fins in ((drawing, 2), (aircraft_drawing(DESIGN), 1)):
+        above = plot_three_view(shown).axes[0]
+        assert sum(line.get_gid() == "fin" for line in above.lines) == fins
 
 
 @pytest.mark.slow
