@@ -23,7 +23,7 @@ from studies.output.figures.drawing import (
     paper,
     styled,
 )
-from studies.output.figures.options import DEFAULT, NAMES
+from studies.output.figures.options import DEFAULT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -152,7 +152,6 @@ def _draw_causes(axes: Axes, analysis: UncertaintyAnalysis) -> None:
             )
     axes.axvline(centre, color=DARK_GREY)
     axes.set_yticks(range(len(rows)), [_input_label(analysis, row[0]) for row in rows])
-    axes.yaxis.set_gid(NAMES)
     axes.set_xlabel("mean excess time [h]")
 
 

@@ -24,7 +24,7 @@ from studies.output.figures.drawing import (
     new_figure,
     styled,
 )
-from studies.output.figures.options import DEFAULT, NAMES, ROWS, library
+from studies.output.figures.options import DEFAULT, library
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -101,7 +101,6 @@ def plot_comparison(comparison: Comparison, *, figure: Canvas = DEFAULT) -> Figu
         panels[-1].margins(x=0.15)
     panels[0].set_ylim(heights.max() + 0.7, -0.7)
     panels[0].set_yticks(heights, [c.solar.label for c in comparison.cases])
-    panels[0].yaxis.set_gid(NAMES)
     drawn.legend(handles=_legend(comparison), loc="outside lower center", ncols=5, frameon=False)
     return drawn
 
@@ -183,7 +182,6 @@ def _draw_season(axes: Axes, _: Comparison, case: Case, y: float) -> None:
         ha="center",
         va="center",
         fontsize="small",
-        gid=ROWS,
         color="white" if any(first <= middle <= last for first, last in parts) else "black",
     )
 

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from solar.types import FloatArray
 from studies.output.figures.drawing import DARK_GREY, VERMILLION, night
-from studies.output.figures.options import LEVELS
 from studies.output.gridded import OnGrid, reasons_without_result
 
 # Hatches that are told apart in small cells.
@@ -161,4 +160,3 @@ def draw_level_lines(
     halo = withStroke(linewidth=2.0, foreground="white")  # legible on dark cells too
     for text in axes.clabel(lines, fontsize="small", inline=False):
         text.set_path_effects([halo])
-        text.set_gid(LEVELS)

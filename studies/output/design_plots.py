@@ -27,7 +27,7 @@ from studies.output.figures.drawing import (
     new_figure,
     styled,
 )
-from studies.output.figures.options import DEFAULT, NAMES, library
+from studies.output.figures.options import DEFAULT, library
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -95,7 +95,6 @@ def plot_sensitivities(
             lw=0.0,
         )
     axes.set_yticks(range(len(shown)), labels)
-    axes.yaxis.set_gid(NAMES)
     axes.axvline(0.0, color=ink(), linewidth=0.8)
     axes.set(xlabel=f"change of the {objective.label} for +1 % [{unit_text(objective.unit)}]")
     drawn.legend(loc="outside lower right", ncols=2)
@@ -128,11 +127,10 @@ def plot_masses(
         canvas=figure, title=title, notes=notes, size_in=(7.0, 3.6), lines=True, grid=""
     )
     names = ["MPPT" if k == "mppt" else k.replace("_", " ") for k, _ in items]
-    axes.yaxis.set_gid(NAMES)
     bars = axes.barh(names, [v for _, v in items], color=LOAD)
     axes.bar_label(bars, fmt="%.2f kg", padding=3)
     axes.set(xlabel="mass [kg]")
-    axes.margins(x=0.15)
+    axes.margins(x=0.2)
     return drawn
 
 

@@ -42,7 +42,7 @@ from studies.output.figures.drawing import (
     paper,
     styled,
 )
-from studies.output.figures.options import DEFAULT, NAMES
+from studies.output.figures.options import DEFAULT
 from studies.output.gridded import (
     SIZED,
     extrapolations_of,
@@ -231,7 +231,6 @@ def _name_places(axis: Any, data: xr.Dataset, name: str) -> None:
     names = [str(one) for one in data[name].to_numpy()]
     upright = axis.axis_name == "x" and sum(map(len, names)) > _LETTERS_IN_A_ROW
     axis.set_ticks(_axis_positions(data, name), names, rotation=90 if upright else 0)
-    axis.set_gid(NAMES)
 
 
 def _shown_values(data: xr.Dataset, variable: str) -> NDArray[np.float64]:
@@ -318,7 +317,6 @@ def _parallel_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
             axes.annotate(f"{value:.4g}", (place, height), ha="center", va="center")
     axes.set_xticks(range(len(columns)), [_label(data, n).replace(" [", "\n[") for n in columns])
     axes.set(yticks=[], ylim=(-0.1, 1.1), xlim=(-0.5, len(columns) - 0.5))
-    axes.xaxis.set_gid(NAMES)
     for side in ("left", "right", "top", "bottom"):
         axes.spines[side].set_visible(False)
     if len(good):
@@ -359,7 +357,6 @@ def _one_at_a_time_figure(data: xr.Dataset, canvas: Canvas) -> Figure:
     axes.axvline(base[variable], color=ink(), linewidth=0.8)
     labels = [f"{_label(data, name)}\n(file: {base[name]:.4g})" for name, _, _ in bars]
     axes.set_yticks(range(len(bars)), labels)
-    axes.yaxis.set_gid(NAMES)
     axes.set(xlabel=_label(data, variable), ylim=(-0.6, len(bars) - 0.4))
     entries = [
         Patch(label=name, linewidth=0.0, **_bar_style(low=low))

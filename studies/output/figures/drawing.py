@@ -109,7 +109,7 @@ def new_figure(
     )
     panels = list(figure.subplots(rows, columns, squeeze=False, **options).ravel())
     for axes in panels:
-        axes.set_axisbelow(True)
+        axes.xaxis.label.set_wrap(True)
         if grid:
             axes.grid(alpha=0.3, axis=grid)
     if title and (not isinstance(canvas, FigureOptions) or canvas.title):

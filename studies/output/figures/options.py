@@ -18,10 +18,6 @@ from pathlib import Path
 from typing import Any
 
 DOTS_PER_INCH = 150
-# Group id of an axis whose ticks are names: none may be left out.
-NAMES = "names"
-# And of texts: what stands in rows, and labels of contour lines.
-ROWS, LEVELS = "rows", "levels"
 # Settings of matplotlib are those of the process: one figure at a time.
 SETTINGS = threading.RLock()
 
