@@ -27,19 +27,7 @@ def positive_part_wh(left_w: FloatArray, right_w: FloatArray, hours: ArrayLike) 
     """Integral of the positive part of a power that is linear over an interval [Wh].
 
     One expression for all four combinations of signs: with ``a, b`` the positive parts at the
-    ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour.
-
-    Parameters
-    ----------
-    left_w, right_w : ndarray
-        Power at the ends of the interval [W].
-    hours : array_like
-        Length of the interval [h].
-
-    Returns
-    -------
-    ndarray
-        Of the arguments' broadcast shape, not negative [Wh].
+    ends, ``(a + b)^2 / (2 (|left| + |right|))`` per hour. Arguments broadcast.
     """
     positive = np.maximum(left_w, 0.0) + np.maximum(right_w, 0.0)
     total = np.abs(left_w) + np.abs(right_w)
@@ -64,15 +52,7 @@ def _means_w(net_w: FloatArray) -> tuple[FloatArray, FloatArray]:
 def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
     """Where a linear function is zero, as a fraction of the interval [-].
 
-    Parameters
-    ----------
-    left, right : ndarray
-        Values at the ends; of equal signs, the nearer end is returned.
-
-    Returns
-    -------
-    ndarray
-        ``left / (left - right)``, clipped to 0 to 1 [-].
+    ``left / (left - right)`` of its values at the ends, the nearer end where signs are equal.
     """
     drop = left - right
     safe = np.where(drop == 0.0, 1.0, drop)
@@ -80,19 +60,9 @@ def crossing_fraction(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def ramp_fraction(left: FloatArray, right: FloatArray, share: FloatArray) -> FloatArray:
-    """Where the integral of a linear, non-negative power reaches a share of the whole.
+    """Where the integral of a linear, non-negative power reaches a share of the whole [-].
 
-    Parameters
-    ----------
-    left, right : ndarray
-        Power at the ends of the interval, not negative [W].
-    share : ndarray
-        Share of the integral over the interval, clipped to 0 to 1 [-].
-
-    Returns
-    -------
-    ndarray
-        Fraction of the interval [-].
+    Powers are those at the ends of the interval [W]; returns a fraction of it.
     """
     total = left + right
     goal = np.clip(share, 0.0, 1.0) * total / 2.0
@@ -167,13 +137,13 @@ class PowerBalance:
         for part in blocks(half, rows):
             begin, end = part.start, min(part.stop, half)
             morning, afternoon = slice(begin, end), slice(last - end, last - begin)
-            some, mirrored = net[begin : end + 1], net[last - end : last - begin + 1]
-            means = _means_w(some)
+            first_w, mirrored_w = net[begin : end + 1], net[last - end : last - begin + 1]
+            means = _means_w(first_w)
             for mean, side in zip(means, (surplus, deficit), strict=True):
                 np.multiply(mean, column[morning], out=side[morning])
             # The same work need not be done for an afternoon that mirrors the morning.
-            alike = np.array_equal(some, mirrored[::-1])
-            means = (means[0][::-1], means[1][::-1]) if alike else _means_w(mirrored)
+            alike = np.array_equal(first_w, mirrored_w[::-1])
+            means = (means[0][::-1], means[1][::-1]) if alike else _means_w(mirrored_w)
             for mean, side in zip(means, (surplus, deficit), strict=True):
                 np.multiply(mean, column[afternoon], out=side[afternoon])
         return cls(time_h=time, net_w=net, surplus_wh=surplus, deficit_wh=deficit)

@@ -8,14 +8,13 @@ soon; nothing is approximated but what :mod:`sizing.day.march` approximates.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from sizing.day.balance import crossing_fraction, running_sum
 from sizing.day.battery import Store
-from sizing.day.march import SHORT, ChargingDay, DayRun
+from sizing.day.march import ChargingDay, DayRun
 from solar.types import BoolArray, FloatArray
 
 
@@ -63,43 +62,20 @@ def dawns_of(day: ChargingDay, store: Store, noon_h: FloatArray | float) -> Dawn
     return Dawns(hour, day.cumulative_deficit_wh[reached, cells])
 
 
-@dataclass(frozen=True)
-class CarriedDays:
-    """Run of a battery over consecutive days, and whether each lasts from dawn to dawn."""
-
-    run: DayRun
-
-    def runs_empty(self, dawns: Dawns) -> tuple[BoolArray, BoolArray]:
-        """Whether each day's battery is empty before its dawn, and after it.
-
-        Both are true where it is empty before dawn and stays so.
-        """
-        run, day, eta = self.run, self.run.day, self.run.store.discharge_efficiency
-        least = -SHORT * run.store.battery_energy_wh
-        # What is not served is the end of a deficit: from the level at which the battery is empty
-        # up to that at which the next surplus, or the day's end, comes.
-        ends = np.vstack([day.deficit_before_surplus_wh, day.cumulative_deficit_wh[-1:]])
-        drained_wh = np.vstack([run.drained_wh, run.midnight_wh])
-        short, begins = drained_wh < least, ends + eta * drained_wh
-        before = np.any(short & (begins < dawns.deficit_wh), axis=0)
-        return before, np.any(short & (ends > dawns.deficit_wh), axis=0)
-
-    def closes(self, dawns: Dawns) -> BoolArray:
-        """Whether each day's battery lasts from its dawn to the next day's, the last to its end."""
-        before, after = self.runs_empty(dawns)
-        return np.asarray(~(after | np.append(before[1:], False)))
-
-    def energy_at_wh(self, hour: FloatArray) -> FloatArray:
-        """Stored energy at an hour of each day [Wh], straight lines between the nodes."""
-        time, values = self.run.day.balance.time_h, self.run.energy_at_nodes_wh()
-        number = np.clip(np.searchsorted(time, hour, side="right") - 1, 0, len(time) - 2)
-        cells = np.arange(len(hour))
-        share = np.clip((hour - time[number]) / (time[number + 1] - time[number]), 0.0, 1.0)
-        low, high = values[number, cells], values[number + 1, cells]
-        return np.asarray(low + share * (high - low))
+def runs_empty(run: DayRun, dawns: Dawns) -> tuple[BoolArray, BoolArray]:
+    """Whether each day's battery is empty before its dawn, and after it; both if it stays so."""
+    begins_wh, ends_wh = run.shortfalls_wh()
+    before = np.any(begins_wh < dawns.deficit_wh, axis=0)
+    return before, np.any(ends_wh > dawns.deficit_wh, axis=0)
 
 
-def carried_over(day: ChargingDay, store: Store, start_wh: float) -> CarriedDays:
+def days_that_close(run: DayRun, dawns: Dawns) -> BoolArray:
+    """Whether each day's battery lasts from its dawn to the next day's, the last to its end."""
+    before, after = runs_empty(run, dawns)
+    return np.asarray(~(after | np.append(before[1:], False)))
+
+
+def carried_over(day: ChargingDay, store: Store, start_wh: float) -> DayRun:
     """March a battery through consecutive days.
 
     ``day``: the days, of which the last node of one is the first of the next. ``store``: the
@@ -112,7 +88,7 @@ def carried_over(day: ChargingDay, store: Store, start_wh: float) -> CarriedDays
     others = np.arange(len(full))
     while len(others):
         end[others] = day.select(others).end_wh(store.select(others), start[others])
-        found = end[:-1] * (full[1:] / full[:-1])
-        others = 1 + np.flatnonzero(found != start[1:])
-        start[1:] = found
-    return CarriedDays(day.run(store, start))
+        carried = end[:-1] * (full[1:] / full[:-1])
+        others = 1 + np.flatnonzero(carried != start[1:])
+        start[1:] = carried
+    return day.run(store, start)

@@ -155,7 +155,7 @@ class Flights:
         for some in (np.flatnonzero(sunlit), np.flatnonzero(~sunlit)):
             of = cells[some]
             given = (self.store.select(of), energy[some], settled[some])
-            level[some], midnight[some], lowest[some] = self.day.select(of).flown(*given)
+            level[some], midnight[some], lowest[some] = self.day.select(of).flight(*given)
         ended, end_h = ~np.isnan(level), np.full(len(level), np.nan)
         end_h[ended] = self.day.hour_of_deficit(level[ended], cells[ended])
         loss, full = energy - midnight, self.store.battery_energy_wh

@@ -43,26 +43,14 @@ SHORT = 1e-12
 
 
 def full_after_h(interval: Interval, store: Store, before_charge_wh: FloatArray) -> FloatArray:
-    """Hours after an interval's start at which the battery is full.
+    """Hours after an interval's start at which its surplus has filled the battery [h].
 
-    Parameters
-    ----------
-    interval : Interval
-        In which the surplus fills the battery.
-    store : Store
-        Batteries of its elements.
-    before_charge_wh : ndarray
-        Stored before the surplus [Wh].
-
-    Returns
-    -------
-    ndarray
-        At most the end of the surplus [h].
+    ``before_charge_wh``: stored before the surplus. At most the end of the surplus.
     """
     begin, end = interval.surplus_h()
     stored = store.charge_efficiency * interval.surplus_wh
-    wanted = np.maximum(store.battery_energy_wh - before_charge_wh, 0.0)
-    share = wanted / np.maximum(stored, 1e-300)
+    lacking = np.maximum(store.battery_energy_wh - before_charge_wh, 0.0)
+    share = lacking / np.maximum(stored, 1e-300)
     left_w, right_w = np.maximum(interval.left_w, 0.0), np.maximum(interval.right_w, 0.0)
     hours = (end - begin) * ramp_fraction(left_w, right_w, share)
     if store.clock is not None:
@@ -83,7 +71,7 @@ class Charging(NamedTuple):
     settled_deficit_wh: FloatArray
 
 
-class Flown(NamedTuple):
+class DayOfFlight(NamedTuple):
     """What a day leaves of batteries that may run empty on it.
 
     ``empty_at_wh``: deficit since midnight at which each is empty for the first time [Wh], NaN
@@ -202,18 +190,11 @@ class ChargingDay:
             kept[0, k], kept[1, k], kept[2, k] = step
         return DayRun(self, store, energy_wh, *kept)
 
-    def flown(
-        self,
-        store: Store,
-        energy_wh: FloatArray,
-        settled_deficit_wh: FloatArray,
-        short: float = SHORT,
-    ) -> Flown:
-        """March, and tell where a flight ends; arguments are those of :meth:`charge`.
-
-        ``short``: state of charge below zero at which it does.
-        """
-        eta, least = store.discharge_efficiency, -short * store.battery_energy_wh
+    def flight(
+        self, store: Store, energy_wh: FloatArray, settled_deficit_wh: FloatArray
+    ) -> DayOfFlight:
+        """March, and note where a flight ends; arguments are those of :meth:`charge`."""
+        eta, least = store.discharge_efficiency, -SHORT * store.battery_energy_wh
         energy, settled, lowest = energy_wh, settled_deficit_wh, energy_wh
         level = np.full(energy.shape, np.nan)
 
@@ -222,15 +203,15 @@ class ChargingDay:
             if ends.any():
                 level[ends] = (at_wh + eta * drained_wh)[ends]
 
-        lit = (self.nightfall_deficit_wh >= settled).any()  # there is a surplus after the launch
-        for step in self.charge(store, energy, settled) if lit else ():
+        charges = (self.nightfall_deficit_wh >= settled).any()  # a surplus after the launch
+        for step in self.charge(store, energy, settled) if charges else ():
             energy, settled = step.after_charge_wh, step.settled_deficit_wh
             lowest = np.minimum(lowest, step.drained_wh)
             note_ends(step.drained_wh, settled)
         midnight = self.midnight_wh(store, energy, settled)
         note_ends(midnight, self.cumulative_deficit_wh[-1])
         lowest = np.maximum(np.minimum(lowest, midnight), 0.0)
-        return Flown(level, np.maximum(midnight, 0.0), lowest)
+        return DayOfFlight(level, np.maximum(midnight, 0.0), lowest)
 
     def hour_of_deficit(self, level_wh: FloatArray, cells: IntArray) -> FloatArray:
         """Instants at which the deficit since midnight reaches levels, each of one element [h]."""
@@ -280,6 +261,33 @@ class DayRun:
     def end_wh(self) -> FloatArray:
         """Energy at the end of the day [Wh]."""
         return np.maximum(self.midnight_wh, 0.0)
+
+    def shortfalls_wh(self, short: float = SHORT) -> tuple[FloatArray, FloatArray]:
+        """Deficits from midnight between which a battery is empty, one row each; NaN if it is not.
+
+        What is not served is the end of a deficit, up to the next surplus or the end of the day.
+        ``short``: state of charge below zero that counts.
+        """
+        ends = np.vstack([self.settled_deficit_wh, self.day.cumulative_deficit_wh[-1:]])
+        energy = np.vstack([self.drained_wh, self.midnight_wh])
+        empty = energy < -short * self.store.battery_energy_wh
+        begins = np.where(empty, ends + self.store.discharge_efficiency * energy, np.nan)
+        return begins, np.where(empty, ends, np.nan)
+
+    def empty_h(self, short: float = SHORT) -> FloatArray:
+        """When each battery is empty for the first time [h], NaN where it never is."""
+        level = np.fmin.reduce(self.shortfalls_wh(short)[0], axis=0)
+        hour = self.day.hour_of_deficit(np.nan_to_num(level), np.arange(len(level)))
+        return np.where(np.isnan(level), np.nan, hour)
+
+    def energy_at_wh(self, hour: FloatArray) -> FloatArray:
+        """Stored energy at an hour of each element [Wh], straight lines between the nodes."""
+        time, values = self.day.balance.time_h, self.energy_at_nodes_wh()
+        number = np.clip(np.searchsorted(time, hour, side="right") - 1, 0, len(time) - 2)
+        cells = np.arange(len(hour))
+        share = np.clip((hour - time[number]) / (time[number + 1] - time[number]), 0.0, 1.0)
+        low, high = values[number, cells], values[number + 1, cells]
+        return np.asarray(low + share * (high - low))
 
     def restart(self, cells: IntArray, start_wh: FloatArray) -> None:
         """Change the initial energy of elements that are empty before their first surplus."""

@@ -19,7 +19,7 @@ from missions.weather.record import Weather, run_lengths
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance
 from sizing.day.battery import Store
-from sizing.day.carried import carried_over, dawns_of
+from sizing.day.carried import carried_over, dawns_of, days_that_close
 from sizing.day.flight import Flights
 from sizing.day.light import UNCORRECTED_CAM, SolarModel
 from sizing.day.march import ChargingDay
@@ -119,7 +119,7 @@ def flown_through(
     solar_w = record.aircraft.modules.area_m2 * record.specific_power_w_per_m2(sky)
     energy_wh, days = store.battery_energy_wh, np.arange(len(axis))
     day = ChargingDay.of(PowerBalance.of(axis.time_h, (solar_w - load_w).T))
-    carried = carried_over(day, store, energy_wh[0])
+    run = carried_over(day, store, energy_wh[0])
     dawns = dawns_of(day, store, HOURS_PER_DAY / 2.0 - axis.midnight_h)
     hours = Flights(day, store, follow=True).hours(days, dawns.hour)
     outlasts = np.isinf(hours)
@@ -129,10 +129,10 @@ def flown_through(
         solar_power_w=solar_w,
         load_w=load_w,
         store=store,
-        energy_wh=carried.run.energy_at_nodes_wh().T,
+        energy_wh=run.energy_at_nodes_wh().T,
         dawn_h=dawns.hour,
-        closes=carried.closes(dawns),
-        dawn_state_of_charge=carried.energy_at_wh(dawns.hour) / energy_wh,
+        closes=days_that_close(run, dawns),
+        dawn_state_of_charge=run.energy_at_wh(dawns.hour) / energy_wh,
         endurance_h=np.where(outlasts, to_the_end_h, hours),
         outlasts=outlasts,
     )

@@ -155,18 +155,17 @@ def _charge_until_empty(
     day: ChargingDay, store: Store, launch: Launch
 ) -> tuple[FloatArray, tuple[float, ...], float | None]:
     """Energy at the nodes until the battery is empty [Wh], instants of full and of empty [h]."""
-    alone, begin_wh = np.zeros(1, int), launch.state_of_charge * store.battery_energy_wh
-    run, balance = day.run(store, begin_wh), day.balance
-    empty_wh = day.flown(store, begin_wh, np.zeros(1)).empty_at_wh
-    empty_h = None if np.isnan(empty_wh[0]) else float(day.hour_of_deficit(empty_wh, alone)[0])
-    until_h = np.inf if empty_h is None else empty_h
+    balance, run = day.balance, day.run(store, launch.state_of_charge * store.battery_energy_wh)
+    empty_h = float(run.empty_h()[0])
+    until_h = np.inf if np.isnan(empty_h) else empty_h
     before_wh, after_wh = np.maximum(run.drained_wh[:, 0], 0.0), run.after_charge_wh[:, 0]
     reached = (after_wh >= store.battery_energy_wh * FULL) & (after_wh > before_wh)
     number = day.first + np.flatnonzero(reached)
-    interval = balance.interval(number, alone)
+    interval = balance.interval(number, np.zeros(1, int))
     instants_h = interval.start_h + full_after_h(interval, store, before_wh[reached])
     full: dict[int, float] = {}  # the first instant of each local day
     for instant_h in instants_h[instants_h < until_h].tolist():
         full.setdefault(int(instant_h // HOURS_PER_DAY), instant_h)
-    flown = slice(int(np.searchsorted(balance.time_h, until_h)) + 1)  # up to the node after it
-    return run.energy_at_nodes_wh()[flown, 0], tuple(full.values()), empty_h
+    stop = int(np.searchsorted(balance.time_h, until_h)) + 1  # up to the node after it
+    stored_wh = run.energy_at_nodes_wh()[:stop, 0]
+    return stored_wh, tuple(full.values()), None if np.isnan(empty_h) else empty_h

@@ -92,13 +92,11 @@ class ClimbFlights:
         charging = ChargingDay.of(PowerBalance.of(day.time_h, (day.solar_w - day.load_w).T))
         begin_wh = np.array([window.begin_wh])
         run = charging.run(store, begin_wh)
-        empty_wh = charging.flown(store, begin_wh, np.zeros(1), _SHORT).empty_at_wh
-        empty_h = float(charging.hour_of_deficit(empty_wh, np.zeros(1, int))[0])
+        empty_h = float(run.empty_h(_SHORT)[0])
         charge = run.energy_at_nodes_wh()[:, 0]
         left_wh = float(run.midnight_wh[0] + np.minimum(run.drained_wh, 0.0).sum())
         height = np.interp(day.time_h % 24.0, self.time_h, height_m)
-        ends = empty_h if np.isfinite(empty_wh[0]) else np.nan
-        return Part(day.time_h, day.solar_w[0], day.load_w[0], charge, height, ends, left_wh)
+        return Part(day.time_h, day.solar_w[0], day.load_w[0], charge, height, empty_h, left_wh)
 
     def parts(self, i: int, launch_h: float) -> list[tuple[float, Part]]:
         """Parts of a flight of an element until its battery is empty, and when they begin [h].

@@ -7,7 +7,7 @@ from step_by_step import balance_of, march
 from sizing.battery.battery import Battery
 from sizing.battery.charge_limit import NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
-from sizing.day.carried import Dawns, carried_over, dawns_of
+from sizing.day.carried import Dawns, carried_over, dawns_of, days_that_close, runs_empty
 from sizing.day.cycle import simulate_cycle
 from sizing.day.flight import Flights
 from sizing.day.march import ChargingDay
@@ -52,7 +52,7 @@ def carried_from(balance, its_store, start_wh):
 
 
 def dawns(carried, noon_h=12.0):
-    return dawns_of(carried.run.day, carried.run.store, noon_h)
+    return dawns_of(carried.day, carried.store, noon_h)
 
 
 def closing_days(balance, its_store, start_wh, noon_h):
@@ -106,7 +106,7 @@ def test_days_that_close_are_those_of_a_plain_loop():
         found = dawns(carried, noon_h)
         begins, closes = closing_days(balance, its_store, energy, noon_h)
         assert 24.0 * np.arange(days) + found.hour == pytest.approx(begins, abs=0.05)
-        assert carried.closes(found).tolist() == closes.tolist()
+        assert days_that_close(carried, found).tolist() == closes.tolist()
         assert 0 < closes.sum() < days
 
 
@@ -126,8 +126,8 @@ def test_all_days_at_once_are_the_days_one_after_the_other(clearness, energy, be
     run = carried_from(balance, its_store, begin * energy)
     nodes, unserved = step_by_step(balance, its_store, begin * energy)
     # The same arithmetic in another order.
-    assert pytest.approx(nodes, rel=1e-9, abs=1e-9 * energy) == run.run.energy_at_nodes_wh().T
-    empty = np.logical_or(*run.runs_empty(dawns(run)))
+    assert pytest.approx(nodes, rel=1e-9, abs=1e-9 * energy) == run.energy_at_nodes_wh().T
+    empty = np.logical_or(*runs_empty(run, dawns(run)))
     clear = (unserved > 1e-6) | (unserved < 1e-12)
     assert np.array_equal(empty[clear], unserved[clear] > 1e-6)
 
@@ -136,7 +136,7 @@ def test_all_days_at_once_are_the_days_one_after_the_other(clearness, energy, be
 @given(clearness=clearness_of_days, energy=st.floats(100.0, 4000.0))
 def test_energy_is_conserved(clearness, energy):
     balance, its_store = days_of(clearness), store(energy, len(clearness))
-    run = carried_from(balance, its_store, energy).run
+    run = carried_from(balance, its_store, energy)
     before = np.maximum(run.drained_wh, 0.0)
     charged = np.sum(run.after_charge_wh - before)
     eta = its_store.discharge_efficiency
@@ -150,12 +150,12 @@ def test_a_battery_that_is_empty_for_a_moment_between_two_nodes_is_empty():
     balance = days_of([1.0, 1.0])
     solar = balance.net_w[:, 0] > 0.0
     night_wh = balance.deficit_wh[:, 0].sum() / 0.97  # of an evening and the morning after it
-    for share, runs_empty in ((0.9999, True), (1.0001, False)):
+    for share, empty in ((0.9999, True), (1.0001, False)):
         its_store = store(share * night_wh, 2)
         carried = carried_from(balance, its_store, its_store.battery_energy_wh[0])
-        before, after = carried.runs_empty(dawns(carried))
-        assert carried.run.energy_at_nodes_wh()[np.argmax(solar) :].min() > 0.0
-        assert before.tolist() == [False, runs_empty]
+        before, after = runs_empty(carried, dawns(carried))
+        assert carried.energy_at_nodes_wh()[np.argmax(solar) :].min() > 0.0
+        assert before.tolist() == [False, empty]
         assert not after.any()
 
 
@@ -166,7 +166,7 @@ def test_days_that_never_settle_are_marched_one_after_the_other():
     run = carried_from(balance, its_store, 8000.0)
     nodes, _ = step_by_step(balance, its_store, 8000.0)
     assert 0.0 < nodes.min() < nodes.max() < 20000.0
-    assert pytest.approx(nodes, rel=1e-9) == run.run.energy_at_nodes_wh().T
+    assert pytest.approx(nodes, rel=1e-9) == run.energy_at_nodes_wh().T
 
 
 def test_the_same_day_again_and_again_becomes_the_repeated_day():
@@ -178,7 +178,7 @@ def test_the_same_day_again_and_again_becomes_the_repeated_day():
         one = days_of([1.0], peak_w=peak_w)
         solar = (one.net_w + 40.0).T
         cycle = simulate_cycle(TIME_H, solar, np.full(solar.shape, 40.0), store(800.0, 1))
-        assert run.run.energy_at_nodes_wh()[:, -1] == pytest.approx(cycle.energy_wh[0], abs=1e-6)
+        assert run.energy_at_nodes_wh()[:, -1] == pytest.approx(cycle.energy_wh[0], abs=1e-6)
 
 
 @settings(max_examples=30)
@@ -212,10 +212,10 @@ def test_a_battery_that_is_empty_at_midnight_was_so_before_a_later_dawn_alone():
     its_store = store(400.0, 1)
     carried = carried_from(balance, its_store, its_store.battery_energy_wh[0])
     # What midnight lacks was not delivered: so much less than the whole deficit of the day.
-    emptied_wh = balance.deficit_wh.sum() + 0.97 * carried.run.midnight_wh[0]
-    assert carried.run.midnight_wh[0] < -100.0
+    emptied_wh = balance.deficit_wh.sum() + 0.97 * carried.midnight_wh[0]
+    assert carried.midnight_wh[0] < -100.0
     for beside_wh, empty in ((-1.0, False), (1.0, True)):
         dawn = Dawns(np.array([20.0]), np.array([emptied_wh + beside_wh]))
-        before, after = carried.runs_empty(dawn)
+        before, after = runs_empty(carried, dawn)
         assert before.tolist() == [empty]
         assert after.tolist() == [True]

@@ -129,7 +129,7 @@ def test_battery_that_empties_in_a_falling_power_is_found_by_hand() -> None:
     assert step.unserved_h() == pytest.approx(1.0, rel=1e-12)
     assert step.unserved_wh == pytest.approx(150.0, rel=1e-12)
     day = ChargingDay.of(balance)
-    flown = day.flown(store, np.array([50.0]), np.zeros(1))
+    flown = day.flight(store, np.array([50.0]), np.zeros(1))
     assert day.hour_of_deficit(flown.empty_at_wh, np.zeros(1, int)) == pytest.approx(1.0)
 
 
