@@ -40,27 +40,23 @@ class ConstantChain:
     thrust_w: FloatArray
 
     @classmethod
-    def of(cls, flown: list[Design], efficiency: Value) -> ConstantChain:
+    def of(cls, flights: list[Design], efficiency: Value) -> ConstantChain:
         """Chain of designs at some levels."""
-        shape = np.shape(flown[0].propulsion_power_w)
+        level_w = _at_levels([flight.propulsion_power_w for flight in flights], flights)
+        level_w = np.where(np.isfinite(level_w).all(axis=0), level_w, NO_FLIGHT_W)
+        shape = np.shape(flights[0].propulsion_power_w)
         behind = (1,) * (len(shape) - np.ndim(efficiency) if np.ndim(efficiency) else 0)
         share = np.broadcast_to(np.reshape(efficiency, np.shape(efficiency) + behind), shape)
-        powers = [np.broadcast_to(one.propulsion_power_w, shape).ravel() for one in flown]
-        level_w = np.where(np.isfinite(powers).all(axis=0), powers, NO_FLIGHT_W)
         return cls(level_w, level_w * share.ravel())
 
+    def power_w(self, level: IntArray, design: IntArray, load: FloatArray) -> FloatArray:
+        """Electric power of thrust powers over that of level flight [W]; all broadcast."""
+        return np.asarray(self.level_w[level, design] * load)
+
     @property
-    def count(self) -> int:
-        """Number of designs."""
-        return int(self.level_w.shape[1])
-
-    def power_w(self, row: IntArray, load: FloatArray) -> FloatArray:
-        """Electric power of thrust powers over that of level flight [W]; both broadcast."""
-        return np.asarray(self.level_w.ravel()[row] * load)
-
-    def most_w(self, row: IntArray) -> FloatArray:
+    def most_w(self) -> FloatArray:
         """No limit of its own [W]."""
-        return np.full(np.shape(row), np.inf)
+        return np.full(self.level_w.shape[1], np.inf)
 
 
 @dataclass(frozen=True)
@@ -73,7 +69,6 @@ class ClimbChain:
     """
 
     parts: OperatingPointPropulsion
-    sizes: tuple[FloatArray | None, ...]
     factor: FloatArray
     thrust_w: FloatArray
     airspeed_m_per_s: FloatArray
@@ -87,54 +82,45 @@ class ClimbChain:
         parts: OperatingPointPropulsion,
         aircraft: Aircraft,
         missions: list[Mission],
-        flown: list[Design],
+        flights: list[Design],
     ) -> ClimbChain:
         """Chain of designs at the levels of some missions."""
-        shape = np.shape(flown[0].propulsion_power_w)
         with np.errstate(invalid="ignore"):
-            thrust = [one.thrust_power_w for one in flown]
-
-        def rows(values: list[object]) -> FloatArray:
-            each = [np.broadcast_to(np.asarray(one, float), shape).ravel() for one in values]
-            return np.stack(each)
-
-        thrust_w, speed = rows(thrust), rows([one.airspeed_m_per_s for one in flown])
+            thrust_w = _at_levels([flight.thrust_power_w for flight in flights], flights)
+        speed = _at_levels([flight.airspeed_m_per_s for flight in flights], flights)
         flies = np.isfinite(thrust_w).all(axis=0) & np.isfinite(speed).all(axis=0)
-        airs = [FlightConditions.of(one, aircraft).air for one in missions]
-        sizes = tuple(
-            None if one is None else np.broadcast_to(np.asarray(one, float), shape).ravel()
-            for one in flown[0].variables.of_propulsion
+        airs = [FlightConditions.of(mission, aircraft).air for mission in missions]
+        sizes = (
+            size if size is None else _at_levels([size], flights)[0]
+            for size in flights[0].variables.of_propulsion
         )
+        # A single design has numbers: its propeller is searched for as in level flight.
+        sizes = (float(size[0]) if size is not None and len(size) == 1 else size for size in sizes)
         return cls(
-            parts.model_copy(update={"efficiency_factor": 1.0}),
-            sizes,
-            rows([parts.efficiency_factor])[0],
+            parts.model_copy(update={"efficiency_factor": 1.0}).sized(*sizes),
+            _at_levels([parts.efficiency_factor], flights)[0],
             np.where(flies, thrust_w, 1.0),
             np.where(flies, speed, 1.0),
-            Air(*(rows(list(one)) for one in zip(*airs, strict=True))),
+            Air(*(_at_levels(list(values), flights) for values in zip(*airs, strict=True))),
             np.asarray(flies),
             aircraft.battery.nominal_voltage_v,
         )
 
-    @property
-    def count(self) -> int:
-        """Number of designs."""
-        return int(self.thrust_w.shape[1])
-
-    def power_w(self, row: IntArray, load: FloatArray) -> FloatArray:
-        """Electric power of thrust powers over that of level flight [W]; both broadcast."""
+    def power_w(self, level: IntArray, design: IntArray, load: FloatArray) -> FloatArray:
+        """Electric power of thrust powers over that of level flight [W]; all broadcast."""
         powers, nodes = self._tables[0].ravel(), len(_LOADS)
         beyond = np.log(np.maximum(load, 1e-300) / _LEAST)
         along = beyond / np.log(_RATIO)
         node, weights = _cubic(along, nodes)
-        at = row * nodes
-        found = sum(one * powers[at + node + k] for k, one in enumerate(weights))
+        row = (level * self.thrust_w.shape[1] + design) * nodes
+        power = sum(weight * powers[row + node + k] for k, weight in enumerate(weights))
         # Below the table it is proportional to the load.
-        return np.asarray(np.exp(np.where(along < 0.0, powers[at] + beyond, found)))
+        return np.asarray(np.exp(np.where(along < 0.0, powers[row] + beyond, power)))
 
-    def most_w(self, row: IntArray) -> FloatArray:
-        """Electric power at the limits of the parts [W]."""
-        return np.asarray(self._tables[1][row])
+    @property
+    def most_w(self) -> FloatArray:
+        """Electric power at the limits of the parts, at all levels [W]."""
+        return np.asarray(self._tables[1].reshape(self.thrust_w.shape).min(axis=0))
 
     @cached_property
     def _tables(self) -> tuple[FloatArray, FloatArray]:
@@ -143,7 +129,7 @@ class ClimbChain:
         Rows are levels, one after the other, of all designs.
         """
         turns, shaft_w = self._propellers()
-        parts, air = self._sized_parts(), Air(*(one[np.newaxis] for one in self.air))
+        parts, air = self.parts, Air(*(values[np.newaxis] for values in self.air))
         with np.errstate(invalid="ignore", over="ignore"):
             power = np.asarray(power_of_shafts_w(parts, turns, shaft_w, self.bus_v)) / self.factor
             shares = shares_of_limits(parts, turns, shaft_w, self.airspeed_m_per_s, air, self.bus_v)
@@ -165,30 +151,28 @@ class ClimbChain:
 
     def _propellers(self) -> tuple[FloatArray, FloatArray]:
         """Speed of rotation [1/s] and power of one shaft [W], ``(load, level, design)``."""
-        parts, levels = self._sized_parts(), len(self.thrust_w)
-        loads = _LOADS[:, np.newaxis, np.newaxis]
-        some = np.arange(levels)
-        if parts.is_exact and levels > _LEVELS:
-            some = np.unique(np.round(np.linspace(0, levels - 1, _LEVELS)).astype(int))
-        air = Air(*(one[some] for one in self.air))
-        speed, thrust_w = self.airspeed_m_per_s[some], self.thrust_w[some]
-        turns, shaft_w, _ = parts.propeller_state(thrust_w * loads, speed, air)
-        if len(some) == levels:
+        count = len(self.thrust_w)
+        loads, levels = _LOADS[:, np.newaxis, np.newaxis], np.arange(count)
+        if self.parts.is_exact and count > _LEVELS:
+            levels = np.unique(np.round(np.linspace(0, count - 1, _LEVELS)).astype(int))
+        air = Air(*(values[levels] for values in self.air))
+        speed, thrust_w = self.airspeed_m_per_s[levels], self.thrust_w[levels]
+        turns, shaft_w, _ = self.parts.propeller_state(thrust_w * loads, speed, air)
+        if len(levels) == count:
             return np.asarray(turns), np.asarray(shaft_w)
         # Rotation over airspeed and power over thrust power follow the Reynolds number slowly.
-        every = np.arange(levels)
-        share = np.log(turns / speed), np.log(shaft_w / thrust_w)
-        ratios = (np.exp(_through(one, some, every)) for one in share)
-        found = next(ratios) * self.airspeed_m_per_s, next(ratios) * self.thrust_w
-        return found
-
-    def _sized_parts(self) -> OperatingPointPropulsion:
-        """Parts of the designs' own sizes."""
-        one = tuple(
-            None if size is None else (size if self.count > 1 else float(size[0]))
-            for size in self.sizes
+        rotation, power = (
+            np.exp(_through(np.log(ratio), levels, np.arange(count)))
+            for ratio in (turns / speed, shaft_w / thrust_w)
         )
-        return self.parts.sized(*one)
+        return rotation * self.airspeed_m_per_s, power * self.thrust_w
+
+
+def _at_levels(values: list[Value], flights: list[Design]) -> FloatArray:
+    """Values of every level for all designs, ``(level, design)``."""
+    shape = np.shape(flights[0].propulsion_power_w)
+    rows = [np.broadcast_to(np.asarray(value, float), shape).ravel() for value in values]
+    return np.stack(rows)
 
 
 def _rows_first(values: FloatArray) -> FloatArray:

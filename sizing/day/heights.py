@@ -79,28 +79,22 @@ class FlightLevels:
     chain: ConstantChain | ClimbChain
     convection_w_per_m2k: FloatArray
 
-    @cached_property
-    def _rows(self) -> IntArray:
-        """Rows of the chain's tables, ``(level, element)``."""
-        levels = np.arange(len(self.altitude_m))[:, np.newaxis]
-        return np.asarray(levels * self.chain.count + self.design)
-
     @property
     def level_power_w(self) -> FloatArray:
         """Electric propulsion power of level flight in calm air [W], ``(level, element)``."""
-        return self.chain.power_w(self._rows, np.ones(self._rows.shape))
+        levels = np.arange(len(self.altitude_m))[:, np.newaxis]
+        return self.chain.power_w(levels, self.design, np.ones(self.design.shape))
 
     @cached_property
     def nominal_load_w(self) -> FloatArray:
         """Load at the lowest altitude without thermals [W]."""
-        motor_w = self.chain.power_w(self._rows[0], self.nominal_factor)
+        motor_w = self.chain.power_w(np.array(0), self.design, self.nominal_factor)
         return np.asarray(motor_w + self.constant_power_w)
 
     @cached_property
     def most_power_w(self) -> FloatArray:
         """Electric power that the propulsion gives at all levels [W]."""
-        most_w = self.chain.most_w(self._rows).min(axis=0)
-        return np.asarray(np.minimum(self.maximum_power_w, most_w))
+        return np.asarray(np.minimum(self.maximum_power_w, self.chain.most_w[self.design]))
 
     def _place(self, height_m: FloatArray) -> tuple[IntArray, FloatArray]:
         """Level below heights above the lowest altitude [m], and the share of the next one."""
@@ -128,11 +122,11 @@ class FlightLevels:
         rate = np.diff(height_m, axis=-1) / (3600.0 * np.diff(time_h))
         rate = np.concatenate([rate[:, -1:], rate, rate[:, :1]], axis=-1)
         climb_w = self.weight_n[:, np.newaxis] * (rate[:, 1:] + rate[:, :-1]) / 2.0
-        factor = self.turbulence_factor[self.scenario]
+        factor, design = self.turbulence_factor[self.scenario], self.design[:, np.newaxis]
 
         def motor_w(level: IntArray) -> FloatArray:
-            load = factor + climb_w / self.chain.thrust_w[level, self.design[:, np.newaxis]]
-            return self.chain.power_w(self._rows[level, element], load)
+            load = factor + climb_w / self.chain.thrust_w[level, design]
+            return self.chain.power_w(level, design, load)
 
         load_w = between(motor_w) + self.constant_power_w[:, np.newaxis]
         solar_w = between(lambda level: self._light_at(level, element))

@@ -76,7 +76,7 @@ def test_the_table_is_the_exact_chain(ceiling_m: float) -> None:
     for number, altitude_m in enumerate(where.climb_levels_m):
         load = rng.uniform(0.3, 3.0, 8)
         exact = exact_w(altitude_m, level(altitude_m)[0] * load, BUS_V)
-        ours = chain.power_w(np.full(8, number), load)
+        ours = chain.power_w(np.full(8, number), np.array(0), load)
         able = np.isfinite(exact)
         assert able.sum() > 3
         # Where the blades begin to stall the cubics are 1e-4 off.
@@ -85,7 +85,7 @@ def test_the_table_is_the_exact_chain(ceiling_m: float) -> None:
 
 def test_level_flight_is_exact_in_the_table() -> None:
     chain = chain_of(mission(2536.0))
-    ours = chain.power_w(np.zeros(1, int), np.ones(1))
+    ours = chain.power_w(np.zeros(1, int), np.array(0), np.ones(1))
     exact = exact_w(536.0, np.full(1, level(536.0)[0]), BUS_V)
     assert ours == pytest.approx(exact, rel=1e-8)  # its rotation is found to 1e-9
 
