@@ -10,8 +10,7 @@ import numpy as np
 from benchmarks.measuring import best_time_s, row
 from missions.library import load_mission
 from missions.mission import Scenarios
-from sizing.battery.battery import Battery
-from sizing.battery.charge_limit import NoChargeLimit
+from sizing.battery.battery import Battery, NoChargeLimit
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
 from sizing.day.light import solar_day

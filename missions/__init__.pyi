@@ -19,9 +19,9 @@ from .mission import Mission as Mission
 from .mission import Scenarios as Scenarios
 from .mission.climb import Climb as Climb
 from .mission.flight import Launch as Launch
-from .mission.load import Payload as Payload
-from .mission.load import Turbulence as Turbulence
-from .mission.load import UncertaintyMargins as UncertaintyMargins
+from .mission.mission import Payload as Payload
+from .mission.mission import Turbulence as Turbulence
+from .mission.mission import UncertaintyMargins as UncertaintyMargins
 from .mission.scenarios import Dates as Dates
 from .mission.scenarios import LatitudeRange as LatitudeRange
 from .weather.files import load_weather as load_weather

@@ -2,7 +2,7 @@ from .aircraft import Aircraft as Aircraft
 from .aircraft import MeasuredAirframe as MeasuredAirframe
 from .aircraft import ParametricAirframe as ParametricAirframe
 from .battery.battery import Battery as Battery
-from .battery.voltage import BatteryVoltage as BatteryVoltage
+from .battery.battery import BatteryVoltage as BatteryVoltage
 from .ceiling import highest_perpetual_altitude as highest_perpetual_altitude
 from .cruise_propulsion import with_operating_point as with_operating_point
 from .day.cycle import simulate_cycle as simulate_cycle

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from benchmarks.validation.published_flights import FLIGHTS, Flight, Quantity, Trial, data
-from missions.mission.load import Turbulence
+from missions.mission.mission import Turbulence
 from sizing.day.light import SolarModel
 from solar.systematic_errors import REPORTED_ERRORS
 

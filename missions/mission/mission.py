@@ -1,12 +1,12 @@
-"""The mission as a whole: what its file says, and what follows from it for a study."""
+"""The mission as a whole: what its file says and asks, and what follows from it for a study."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, Strict, field_validator, model_validator
 
 from missions import dates as calendar
 from missions.air import Air, AirConditions, SteadyWind, plain_number
@@ -14,7 +14,6 @@ from missions.files.errors import InputError
 from missions.flight_path import FlightPath, Heading, Wind
 from missions.mission.climb import Climb, altitude_of_floor
 from missions.mission.flight import ExcessTime, Flight, Launch
-from missions.mission.load import Payload, Turbulence, UncertaintyMargins
 from missions.mission.scenarios import (
     Altitude,
     Dates,
@@ -28,11 +27,67 @@ from missions.uncertainty import Uncertainty
 from missions.winds.statistics import WindStatistics
 from solar.clearsky import ClearSky, named_clear_sky
 from solar.names import CorrectionName, ModelName
-from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, Text, wrong_value
+from solar.schema import FileRecord, Fraction, Name, NonNegativeReal, Record, Text, wrong_value
 from solar.systematic_errors import correction
 from solar.types import FloatArray
 
 MAXIMUM_SCENARIOS = 5000
+
+
+class Payload(Record):
+    """What the aircraft carries for its mission."""
+
+    mass_kg: NonNegativeReal = 0.0
+    power_w: NonNegativeReal = 0.0
+
+
+class Turbulence(Record):
+    """Extra propulsion power relative to level flight.
+
+    ``all_day`` acts at every hour; ``thermal`` is added by day: nothing at sunrise and sunset,
+    the full value at solar noon, linear in between.
+    """
+
+    all_day: Annotated[float, Strict(), Field(ge=0.0, le=5.0)] = 0.0
+    thermal: Annotated[float, Strict(), Field(ge=0.0, le=5.0)] = 0.0
+
+
+class UncertaintyMargins(Record):
+    """What may turn out worse than assumed: performance is computed at the worst of every margin.
+
+    Less sun and less capacity never help, so that the worst case of all combinations is the one
+    with the worst of each.
+
+    ``solar_model_sigmas`` is how many RMS errors of the solar power model are taken off the power;
+    ``clearness_minimum`` replaces a higher clearness; ``battery_capacity`` is the fraction of the
+    capacity that is left at the end of the battery's life.
+    """
+
+    solar_model_sigmas: Annotated[float, Strict(), Field(ge=0.0, le=4.0)] = 0.0
+    clearness_minimum: Fraction | None = None
+    battery_capacity: Fraction = 1.0
+
+    @property
+    def given(self) -> bool:
+        """Whether there is any margin."""
+        return self != UncertaintyMargins()
+
+    def check(self, clearness: float) -> None:
+        """Refuse a worst clearness above the one that is assumed."""
+        lowest = self.clearness_minimum
+        if lowest is not None and lowest > clearness:
+            raise wrong_value(
+                "uncertainty_margins.clearness_minimum",
+                f"must be at most the mission's clearness of {clearness:g} (got {lowest:g})",
+            )
+
+    def worst_clearness(self, clearness: float) -> float:
+        """Clearness at the worst of its margin [-]."""
+        return clearness if self.clearness_minimum is None else self.clearness_minimum
+
+    def solar_factor(self, rms_relative: float) -> float:
+        """Factor on the solar power of a model with this RMS error."""
+        return max(1.0 - self.solar_model_sigmas * rms_relative, 0.0)
 
 
 class Mission(FileRecord):

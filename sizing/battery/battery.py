@@ -1,27 +1,178 @@
-"""The battery: energy at full charge, efficiencies, and what air and age make of them."""
+"""The battery: energy, efficiencies, charge limit, voltage, and what air and age make of them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, ModelWrapValidatorHandler, Strict, model_validator
 
 from missions.air import thin_air_share
-from sizing.battery.charge_limit import ChargeLimit, NoChargeLimit
 from sizing.battery.condition import HEATED_PACK, Ageing, BatteryTemperature, InternalResistance
 from sizing.battery.pack import BatteryPack, packed
-from sizing.battery.voltage import BatteryVoltage
 from sizing.catalogues.choice import Kind, OfCatalogue, known_entry
 from sizing.smooth import Value
-from solar.schema import Fraction, PositiveReal, Text, wrong_value
+from solar.schema import (
+    CellCount,
+    Fraction,
+    PositiveReal,
+    Record,
+    Text,
+    UnitInterval,
+    check_columns,
+    wrong_value,
+)
 from solar.types import FloatArray
 
 # No two elements give more energy per mass of what they make than beryllium and oxygen: Gibbs
 # energy of formation of BeO 580.1 kJ/mol (CRC Handbook of Chemistry and Physics) over
 # 25.012 g/mol. Lithium and fluorine, the elements of batteries, give 6293 Wh/kg.
 _HIGHEST_WH_PER_KG = 6443.0
+
+
+class NoChargeLimit(Record):
+    """The battery takes whatever the sun leaves over."""
+
+    kind: Literal["none"] = "none"
+
+
+class RuleChargeLimit(Record):
+    """Constant current, then an exponential taper up to full charge.
+
+    The design rule used for AtlantikSolar where no measurement exists: 0.5 C up to 90 % state of
+    charge, falling exponentially to 4.6 % of that at full charge.
+    """
+
+    kind: Literal["rule"] = "rule"
+    c_rate_per_h: PositiveReal = 0.5
+    taper_start: Annotated[float, Strict(), Field(ge=0.0, lt=1.0)] = 0.9
+    relative_rate_at_full: Fraction = 0.046
+
+
+class TableChargeLimit(Record):
+    """Charge current measured over the state of charge; held constant outside the table."""
+
+    kind: Literal["table"] = "table"
+    state_of_charge: tuple[UnitInterval, ...] = Field(min_length=2)
+    current_a: tuple[PositiveReal, ...] = Field(min_length=2)
+    voltage_v: PositiveReal
+    pack_energy_wh: PositiveReal
+
+    @model_validator(mode="after")
+    def _check_limits(self) -> TableChargeLimit:
+        check_columns(self, "state_of_charge", "current_a")
+        if np.any(np.diff(self.current_a) > 0.0):
+            raise ValueError("current_a must not rise with the state of charge")
+        return self
+
+
+ChargeLimit = Annotated[
+    NoChargeLimit | RuleChargeLimit | TableChargeLimit, Field(discriminator="kind")
+]
+
+
+def constant_up_to(limit: ChargeLimit) -> float:
+    """State of charge up to which a charge limit has the rate of an empty battery."""
+    if isinstance(limit, RuleChargeLimit):
+        return limit.taper_start
+    return limit.state_of_charge[0] if isinstance(limit, TableChargeLimit) else 1.0
+
+
+def charge_rate_per_h(limit: ChargeLimit, state_of_charge: ArrayLike) -> FloatArray:
+    """Largest stored power relative to the energy at full charge [1/h].
+
+    Parameters
+    ----------
+    limit : ChargeLimit
+        Rule or table; a table is held constant outside its range.
+    state_of_charge : array_like
+        State of charge, 0 to 1 [-].
+
+    Returns
+    -------
+    ndarray
+        Of the shape of ``state_of_charge`` [1/h].
+
+    Raises
+    ------
+    ValueError
+        For :class:`NoChargeLimit`, which has no finite rate.
+    """
+    soc = np.asarray(state_of_charge, float)
+    if isinstance(limit, RuleChargeLimit):
+        decay = -np.log(limit.relative_rate_at_full) / (1.0 - limit.taper_start)
+        beyond = np.maximum(soc - limit.taper_start, 0.0)
+        return np.asarray(limit.c_rate_per_h * np.exp(-decay * beyond))
+    if isinstance(limit, TableChargeLimit):
+        power_w = np.asarray(limit.current_a) * limit.voltage_v
+        return np.asarray(np.interp(soc, limit.state_of_charge, power_w / limit.pack_energy_wh))
+    raise ValueError("a battery without charge limit has no finite charge rate")
+
+
+class BatteryVoltage(Record):
+    """Voltage of a battery over its state of charge.
+
+    Attributes
+    ----------
+    cells_in_series
+        Number of cells in series.
+    state_of_charge, cell_voltage_v
+        Voltage of a cell [V], at the currents of the flight, over states of charge from 0 to 1.
+    """
+
+    cells_in_series: CellCount
+    state_of_charge: tuple[UnitInterval, ...] = Field(min_length=2)
+    cell_voltage_v: tuple[PositiveReal, ...] = Field(min_length=2)
+
+    @model_validator(mode="after")
+    def _check_table(self) -> BatteryVoltage:
+        wrong = ""
+        if len(self.state_of_charge) != len(self.cell_voltage_v):
+            wrong = "cell_voltage_v must have a value for each state of charge"
+        elif np.any(np.diff(self.state_of_charge) <= 0.0):
+            wrong = "state_of_charge must increase strictly"
+        elif np.any(np.diff(self.cell_voltage_v) < 0.0):
+            wrong = "cell_voltage_v must not fall with the state of charge"
+        if wrong:
+            raise ValueError(wrong)
+        return self
+
+    @property
+    def ends_v(self) -> tuple[float, float]:
+        """Voltages of the battery where the table begins and ends: empty and full [V]."""
+        low, high = self.voltage_v([self.state_of_charge[0], self.state_of_charge[-1]])
+        return float(low), float(high)
+
+    def voltage_v(self, state_of_charge: ArrayLike) -> FloatArray:
+        """Voltage of the battery.
+
+        Parameters
+        ----------
+        state_of_charge : array_like
+            Within the table [-].
+
+        Returns
+        -------
+        ndarray
+            Voltage [V].
+
+        Raises
+        ------
+        ValueError
+            Outside the table.
+        """
+        charge = np.asarray(state_of_charge, float)
+        first, last = self.state_of_charge[0], self.state_of_charge[-1]
+        odd = charge[~((charge >= first) & (charge <= last))]
+        if odd.size:
+            raise ValueError(
+                f"state_of_charge must be from {first:g} to {last:g}, where the table of voltages "
+                f"ends (got {odd.flat[0]:g})"
+            )
+        cell = np.interp(charge, self.state_of_charge, self.cell_voltage_v)
+        return np.asarray(self.cells_in_series * cell)
 
 
 class Battery(OfCatalogue):

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sizing.battery.battery import Battery
-from sizing.battery.charge_limit import (
+from sizing.battery.battery import (
+    Battery,
     ChargeLimit,
     NoChargeLimit,
     TableChargeLimit,

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
-from sizing.battery.charge_limit import ChargeLimit, NoChargeLimit
+from sizing.battery.battery import ChargeLimit, NoChargeLimit
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
 from sizing.day.heights import FlightLevels

@@ -30,7 +30,7 @@ import numpy as np
 
 from missions.air import GRAVITY_M_PER_S2
 from sizing.aircraft import Aircraft
-from sizing.battery.charge_limit import (
+from sizing.battery.battery import (
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,

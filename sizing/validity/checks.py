@@ -12,8 +12,7 @@ from missions.air import standard_air, thin_air_share
 from missions.mission import Mission, Scenarios
 from sizing.aerodynamics.wing_polar import WingPolar
 from sizing.aircraft import Aircraft, MeasuredAirframe
-from sizing.battery.battery import Battery
-from sizing.battery.charge_limit import RuleChargeLimit, TableChargeLimit
+from sizing.battery.battery import Battery, RuleChargeLimit, TableChargeLimit
 from sizing.day.light import SolarModel
 from sizing.design import Design
 from sizing.limits import QUANTITIES, DesignInFlight

@@ -11,7 +11,7 @@ import numpy as np
 from missions.logs.plausible import Kind, span_text
 from missions.logs.table import GAP_STEPS, FlightLog, Gap
 from sizing.aircraft import Aircraft
-from sizing.battery.charge_limit import NoChargeLimit, charge_rate_per_h
+from sizing.battery.battery import NoChargeLimit, charge_rate_per_h
 from sizing.results.tables import Column, Table
 from solar.sun import sun_position
 from solar.types import BoolArray, FloatArray

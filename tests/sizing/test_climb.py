@@ -16,7 +16,7 @@ from missions.air import standard_air
 from missions.dates import date_code, day_of_year
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.battery.charge_limit import RuleChargeLimit
+from sizing.battery.battery import RuleChargeLimit
 from sizing.climb import ClimbPerformance, climb_performance
 from sizing.day.battery import Store
 from sizing.day.heights import ClimbLimitError, checked_climb_limits, flight_levels

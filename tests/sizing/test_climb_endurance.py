@@ -14,7 +14,7 @@ from missions.air import standard_air
 from missions.dates import day_of_year
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
-from sizing.battery.charge_limit import RuleChargeLimit
+from sizing.battery.battery import RuleChargeLimit
 from sizing.climb import climb_performance
 from sizing.day.launch import Endurance
 from sizing.day.light import UNCORRECTED_CAM

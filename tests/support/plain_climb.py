@@ -6,7 +6,7 @@ The density is that of another atmosphere (ambiance), the sun alone is the proje
 import ambiance
 import numpy as np
 
-from sizing.battery.charge_limit import RuleChargeLimit
+from sizing.battery.battery import RuleChargeLimit
 from solar.horizontal_models import horizontal_specific_power
 from solar.modules import SolarCell
 from solar.types import FloatArray

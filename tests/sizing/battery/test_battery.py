@@ -13,8 +13,8 @@ from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 
 from missions.library import load_mission
-from sizing.battery.battery import Battery
-from sizing.battery.charge_limit import (
+from sizing.battery.battery import (
+    Battery,
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,

@@ -4,8 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from step_by_step import balance_of, march
 
-from sizing.battery.battery import Battery
-from sizing.battery.charge_limit import NoChargeLimit, RuleChargeLimit
+from sizing.battery.battery import Battery, NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
 from sizing.day.carried import Dawns, carried_over, dawns_of, days_that_close, runs_empty
 from sizing.day.cycle import simulate_cycle

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sizing.battery.battery import Battery
-from sizing.battery.charge_limit import (
+from sizing.battery.battery import (
+    Battery,
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,

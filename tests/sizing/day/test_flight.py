@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from step_by_step import advance, balance_of, intervals
 
-from sizing.battery.battery import Battery
-from sizing.battery.charge_limit import ChargeLimit, NoChargeLimit, RuleChargeLimit
+from sizing.battery.battery import Battery, ChargeLimit, NoChargeLimit, RuleChargeLimit
 from sizing.day.battery import Store
 from sizing.day.cycle import simulate_cycle
 from sizing.day.flight import Flights

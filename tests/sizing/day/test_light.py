@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from missions.library import load_mission
-from missions.mission.load import UncertaintyMargins
+from missions.mission.mission import UncertaintyMargins
 from sizing.day.light import (
     DEFAULT_STEP_H,
     SolarDay,

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from step_by_step import balance_of, march
 
-from sizing.battery.battery import Battery
-from sizing.battery.charge_limit import (
+from sizing.battery.battery import (
+    Battery,
     ChargeLimit,
     NoChargeLimit,
     RuleChargeLimit,

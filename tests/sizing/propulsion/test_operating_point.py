@@ -13,7 +13,7 @@ from propulsors import aircraft
 from pydantic import ValidationError
 
 from missions.air import standard_air
-from sizing.battery.voltage import BatteryVoltage
+from sizing.battery.battery import BatteryVoltage
 from sizing.propulsion.blade_elements import BladeElementPropeller
 from sizing.propulsion.electric import Controller, Gear, Motor, MotorState
 from sizing.propulsion.nearby import NearbyPropulsion

@@ -10,7 +10,7 @@ from missions.dates import day_of_year
 from missions.flight_path import Circle
 from missions.library import load_mission
 from missions.mission import Mission, Scenarios
-from missions.mission.load import UncertaintyMargins
+from missions.mission.mission import UncertaintyMargins
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel, solar_day
 from sizing.day.module_power import modelled_power, path_troubles
