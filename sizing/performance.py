@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.balance import PowerBalance, blocks
 from sizing.day.battery import Store
-from sizing.day.cycle import simulate_cycle, simulate_flight
+from sizing.day.cycle import simulate_cycle
 from sizing.day.flight import Course, Flights
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import Endurance, longest_flight
@@ -290,24 +290,6 @@ def performance_of_designs(
     return fly(aircraft, mission, solar, closed_design(aircraft, mission, variables), sunlit)
 
 
-def flown_cycle(
-    mission: Mission,
-    day: SolarDay,
-    solar_w: FloatArray,
-    load: Load,
-    store: Store,
-    *,
-    keep_trajectory: bool = True,
-) -> Cycle:
-    """Cycle of a batch; that of a mission's flight from launch to landing, where it has one."""
-    window_h = mission.flight_window_h(day.scenarios)
-    powers = day.time_h, solar_w, load.power_w, store
-    options: dict[str, Any] = {"nominal_load_w": load.nominal_w, "keep_trajectory": keep_trajectory}
-    if window_h is None:
-        return simulate_cycle(*powers, **options)
-    return simulate_flight(*powers, window_h, **options)
-
-
 def fly(
     aircraft: Aircraft,
     mission: Mission,
@@ -330,7 +312,12 @@ def fly(
         climbs = best_climbs(day.time_h, levels, store.flat(batch))
         return performance_along(design, mission, solar, day, store, levels, climbs, batch)
     load = Load.of(aircraft, mission, design, day, paired=paired)
-    cycle = flown_cycle(mission, day, solar_w, load, store, keep_trajectory=keep_trajectory)
+    cycle = simulate_cycle(
+        *(day.time_h, solar_w, load.power_w, store),
+        nominal_load_w=load.nominal_w,
+        keep_trajectory=keep_trajectory,
+        window_h=mission.flight_window_h(day.scenarios),
+    )
     shape = np.broadcast_shapes(load.power_w.shape, solar_w.shape)
     load_w = np.broadcast_to(load.power_w, shape)
     return Performance(design, mission, solar, day, solar_w, load_w, load.nominal_w, store, cycle)

@@ -223,7 +223,7 @@ def interval_reaching(sums: FloatArray, level: FloatArray, cells: IntArray) -> I
 class Cells:
     """Powers [W] and batteries of a one-dimensional batch; time is the first axis.
 
-    ``flown``: which intervals are flown; None for all of them.
+    ``in_flight``: which intervals are; None for all of them.
     """
 
     time_h: FloatArray
@@ -231,7 +231,7 @@ class Cells:
     load_w: FloatArray
     nominal_w: FloatArray
     store: Store
-    flown: BoolArray | None = None
+    in_flight: BoolArray | None = None
 
     @classmethod
     def of(
@@ -273,14 +273,14 @@ class Cells:
     def balance(self) -> PowerBalance:
         """Surplus and deficit of every interval."""
         balance = PowerBalance.of(self.time_h, self.solar_w - self.load_w)
-        if self.flown is None:
+        if self.in_flight is None:
             return balance
         surplus, deficit = (
-            np.where(self.flown, v, 0.0) for v in (balance.surplus_wh, balance.deficit_wh)
+            np.where(self.in_flight, v, 0.0) for v in (balance.surplus_wh, balance.deficit_wh)
         )
         return replace(balance, surplus_wh=surplus, deficit_wh=deficit)
 
-    def flown_between(self, launch_h: FloatArray, land_h: FloatArray) -> Cells:
+    def between(self, launch_h: FloatArray, land_h: FloatArray) -> Cells:
         """Same batch, each in flight from its launch to its landing, which become nodes."""
         time = np.unique(np.concatenate([self.time_h, launch_h, land_h]))
         before = np.clip(np.searchsorted(self.time_h, time, "right") - 1, 0, len(self.time_h) - 2)
@@ -289,8 +289,8 @@ class Cells:
             power[before] + share[:, np.newaxis] * (power[before + 1] - power[before])
             for power in (self.solar_w, self.load_w)
         )
-        flown = (time[:-1, np.newaxis] >= launch_h) & (time[1:, np.newaxis] <= land_h)
-        return Cells(time, solar, load, self.nominal_w, self.store, flown)
+        in_flight = (time[:-1, np.newaxis] >= launch_h) & (time[1:, np.newaxis] <= land_h)
+        return Cells(time, solar, load, self.nominal_w, self.store, in_flight)
 
     def above_nominal_w(self) -> FloatArray:
         """Solar power less the nominal load."""

@@ -27,15 +27,16 @@ def simulate_cycle(
     nominal_load_w: ArrayLike | None = None,
     keep_trajectory: bool = True,
     climbs: bool = False,
+    window_h: tuple[FloatArray, FloatArray] | None = None,
 ) -> Cycle:
-    """Converge the cycle of a batch and measure it.
+    """Converge the cycle of a batch, or march its flights, and measure them.
 
     What becomes of an element does not depend on the others, to the last digit.
 
     Parameters
     ----------
     time_h : array_like, shape (time,)
-        Nodes over one day, 0 to 24 [h], both ends included.
+        Nodes over one day, 0 to 24 [h], both ends included; over several days of flights.
     solar_power_w : array_like, shape (..., time)
         Electric power of the modules [W].
     load_w : array_like
@@ -48,6 +49,9 @@ def simulate_cycle(
         Keep the stored energy over time; without it ``energy_wh`` is NaN at a single instant.
     climbs : bool
         Whether the load has climbs, see :func:`sizing.day.metrics.measured`.
+    window_h : tuple of ndarray, optional
+        Launch with a full battery and landing [h], which broadcast with the batch, of flights; by
+        default a day is repeated until it ends as it began.
 
     Returns
     -------
@@ -55,6 +59,9 @@ def simulate_cycle(
         Arrays of shape ``...``; ``energy_wh`` has a last axis of ``time``.
     """
     cells, batch = Cells.of(time_h, solar_power_w, load_w, store, nominal_load_w)
+    if window_h is not None:
+        launch_h, land_h = (np.broadcast_to(hour, batch) for hour in window_h)
+        return _flights(cells, (launch_h, land_h), keep_trajectory).reshaped(batch)
     # In blocks; elements that do not settle at once come last, together.
     parts, unsettled, highest_wh = [], [], []
     for some in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
@@ -82,30 +89,18 @@ def simulate_cycle(
     return joined(parts, put_together)
 
 
-def simulate_flight(
-    time_h: ArrayLike,
-    solar_power_w: ArrayLike,
-    load_w: ArrayLike,
-    store: Store,
-    window_h: tuple[FloatArray, FloatArray],
-    *,
-    nominal_load_w: ArrayLike | None = None,
-    keep_trajectory: bool = True,
-) -> Cycle:
+def _flights(cells: Cells, window_h: tuple[FloatArray, FloatArray], keep_trajectory: bool) -> Cycle:
     """March a batch from launch with a full battery to landing, and measure it.
 
-    ``window_h``: launch and landing, which broadcast with the batch; within the time axis, which
-    may have several days. The rest is as for :func:`simulate_cycle`. The energy of the nodes before
-    the launch is that of the launch, after the landing that of the landing.
+    The energy of the nodes before the launch is that of the launch, after the landing that of it.
     """
-    cells, batch = Cells.of(time_h, solar_power_w, load_w, store, nominal_load_w)
-    launch_h, land_h = (np.broadcast_to(one, batch).reshape(-1) for one in window_h)
-    parts = []
-    for some in blocks(len(cells.nominal_w), _FLIGHTS_AT_ONCE):
-        flight = cells.select(some).flown_between(launch_h[some], land_h[some])
+    count, parts = len(cells.nominal_w), []
+    launch_h, land_h = (np.ravel(hour) for hour in window_h)
+    for part in blocks(count, _FLIGHTS_AT_ONCE):
+        flight = cells.select(part).between(launch_h[part], land_h[part])
         full_wh = np.asarray(flight.store.battery_energy_wh, float)
         run = ChargingDay.of(flight.balance).run(flight.store, full_wh)
-        part = measured(flight, run, keep_trajectory)
+        cycle = measured(flight, run, keep_trajectory)
         kept = np.searchsorted(flight.time_h, cells.time_h) if keep_trajectory else slice(None)
-        parts.append(replace(part, time_h=cells.time_h, energy_wh=part.energy_wh[:, kept]))
-    return joined(parts).reshaped(batch)
+        parts.append(replace(cycle, time_h=cells.time_h, energy_wh=cycle.energy_wh[:, kept]))
+    return joined(parts)

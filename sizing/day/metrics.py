@@ -199,7 +199,7 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
     counts in hours of the nominal load at least, as no battery that is empty lifts anything.
     """
     balance, store, nominal = run.day.balance, run.store, cells.nominal_w
-    lands = cells.flown is not None
+    lands = cells.in_flight is not None
     day = slice(np.searchsorted(cells.time_h, HOURS_PER_DAY, "right"))
     equal = equal_power(cells.time_h[day], cells.above_nominal_w()[day])
     missing_h, unserved = _unserved(run)
@@ -210,8 +210,8 @@ def measured(cells: Cells, run: DayRun, keep_trajectory: bool, climbs: bool = Fa
         last_wh = run.end_wh if lands else _dawn_wh(balance, run, equal)
         left_over = last_wh * store.discharge_efficiency
         reserve_h = np.where(nominal > 0.0, left_over / nominal, np.inf)
-    if cells.flown is not None:  # a day without light has no sunrise to begin a flight
-        reserve_h = np.where(cells.flown.any(axis=0), reserve_h, 0.0)
+    if cells.in_flight is not None:  # a day without light has no sunrise to begin a flight
+        reserve_h = np.where(cells.in_flight.any(axis=0), reserve_h, 0.0)
     lowest = np.minimum(np.minimum.reduce(run.drained_wh, axis=0, initial=np.inf), run.end_wh)
     nodes = run.energy_at_nodes_wh() if keep_trajectory else np.full((1, len(nominal)), np.nan)
     first_full, last_full = _full_charge_h(balance, run)
@@ -329,9 +329,9 @@ def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> Energy
 def _integral_wh(cells: Cells, power_w: FloatArray) -> FloatArray:
     """Integral over the time in flight by the trapezoidal rule."""
     halves = np.diff(cells.time_h) / 2.0
-    if cells.flown is not None:
+    if cells.in_flight is not None:
         pairs = halves[:, np.newaxis] * (power_w[:-1] + power_w[1:])
-        return sum_over_time(np.where(cells.flown, pairs, 0.0))
+        return sum_over_time(np.where(cells.in_flight, pairs, 0.0))
     weights = np.concatenate((halves[:1], halves[1:] + halves[:-1], halves[-1:]))[:, np.newaxis]
     if power_w.strides[1] == 0 and power_w.shape[1] > 1:  # the same in all elements
         return np.broadcast_to(_integral_wh(cells, power_w[:, :1]), power_w.shape[1:])

@@ -23,6 +23,7 @@ from missions.mission import Mission
 from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.balance import blocks
 from sizing.day.battery import Store
+from sizing.day.cycle import simulate_cycle
 from sizing.day.heights import FlightLevels, flight_levels
 from sizing.day.launch import longest_flight
 from sizing.day.light import SolarDay, SolarModel, solar_day
@@ -32,7 +33,6 @@ from sizing.day.module_power import balances_heat
 from sizing.design import Design, FlightConditions, variables_of
 from sizing.mass_budget import design_of, measured_design, parametric_design
 from sizing.parameters import with_parameter
-from sizing.performance import flown_cycle
 from sizing.program.climbing_flights import ClimbFlights
 from sizing.program.schedule import best_climbs, flown_along
 from sizing.propulsion.chain import PARTS, Propulsion
@@ -439,7 +439,12 @@ class Propagation:
         solar_w, day = self._solar_of_draws(case, scenario), self.day.at([scenario])
         design, mission, part_load = case.design, case.mission, case.part_load
         load = Load.of(case.aircraft, mission, design, day, paired=True, part_load=part_load)
-        cycle = flown_cycle(mission, day, solar_w, load, case.store, keep_trajectory=False)
+        cycle = simulate_cycle(
+            *(day.time_h, solar_w, load.power_w, case.store),
+            nominal_load_w=load.nominal_w,
+            keep_trajectory=False,
+            window_h=mission.flight_window_h(day.scenarios),
+        )
         return cycle, solar_w, load.power_w
 
     def _solar_of_draws(self, case: _Case, scenario: int) -> FloatArray:
