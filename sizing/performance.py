@@ -81,18 +81,18 @@ class Performance:
         """Highest altitude of every flight with climbs [m]; None of a mission without."""
         return None if self.altitude_m is None else np.asarray(self.altitude_m.max(axis=-1))
 
-    def of_designs(self, some: int | slice | BoolArray) -> Performance:
+    def of_designs(self, designs: int | slice | BoolArray) -> Performance:
         """Flights of some of a batch of designs; of one of them without an axis for it."""
         energy_wh = np.broadcast_to(self.store.battery_energy_wh, self.cycle.status.shape)
         return replace(
             self,
-            design=picked(self.design, some),
-            solar_power_w=self.solar_power_w[some],
-            load_w=self.load_w[some],
-            nominal_load_w=self.nominal_load_w[some],
-            store=replace(self.store, battery_energy_wh=energy_wh[some]),
-            cycle=joined([self.cycle], lambda parts: parts[0][some]),
-            altitude_m=None if self.altitude_m is None else self.altitude_m[some],
+            design=picked(self.design, designs),
+            solar_power_w=self.solar_power_w[designs],
+            load_w=self.load_w[designs],
+            nominal_load_w=self.nominal_load_w[designs],
+            store=replace(self.store, battery_energy_wh=energy_wh[designs]),
+            cycle=joined([self.cycle], lambda parts: parts[0][designs]),
+            altitude_m=None if self.altitude_m is None else self.altitude_m[designs],
         )
 
     def endurances(self) -> list[Endurance | None]:
@@ -119,8 +119,8 @@ class Performance:
         shape = self.cycle.excess_time_h.shape
         worst = np.argmin(self.cycle.excess_time_h, axis=-1, keepdims=True)
         flies = np.broadcast_to(np.isfinite(self.nominal_load_w), shape)
-        wanted = (np.arange(shape[-1]) == worst) & flies
-        hours = self._longest_flights(wanted & ~self.cycle.perpetual).endurance_h
+        in_worst = (np.arange(shape[-1]) == worst) & flies
+        hours = self._longest_flights(in_worst & ~self.cycle.perpetual).endurance_h
         hours = np.where(flies, hours, np.nan)
         return np.take_along_axis(hours, worst, axis=-1)[..., 0]
 
@@ -143,9 +143,9 @@ class Performance:
         climbing = self._climbing([scenario])
         if climbing is not None:
             return climbing.hours(np.zeros(len(launches), int), launches)
-        one = slice(scenario, scenario + 1)
-        day_h, solar_w, load_w = self._one_day(self.solar_power_w[one], self.load_w[one])
-        store = self.store.flat(self.cycle.status.shape).select(one)
+        only = slice(scenario, scenario + 1)
+        day_h, solar_w, load_w = self._one_day(self.solar_power_w[only], self.load_w[only])
+        store = self.store.flat(self.cycle.status.shape).select(only)
         flights = Flights.of(day_h, solar_w, load_w, store)
         return flights.hours(np.zeros(len(launches), int), launches)
 
@@ -210,15 +210,15 @@ class Performance:
         time_h, *powers = self._one_day(self.solar_power_w, self.load_w)
         solar, load = (np.broadcast_to(power, (*shape, len(time_h))) for power in powers)
         for block in blocks(len(which), _SCENARIOS_AT_ONCE):
-            some = which[block]
-            at = np.unravel_index(some, shape)
-            climbing = self._climbing(some) if len(some) else None
+            elements = which[block]
+            at = np.unravel_index(elements, shape)
+            climbing = self._climbing(elements) if len(elements) else None
             flights = (
-                longest_flight(time_h, solar[at], load[at], store.select(some))
+                longest_flight(time_h, solar[at], load[at], store.select(elements))
                 if climbing is None
                 else climbing.longest()
             )
-            hours[some], launch[some] = flights.endurance_h, flights.launch_h
+            hours[elements], launch[elements] = flights.endurance_h, flights.launch_h
         return Endurance(hours.reshape(shape), launch.reshape(shape))
 
     def _one_day(self, *powers: FloatArray) -> tuple[FloatArray, ...]:
@@ -226,15 +226,15 @@ class Performance:
         nodes = slice((len(self.day.time_h) - 1) // self.mission.days_of_light + 1)
         return self.day.time_h[nodes], *(power[..., nodes] for power in powers)
 
-    def _climbing(self, some: ArrayLike) -> ClimbFlights | None:
+    def _climbing(self, elements: ArrayLike) -> ClimbFlights | None:
         """Flights with climbs of some of all elements; None for a mission without."""
         if self.levels is None:
             return None
-        levels, store = self.levels.select(np.asarray(some, int)), self.store
-        own = store.flat(self.cycle.status.shape).select(np.asarray(some, int))
+        levels, store = self.levels.select(np.asarray(elements, int)), self.store
+        batteries = store.flat(self.cycle.status.shape).select(np.asarray(elements, int))
         from sizing.program.climbing_flights import ClimbFlights
 
-        return ClimbFlights(self.day.time_h, levels, own)
+        return ClimbFlights(self.day.time_h, levels, batteries)
 
 
 def performance(
@@ -253,11 +253,9 @@ def performance(
     ``step_h``: largest step of the time axis [h]; that of ``day`` if it is given. Returns arrays of
     the scenarios.
     """
-    flown = design_of(aircraft, mission) if design is None else design
-    sunlit = (
-        solar_day(aircraft, mission, solar, step_h=step_h, design=flown) if day is None else day
-    )
-    return fly(aircraft, mission, solar, flown, sunlit, keep_trajectory=keep_trajectory)
+    known = design_of(aircraft, mission) if design is None else design
+    light = solar_day(aircraft, mission, solar, step_h=step_h, design=known) if day is None else day
+    return fly(aircraft, mission, solar, known, light, keep_trajectory=keep_trajectory)
 
 
 def performance_of_designs(
@@ -286,8 +284,8 @@ def performance_of_designs(
         Arrays of the batch with a last axis of scenarios. A design that cannot carry itself has an
         excess time of -24 h.
     """
-    sunlit = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
-    return fly(aircraft, mission, solar, closed_design(aircraft, mission, variables), sunlit)
+    light = solar_day(aircraft, mission, solar, step_h=step_h) if day is None else day
+    return fly(aircraft, mission, solar, closed_design(aircraft, mission, variables), light)
 
 
 def fly(
@@ -335,11 +333,11 @@ def performance_along(
 ) -> Performance:
     """Performance of a batch whose elements fly along heights."""
     arrays = (climbs.solar_w, climbs.load_w, levels.altitude_m[0] + climbs.height_m)
-    solar_w, load_w, altitude_m = (one.reshape(*batch, -1) for one in arrays)
+    solar_w, load_w, altitude_m = (values.reshape(*batch, -1) for values in arrays)
     nominal_w, cycle = levels.nominal_load_w.reshape(batch), climbs.cycle.reshaped(batch)
-    flown = (design, mission, solar, day, solar_w, load_w, nominal_w, store, cycle)
+    simulated = (design, mission, solar, day, solar_w, load_w, nominal_w, store, cycle)
     program_h = None if climbs.program_h is None else climbs.program_h.reshape(batch)
-    return Performance(*flown, altitude_m=altitude_m, levels=levels, program_excess_h=program_h)
+    return Performance(*simulated, altitude_m=altitude_m, levels=levels, program_excess_h=program_h)
 
 
 def perpetual_days(
@@ -369,6 +367,6 @@ def perpetual_days(
     every = np.arange(1, 366) if days is None else np.asarray(days_of_year(days), int)
     scenarios = Scenarios(np.full(len(every), float(latitude_deg)), every)
     design = design_of(aircraft, mission)
-    sunlit = solar_day(aircraft, mission, solar, scenarios=scenarios, design=design)
-    flown = performance(aircraft, mission, solar, day=sunlit, design=design)
-    return every[flown.cycle.flown]
+    light = solar_day(aircraft, mission, solar, scenarios=scenarios, design=design)
+    result = performance(aircraft, mission, solar, day=light, design=design)
+    return every[result.cycle.flown]

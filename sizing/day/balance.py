@@ -259,14 +259,14 @@ class Cells:
         flat_nominal = np.broadcast_to(nominal, batch).reshape(-1)
         return cls(time, solar, load, flat_nominal, store.flat(batch)), batch
 
-    def select(self, some: IntArray | slice) -> Cells:
+    def select(self, cells: IntArray | slice) -> Cells:
         """Part of the batch."""
         return Cells(
             self.time_h,
-            self.solar_w[:, some],
-            self.load_w[:, some],
-            self.nominal_w[some],
-            self.store.select(some),
+            self.solar_w[:, cells],
+            self.load_w[:, cells],
+            self.nominal_w[cells],
+            self.store.select(cells),
         )
 
     @cached_property

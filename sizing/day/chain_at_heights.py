@@ -192,14 +192,14 @@ def _cubic(along: FloatArray, nodes: int) -> tuple[IntArray, tuple[FloatArray, .
 def _between(along: FloatArray, values: FloatArray) -> FloatArray:
     """Values at places along their last axis."""
     node, weights = _cubic(along, values.shape[-1])
-    return np.asarray(sum(one * values[..., node + k] for k, one in enumerate(weights)))
+    return np.asarray(sum(weight * values[..., node + k] for k, weight in enumerate(weights)))
 
 
-def _through(values: FloatArray, some: IntArray, every: IntArray) -> FloatArray:
+def _through(values: FloatArray, levels: IntArray, all_levels: IntArray) -> FloatArray:
     """Values on a second axis at some places, as polynomials at all of them."""
-    scale = 2.0 / some[-1]
-    known, wanted = (np.vander(scale * one - 1.0, len(some)) for one in (some, every))
-    weights = np.linalg.solve(known.T, wanted.T)
+    scale = 2.0 / levels[-1]
+    nodes, targets = (np.vander(scale * place - 1.0, len(levels)) for place in (levels, all_levels))
+    weights = np.linalg.solve(nodes.T, targets.T)
     return np.asarray(np.einsum("lsd,sk->lkd", values, weights))
 
 
@@ -207,12 +207,12 @@ def _continued(values: FloatArray, known: BoolArray) -> FloatArray:
     """Powers along the first axis, loads; unknown ones go on from the next with the load."""
     if known.all():
         return values
-    found = np.where(known, values, 1.0)
-    count = len(found)
+    powers = np.where(known, values, 1.0)
+    count = len(powers)
     for order, grow in ((range(1, count), _RATIO), (range(count - 2, -1, -1), 1.0 / _RATIO)):
         done = known[order.start - order.step].copy()
         for k in order:
             take = done & ~known[k]
-            found[k] = np.where(take, found[k - order.step] * grow, found[k])
+            powers[k] = np.where(take, powers[k - order.step] * grow, powers[k])
             done |= known[k]
-    return found
+    return powers

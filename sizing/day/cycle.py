@@ -64,20 +64,20 @@ def simulate_cycle(
         return _flights(cells, (launch_h, land_h), keep_trajectory).reshaped(batch)
     # In blocks; elements that do not settle at once come last, together.
     parts, unsettled, highest_wh = [], [], []
-    for some in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
-        block = cells.select(some)
+    for part in blocks(len(cells.nominal_w), CELLS_AT_ONCE):
+        block = cells.select(part)
         first = first_repetition(ChargingDay.of(block.balance), block.store)
         parts.append(measured(block, first.run, keep_trajectory, climbs))
-        unsettled.append(some.start + first.unsettled)
+        unsettled.append(part.start + first.unsettled)
         highest_wh.append(first.highest_wh)
     places, highest = np.concatenate(unsettled), np.concatenate(highest_wh)
     late_places = []
-    for some in blocks(len(places), CELLS_AT_ONCE) if len(places) else ():
-        block = cells.select(places[some])
+    for part in blocks(len(places), CELLS_AT_ONCE) if len(places) else ():
+        block = cells.select(places[part])
         day = ChargingDay.of(block.balance)
-        run = day.run(block.store, repeated_wh(day, block.store, highest[some]))
+        run = day.run(block.store, repeated_wh(day, block.store, highest[part]))
         parts.append(measured(block, run, keep_trajectory, climbs))
-        late_places.append(places[some])
+        late_places.append(places[part])
     at_once = len(parts) - len(late_places)
 
     def put_together(values: list[FloatArray]) -> FloatArray:

@@ -48,9 +48,9 @@ class Flying(NamedTuple):
     loss_wh: FloatArray
     skipped_h: FloatArray
 
-    def select(self, some: IntArray | BoolArray) -> Flying:
+    def select(self, flights: IntArray | BoolArray) -> Flying:
         """Some of them."""
-        return Flying._make(one[some] for one in self)
+        return Flying._make(values[flights] for values in self)
 
 
 class _Shared:
@@ -64,7 +64,7 @@ class _Shared:
         """One of each that is equal from its ``number``-th midnight on, also to ones of before."""
         age = np.full(len(flying.cell), number)
         now = (flying.cell, flying.energy_wh, flying.flight, age)
-        seen = tuple(np.concatenate(one) for one in zip(self._seen, now, strict=True))
+        seen = tuple(np.concatenate(values) for values in zip(self._seen, now, strict=True))
         cell, energy_wh, flight, age = seen
         order = np.lexsort((energy_wh, cell))
         new = np.ones(len(order), bool)
@@ -75,11 +75,11 @@ class _Shared:
         self.leader[flight[follows]] = flight[first[follows]]
         self.later_h[flight[follows]] = HOURS_PER_DAY * (age[follows] - age[first[follows]])
         if keep_seen:
-            cell, energy_wh, flight, age = (np.delete(one, follows) for one in seen)
+            cell, energy_wh, flight, age = (np.delete(values, follows) for values in seen)
             self._seen = cell, energy_wh, flight, age
         start = len(order) - len(flying.cell)
-        own = first[start:] == np.arange(start, len(order))
-        return flying.select(own)
+        leads = first[start:] == np.arange(start, len(order))
+        return flying.select(leads)
 
     def ends_h(self, ends_h: FloatArray) -> FloatArray:
         """Ends of all flights, from those that were flown to theirs [h]."""
@@ -136,11 +136,11 @@ class Flights:
         for number in count(1) if self.follow else range(1, MAXIMUM_DAYS + 2):
             if not len(flying.cell):
                 break
-            end_h, flown = self._one_day(number, flying)
+            end_h, after = self._one_day(number, flying)
             ended = ~np.isnan(end_h)
             days_h = (number - 1) * HOURS_PER_DAY + flying.skipped_h
             ends_h[flying.flight[ended]] = (days_h + end_h)[ended]
-            flying = flown
+            flying = after
             if self.follow or number <= _DAYS_OF_LAUNCH:
                 flying = shared.without_equals(number, flying, self.follow)
         return shared.ends_h(ends_h) - launch_h
@@ -151,11 +151,11 @@ class Flights:
         level, midnight = np.full(len(cells), np.nan), energy.copy()
         lowest = energy.copy()
         # After the last surplus of the day nothing but the deficit is left.
-        sunlit = self.day.nightfall_deficit_wh[cells] >= settled
-        for some in (np.flatnonzero(sunlit), np.flatnonzero(~sunlit)):
-            of = cells[some]
-            given = (self.store.select(of), energy[some], settled[some])
-            level[some], midnight[some], lowest[some] = self.day.select(of).flight(*given)
+        charges = self.day.nightfall_deficit_wh[cells] >= settled
+        for rows in (np.flatnonzero(charges), np.flatnonzero(~charges)):
+            of = cells[rows]
+            begin = (self.store.select(of), energy[rows], settled[rows])
+            level[rows], midnight[rows], lowest[rows] = self.day.select(of).flight(*begin)
         ended, end_h = ~np.isnan(level), np.full(len(level), np.nan)
         end_h[ended] = self.day.hour_of_deficit(level[ended], cells[ended])
         loss, full = energy - midnight, self.store.battery_energy_wh

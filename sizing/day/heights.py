@@ -152,10 +152,10 @@ class FlightLevels:
         solar_w = (1.0 - share) * light[below] + share * light[below + 1]
         return solar_w * self.module_area_m2[element], power_w
 
-    def select(self, some: slice | IntArray | BoolArray) -> FlightLevels:
+    def select(self, elements: slice | IntArray | BoolArray) -> FlightLevels:
         """Flights of a part of the elements."""
         rows = (field.name for field in fields(self) if field.name not in _SHARED)
-        return replace(self, **{name: getattr(self, name)[some] for name in rows})
+        return replace(self, **{name: getattr(self, name)[elements] for name in rows})
 
 
 def climb_limits(aircraft: Aircraft, design: Design) -> ClimbLimits:
@@ -220,12 +220,15 @@ def flight_levels(
 
     missions = [mission.at_altitude(float(h)) for h in altitudes]
     slow = [_same_aircraft_at(aircraft, there, design) for there in missions]
-    flown, held = _against_winds(aircraft, missions, slow, design, day, each, paired=paired)
+    flights, held = _against_winds(aircraft, missions, slow, design, day, each, paired=paired)
     weight_n = each(np.asarray(design.total_mass_kg) * GRAVITY_M_PER_S2)
-    power_w = np.stack([each(d.propulsion_power_w) for d in flown])
+    power_w = np.stack([each(d.propulsion_power_w) for d in flights])
     flies = np.isfinite(power_w).all(axis=0) & np.isfinite(weight_n) & held[0]
     parts = aircraft.propulsion_by_parts
-    limits, own = climb_limits(aircraft, design), np.shape(flown[0].propulsion_power_w)
+    limits, cases = (
+        climb_limits(aircraft, design),
+        np.shape(flights[0].propulsion_power_w),
+    )
     most_w = each(limits.maximum_power_w)
     thrust = load_shape(mission, day.time_h, day.sunrise_h, day.sunset_h)
     return FlightLevels(
@@ -240,12 +243,12 @@ def flight_levels(
         efficiency=each(limits.efficiency),
         maximum_power_w=np.where(flies, most_w, 0.0),
         flies=np.asarray(flies),
-        design=np.asarray(each(np.arange(max(math.prod(own), 1)).reshape(own)), int),
+        design=np.asarray(each(np.arange(max(math.prod(cases), 1)).reshape(cases)), int),
         weight_n=np.where(flies, weight_n, 0.0),
         reach_m=_reach_m(altitudes - altitudes[0], power_w, held, most_w),
-        chain=ConstantChain.of(flown, limits.efficiency)
+        chain=ConstantChain.of(flights, limits.efficiency)
         if parts is None
-        else ClimbChain.of(parts, aircraft, missions, flown),
+        else ClimbChain.of(parts, aircraft, missions, flights),
         convection_w_per_m2k=_convection(day.cooling, missions, slow, each),
     )
 
@@ -272,18 +275,18 @@ def _against_winds(
     if not missions[0].holds_station:
         return slow, np.stack([each(1.0)] * len(slow)) > 0.0
     rated_w = spread(design.rated_power_w)
-    found = [
+    pairs = [
         against_wind(
-            *(aircraft, there, own.mapped(spread)),
+            *(aircraft, there, flight.mapped(spread)),
             *(there.scenario_winds_m_per_s(day.scenarios), rated_w),
         )
-        for there, own in zip(missions, slow, strict=True)
+        for there, flight in zip(missions, slow, strict=True)
     ]
-    flown = [one for one, _ in found]
+    flights = [flight for flight, _ in pairs]
     # A floor that is not held is no flight, of which a chain of parts knows by its power.
-    floor_w = np.where(found[0][1], flown[0].propulsion_power_w, np.inf)
-    flown[0] = flown[0]._replace(propulsion_power_w=floor_w)
-    return flown, np.stack([each(able) for _, able in found]) > 0.0
+    floor_w = np.where(pairs[0][1], flights[0].propulsion_power_w, np.inf)
+    flights[0] = flights[0]._replace(propulsion_power_w=floor_w)
+    return flights, np.stack([each(able) for _, able in pairs]) > 0.0
 
 
 def _reach_m(
@@ -316,7 +319,9 @@ def _convection(
         return np.zeros((len(each(0.0)), len(missions)))
     flights = zip(designs, missions, cooling.convection.tolist(), strict=True)
     transition = cooling.transition_reynolds
-    return np.stack([each(convection_of(*one[:2], transition, one[2])) for one in flights], axis=-1)
+    return np.stack(
+        [each(convection_of(*flight[:2], transition, flight[2])) for flight in flights], axis=-1
+    )
 
 
 def _same_aircraft_at(aircraft: Aircraft, there: Mission, design: Design) -> Design:
@@ -324,7 +329,7 @@ def _same_aircraft_at(aircraft: Aircraft, there: Mission, design: Design) -> Des
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, there)
     with np.errstate(over="ignore", invalid="ignore"):
-        flown = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
-    if np.ndim(design.total_mass_kg) == 0 and not np.isfinite(flown.propulsion_power_w):
+        flight = parametric_design(aircraft, there, design.variables, design.total_mass_kg)
+    if np.ndim(design.total_mass_kg) == 0 and not np.isfinite(flight.propulsion_power_w):
         raise ImpossibleDesignError(operating_trouble(aircraft, there))
-    return flown
+    return flight

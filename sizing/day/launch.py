@@ -156,10 +156,10 @@ def _best_of_day(hours: FloatArray) -> IntArray:
     equal = hours >= hours.max(axis=0) - _EQUAL_H
     for _ in range(len(hours) // 2):
         inner = equal & np.roll(equal, 1, axis=0) & np.roll(equal, -1, axis=0)
-        some = inner.any(axis=0)
-        if not some.any():
+        has_inner = inner.any(axis=0)
+        if not has_inner.any():
             break
-        equal = np.where(some, inner, equal)
+        equal = np.where(has_inner, inner, equal)
     return np.asarray(np.argmax(equal, axis=0))
 
 

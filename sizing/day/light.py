@@ -237,16 +237,18 @@ class Sunlight:
             return None
         if isinstance(self.aircraft.airframe, MeasuredAirframe):
             return None
-        own = self._convection
+        convection = self._convection
         if model not in self._cooling and model in ATTITUDE_MODELS:
             known = self.modelled_power(model)
-            faster = self._in_flow(model, FASTER * own) / np.where(known > 0.0, known, np.inf)
+            faster = self._in_flow(model, FASTER * convection) / np.where(
+                known > 0.0, known, np.inf
+            )
             like = self._cooling_of("CAM")
             assert like is not None
             self._cooling[model] = like.scaled_to(faster)
         if model not in self._cooling:
             cold, power = self._in_flow(model, None), self.modelled_power(model)
-            around = surroundings(self.mission, own)
+            around = surroundings(self.mission, convection)
             self._cooling[model] = Cooling.of(cold, power, self.aircraft.modules, around)
         return self._cooling[model]
 
@@ -262,8 +264,10 @@ class Sunlight:
         modelled_wh, full_wh = (
             np.trapezoid(self.modelled_power(name), self.time_h, axis=-1) for name in (model, "FM")
         )
-        sunlit = modelled_wh > 0.0
-        return np.where(sunlit, full_wh / np.where(sunlit, modelled_wh, 1.0), 1.0)[:, np.newaxis]
+        has_light = modelled_wh > 0.0
+        return np.where(has_light, full_wh / np.where(has_light, modelled_wh, 1.0), 1.0)[
+            :, np.newaxis
+        ]
 
     def day(self, solar: SolarModel) -> SolarDay:
         """Specific power by a model, corrected and less the mission's margin."""

@@ -108,14 +108,14 @@ class ChargingDay:
     def of(cls, balance: PowerBalance) -> ChargingDay:
         """Reduce a balance."""
         charging = balance.surplus_wh > 0.0
-        sunlit = _span(charging)
+        daylight = _span(charging)
         cumulative = running_sum(balance.deficit_wh)
-        falls_first = balance.net_w[:-1][sunlit] < 0.0
-        before_surplus = np.where(falls_first, cumulative[1:][sunlit], cumulative[:-1][sunlit])
-        np.copyto(before_surplus, -np.inf, where=~charging[sunlit])
-        hours = np.diff(balance.time_h)[sunlit]
-        surplus = balance.surplus_wh[sunlit]
-        return cls(balance, sunlit.start, hours, surplus, before_surplus, cumulative)
+        falls_first = balance.net_w[:-1][daylight] < 0.0
+        before_surplus = np.where(falls_first, cumulative[1:][daylight], cumulative[:-1][daylight])
+        np.copyto(before_surplus, -np.inf, where=~charging[daylight])
+        hours = np.diff(balance.time_h)[daylight]
+        surplus = balance.surplus_wh[daylight]
+        return cls(balance, daylight.start, hours, surplus, before_surplus, cumulative)
 
     @cached_property
     def total_surplus_wh(self) -> FloatArray:
@@ -134,13 +134,13 @@ class ChargingDay:
         Without the first and last intervals in which none of them charges: what becomes of the
         batteries is the same to the last bit.
         """
-        sunlit = _span(self.surplus_wh[:, cells] > 0.0)
+        daylight = _span(self.surplus_wh[:, cells] > 0.0)
         return replace(
             self,
-            first=self.first + sunlit.start,
-            hours=self.hours[sunlit],
-            surplus_wh=self.surplus_wh[sunlit, cells],
-            deficit_before_surplus_wh=self.deficit_before_surplus_wh[sunlit, cells],
+            first=self.first + daylight.start,
+            hours=self.hours[daylight],
+            surplus_wh=self.surplus_wh[daylight, cells],
+            deficit_before_surplus_wh=self.deficit_before_surplus_wh[daylight, cells],
             cumulative_deficit_wh=self.cumulative_deficit_wh[-1:, cells],
         )
 
@@ -295,9 +295,9 @@ class DayRun:
         for energy in (self.drained_wh, self.after_charge_wh):
             energy[:, cells] = np.where(waiting, start_wh, energy[:, cells])
         first = waiting.sum(axis=0)
-        sunlit = first < len(waiting)
+        has_surplus = first < len(waiting)
         more_wh = start_wh - self.start_wh[cells]
-        self.drained_wh[first[sunlit], cells[sunlit]] += more_wh[sunlit]
+        self.drained_wh[first[has_surplus], cells[has_surplus]] += more_wh[has_surplus]
         self.start_wh[cells] = start_wh
 
     def energy_at_nodes_wh(self) -> FloatArray:
@@ -315,9 +315,9 @@ class DayRun:
         cells = np.arange(len(node))
         row = np.minimum(node - self.day.first, len(self.after_charge_wh)) - 1
         held, settled = self.start_wh.copy(), np.zeros_like(self.start_wh)
-        some = cells[row >= 0]
-        held[some] = self.after_charge_wh[row[some], some]
-        settled[some] = self.settled_deficit_wh[row[some], some]
+        charged = cells[row >= 0]
+        held[charged] = self.after_charge_wh[row[charged], charged]
+        settled[charged] = self.settled_deficit_wh[row[charged], charged]
         return self._after_deficit(held, self.day.cumulative_deficit_wh[node, cells] - settled)
 
     def _after_deficit(self, held_wh: FloatArray, deficit_wh: FloatArray) -> FloatArray:
@@ -370,8 +370,8 @@ def first_repetition(day: ChargingDay, store: Store) -> Repetition:
 def repeated_wh(day: ChargingDay, store: Store, highest_wh: FloatArray) -> FloatArray:
     """Energy with which a day starts and ends, between zero and ``highest_wh`` [Wh]."""
 
-    def gain(some: IntArray, energy_wh: FloatArray) -> FloatArray:
-        return day.select(some).end_wh(store.select(some), energy_wh) - energy_wh
+    def gain(rows: IntArray, energy_wh: FloatArray) -> FloatArray:
+        return day.select(rows).end_wh(store.select(rows), energy_wh) - energy_wh
 
     limit = _SETTLED * store.battery_energy_wh
     return falling_root(gain, np.zeros_like(highest_wh), highest_wh, limit)

@@ -115,13 +115,15 @@ class Cycle:
 
 def joined(cycles: Sequence[Cycle], join: Callable[[list[Any]], Any] = np.concatenate) -> Cycle:
     """One cycle from the arrays of several with the same nodes of time; by default end to end."""
-    budgets = [one.energy_budget for one in cycles]
-    budget = {f.name: join([getattr(one, f.name) for one in budgets]) for f in fields(EnergyBudget)}
+    budgets = [cycle.energy_budget for cycle in cycles]
+    budget = {
+        f.name: join([getattr(cycle, f.name) for cycle in budgets]) for f in fields(EnergyBudget)
+    }
     rest = [f.name for f in fields(Cycle) if f.name not in ("time_h", "energy_budget")]
     return Cycle(
         time_h=cycles[0].time_h,
         energy_budget=EnergyBudget(**budget),
-        **{name: join([getattr(one, name) for one in cycles]) for name in rest},
+        **{name: join([getattr(cycle, name) for cycle in cycles]) for name in rest},
     )
 
 
@@ -309,7 +311,7 @@ def _full_charge_h(balance: PowerBalance, run: DayRun) -> tuple[FloatArray, Floa
 def _energy_budget(cells: Cells, run: DayRun, unserved_wh: FloatArray) -> EnergyBudget:
     store = run.store
     into_store = _sum_of_rows(
-        lambda some: run.after_charge_wh[some] - np.maximum(run.drained_wh[some], 0.0),
+        lambda block: run.after_charge_wh[block] - np.maximum(run.drained_wh[block], 0.0),
         run.drained_wh.shape,
     )
     stored = run.end_wh - run.start_wh
@@ -335,7 +337,7 @@ def _integral_wh(cells: Cells, power_w: FloatArray) -> FloatArray:
     weights = np.concatenate((halves[:1], halves[1:] + halves[:-1], halves[-1:]))[:, np.newaxis]
     if power_w.strides[1] == 0 and power_w.shape[1] > 1:  # the same in all elements
         return np.broadcast_to(_integral_wh(cells, power_w[:, :1]), power_w.shape[1:])
-    return _sum_of_rows(lambda some: weights[some] * power_w[some], power_w.shape)
+    return _sum_of_rows(lambda block: weights[block] * power_w[block], power_w.shape)
 
 
 def _sum_of_rows(rows: Callable[[slice], FloatArray], shape: tuple[int, ...]) -> FloatArray:
@@ -344,8 +346,8 @@ def _sum_of_rows(rows: Callable[[slice], FloatArray], shape: tuple[int, ...]) ->
     Every sum begins with the one before it, so that the digits are those of a single sum.
     """
     total = np.zeros(shape[1])
-    for some in blocks(shape[0], _ROWS_AT_ONCE):
-        part = rows(some)
+    for block in blocks(shape[0], _ROWS_AT_ONCE):
+        part = rows(block)
         if len(part):
             part[0] += total
             total = sum_over_time(part)

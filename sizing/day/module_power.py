@@ -128,8 +128,8 @@ def convection_of(
         return np.asarray(unknown)
     chord = np.asarray(design.variables.wingspan_m, float) / design.variables.aspect_ratio
     with np.errstate(invalid="ignore"):
-        found = plate_convection_w_per_m2k(mission.air_state(), speed, chord, transition_reynolds)
-    return np.where(np.isfinite(found), found, unknown)
+        flow = plate_convection_w_per_m2k(mission.air_state(), speed, chord, transition_reynolds)
+    return np.where(np.isfinite(flow), flow, unknown)
 
 
 def convection_in_flight(
@@ -161,11 +161,13 @@ def _on_paths(aircraft: Aircraft, mission: Mission, winds: Sequence[Mission]) ->
     path = mission.flight_path
     if path is None or getattr(path, "airspeed_m_per_s", 0.0) is not None:
         return list(winds)
-    own = airspeed_in_flight(aircraft, mission)
-    paths = [at_airspeed(path, max(own, _ABOVE_WIND * one.wind.speed_m_per_s)) for one in winds]
+    airspeed = airspeed_in_flight(aircraft, mission)
+    paths = [
+        at_airspeed(path, max(airspeed, _ABOVE_WIND * there.wind.speed_m_per_s)) for there in winds
+    ]
     return [
-        one.model_copy(update={"flight_path": flown})
-        for one, flown in zip(winds, paths, strict=True)
+        there.model_copy(update={"flight_path": new_path})
+        for there, new_path in zip(winds, paths, strict=True)
     ]
 
 
@@ -180,11 +182,11 @@ def path_troubles(
     if scenarios is not None and mission.wind_statistics is not None:
         speeds = mission.winds_on_path_m_per_s(scenarios).tolist()
         winds = [mission.in_wind(speed) for speed in speeds]
-    found = [
-        None if one.flight_path is None else path_trouble(one.flight_path, one.wind)
-        for one in _on_paths(aircraft, mission, winds)
+    troubles = [
+        None if there.flight_path is None else path_trouble(there.flight_path, there.wind)
+        for there in _on_paths(aircraft, mission, winds)
     ]
-    return found if scenarios is None or len(found) > 1 else found * len(scenarios)
+    return troubles if scenarios is None or len(troubles) > 1 else troubles * len(scenarios)
 
 
 def surroundings(mission: Mission, convection: float) -> Surroundings:

@@ -115,15 +115,15 @@ def calendar_run(
     load = np.asarray(load_profile(design, mission, *times_h, parts)[:, 0])
     balance = PowerBalance.of(clock, (power - load)[:, np.newaxis])
     stored, full, empty = _charge_until_empty(ChargingDay.of(balance), store, launch)
-    flown = slice(len(stored))
+    nodes = slice(len(stored))
     return CalendarRun(
         launch=launch,
         design=design,
-        clock_h=clock[flown],
-        time_solar_h=solar_clock[flown] % 24.0,
-        day_of_year=day[flown],
-        solar_power_w=power[flown],
-        load_w=load[flown],
+        clock_h=clock[nodes],
+        time_solar_h=solar_clock[nodes] % 24.0,
+        day_of_year=day[nodes],
+        solar_power_w=power[nodes],
+        load_w=load[nodes],
         energy_wh=stored,
         state_of_charge=stored / store.battery_energy_wh,
         full_charge_clock_h=full,
