@@ -153,9 +153,21 @@ class SolarDay:
     def module_power_w(
         self, design: Design, mission: Mission, *, paired: bool = False
     ) -> FloatArray:
-        """Power of designs' modules, cooled by the flow of each, the scenarios and time last [W].
+        """Power of designs' modules, which the flow of each of them cools.
 
-        ``paired``: every design flies in its own scenario, else in all of them.
+        Parameters
+        ----------
+        design : Design
+            One, or a batch.
+        mission : Mission
+            With the air.
+        paired : bool
+            Whether every design flies in its own scenario, else in all of them.
+
+        Returns
+        -------
+        ndarray
+            With the scenarios and the time as last axes [W].
         """
         axes = (..., np.newaxis) if paired else (..., np.newaxis, np.newaxis)
         power = self.specific_power_w_per_m2
