@@ -551,16 +551,19 @@ def _motion(
             (Constraint("airspeed_against_wind"), (own - wind) / design.airspeed_m_per_s[0])
         )
     beyond_w: Any = ca.DM.zeros(form.intervals)
+    rated_w = design.rated_w
     if form.climbs:
         rate = (height[1:] - height[:-1]) * ceiling_m / (3600.0 * block.hours)
         climb_w = design.weight_n * rate / design.efficiency
+        if not form.holds:  # level flight is flown whatever is rated, as without climbs
+            rated_w = ca.fmax(rated_w, power_w * design.steady)
         motor_w = power_w * design.steady + climb_w
         rows.append((Constraint("glide"), motor_w / design.rated_w))
         rows.append((Constraint("height", equation=True), height[-1] - height[0]))
         beyond_w = motor_w - floor * design.steady
         power_w = motor_w
     if form.holds or form.climbs:
-        spare = 1.0 - power_w / design.rated_w + unknown.lack
+        spare = 1.0 - power_w / rated_w + unknown.lack
         rows.append((Constraint(POWER_AGAINST_WIND), spare))
     if not form.climbs:
         weights = ca.repmat(weights, 1, form.intervals)

@@ -13,6 +13,7 @@ import sizing
 from missions.mission import Mission, Scenarios
 from sizing.day.light import solar_day
 from sizing.limits import meets_requirements
+from sizing.parameters import all_replaced
 from sizing.performance import performance_of_designs
 from sizing.program.cells import size_cells
 from sizing.program.objectives import Objective
@@ -59,6 +60,16 @@ def test_a_higher_ceiling_takes_less_mass() -> None:
     results = [level, *(sized(Objective.min_mass, ceiling_m) for ceiling_m in (1536.0, 3536.0))]
     masses = [one.objective_value or 0.0 for one in results]
     assert masses[0] > 1.005 * masses[1] > 1.01 * masses[2]
+
+
+def test_turbulence_above_the_rated_power_leaves_level_flight() -> None:
+    # Level flight is not held to the rated power, which such air exceeds; so a climb has nothing
+    # to take from, and the ceiling changes nothing.
+    rough = {"turbulence": {"all_day": 0.6}}
+    weak = all_replaced(DESIGN, {"airframe.propulsion.climb_power_ratio": 1.3})
+    level = size_aircraft(weak, mission(**rough), Objective.min_mass)
+    ours = size_aircraft(weak, climbing(2536.0, **rough), Objective.min_mass)
+    assert ours.objective_value == pytest.approx(level.objective_value, rel=2e-3)
 
 
 def test_what_is_sized_flies_as_analysed() -> None:
