@@ -78,13 +78,13 @@ class Linearisation:
 class Scenario:
     """What a search knows of a scenario.
 
-    ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
-    more a night takes, relative. ``way_h``: what must be left on the way to a landing. ``nodes``:
-    of its intervals; None where they are to be laid anew. ``clock_h``: of these. ``profile``:
-    heights that are flown.
+    ``shift_h``: excess time of the program beyond that of the simulator; None before its first
+    program. ``margin``: by how much more a night takes, relative. ``way_h``: what must be left on
+    the way to a landing. ``nodes``: of its intervals; None where they are to be laid anew.
+    ``clock_h``: of these. ``profile``: heights that are flown.
     """
 
-    shift_h: float = 0.0
+    shift_h: float | None = None
     margin: float = FIRST_MARGIN
     way_h: float = 0.0
     nodes: IntArray | None = None
@@ -204,13 +204,11 @@ def _parts(task: SizingTask, values: Values, perf: Performance) -> PartsData | N
     found[:, 0] -= math.log(values.get(EFFICIENCY_FACTOR, 1.0))  # the program has it
     if task.beyond_limits:
         found[:, 2:] = _NEVER
-    slopes = (found[1:] - found[0]) / STEP
-    slope = np.zeros((found.shape[1], count))
     places = [task.names.index(name) for name in task.moved]
-    slope[:, places] = np.where(np.isfinite(slopes), slopes, 0.0).T
     bend = np.zeros((count, count))
     bend[np.ix_(places, places)] = _bend(task, values)
     surface = _surface(task, design.mapped(lambda v: float(np.ravel(v)[0])))
+    slope = _derivatives(task, found)
     return PartsData(found[0], slope.ravel(order="F"), bend.ravel(), surface)
 
 
@@ -293,6 +291,11 @@ def _block(
     dawn = equal_power_step(day, nominal_w[0])
     at = np.arange(len(scenario.nodes))
     first_light = at <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
+    beyond_h = np.zeros(len(nominal_w))  # at a landing, which is a node, there is nothing
+    if ends_h is None:
+        beyond_h = _beyond_h(perf, day, number, scenario.nodes[first_light], nominal_w)
+    if scenario.shift_h is None:
+        scenario.shift_h = float(beyond_h[0])
     block = BlockData(
         hours=means.hours,
         light_w_per_m2=flown,
@@ -301,6 +304,7 @@ def _block(
         light_slope=_slopes(task, light),
         load_slope=_slopes(task, load),
         shift_h=scenario.shift_h,
+        shift_slope_h=_derivatives(task, beyond_h[:, np.newaxis]).ravel(),
         reserve=(first_light if ends_h is None else at == at[-1]).astype(float),
         way_h=scenario.way_h,
         margin=scenario.margin,
@@ -310,6 +314,24 @@ def _block(
         wind_m_per_s=task.winds_m_per_s[number],
     )
     return block, path[scenario.nodes]
+
+
+def _beyond_h(
+    perf: Performance, day: Day, number: int, nodes: IntArray, nominal_w: FloatArray
+) -> FloatArray:
+    """Excess time of designs at the nodes of a morning beyond that of their flights [h].
+
+    The program knows the charge at nodes alone, of which the least is not that at equal power. Zero
+    where the day of any design does not close.
+    """
+    shape = (len(nominal_w), *perf.cycle.status.shape[1:])
+    excess_h = np.broadcast_to(perf.cycle.excess_time_h, shape)[:, number]
+    if not (np.isfinite(excess_h) & (excess_h > 0.0)).all():
+        return np.zeros(len(nominal_w))
+    steps = perf.cycle.energy_wh.shape[-1] - 1
+    energy_wh = np.broadcast_to(perf.cycle.energy_wh, (*shape, steps + 1))[:, number]
+    least_wh = energy_wh[:, (day.first + nodes) % steps].min(axis=-1)
+    return np.asarray(least_wh * perf.store.discharge_efficiency / nominal_w - excess_h)
 
 
 def _path(
@@ -330,12 +352,18 @@ def _slopes(task: SizingTask, values: FloatArray) -> FloatArray:
 
     ``values``: of a design and its neighbours. Zero where there is nothing, or no neighbour flies.
     """
-    slopes = np.zeros((values.shape[1], len(task.variables)))
-    if len(values) == 1:
-        return slopes.ravel()
     positive = (values > 0.0).all(axis=0)
-    logarithm = np.log(np.where(positive, values, 1.0))
-    places = [task.names.index(name) for name in task.moved]
-    found = (logarithm[1:] - logarithm[0]) / STEP
-    slopes[:, places] = np.clip(np.nan_to_num(found), -_STEEPEST, _STEEPEST).T
-    return slopes.ravel(order="F")
+    slopes = _derivatives(task, np.log(np.where(positive, values, 1.0)))
+    return np.clip(slopes, -_STEEPEST, _STEEPEST).ravel(order="F")
+
+
+def _derivatives(task: SizingTask, values: FloatArray) -> FloatArray:
+    """Derivatives by every variable, ``(value, variable)``, of the values of a design.
+
+    ``values``: ``(design, value)``, of a design and its neighbours; of the design alone there are
+    none.
+    """
+    slopes = np.zeros((values.shape[1], len(task.variables)))
+    places = [task.names.index(name) for name in task.moved[: len(values) - 1]]
+    slopes[:, places] = np.nan_to_num((values[1:] - values[0]) / STEP).T
+    return slopes

@@ -215,6 +215,7 @@ def best_heights(
         light_slope=np.zeros(0),
         load_slope=np.zeros(0),
         shift_h=0.0,
+        shift_slope_h=np.zeros(0),
         reserve=reserve.astype(float),
         way_h=0.0,
         margin=margin,

@@ -119,7 +119,7 @@ class Search:
                 break
             self._take_in(judged)
             point = linearised(self.task, judged.values, judged.perf, self._known)
-            if point.parts is not None:
+            if done > 1 or point.parts is not None:
                 point = replace(point, reach=_REACH * 0.5 ** max(0, done - 2))
             worst_h = float(judged.excess_h.min())
             goal_h = self.task.goal_h
@@ -267,11 +267,7 @@ class Search:
         order = [int(i) for i in np.argsort(judged.excess_h, kind="stable")]
         blocks = min(BLOCKS, self.task.count)
         if not self._known:
-            before = {} if self.warm is None else self.warm.linearisation.known
-            self._known = {
-                number: Scenario(before[number].shift_h) if number in before else Scenario()
-                for number in order[:blocks]
-            }
+            self._known = {number: Scenario() for number in order[:blocks]}
         elif judged.worst not in self._known:
             easiest = max(self._known, key=lambda number: float(judged.excess_h[number]))
             del self._known[easiest]
@@ -284,7 +280,7 @@ class Search:
         task, simulated_h = self.task, float(judged.excess_h[number])
         if task.continuous:
             return
-        goal_h = solution.excess_time_h
+        goal_h, scenario.shift_h = solution.excess_time_h, solution.shift_h(block)
         if abs(goal_h - simulated_h) > _OTHER_H and scenario.profile is None:
             scenario.nodes = None
         holds = solution.excess_multiplier(block) > LACKING

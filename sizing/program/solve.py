@@ -89,16 +89,17 @@ class ActiveSet:
 class Solution:
     """Solution of the program of a task.
 
-    ``values``: of its variables, in their units. ``scenarios``: in the program's blocks. ``x``,
-    ``parameters``, ``row_multipliers``, ``bound_multipliers``: of the program; positive where a
-    row or an upper bound holds back... the sign is CasADi's: the gradient of the cost plus that of
-    rows and bounds, each times its multiplier, is zero.
+    ``values``: of its variables, in their units. ``centre``: the design before, in the program's
+    variables. ``scenarios``: in the program's blocks. ``x``, ``parameters``, ``row_multipliers``,
+    ``bound_multipliers``: of the program, with CasADi's signs: the gradient of the cost plus that
+    of rows and bounds, each times its multiplier, is zero.
     """
 
     task: SizingTask
     program: Program
     linearisation: Linearisation
     values: dict[str, float]
+    centre: FloatArray
     x: FloatArray
     parameters: FloatArray
     row_multipliers: FloatArray
@@ -143,6 +144,12 @@ class Solution:
         """Heights at the nodes of a block, over the way to the ceiling."""
         heights = self.x[self.program.parts["height"]]
         return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
+
+    def shift_h(self, block: int) -> float:
+        """Excess time of the program beyond that of the simulator, as the program has it [h]."""
+        data = self.linearisation.blocks[block]
+        moved = self.x[self.program.parts["design"]] - self.centre
+        return float(data.shift_h + data.shift_slope_h @ moved)
 
     def excess_multiplier(self, block: int, *, on_way: bool = False) -> float:
         """Sum of the multipliers of the rows in which the excess time must be left, or others."""
@@ -225,9 +232,10 @@ def solve(
     parameters = parameters_of(task, program, point, scales, centre)
     low, high = _bounds(task, program, scales)
     for i, v in enumerate(task.variables):
-        if v.name in task.moved and not v.linear:
-            low[i] = max(low[i], centre[i] - point.reach)
-            high[i] = min(high[i], centre[i] + point.reach)
+        if v.name in task.moved and math.isfinite(point.reach):
+            value, factor = point.values[v.name], math.exp(point.reach)
+            low[i] = max(low[i], v.to_program(value / factor, scales[i]))
+            high[i] = min(high[i], v.to_program(value * factor, scales[i]))
     parts = program.parts
     start = np.zeros(parts["speed"].stop)
     start[parts["design"]], start[parts["excess"]] = centre, excess_h
@@ -265,6 +273,7 @@ def solve(
         program=program,
         linearisation=point,
         values=task.within_bounds(values),
+        centre=centre,
         x=x,
         parameters=parameters,
         row_multipliers=np.asarray(answer["lam_g"]).ravel(),

@@ -87,12 +87,13 @@ class BlockData(NamedTuple):
     ``hours``: length of the intervals. ``light_w_per_m2``: mean specific power. ``load``: mean load
     over that of the design in level flight. ``nominal``: nominal load, likewise. ``light_slope``,
     ``load_slope``: derivative of the logarithm of light and load by the design variables.
-    ``shift_h``: excess time of the program beyond that of the simulator. ``reserve``: 1 at the
-    nodes where it must be left. ``way_h``: what must be left at all nodes, as the charge is lower
-    in between. ``margin``: by how much more a night takes, relative. ``continuous``: 1 where the
-    sun must carry the nominal load at all times, with ``lowest_w_per_m2``. ``repeated``: 1 where
-    the day repeats itself; else it begins with a full battery. ``wind_m_per_s``: by heights, that
-    the airspeed must reach where the place is held. Light is by heights as well, fastest.
+    ``shift_h``: excess time of the program beyond that of the simulator, with its derivative
+    ``shift_slope_h`` by the design variables. ``reserve``: 1 at the nodes where it must be left.
+    ``way_h``: what must be left at all nodes, as the charge is lower in between. ``margin``: by how
+    much more a night takes, relative. ``continuous``: 1 where the sun must carry the nominal load
+    at all times, with ``lowest_w_per_m2``. ``repeated``: 1 where the day repeats itself; else it
+    begins with a full battery. ``wind_m_per_s``: by heights, that the airspeed must reach where the
+    place is held. Light is by heights as well, fastest.
     """
 
     hours: Any
@@ -102,6 +103,7 @@ class BlockData(NamedTuple):
     light_slope: Any
     load_slope: Any
     shift_h: Any
+    shift_slope_h: Any
     reserve: Any
     way_h: Any
     margin: Any
@@ -503,7 +505,8 @@ def day_rows(
         clock = charge_clock(limit, charge / full)
         rows.append((Constraint("charge_limit"), block.hours - (clock[1:] - clock[:-1])))
     rows.append((Constraint("battery_capacity"), full - charge))
-    wanted_h = block.reserve * (unknown.excess_h + block.shift_h) + block.way_h
+    shift_h = block.shift_h + ca.dot(block.shift_slope_h, moved)
+    wanted_h = block.reserve * (unknown.excess_h + shift_h) + block.way_h
     wanted = wanted_h * nominal_w / unit_wh
     sun_w = design.area_m2 * brighter[-1] * block.lowest_w_per_m2
     sun = sun_w / nominal_w - 1.0 - CONTINUOUS_MARGIN + unknown.lack
@@ -597,7 +600,7 @@ def block_symbols(count: int, form: Form) -> BlockData:
     sizes |= dict.fromkeys(("hours", "load"), form.intervals)
     sizes |= {"light_w_per_m2": form.intervals * form.levels, "wind_m_per_s": form.levels}
     sizes |= dict.fromkeys(("light_slope", "load_slope"), (form.intervals + 1) * count)
-    sizes |= {"reserve": form.intervals + 1}
+    sizes |= {"reserve": form.intervals + 1, "shift_slope_h": count}
     return BlockData(**{name: ca.SX.sym(name, size) for name, size in sizes.items()})
 
 

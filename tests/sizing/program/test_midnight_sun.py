@@ -139,17 +139,7 @@ KNOWN = {
 }
 
 
-MISSED = {
-    "battery for the thermals alone": pytest.mark.xfail(
-        reason="the program ends 5 % above the best known design", strict=True
-    )
-}
-
-
-@pytest.mark.parametrize(
-    "known",
-    [pytest.param(one, id=name, marks=MISSED.get(name, ())) for name, one in KNOWN.items()],
-)
+@pytest.mark.parametrize("known", KNOWN.values(), ids=KNOWN)
 def test_thermals_under_a_midnight_sun_cost_no_more_than_they_must(known: Known) -> None:
     result = known.sized()
     assert result.status is SizingStatus.optimal
