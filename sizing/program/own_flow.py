@@ -56,4 +56,6 @@ def sized_in_own_flow(
     if enough and (least_h == known_h or abs(least_h - known_h) < _SAME_H):
         return guessed, result.with_design(own)
     again = size_aircraft(guessed, *given, **options | {"start": variables})
-    return guessed, again if again.feasible or not enough else result
+    if enough and again.merit <= result.merit:
+        return guessed, result.with_design(own)
+    return guessed, again
