@@ -78,13 +78,13 @@ class Linearisation:
 class Scenario:
     """What a search knows of a scenario.
 
-    ``shift_h``: excess time of the program beyond that of the simulator; None before its first
-    program. ``margin``: by how much more a night takes, relative. ``way_h``: what must be left on
+    ``shift_h``: excess time of the program beyond that of the simulator, besides what the charge
+    at its nodes tells. ``margin``: by how much more a night takes, relative. ``way_h``: what must be left on
     the way to a landing. ``nodes``: of its intervals; None where they are to be laid anew.
     ``clock_h``: of these. ``profile``: heights that are flown.
     """
 
-    shift_h: float | None = None
+    shift_h: float = 0.0
     margin: float = FIRST_MARGIN
     way_h: float = 0.0
     nodes: IntArray | None = None
@@ -294,8 +294,6 @@ def _block(
     beyond_h = np.zeros(len(nominal_w))  # at a landing, which is a node, there is nothing
     if ends_h is None:
         beyond_h = _beyond_h(perf, day, number, scenario.nodes[first_light], nominal_w)
-    if scenario.shift_h is None:
-        scenario.shift_h = float(beyond_h[0])
     block = BlockData(
         hours=means.hours,
         light_w_per_m2=flown,
@@ -303,7 +301,7 @@ def _block(
         nominal=load[0, -1],
         light_slope=_slopes(task, light),
         load_slope=_slopes(task, load),
-        shift_h=scenario.shift_h,
+        shift_h=scenario.shift_h + beyond_h[0],
         shift_slope_h=_derivatives(task, beyond_h[:, np.newaxis]).ravel(),
         reserve=(first_light if ends_h is None else at == at[-1]).astype(float),
         way_h=scenario.way_h,

@@ -280,8 +280,8 @@ class Search:
         task, simulated_h = self.task, float(judged.excess_h[number])
         if task.continuous:
             return
-        goal_h, scenario.shift_h = solution.excess_time_h, solution.shift_h(block)
-        if abs(goal_h - simulated_h) > _OTHER_H and scenario.profile is None:
+        goal_h = solution.excess_time_h
+        if _moved_by(task, solution) > _NEAR and scenario.profile is None:
             scenario.nodes = None
         holds = solution.excess_multiplier(block) > LACKING
         if task.window_h is not None:

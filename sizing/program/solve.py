@@ -89,17 +89,15 @@ class ActiveSet:
 class Solution:
     """Solution of the program of a task.
 
-    ``values``: of its variables, in their units. ``centre``: the design before, in the program's
-    variables. ``scenarios``: in the program's blocks. ``x``, ``parameters``, ``row_multipliers``,
-    ``bound_multipliers``: of the program, with CasADi's signs: the gradient of the cost plus that
-    of rows and bounds, each times its multiplier, is zero.
+    ``values``: of its variables, in their units. ``scenarios``: in the program's blocks. ``x``,
+    ``parameters``, ``row_multipliers``, ``bound_multipliers``: of the program, with CasADi's signs:
+    the gradient of the cost plus that of rows and bounds, each times its multiplier, is zero.
     """
 
     task: SizingTask
     program: Program
     linearisation: Linearisation
     values: dict[str, float]
-    centre: FloatArray
     x: FloatArray
     parameters: FloatArray
     row_multipliers: FloatArray
@@ -144,12 +142,6 @@ class Solution:
         """Heights at the nodes of a block, over the way to the ceiling."""
         heights = self.x[self.program.parts["height"]]
         return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
-
-    def shift_h(self, block: int) -> float:
-        """Excess time of the program beyond that of the simulator, as the program has it [h]."""
-        data = self.linearisation.blocks[block]
-        moved = self.x[self.program.parts["design"]] - self.centre
-        return float(data.shift_h + data.shift_slope_h @ moved)
 
     def excess_multiplier(self, block: int, *, on_way: bool = False) -> float:
         """Sum of the multipliers of the rows in which the excess time must be left, or others."""
@@ -273,7 +265,6 @@ def solve(
         program=program,
         linearisation=point,
         values=task.within_bounds(values),
-        centre=centre,
         x=x,
         parameters=parameters,
         row_multipliers=np.asarray(answer["lam_g"]).ravel(),
