@@ -79,9 +79,9 @@ class Scenario:
     """What a search knows of a scenario.
 
     ``shift_h``: excess time of the program beyond that of the simulator, besides what the charge
-    at its nodes tells. ``margin``: by how much more a night takes, relative. ``way_h``: what must be left on
-    the way to a landing. ``nodes``: of its intervals; None where they are to be laid anew.
-    ``clock_h``: of these. ``profile``: heights that are flown.
+    at its nodes tells. ``margin``: by how much more a night takes, relative. ``way_h``: what must
+    be left on the way to a landing. ``nodes``: of its intervals; None where they are to be laid
+    anew. ``clock_h``: of these. ``profile``: heights that are flown.
     """
 
     shift_h: float = 0.0

@@ -43,8 +43,8 @@ _ROUNDS = 12
 _CUSHION_H = 5e-4  # of the goal: what the simulator finds varies by less from round to round
 _WASTE = 3e-4  # of the objective: more excess time than required may cost this much
 _SAME = 2e-4  # of the objective, from one accepted design to the next
-_NEAR = 0.15  # relative change of a design within which its linearisation holds
-_OTHER_H = 0.3  # excess time by which program and simulator differ where nodes are laid anew
+_NEAR = 0.15  # relative change of a design within which its linearisation and its nodes hold
+_SHORT_H = 0.3  # excess time that better heights than those of the program may add
 _HOPELESS, _HOPELESS_ROUNDS = 0.03, (2, 5)  # violation that no correction mends; rounds given
 _NIGHT_H = 8.0  # hours over which a lack of power lacks energy, about
 
@@ -195,7 +195,7 @@ class Search:
         mass_kg = float(np.asarray(perf.design.total_mass_kg)[0])
         if math.isfinite(mass_kg):
             values = {**values, TOTAL_MASS: mass_kg}
-        short = 0.0 < task.required_h - excess_h.min() < _OTHER_H and _flies(perf)
+        short = 0.0 < task.required_h - excess_h.min() < _SHORT_H and _flies(perf)
         climbs = None
         if task.mission.climb is not None and solution is not None and short:
             # Heights of the program are no more than a proposal: the best for the design count.
