@@ -311,8 +311,8 @@ def _left_h(perf: Performance, number: int) -> tuple[float, float]:
     return float(landing_wh / nominal_w), float((lowest_wh - lacking_wh) / nominal_w)
 
 
-# Logarithm of a size over which derivatives of propulsion parts hold; halved from the third round
-# on, so that rounds end where their errors would go to and fro.
+# Logarithm of a size over which derivatives hold, of propulsion parts from the first round on, and
+# halved from the third on, so that rounds end where their errors would go to and fro.
 _REACH = 0.5
 # Parts of a step that leads to where nothing flies.
 _NEARER = (0.5, 0.25, 0.1)
