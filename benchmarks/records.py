@@ -32,7 +32,7 @@ _DESIGNS = ("atlantiksolar-design", "sky-sailor")
 _OBJECTIVES = ("max_excess_time", "min_wingspan", "min_mass", "max_payload_mass")
 _RANGES = ("longest_season", "widest_latitude_band")
 _RANDOM_SIZINGS = 300
-_IGNORED = ("time_s", "build_time_s", "iterations", "solves", "version", "message", "created")
+_IGNORED = ("time_s", "iterations", "solves", "version", "message", "created")
 
 Commands = dict[str, list[str]]
 

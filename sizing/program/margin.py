@@ -8,7 +8,8 @@ judging by turns: Du, X., Chen, W. 2004, J. Mech. Des. 126:225).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -51,8 +52,17 @@ class Trial(NamedTuple):
         return self.result.without_design(SizingStatus.infeasible, nearest, violation)
 
 
+def best_of(trials: Iterable[Trial]) -> Trial | None:
+    """Trial of the most merit among those that are enough; else the one of most reach."""
+    trials = list(trials)
+    enough = [trial for trial in trials if trial.surplus >= 0.0]
+    if enough:
+        return max(enough, key=lambda trial: trial.result.merit)
+    return max(trials, key=lambda trial: trial.reached, default=None)
+
+
 @dataclass
-class MarginSearch:
+class MarginSearch(ABC):
     """Sizings of an aircraft with margins on sun and battery, and what their judge finds."""
 
     aircraft: Aircraft
@@ -60,9 +70,9 @@ class MarginSearch:
     objective: Objective
     solar: SolarModel
 
+    @abstractmethod
     def judge(self, result: SizingResult) -> Trial:
-        """What becomes of a design without the margin."""
-        raise NotImplementedError
+        """Try a design without the margin."""
 
     @cached_property
     def day(self) -> SolarDay:
@@ -134,7 +144,5 @@ class MarginSearch:
                 break
             points.append((margin, surplus))
             short, enough = (margin, enough) if surplus < 0.0 else (short, margin)
-        good = [one for one in tried if one.surplus >= 0.0]
-        best = max(good, key=lambda one: one.result.merit, default=None)
-        best = best or max(tried, key=lambda one: one.reached, default=None)
+        best = best_of(tried)
         return best and best._replace(result=replace(best.result, solver=work))

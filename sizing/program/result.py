@@ -28,7 +28,6 @@ class SolverReport:
 
     iterations: int = 0
     time_s: float = 0.0
-    build_time_s: float = 0.0
     solves: int = 0
     message: str = ""
 
@@ -36,7 +35,6 @@ class SolverReport:
         return SolverReport(
             iterations=self.iterations + more.iterations,
             time_s=self.time_s + more.time_s,
-            build_time_s=self.build_time_s + more.build_time_s,
             solves=self.solves + more.solves,
             message=more.message or self.message,
         )

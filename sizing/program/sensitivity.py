@@ -188,7 +188,11 @@ def _lagrangian(
     known = {number: replace(one) for number, one in point.known.items()}
     flown = _linearised(task, [point.values | held], known)
     blocks = tuple(
-        now._replace(light_slope=then.light_slope, load_slope=then.load_slope)
+        now._replace(
+            light_slope=then.light_slope,
+            load_slope=then.load_slope,
+            shift_slope_h=then.shift_slope_h,
+        )
         for now, then in zip(flown.blocks, point.blocks, strict=True)
     )
     scales = scales_of(own.variables, point.values)

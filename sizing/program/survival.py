@@ -23,7 +23,7 @@ from missions.weather.record import Weather
 from sizing.day.record import flown_through
 from sizing.day.record_days import WeatherDays
 from sizing.mass_budget import design_of
-from sizing.program.margin import MarginSearch, Trial
+from sizing.program.margin import MarginSearch, Trial, best_of
 from sizing.program.objectives import Objective
 from sizing.program.reliability import with_design
 from sizing.program.result import SizingResult
@@ -80,9 +80,7 @@ class SurvivalSizing(MarginSearch):
         season, clear = int(np.count_nonzero(self.season)), self.plain
         tried = [one for power in _POWERS if (one := self._searched(power)) is not None]
         work = sum((one.result.solver for one in tried), clear.solver)
-        enough = [one for one in tried if one.surplus >= 0.0]
-        found = max(enough, key=lambda one: one.result.merit, default=None)
-        found = found or max(tried, key=lambda one: one.reached, default=None)
+        found = best_of(tried)
         self._done = max(self._done, _STEPS)
         self._tell(self._done)
         if found is None:
