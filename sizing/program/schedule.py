@@ -21,6 +21,7 @@ from sizing.day.heights import FlightLevels
 from sizing.day.metrics import Cycle
 from sizing.program.days import (
     Day,
+    DayMeans,
     day_means,
     equal_power_step,
     light_at_heights,
@@ -173,77 +174,20 @@ def best_heights(
     Of the day that repeats itself, or of a window, which begins and ends at the lowest altitude.
     ``margin``: by how much more a night takes, relative.
     """
-    into, out_of = (
-        float(np.broadcast_to(value, store.battery_energy_wh.shape)[i])
-        for value in (store.charge_efficiency, store.discharge_efficiency)
-    )
-    full_wh, nominal_w = float(store.battery_energy_wh[i]), float(levels.nominal_load_w[i])
-    one = slice(i, i + 1)
-    climb_m = float(levels.reach_m[i])
-    light, power_w = levels.at_heights(i, np.linspace(0.0, climb_m, LEVELS))
-    powers = flown.solar_w[one], flown.load_w[one]
-    if window is None:
-        day = Day.of(time_h, *powers)
-        lit = Day.of(time_h, light, np.zeros_like(light), day.first)
-        at = (day.first + np.arange(len(time_h))) % (len(time_h) - 1)
-        path = flown.cycle.energy_wh[i][at] / full_wh
-    else:
-        day, lit = window.day(time_h, *powers), window.day(time_h, light, np.zeros_like(light))
-        path = day.path(store.select(one), window.begin_wh / full_wh)
-    height_m = np.interp(day.time_h % 24.0, time_h, flown.height_m[i])
-    # A glide follows the light, and is short where nothing feeds it.
-    light_w = day.solar_w[0, :-1]
-    close = (np.diff(height_m) < 0.0) | ((light_w > 0.0) & (light_w < nominal_w))
-    nodes = nodes_of(day, path, into, full_wh, nominal_w, FORM, close)
-    means = day_means(day, nodes, into, out_of)
-    share = height_m[nodes] / climb_m
-    middle = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, LEVELS))
-    steady, table = float(levels.nominal_factor[i]), np.log(power_w)
-    climb_w = levels.weight_n[i] / levels.efficiency[i] * np.diff(share) * climb_m
-    climb_w = climb_w / (3600.0 * means.hours)
-    beyond_w = (np.exp(table @ middle) - power_w[0]) * steady + climb_w
-    level_w = power_w[0] * steady + levels.constant_power_w[i]
-    reserve = np.arange(len(nodes)) == len(nodes) - 1
-    if window is None:
-        dawn = np.argmin(np.abs(nodes - equal_power_step(day, nominal_w)))
-        reserve = np.arange(len(nodes)) <= 1 + dawn
-    block = BlockData(
-        hours=means.hours,
-        light_w_per_m2=light_at_heights(lit, nodes, share, means.light_w[0]).ravel(order="F"),
-        load=(means.load_w - beyond_w) / level_w,
-        nominal=nominal_w / level_w,
-        light_slope=np.zeros(0),
-        load_slope=np.zeros(0),
-        shift_h=0.0,
-        shift_slope_h=np.zeros(0),
-        reserve=reserve.astype(float),
-        way_h=0.0,
-        margin=margin,
-        continuous=0.0,
-        lowest_w_per_m2=0.0,
-        repeated=1.0,
-        wind_m_per_s=np.zeros(LEVELS),
-    )
-    design = DesignSymbols(
-        area_m2=1.0,
-        full_wh=full_wh,
-        log_power_w=table,
-        airspeed_m_per_s=np.ones(LEVELS),
-        constant_w=levels.constant_power_w[i],
-        steady=steady,
-        rated_w=levels.most_power_w[i],
-        efficiency=levels.efficiency[i],
-        weight_n=levels.weight_n[i],
-    )
-    given = (into, out_of, nominal_w, climb_m, *design, *block)
-    unit_wh = RESERVE_SCALE_H * nominal_w
+    around = _Around.of(time_h, levels, store.select(slice(i, i + 1)), flown, i, window)
+    nominal_w, full_wh = float(levels.nominal_load_w[i]), around.full_wh
+    design, unit_wh = _design(levels, i, around), RESERVE_SCALE_H * nominal_w
+    block = _block(design, around, nominal_w, margin, repeated=window is None)
+    data = (*around.efficiencies, nominal_w, around.climb_m)
     start = (
         [max(float(flown.cycle.excess_time_h[i]), 0.0)],
         np.full(FORM.intervals, INSIDE[0]),
-        np.clip(path[nodes], *INSIDE) * full_wh / unit_wh,
-        np.clip(share, *INSIDE) if share.any() else np.full(FORM.heights, FIRST_HEIGHT),
+        np.clip(around.soc, *INSIDE) * full_wh / unit_wh,
+        np.clip(around.share, *INSIDE)
+        if around.share.any()
+        else np.full(FORM.heights, FIRST_HEIGHT),
     )
-    x0, parameters = np.concatenate(start), np.concatenate([np.ravel(one) for one in given])
+    x0 = np.concatenate(start)
     low, most = np.zeros(len(x0)), np.full(len(x0), np.inf)
     most[0], most[_HEIGHTS] = LONGEST_H, 1.0
     if window is not None:  # which begins and ends without height
@@ -251,13 +195,126 @@ def best_heights(
         most[_HEIGHTS.start] = 0.0
     limit = NoChargeLimit() if store.clock is None else store.clock.limit
     solver, upper, lock = _program(limit, window is None)
+    parameters = np.concatenate([np.ravel(value) for value in (*data, *design, *block)])
     bounds: dict[str, Any] = {"lbx": low, "ubx": most, "lbg": 0.0, "ubg": upper}
     with lock:
         answer = solver(x0=np.clip(x0, low, most), p=parameters, **bounds)
     x = np.asarray(answer["x"]).ravel()
-    excess_h = float(x[0] - x[1:_FIRST_CHARGE] @ means.hours)
-    at_h, found = day.time_h[nodes] % 24.0, np.clip(x[_HEIGHTS], 0.0, 1.0)
-    return np.asarray(climb_m * np.interp(time_h, at_h, found, period=24.0)), excess_h
+    excess_h = float(x[0] - x[1:_FIRST_CHARGE] @ around.means.hours)
+    heights = np.interp(time_h, around.clock_h, np.clip(x[_HEIGHTS], 0.0, 1.0), period=24.0)
+    return np.asarray(around.climb_m * heights), excess_h
+
+
+class _Around(NamedTuple):
+    """Flight of an element, around which its program is made.
+
+    ``light_w``: mean power of the modules by heights and intervals. ``power_w``: of level flight,
+    by heights. ``clock_h``, ``soc``, ``share``: at the nodes time of the day, state of charge and
+    height over the way ``climb_m`` to the ceiling. ``first_light``: node next to equal power.
+    """
+
+    full_wh: float
+    efficiencies: tuple[float, float]
+    climb_m: float
+    means: DayMeans
+    light_w: FloatArray
+    power_w: FloatArray
+    clock_h: FloatArray
+    soc: FloatArray
+    share: FloatArray
+    first_light: int
+
+    @classmethod
+    def of(
+        cls,
+        time_h: FloatArray,
+        levels: FlightLevels,
+        store: Store,
+        flown: Climbs,
+        i: int,
+        window: Window | None,
+    ) -> _Around:
+        """Flight of an element ``i``, whose battery ``store`` is."""
+        into, out_of = (
+            float(np.ravel(value)[0])
+            for value in (store.charge_efficiency, store.discharge_efficiency)
+        )
+        full_wh, nominal_w = float(store.battery_energy_wh[0]), float(levels.nominal_load_w[i])
+        climb_m = float(levels.reach_m[i])
+        light, power_w = levels.at_heights(i, np.linspace(0.0, climb_m, LEVELS))
+        dark, powers = np.zeros_like(light), (flown.solar_w[i : i + 1], flown.load_w[i : i + 1])
+        if window is None:
+            day = Day.of(time_h, *powers)
+            lit = Day.of(time_h, light, dark, day.first)
+            at = (day.first + np.arange(len(time_h))) % (len(time_h) - 1)
+            path = flown.cycle.energy_wh[i][at] / full_wh
+        else:
+            day, lit = window.day(time_h, *powers), window.day(time_h, light, dark)
+            path = day.path(store, window.begin_wh / full_wh)
+        height_m = np.interp(day.time_h % 24.0, time_h, flown.height_m[i])
+        # A glide follows the light, and is short where nothing feeds it.
+        light_w = day.solar_w[0, :-1]
+        close = (np.diff(height_m) < 0.0) | ((light_w > 0.0) & (light_w < nominal_w))
+        nodes = nodes_of(day, path, into, full_wh, nominal_w, FORM, close)
+        means, share = day_means(day, nodes, into, out_of), height_m[nodes] / climb_m
+        return cls(
+            full_wh,
+            (into, out_of),
+            climb_m,
+            means,
+            light_at_heights(lit, nodes, share, means.light_w[0]),
+            power_w,
+            day.time_h[nodes] % 24.0,
+            path[nodes],
+            share,
+            int(np.argmin(np.abs(nodes - equal_power_step(day, nominal_w)))),
+        )
+
+
+def _design(levels: FlightLevels, i: int, around: _Around) -> DesignSymbols:
+    """Numbers of an element's design."""
+    return DesignSymbols(
+        area_m2=1.0,
+        full_wh=around.full_wh,
+        log_power_w=np.log(around.power_w),
+        airspeed_m_per_s=np.ones(LEVELS),
+        constant_w=levels.constant_power_w[i],
+        steady=float(levels.nominal_factor[i]),
+        rated_w=levels.most_power_w[i],
+        efficiency=levels.efficiency[i],
+        weight_n=levels.weight_n[i],
+    )
+
+
+def _block(
+    design: DesignSymbols, around: _Around, nominal_w: float, margin: float, *, repeated: bool
+) -> BlockData:
+    """Data of the day of a design that is held: nothing is known of others."""
+    share, hours = around.share, around.means.hours
+    middle = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, LEVELS))
+    climb_w = design.weight_n / design.efficiency * np.diff(share) * around.climb_m
+    floor_w = around.power_w[0]
+    beyond_w = (np.exp(design.log_power_w @ middle) - floor_w) * design.steady
+    beyond_w = beyond_w + climb_w / (3600.0 * hours)
+    level_w = floor_w * design.steady + design.constant_w
+    at = np.arange(len(share))
+    return BlockData(
+        hours=hours,
+        light_w_per_m2=around.light_w.ravel(order="F"),
+        load=(around.means.load_w - beyond_w) / level_w,
+        nominal=nominal_w / level_w,
+        light_slope=np.zeros(0),
+        load_slope=np.zeros(0),
+        shift_h=0.0,
+        shift_slope_h=np.zeros(0),
+        reserve=(at <= 1 + around.first_light if repeated else at == at[-1]).astype(float),
+        way_h=0.0,
+        margin=margin,
+        continuous=0.0,
+        lowest_w_per_m2=0.0,
+        repeated=1.0,
+        wind_m_per_s=np.zeros(LEVELS),
+    )
 
 
 @lru_cache(maxsize=8)
