@@ -78,10 +78,10 @@ class Linearisation:
 class Scenario:
     """What a search knows of a scenario.
 
-    ``shift_h``: excess time of the program beyond that of the simulator, besides what the charge
-    at its nodes tells. ``margin``: by how much more a night takes, relative. ``way_h``: what must
-    be left on the way to a landing. ``nodes``: of its intervals; None where they are to be laid
-    anew. ``clock_h``: of these. ``profile``: heights that are flown.
+    ``shift_h``: excess time of the program beyond that of the simulator. ``margin``: by how much
+    more a night takes, relative. ``way_h``: what must be left on the way to a landing. ``nodes``:
+    of its intervals; None where they are to be laid anew, and the shift with them. ``clock_h``: of
+    these. ``profile``: heights that are flown.
     """
 
     shift_h: float = 0.0
@@ -263,7 +263,7 @@ def _block(
     day = day_of(task, perf, number)
     path = _path(task, perf, day, number, (len(nominal_w), task.count, len(time_h)))
     full_wh = float(np.asarray(perf.design.battery_energy_wh)[0])
-    if scenario.nodes is None:
+    if laid_anew := scenario.nodes is None:
         scenario.nodes = nodes_of(day, path, into, full_wh, nominal_w[0], task.form(1))
     scenario.clock_h, scenario.first = day.time_h[scenario.nodes], day.first
     means = day_means(day, scenario.nodes, into, out_of)
@@ -294,6 +294,8 @@ def _block(
     beyond_h = np.zeros(len(nominal_w))  # at a landing, which is a node, there is nothing
     if ends_h is None:
         beyond_h = _beyond_h(perf, day, number, scenario.nodes[first_light], nominal_w)
+    if laid_anew:
+        scenario.shift_h = float(beyond_h[0])
     block = BlockData(
         hours=means.hours,
         light_w_per_m2=flown,
@@ -301,7 +303,7 @@ def _block(
         nominal=load[0, -1],
         light_slope=_slopes(task, light),
         load_slope=_slopes(task, load),
-        shift_h=scenario.shift_h + beyond_h[0],
+        shift_h=scenario.shift_h,
         shift_slope_h=_derivatives(task, beyond_h[:, np.newaxis]).ravel(),
         reserve=(first_light if ends_h is None else at == at[-1]).astype(float),
         way_h=scenario.way_h,

@@ -141,7 +141,7 @@ def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
     task, point = found.task, found.linearisation
     values = task.first_values(result.simulated.design.variables.mapped(float))
     values[TOTAL_MASS] = float(result.simulated.design.total_mass_kg)
-    known = {number: replace(one) for number, one in point.known.items()}
+    known = {number: replace(one, nodes=None) for number, one in point.known.items()}
     if task.mission.climb is not None:
         for block, one in enumerate(known.values()):
             assert one.clock_h is not None

@@ -35,7 +35,7 @@ from sizing.program.solve import LACKING, ActiveSet, Solution, solve
 from sizing.program.start import most_promising
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import FIRST_MARGIN
-from sizing.program.variables import TOTAL_MASS
+from sizing.program.variables import TOTAL_MASS, Role
 from solar.types import FloatArray
 
 BLOCKS = 3  # scenarios in the program
@@ -280,22 +280,17 @@ class Search:
         task, simulated_h = self.task, float(judged.excess_h[number])
         if task.continuous:
             return
-        goal_h = solution.excess_time_h
+        scenario.shift_h = solution.shift_h(block)
         if _moved_by(task, solution) > _NEAR and scenario.profile is None:
             scenario.nodes = None
-        holds = solution.excess_multiplier(block) > LACKING
         if task.window_h is not None:
             simulated_h, way_h = _left_h(judged.perf, number)
             if way_h < 0.0 or solution.excess_multiplier(block, on_way=True) > LACKING:
                 scenario.way_h = max(scenario.way_h + _CUSHION_H - way_h, 0.0)
         if simulated_h > 0.0 and math.isfinite(simulated_h):
-            if task.maximises_excess and simulated_h >= task.required_h:
-                return
-            if holds:
-                lacking_h = float(solution.lack[block]) * (_NIGHT_H + goal_h)
-                scenario.shift_h += goal_h - lacking_h - simulated_h + _CUSHION_H
-            elif simulated_h < task.required_h:
-                scenario.shift_h += task.required_h - simulated_h + _CUSHION_H
+            reserve_h = solution.reserve_h(block)
+            lacking_h = float(solution.lack[block]) * (_NIGHT_H + reserve_h)
+            scenario.shift_h += reserve_h - lacking_h - simulated_h + _CUSHION_H
         elif solution.violation <= LACKING and _moved_by(task, solution) < _NEAR:
             scenario.margin += FIRST_MARGIN + unserved(task, judged.perf, number)
 
@@ -327,11 +322,16 @@ def _flies(perf: Performance) -> bool:
 
 
 def _moved_by(task: SizingTask, solution: Solution) -> float:
-    """Largest relative change of a design variable by a solution."""
+    """Largest relative change of a size or the mass of a design by a solution.
+
+    A payload is a part of the mass, or of the load.
+    """
     before, after = solution.linearisation.values, solution.values
-    pairs = [(before[name], after[name]) for name in task.moved]
+    sizes = [v.name for v in task.variables if v.role is Role.design]
+    pairs = [(before[name], after[name]) for name in sizes]
     changes = [abs(math.log(a / b)) for b, a in pairs if a > 0.0 and b > 0.0]
-    return max(changes, default=0.0)
+    power_w = after["payload_power_w"] - before["payload_power_w"]
+    return max(abs(power_w) / solution.linearisation.load_w, *changes)
 
 
 def size_aircraft(

@@ -23,7 +23,7 @@ from sizing.program.transcription import (
     Program,
     build_program,
 )
-from sizing.program.variables import WORST_EXCESS, scales_of
+from sizing.program.variables import WORST_EXCESS, Role, scales_of
 from solar.types import FloatArray
 
 # Cost of missing a requirement by all of it, or of lacking the whole load all day: far above any
@@ -89,15 +89,17 @@ class ActiveSet:
 class Solution:
     """Solution of the program of a task.
 
-    ``values``: of its variables, in their units. ``scenarios``: in the program's blocks. ``x``,
-    ``parameters``, ``row_multipliers``, ``bound_multipliers``: of the program, with CasADi's signs:
-    the gradient of the cost plus that of rows and bounds, each times its multiplier, is zero.
+    ``values``: of its variables, in their units. ``centre``: the design before, in the program's
+    variables. ``scenarios``: in the program's blocks. ``x``, ``parameters``, ``row_multipliers``,
+    ``bound_multipliers``: of the program, with CasADi's signs: the gradient of the cost plus that
+    of rows and bounds, each times its multiplier, is zero.
     """
 
     task: SizingTask
     program: Program
     linearisation: Linearisation
     values: dict[str, float]
+    centre: FloatArray
     x: FloatArray
     parameters: FloatArray
     row_multipliers: FloatArray
@@ -143,6 +145,21 @@ class Solution:
         heights = self.x[self.program.parts["height"]]
         return np.asarray(np.clip(heights.reshape(self.program.blocks, -1)[block], 0.0, 1.0))
 
+    def reserve_h(self, block: int) -> float:
+        """Excess time that a block has in the program, the required one or more [h]."""
+        kept = np.array(
+            [(c.name, c.block) == ("excess_time", block) for c in self.program.constraints]
+        )
+        kept[kept] = self.linearisation.blocks[block].reserve > 0.0
+        spare_h = self._rows[kept] / -self._rows_by_hour[kept]
+        return self.excess_time_h + float(spare_h.min())
+
+    def shift_h(self, block: int) -> float:
+        """Excess time of the program beyond that of the simulator, as the program has it [h]."""
+        data = self.linearisation.blocks[block]
+        moved = self.x[self.program.parts["design"]] - self.centre
+        return float(data.shift_h + data.shift_slope_h @ moved)
+
     def excess_multiplier(self, block: int, *, on_way: bool = False) -> float:
         """Sum of the multipliers of the rows in which the excess time must be left, or others."""
         pairs = zip(self.program.constraints, self.row_multipliers, strict=True)
@@ -168,6 +185,13 @@ class Solution:
     def _rows(self) -> FloatArray:
         return self.program.evaluated(self.x, self.parameters)[1]
 
+    @cached_property
+    def _rows_by_hour(self) -> FloatArray:
+        """Change of the rows with an hour more of excess time."""
+        later = self.x.copy()
+        later[self.program.parts["excess"]] += 1.0
+        return self.program.evaluated(later, self.parameters)[1] - self._rows
+
     def full(self, block: int) -> float:
         """Energy of the full battery, in the unit of charges."""
         names = [(c.name, c.block) for c in self.program.constraints]
@@ -177,10 +201,7 @@ class Solution:
 
     def by_hour(self) -> list[float]:
         """What an hour of excess time costs in every block."""
-        later = self.x.copy()
-        later[self.program.parts["excess"]] += 1.0
-        change = self.program.evaluated(later, self.parameters)[1] - self._rows
-        costs = np.abs(change * self.row_multipliers)
+        costs = np.abs(self._rows_by_hour * self.row_multipliers)
         blocks = [c.block for c in self.program.constraints]
         return [float(costs[[b == i for b in blocks]].sum()) for i in range(self.program.blocks)]
 
@@ -224,7 +245,7 @@ def solve(
     parameters = parameters_of(task, program, point, scales, centre)
     low, high = _bounds(task, program, scales)
     for i, v in enumerate(task.variables):
-        if v.name in task.moved and math.isfinite(point.reach):
+        if v.name in task.moved and v.role is Role.design and math.isfinite(point.reach):
             value, factor = point.values[v.name], math.exp(point.reach)
             low[i] = max(low[i], v.to_program(value / factor, scales[i]))
             high[i] = min(high[i], v.to_program(value * factor, scales[i]))
@@ -265,6 +286,7 @@ def solve(
         program=program,
         linearisation=point,
         values=task.within_bounds(values),
+        centre=centre,
         x=x,
         parameters=parameters,
         row_multipliers=np.asarray(answer["lam_g"]).ravel(),
