@@ -254,10 +254,10 @@ def _part_load_in_air(
     aircraft: Aircraft, mission: Mission, design: Design, range_c: tuple[float, float]
 ) -> tuple[FloatArray, PartLoad]:
     """Temperatures of a range [K], and power over load at each of them, the designs behind."""
-    if not mission.holds_station:
+    level_w = np.asarray(design.propulsion_power_w)
+    if not level_w.ndim:
         part_load_of(aircraft, mission, design)  # which says what its own air is too much for
     propulsion, flight = flight_of(aircraft, mission, design)
-    level_w = np.asarray(design.propulsion_power_w)
     known_k = ZERO_CELSIUS_K + np.linspace(*range_c, 3 if range_c[1] > range_c[0] else 1)
     air_k = known_k.reshape(-1, *(1,) * level_w.ndim)
     faster = np.sqrt(air_k / flight.air.temperature_k)
@@ -269,7 +269,7 @@ def _part_load_in_air(
     loads = load_range(mission.turbulence.all_day, mission.turbulence.thermal)
     wide_w = np.broadcast_to(level_w, there.thrust_w.shape)
     part = _part_load(propulsion, there, wide_w, loads, aircraft.battery.nominal_voltage_v)
-    if not mission.holds_station and np.any(part.beyond):
+    if not level_w.ndim and np.any(part.beyond):
         raise ImpossibleDesignError(
             f"the propulsion of {aircraft.name} cannot do {float(loads[1]):.3g} times the "
             f"power of level flight in air of {range_c[0]:.0f} to {range_c[1]:.0f} C"

@@ -15,7 +15,7 @@ from sizing.aircraft import Aircraft
 from sizing.parameters import unit_text
 from sizing.results.tables import MISSING, UNLIMITED
 from sizing.results.tables import clock_label as clock_label
-from sizing.validity.own_models import check_own_models
+from sizing.validity.checks import check_own_models
 from solar.schema import Record
 from solar.types import FloatArray
 

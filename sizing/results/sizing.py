@@ -27,7 +27,7 @@ from sizing.relaxed_flight import Relaxation
 from sizing.results.qualities import designs_by_build
 from sizing.results.records import check_subjects
 from sizing.results.sizing_study import SizingStudy
-from sizing.validity.own_models import check_own_models
+from sizing.validity.checks import check_own_models
 from solar.names import CorrectionName, ModelName
 
 

@@ -17,9 +17,8 @@ from sizing.day.light import SolarModel
 from sizing.day.metrics import CYCLE_ENDS, ENDS, FLOWN, Status
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
-from sizing.validity.checks import charge_rate_is_open
+from sizing.validity.checks import charge_rate_is_open, check_own_models
 from sizing.validity.extrapolations import with_worth
-from sizing.validity.own_models import check_own_models
 from sizing.validity.ranges import Extrapolation
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.types import FloatArray

@@ -27,7 +27,7 @@ from sizing.day.metrics import ENDS, Status
 from sizing.parameters import MISSION_PREFIX
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import ASPECT_RATIO, WINGSPAN
-from sizing.validity.own_models import check_own_models
+from sizing.validity.checks import check_own_models
 from solar.names import CorrectionName, ModelName
 from solar.types import FloatArray, IntArray
 from studies.engine.run import ChunkFunction
