@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from ulog_files import EPOCH_S, EULER_DEG, topics, ulog_bytes
 
@@ -205,8 +205,8 @@ def test_log_without_attitude_is_read(tmp_path, absent):
     ],
 )
 def test_wrong_header(tmp_path, old, new, expected):
-    found = messages(tmp_path, rows(), HEADER.replace(old, new))
-    assert any(m.startswith(f"log.csv:{expected}") for m in found)
+    problems = messages(tmp_path, rows(), HEADER.replace(old, new))
+    assert any(m.startswith(f"log.csv:{expected}") for m in problems)
 
 
 def test_other_columns_are_told_and_ignored(tmp_path):
@@ -242,8 +242,8 @@ def test_file_that_is_no_log(tmp_path, content, expected):
 
 
 def test_paths_that_are_no_plain_files_and_lines_without_end_are_refused(tmp_path):
-    for path, words in ((tmp_path / "none.csv", "cannot be read"), (tmp_path, "cannot be read"),
-                        ("/dev/zero", "is not a plain file")):  # fmt: skip
+    refused = {tmp_path / "none.csv": "cannot be read", tmp_path: "cannot be read"}
+    for path, words in (refused | {"/dev/zero": "is not a plain file"}).items():
         with pytest.raises(InputError, match=words):
             read_flight_log(path)
     assert messages(tmp_path, [*rows(), "9" * 200_000]) == [
@@ -330,7 +330,6 @@ def test_ulog_without_the_package(tmp_path, monkeypatch):
         read_ulog(tmp_path / "flight.ulg")
 
 
-@settings(max_examples=100)
 @given(
     st.lists(st.tuples(st.floats(0.0, 1.0), st.integers(0, 255)), min_size=1, max_size=3),
     st.floats(0.5, 1.0),

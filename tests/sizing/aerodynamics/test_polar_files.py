@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from polar_writers import (
     ANGLES,
@@ -411,7 +411,6 @@ def test_a_folder_of_polars_is_one_table(tmp_path):
 ALL = section(2e5) + wing(8.0, commas=True)
 
 
-@settings(max_examples=100)
 @given(
     st.integers(0, len(ALL) - 1),
     st.integers(0, 60),

@@ -24,10 +24,10 @@ def balance(*overrides, name="twin-boom-design"):
 
 @pytest.mark.parametrize("growth", [0.0, 0.15])
 def test_the_items_are_the_mass_budget(growth):
-    found = balance(f"airframe.mass_growth={growth}")
-    assert found.mass_kg == pytest.approx(found.design_mass_kg, rel=1e-9)
-    moments = sum(item.mass_kg * item.x_m for item in found.items)
-    assert found.gravity_m == pytest.approx(moments / found.mass_kg)
+    assessment = balance(f"airframe.mass_growth={growth}")
+    assert assessment.mass_kg == pytest.approx(assessment.design_mass_kg, rel=1e-9)
+    moments = sum(item.mass_kg * item.x_m for item in assessment.items)
+    assert assessment.gravity_m == pytest.approx(moments / assessment.mass_kg)
 
 
 def test_the_reported_tail_has_the_margin_that_is_asked_for():
