@@ -1,7 +1,5 @@
 """Tests of aircraft with the efficiencies of their operating point."""
 
-import dataclasses
-
 import pytest
 from builders import AS2, DESIGN
 from propulsors import PROPULSOR
@@ -48,15 +46,6 @@ def test_two_propulsors_share_the_thrust():
     assert power_w == pytest.approx(2.0 * float(two.bus_power_w), rel=1e-8)
     # Both motors have their no-load loss, at a quarter of their duty.
     assert two.motor_efficiency < one.motor_efficiency
-
-
-def test_what_cannot_fly_has_a_reason():
-    motor = PROPULSOR.motor.model_copy(update={"speed_constant_rpm_per_v": 150.0})
-    weak = dataclasses.replace(PROPULSOR, motor=motor)
-    with pytest.raises(
-        sizing.ImpossibleDesignError, match=r"bus voltage 22.2 V is below 3\d\.\d\d V"
-    ):
-        sizing.with_operating_point(DESIGN, MISSION, weak, 22.2)
 
 
 def test_measured_aircraft_and_no_propulsor_are_refused():
