@@ -40,7 +40,6 @@ def section(
     """Polar of the section; ``reynolds`` is that at C_L = 1 for kind 2."""
     types = {1: "1 1 Reynolds number fixed          Mach number fixed         "}
     types[2] = "2 1 Reynolds number ~ 1/sqrt(CL)   Mach number fixed         "
-    types[3] = "3 1 Reynolds number ~ 1/CL         Mach number fixed         "
     lines = [
         "  ",
         program,
@@ -83,7 +82,6 @@ def wing(
     fixed_lift: bool = False,
     early: bool = False,
     sideslip: bool = False,
-    efficiency: float = SPAN_EFFICIENCY,
     angles: Iterable[float] = ANGLES,
 ) -> str:
     """Polar of the wing; ``speed_m_per_s`` is that at C_L = 1 for fixed lift."""
@@ -112,8 +110,8 @@ def wing(
             continue
         at = speed_m_per_s / math.sqrt(cl) if fixed_lift else speed_m_per_s
         viscous = drag(cl, at * CHORD_M / VISCOSITY)
-        own = induced(cl) * SPAN_EFFICIENCY / efficiency
-        values = [alpha, cl, own, viscous, own + viscous, 0.0, 0.0, -0.05, 0.0, 0.0]
+        values = [alpha, cl, induced(cl), viscous, induced(cl) + viscous]
+        values += [0.0, 0.0, -0.05, 0.0, 0.0]
         values += [at / per_unit, 0.08]
         if sideslip:
             values.insert(1, 0.0)
