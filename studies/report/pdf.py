@@ -11,7 +11,6 @@ _VARIABLE = re.compile(r"var\(--([a-z]+)\)")
 # Where a page may name a colour: a style sheet or an attribute, never the text of a file, in which
 # quotes and angle brackets are escaped.
 _STYLED = re.compile(r'<style>.*?</style>| style="[^"]*"', re.S)
-_DRAWING = re.compile(r'<svg class="drawing [^>]*>')
 _DEFINED = re.compile(r"--([a-z]+):\s*([^;]+);")
 
 
@@ -35,13 +34,10 @@ def to_pdf(page: str) -> bytes:
 
 def with_plain_colours(page: str) -> str:
     """Page in the colours of paper; the words of its files remain as they are."""
-    # Drawings within a page know neither its variables nor its style sheet: the colours of the
-    # light page stand for the former, and the drawings' part of the latter goes into each of them.
-    templates = resources.files("studies.report").joinpath("templates")
-    light, _, _ = (templates / "report.css").read_text(encoding="utf-8").partition("@media screen")
+    # Drawings within a page do not know its variables: the light page's colours stand for them.
+    sheet = resources.files("studies.report").joinpath("templates", "report.css")
+    light, _, _ = sheet.read_text(encoding="utf-8").partition("@media screen")
     colours = dict(_DEFINED.findall(light))
-    looks = f"<style>{(templates / 'drawing.css').read_text(encoding='utf-8')}</style>"
-    page = _DRAWING.sub(lambda match: match[0] + looks, page)
 
     def coloured(styled: re.Match[str]) -> str:
         return _VARIABLE.sub(lambda match: colours.get(match[1], match[0]), styled[0])

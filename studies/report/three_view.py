@@ -33,7 +33,7 @@ _SECTION = (1.4845, -0.63, -1.758, 1.4215, -0.5075)
 _WIDTH_IN = 8.0
 _AROUND = 0.1  # of what is drawn, to either side of it: for dimensions
 _THIN: dict[str, Any] = {"color": DARK_GREY, "linewidth": 0.6}
-_BETWEEN_IN = 0.6  # of views: their headings and dimensions
+_BETWEEN_IN = 0.5  # of views: their headings and dimensions
 
 Points = Sequence[tuple[float, float]]
 
@@ -104,8 +104,9 @@ def plot_three_view(
     pad_m = 0.05 * width_m
     low_m, high_m = _heights(drawing)
     middle_m, half_m = (drawing.tail_end_m - drawing.nose_m) / 2.0, width_m / 2.0
+    rear_m = -drawing.tail_end_m - 0.3 * pad_m
     limits = (
-        ("From above", (-half_m, half_m), (-drawing.tail_end_m - pad_m, drawing.nose_m + pad_m)),
+        ("From above", (-half_m, half_m), (rear_m, drawing.nose_m + pad_m)),
         ("From ahead", (-half_m, half_m), (low_m, high_m)),
         ("From the left", (middle_m - half_m, middle_m + half_m), (low_m - pad_m, high_m)),
     )

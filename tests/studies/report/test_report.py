@@ -344,7 +344,7 @@ def test_page_is_printed() -> None:
     ).map("".join)
 )
 def test_names_do_not_change_the_colours_of_print_nor_they_the_names(name: str) -> None:
-    drawn = '<svg class="drawing top"><path style="fill: {}"/></svg>'
+    drawn = '<svg class="figure"><path style="fill: {}"/></svg>'
     head = f"<title>{html.escape(name)}</title>"
     printed = with_plain_colours(head + drawn.format("var(--ink)"))
     assert printed.startswith(head)
