@@ -33,7 +33,8 @@ _SECTION = (1.4845, -0.63, -1.758, 1.4215, -0.5075)
 _WIDTH_IN = 8.0
 _AROUND = 0.1  # of what is drawn, to either side of it: for dimensions
 _THIN: dict[str, Any] = {"color": DARK_GREY, "linewidth": 0.6}
-_BETWEEN_IN = 0.5  # of views: their headings and dimensions
+_SHORT = 0.45  # length over wingspan
+_BETWEEN_IN = 0.35  # of views: their headings and dimensions
 
 Points = Sequence[tuple[float, float]]
 
@@ -133,7 +134,11 @@ def plot_three_view(
     for name, (aft_m, marker) in known.items():
         views[0].line([(0.0, -float(aft_m or 0.0))], marker=marker, markersize=6, color=ink(),
                       markerfacecolor=ink() if marker == "o" else paper(), label=name)  # fmt: skip
-    drawn.legend(handles=_legend(drawing, panels[0]), loc="outside lower center", ncols=3)
+    entries = _legend(drawing, panels[0])
+    if length_m < _SHORT * drawing.wingspan_m:  # room beside the view from the left
+        panels[2].legend(handles=entries, loc="center right", frameon=False)
+    else:
+        drawn.legend(handles=entries, loc="outside lower center", ncols=3)
     return drawn
 
 
