@@ -34,7 +34,7 @@ _WIDTH_IN = 8.0
 _AROUND = 0.1  # of what is drawn, to either side of it: for dimensions
 _THIN: dict[str, Any] = {"color": DARK_GREY, "linewidth": 0.6}
 _SHORT = 0.45  # length over wingspan
-_BETWEEN_IN = 0.35  # of views: their headings and dimensions
+_BETWEEN_IN = 0.25  # of views: their headings and dimensions
 
 Points = Sequence[tuple[float, float]]
 
@@ -102,7 +102,7 @@ def plot_three_view(
     """
     length_m = drawing.nose_m + drawing.tail_end_m
     width_m = (1.0 + 2.0 * _AROUND) * max(drawing.wingspan_m, length_m)
-    pad_m = 0.05 * width_m
+    pad_m = 0.04 * width_m
     low_m, high_m = _heights(drawing)
     middle_m, half_m = (drawing.tail_end_m - drawing.nose_m) / 2.0, width_m / 2.0
     rear_m = -drawing.tail_end_m - 0.3 * pad_m
