@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from missions.mission import Mission
@@ -17,10 +17,11 @@ from sizing.ceiling import (
     highest_perpetual_altitude,
 )
 from sizing.day.light import SolarModel
-from sizing.results.notes import extrapolation_blocks, extrapolation_caption, extrapolation_records
-from sizing.results.quantities import CHARGE_PERCENT, EXCESS_TIME, MAXIMUM_ALTITUDE
-from sizing.results.records import finite, finite_values, hours
-from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
+from sizing.results.notes import extrapolation_blocks, extrapolation_caption
+from sizing.results.quantities import EXCESS_TIME, group, table_of
+from sizing.results.records import hours
+from sizing.results.serialise import plain
+from sizing.results.tables import Line, Result, Table, data_frame
 from sizing.validity.extrapolations import together
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
@@ -39,18 +40,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-_PRINTED_ROWS = 20
-_COLUMNS = (
-    Column("altitude_m", "altitude", "m", ".0f"),
-    EXCESS_TIME,
-    CHARGE_PERCENT,
-    Column("propulsion_power_w", "level-flight power", "W", ".1f"),
-    Column("solar_energy_wh", "solar energy", "Wh", ".0f"),
-    Column("airspeed_m_per_s", "airspeed", "m/s", ".1f"),
-)
-
-
-_FLOOR = Column("altitude_m", "night's floor", "m", ".0f")
+_ROWS = {1: 11, 2: 21}  # of the table, by level
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,62 +86,35 @@ class Ceiling(Result):
                 said, best = f"{said}, below the mission's {self.mission.altitude_m:g} m", ""
         return f"{self.aircraft.name} on {self.mission.name}: {said}{best}"
 
-    def summary(self) -> Summary:
-        """Headline, and a table of altitudes around and below the ceiling."""
+    def blocks(self, level: int) -> list[Any]:
+        """Headline, altitudes around and below the ceiling, and what they rest on."""
         note = f"{self.solar.label}; energy of the day, electric"
         if self.mission.climb is not None:
             note += "; power and airspeed at the night's floor"
-        outside = extrapolation_blocks(self.extrapolations)
-        return Summary(
-            (Line(self.headline(), "strong"), self.table(), *outside, Line(note, "faint"))
-        )
+        outside = extrapolation_blocks(self.extrapolations, level)
+        table = self.table(_ROWS[level])
+        return [Line(self.headline(), "strong"), table, *outside, Line(note, "faint")]
 
-    def table(self) -> Table:
+    def table(self, most: int = _ROWS[2]) -> Table:
         """Altitudes from the lowest to where the day has no power, and the ceiling."""
-        scenarios = self.mission.scenarios()
-        several, shown = len(scenarios) > 1, _printed_flights(self.found)
-        climbs = self.mission.climb is not None
-        reasons = any(flight.reason for flight in shown)
-        rows = [
-            (
-                flight.altitude_m,
-                flight.excess_time_h,
-                100.0 * flight.minimum_state_of_charge,
-                flight.propulsion_power_w,
-                flight.solar_energy_wh,
-                flight.airspeed_m_per_s,
-                *([flight.maximum_altitude_m] if climbs else []),
-                *([scenarios.label(flight.worst_scenario)] if several else []),
-                *([flight.reason] if reasons else []),
-            )
+        scenarios, climbs = self.mission.scenarios(), self.mission.climb is not None
+        shown = _shown_flights(self.found, most)
+        several, reasons = len(scenarios) > 1, any(flight.reason for flight in shown)
+        altitude, *others = group(
+            "altitude_m excess_time_h minimum_state_of_charge propulsion_power_w solar_energy_wh "
+            f"airspeed_m_per_s {'maximum_altitude_m' * climbs} {'worst_scenario' * several} "
+            f"{'reason' * reasons}"
+        )
+        altitude = replace(altitude, label="night's floor") if climbs else altitude
+        rows = (
+            vars(flight) | {"worst_scenario": scenarios.label(flight.worst_scenario)}
             for flight in shown
-        ]
-        worst = (Column("worst_scenario"),) if several else ()
-        why = (Column("reason"),) if reasons else ()
-        columns = (_FLOOR, *_COLUMNS[1:], MAXIMUM_ALTITUDE) if climbs else _COLUMNS
-        return Table("", (*columns, *worst, *why), tuple(rows))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Ceiling and all altitudes, JSON-ready."""
-        ceiling, climb = self.found, self.mission.climb
-        return {
-            "aircraft": self.aircraft.name,
-            "mission": self.mission.name,
-            "model": self.solar.model,
-            "correction": self.solar.correction,
-            **({} if climb is None else {"climb": climb.record}),
-            "required_excess_time_h": ceiling.required_excess_time_h,
-            "highest_perpetual_altitude_m": ceiling.highest and ceiling.highest.altitude_m,
-            "at_search_limit": ceiling.at_search_limit,
-            "best_altitude_m": ceiling.best.altitude_m,
-            "best_excess_time_h": finite(ceiling.best.excess_time_h),
-            "extrapolations": extrapolation_records(self.extrapolations),
-            "altitudes": [finite_values(_flight_numbers(flight)) for flight in ceiling.flights],
-        }
+        )
+        return table_of("", (altitude, *others), rows)
 
     def to_frame(self) -> pd.DataFrame:
         """All altitudes, one row each."""
-        return data_frame([_flight_numbers(flight) for flight in self.found.flights])
+        return data_frame(plain(self.found.flights))
 
 
 def perpetual_ceiling(
@@ -198,22 +161,16 @@ def perpetual_ceiling(
     return Ceiling(aircraft, mission, solar, ceiling)
 
 
-def _flight_numbers(flight: AltitudeFlight) -> dict[str, Any]:
-    numbers = {name: value for name, value in vars(flight).items() if name != "extrapolations"}
-    if flight.maximum_altitude_m is None:
-        del numbers["maximum_altitude_m"]
-    return numbers
-
-
-def _printed_flights(ceiling: PerpetualCeiling) -> list[AltitudeFlight]:
+def _shown_flights(ceiling: PerpetualCeiling, most: int) -> list[AltitudeFlight]:
+    """At most so many flights, at round altitudes, with the ends of the search and the ceiling."""
     ends, between = (ceiling.flights[0], ceiling.flights[-1]), ceiling.flights[1:-1]
+    ends = (*ends, *(() if ceiling.highest is None else (ceiling.highest,)))
     altitudes = [flight.altitude_m for flight in between]
     step = altitudes[1] - altitudes[0] if len(altitudes) > 1 else 1.0
-    stride = max(math.ceil(len(between) / _PRINTED_ROWS), 1)
+    stride = max(math.ceil(len(between) / (most - len(ends))), 1)
     # Multiples of a round step rather than every so many from the first.
     shown = [f for f in between if round(f.altitude_m / step) % stride == 0]
-    more = [] if ceiling.highest is None else [ceiling.highest]
-    each = {flight.altitude_m: flight for flight in (*shown, *ends, *more)}
+    each = {flight.altitude_m: flight for flight in (*shown, *ends)}
     rows = [each[altitude_m] for altitude_m in sorted(each)]
     while len(rows) > 1 and all(flight.excess_time_h <= HOPELESS_H for flight in rows[-2:]):
         rows.pop()  # nothing changes from there up

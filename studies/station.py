@@ -16,9 +16,8 @@ from missions.mission.scenarios import latitude_label
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.mass_budget import design_of
-from sizing.results.notes import extrapolation_blocks, extrapolation_records
-from sizing.results.records import finite
-from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame
+from sizing.results.notes import extrapolation_blocks
+from sizing.results.tables import Column, Line, Result, Table, data_frame
 from sizing.station import FASTEST, station_keeping, winds_of
 from sizing.validity.checks import design_checks
 from sizing.validity.extrapolations import together, told
@@ -29,7 +28,13 @@ from studies.engine.run import Progress
 from studies.output.cells import cell_edges, draw_cells, draw_colour_bar
 from studies.output.figures.drawing import Canvas, new_figure, styled
 from studies.output.figures.options import DEFAULT
-from studies.output.gridded import Gridded, Labelled, attributes, extrapolations_of
+from studies.output.gridded import (
+    Gridded,
+    Labelled,
+    attributes,
+    extrapolations_of,
+    shown_places,
+)
 from studies.study import Study
 
 if TYPE_CHECKING:
@@ -46,6 +51,13 @@ _DESCRIBED = {
     "at_end": ("1", "whether the airspeed is the fastest that is considered"),
 }
 _CHOSEN = {"chosen_altitude": ("m", "altitude of the largest share")}
+_NAMES = {
+    "share": "share_on_station",
+    "airspeed": "airspeed_m_per_s",
+    "wind": "wind_m_per_s",
+    "chosen_altitude": "altitude_m",
+}
+_ROWS = {1: 14, 2: 1000}  # of the tables, by level
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,70 +108,63 @@ class Station(Result):
             f"({self._label(int(best[0]))}, {MONTH_NAMES[self.months[best[1]] - 1]})"
         )
 
-    def summary(self) -> Summary:
-        """Headline and table."""
+    def blocks(self, level: int) -> list[Any]:
+        """Headline and tables, from one latitude or altitude to the next of a summary."""
         notes = [Line(f"{self.solar.label}; winds from {self.source}", "faint")]
         if not np.all(np.isfinite(self.airspeed_m_per_s)):
             notes.insert(0, Line("-: no perpetual flight", "faint"))
         if self.at_end:
             text = f"airspeeds end at {FASTEST:g} times that of the design: it may stay longer"
             notes.insert(0, Line(text, "faint"))
-        outside = extrapolation_blocks(extrapolations_of(self.cells))
-        tables = [self.table()]
+        outside = extrapolation_blocks(self.extrapolations, level)
+        tables = [self.table(level)]
         if "chosen_altitude" in self.cells:
             altitude_km = self.cells["chosen_altitude"].values / 1000.0
-            tables.append(self._by_month("altitude of that share [km]", altitude_km, ".1f"))
-        return Summary((Line(self.headline(), "strong"), *tables, *outside, *notes))
+            tables.append(self._by_month("altitude of that share [km]", altitude_km, ".1f", level))
+        return [Line(self.headline(), "strong"), *tables, *outside, *notes]
 
-    def table(self) -> Table:
+    def table(self, level: int = 2) -> Table:
         """Share of the time [%] by row and month; empty where no day is perpetual."""
-        return self._by_month("share of the time on station [%]", 100.0 * self.share, ".0f")
+        title = "share of the time on station [%]"
+        return self._by_month(title, 100.0 * self.share, ".0f", level)
 
-    def _by_month(self, title: str, values: FloatArray, form: str) -> Table:
+    def _by_month(self, title: str, values: FloatArray, form: str, level: int) -> Table:
         """Values by row and month; empty where no day is perpetual."""
         first = Column(self.over, to_right=True)
         months = tuple(Column(MONTH_NAMES[m - 1], form=form) for m in self.months)
         shown = np.where(np.isfinite(self.airspeed_m_per_s), values, np.nan)
-        rows = [(self._label(i), *shown[i].tolist()) for i in range(len(self.rows))][::-1]
-        return Table(title, (first, *months), tuple(rows))
+        most = _ROWS[level] // (2 if "chosen_altitude" in self.cells and level == 1 else 1)
+        places = shown_places(self.rows.tolist(), most)
+        rows = [(self._label(i), *shown[i].tolist()) for i in places][::-1]
+        part = f"{len(rows)} of {len(self.rows)} rows; -v has the rest"
+        notes = (part,) if len(rows) < len(self.rows) else ()
+        return Table(title, (first, *months), tuple(rows), notes)
 
     def _label(self, row: int) -> str:
         value = float(self.rows[row])
         return latitude_label(value) if self.over == "latitude" else f"{value:.0f} m"
 
-    def _columns(self) -> dict[str, FloatArray]:
-        """Values of all cells, by their names in records and tables."""
-        names = {
-            "share": "share_on_station",
-            "airspeed": "airspeed_m_per_s",
-            "wind": "wind_m_per_s",
-            "chosen_altitude": "altitude_m",
-        }
-        return {name: self.cells[key].values for key, name in names.items() if key in self.cells}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything, JSON-ready; null for no airspeed."""
+    @property
+    def places(self) -> dict[str, Any]:
+        """Latitudes [deg] or altitudes [m], and months."""
         name = "latitudes_deg" if self.over == "latitude" else "altitudes_m"
-        rows = {key: one.tolist() for key, one in self._columns().items()}
-        rows["airspeed_m_per_s"] = [[finite(v) for v in row] for row in rows["airspeed_m_per_s"]]
-        return {
-            "aircraft": self.aircraft.name,
-            "mission": self.mission.name,
-            "model": self.solar.model,
-            "correction": self.solar.correction,
-            "winds": self.source,
-            name: self.rows.tolist(),
-            "months": self.months,
-            **rows,
-            "at_fastest_airspeed": self.at_end,
-            "extrapolations": extrapolation_records(extrapolations_of(self.cells)),
-        }
+        return {name: self.rows, "months": self.months}
+
+    @property
+    def columns(self) -> dict[str, FloatArray]:
+        """Values of all cells, by their names in records and tables."""
+        return {name: self.cells[key].values for key, name in _NAMES.items() if key in self.cells}
+
+    @property
+    def extrapolations(self) -> tuple[Extrapolation, ...]:
+        """What the design takes from outside the range of a model."""
+        return extrapolations_of(self.cells)
 
     def to_frame(self) -> pd.DataFrame:
         """One row for each latitude or altitude and month."""
         rows, months = np.meshgrid(self.rows, self.months, indexing="ij")
         unit = "deg" if self.over == "latitude" else "m"
-        columns = {f"{self.over}_{unit}": rows, "month": months, **self._columns()}
+        columns = {f"{self.over}_{unit}": rows, "month": months, **self.columns}
         return data_frame({name: values.ravel() for name, values in columns.items()})
 
 

@@ -14,22 +14,15 @@ HEADING = "outside the range of a model:"
 _OTHERWISE = {"module_temperature": "modules as cold as the air", "battery": "unheated battery"}
 
 
-def extrapolation_blocks(extrapolations: Sequence[Extrapolation]) -> list[Any]:
-    """Blocks of a summary, a line for each quantity; none where nothing is outside."""
+def extrapolation_blocks(extrapolations: Sequence[Extrapolation], level: int) -> list[Any]:
+    """Blocks of a summary: quantities in a line at level 1, a line for each of them at level 2."""
     if not extrapolations:
         return []
-    head, *lines = extrapolation_lines(extrapolations)
-    return [Line(head, "warning"), *lines]
-
-
-def extrapolation_lines(extrapolations: Sequence[Extrapolation]) -> list[str]:
-    """Lines below a table; none where nothing is outside."""
-    return [HEADING, *(f"  {one.text}" for one in extrapolations)] if extrapolations else []
-
-
-def extrapolation_records(extrapolations: Sequence[Extrapolation]) -> list[dict[str, Any]]:
-    """List of the key ``extrapolations``, JSON-ready."""
-    return [one.to_dict() for one in extrapolations]
+    if level > 1:
+        return [Line(HEADING, "warning"), *(f"  {one.text}" for one in extrapolations)]
+    labels = ", ".join(dict.fromkeys(one.label for one in extrapolations))
+    text = labels if len(extrapolations) > 1 else extrapolations[0].text.partition("; ")[0]
+    return [Line(f"{HEADING} {text}", "warning")]
 
 
 def extrapolation_caption(extrapolations: Sequence[Extrapolation]) -> str:

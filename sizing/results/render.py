@@ -25,8 +25,14 @@ from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
 from sizing.results import sentences as say
 from sizing.results.conditions import CalendarFlight, wind_of
-from sizing.results.notes import HEADING
+from sizing.results.notes import extrapolation_blocks
 from sizing.results.records import change_text, date_and_clock, hours, with_unit
+from sizing.results.render_chance import (
+    uncertainty_blocks,
+    uncertainty_headline,
+    weather_blocks,
+    weather_headline,
+)
 from sizing.results.requirements import RequirementMargin, constraint_words, parameter_words
 from sizing.results.serialise import serialise
 from sizing.results.tables import MISSING, UNLIMITED, Column, Line, Summary, Table, facts
@@ -49,7 +55,7 @@ _SENSITIVITIES = 15  # of the whole; JSON and CSV have them all
 def render(result: Any, level: int = SUMMARY) -> Any:
     """Return the blocks of a result in the order in which they are read."""
     blocks = _BLOCKS.get(type(result).__name__)
-    return result.summary() if blocks is None else Summary(tuple(blocks(result, level)))
+    return Summary(tuple(result.blocks(level) if blocks is None else blocks(result, level)))
 
 
 def headline(result: Any) -> str:
@@ -84,19 +90,6 @@ def _facts_of(values: Mapping[q.Quantity, Any], level: int) -> list[tuple[str, s
     return [one.fact(value) for one, value in shown if value is not None]
 
 
-def wind_rows(mission: Mission) -> list[tuple[str, str]]:
-    """Rows of a table of facts: the wind, from the weakest to the strongest scenario."""
-    wind = wind_of(mission)
-    if wind is None:
-        return []
-    heights_m = mission.climb_levels_m if wind.hold_station else [mission.altitude_m]
-    speeds = [mission.at_altitude(one).scenario_winds_m_per_s() for one in heights_m]
-    ends = dict.fromkeys(f"{w:.1f}" for w in (np.min(speeds), np.max(speeds)))
-    everywhere = ", at all heights" if len(heights_m) > 1 else ""
-    words = f"wind, {wind.percentile:g} % of the time at most{everywhere}"
-    return [(words, f"{' to '.join(ends)} m/s")]
-
-
 def _wind_source(mission: Mission) -> Iterable[str]:
     """Where the winds are from, and what flies against them."""
     wind = wind_of(mission)
@@ -104,18 +97,6 @@ def _wind_source(mission: Mission) -> Iterable[str]:
         return ()
     held = "; flown as fast as the wind at least, to hold its place" if wind.hold_station else ""
     return (f"winds from {wind.source}{held}",)
-
-
-def _beyond_models(result: Analysis | SizingStudy, level: int) -> list[Any]:
-    """What lies outside the range of a model."""
-    outside = result.extrapolations
-    if not outside:
-        return []
-    if level < ALL:
-        labels = ", ".join(dict.fromkeys(one.label for one in outside))
-        text = labels if len(outside) > 1 else outside[0].text.partition("; ")[0]
-        return [Line(f"{HEADING} {text}", "warning")]
-    return [Line(HEADING, "warning"), *(f"  {one.text}" for one in outside)]
 
 
 def _sources(result: Analysis | SizingStudy, level: int) -> list[Any]:
@@ -185,7 +166,7 @@ def _analysis(analysis: Analysis, level: int) -> list[Any]:
     beyond = say.coverage_line(analysis)
     if beyond is not None:
         blocks.append(Line(beyond, "warning"))
-    blocks += [*_beyond_models(analysis, level), *_sources(analysis, level)]
+    blocks += [*extrapolation_blocks(analysis.extrapolations, level), *_sources(analysis, level)]
     if analysis.excess_time_h < 0.0:
         blocks.append(Line(q.BELOW_ZERO, "faint"))
     error = say.uncertainty_line(analysis.low, analysis.high, analysis.worst, analysis.mission)
@@ -231,7 +212,7 @@ def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
         *_climb_facts(analysis, level),
         *_facts_of(of_design, level),
         *_facts_of({one: values[one] for one in (q.LOAD, q.SOLAR_ENERGY)}, level),
-        *wind_rows(analysis.mission),
+        *say.wind_rows(analysis.mission),
     ]
 
 
@@ -416,7 +397,7 @@ def _sizing_facts(study: SizingStudy, level: int) -> list[tuple[str, str]]:
     if flight is not None:
         launched = f"launched {flight.launch}"
         rows.append(("flight", launched if objective.value == "max_endurance" else flight.text))
-    return [*rows, *wind_rows(study.mission), (where, excess[1]), charge]
+    return [*rows, *say.wind_rows(study.mission), (where, excess[1]), charge]
 
 
 def _limits(study: SizingStudy, level: int, others: Sequence[str] = ()) -> list[Any]:
@@ -496,10 +477,10 @@ def _without_design(study: SizingStudy, level: int) -> list[Any]:
     if len(missed) > len(shown):
         blocks.append(f"  and {len(missed) - len(shown)} more")
     blocks += _limits(study, level)
-    blocks += [*say.nearest_lines(study), *(f"{a}: {b}" for a, b in wind_rows(study.mission))]
+    blocks += [*say.nearest_lines(study), *(f"{a}: {b}" for a, b in say.wind_rows(study.mission))]
     if level >= ALL:
         blocks += _structure(study)
-    blocks += _beyond_models(study, level)
+    blocks += extrapolation_blocks(study.extrapolations, level)
     if study.reliability is not None:
         return [*blocks, say.reliability_text(study)]
     blocks += _survival(study, level)
@@ -525,7 +506,7 @@ def _confidence(study: SizingStudy, level: int) -> list[Any]:
     """How far the answer may be trusted: ranges of the models, their error, margins."""
     flown, low, high = study.result.simulated, study.low, study.high
     blocks: list[Any] = _battery(study) if level >= ALL else []
-    blocks += [*_beyond_models(study, level), *_sources(study, level)]
+    blocks += [*extrapolation_blocks(study.extrapolations, level), *_sources(study, level)]
     if flown is not None and low is not None and high is not None:
         error = say.uncertainty_line(low, high, flown.worst_scenario(), study.mission)
         blocks.append(Line(error, "faint"))
@@ -725,5 +706,15 @@ def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
     return Table("designs of whole cells", tuple(columns), rows, notes)
 
 
-_BLOCKS: dict[str, Any] = {"Analysis": _analysis, "SizingStudy": _sizing}
-_HEADLINES: dict[str, Any] = {"Analysis": _analysis_headline, "SizingStudy": _sizing_headline}
+_BLOCKS: dict[str, Any] = {
+    "Analysis": _analysis,
+    "SizingStudy": _sizing,
+    "UncertaintyAnalysis": uncertainty_blocks,
+    "WeatherAnalysis": weather_blocks,
+}
+_HEADLINES: dict[str, Any] = {
+    "Analysis": _analysis_headline,
+    "SizingStudy": _sizing_headline,
+    "UncertaintyAnalysis": uncertainty_headline,
+    "WeatherAnalysis": weather_headline,
+}

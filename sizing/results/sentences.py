@@ -20,7 +20,7 @@ from sizing.performance import Performance
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
 from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
-from sizing.results.conditions import BatteryCondition, Spread
+from sizing.results.conditions import BatteryCondition, Spread, wind_of
 from sizing.results.propulsion import Instant, PartMasses, PowerBudget, VaryingEfficiency
 from sizing.results.records import change_text, clock_label, hours, with_unit
 from sizing.results.requirements import constraint_words, parameter_words
@@ -315,6 +315,19 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
         f"{solar.label}; {error} of "
         f"{100 * solar.rms_relative:.0f} % of the mean power{beyond} {means}."
     )
+
+
+def wind_rows(mission: Mission) -> list[tuple[str, str]]:
+    """Rows of a table of facts: the wind, from the weakest to the strongest scenario."""
+    wind = wind_of(mission)
+    if wind is None:
+        return []
+    heights_m = mission.climb_levels_m if wind.hold_station else [mission.altitude_m]
+    speeds = [mission.at_altitude(one).scenario_winds_m_per_s() for one in heights_m]
+    ends = dict.fromkeys(f"{w:.1f}" for w in (np.min(speeds), np.max(speeds)))
+    everywhere = ", at all heights" if len(heights_m) > 1 else ""
+    words = f"wind, {wind.percentile:g} % of the time at most{everywhere}"
+    return [(words, f"{' to '.join(ends)} m/s")]
 
 
 def battery_line(aircraft: Aircraft, condition: BatteryCondition) -> str:

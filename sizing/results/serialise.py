@@ -95,6 +95,36 @@ RECORDS = {
         required_excess_time_h=required_h probability_required nominal_excess_time_h *percentiles
         extrapolations sobol inputs=spreads
         """,
+    # ---- In the weather
+    "WeatherAnalysis": """
+        *weather.origin flight_altitude_m=mission.altitude_m days days_that_close
+        clear_sky_days_that_close longest_run_days=performance.recorded.longest_run_days
+        clear_sky_longest_run_days=performance.clear.longest_run_days
+        share_of_days_that_close=performance.recorded.closes.mean endurance_h flown_to_sunset_share
+        launches_that_outlast_the_record windows years year_to_year irradiation_kwh_per_m2
+        share_of_clear_sky_light=share_of_clear_light wind_above_airspeed_share battery_condition
+        extrapolations repairs=weather.repairs notes model=performance.solar.model
+        correction=performance.solar.correction
+        """,
+    "YearInWeather": "+ share_of_days_that_close",
+    "YearInFrame": """
+        year whole days days_that_close clear_sky_days_that_close longest_run_days
+        share_of_days_that_close endurance_p90_h=endurance_h.p90
+        endurance_p50_h=endurance_h.p50 endurance_p10_h=endurance_h.p10
+        """,
+    # ---- Altitudes
+    "Ceiling": """
+        aircraft=aircraft.name mission=mission.name model=solar.model correction=solar.correction
+        climb?=mission.climb.record required_excess_time_h=found.required_excess_time_h
+        highest_perpetual_altitude_m=found.highest.altitude_m at_search_limit=found.at_search_limit
+        best_altitude_m=found.best.altitude_m best_excess_time_h=found.best.excess_time_h
+        extrapolations altitudes=found.flights
+        """,
+    "AltitudeFlight": "+ -extrapolations -maximum_altitude_m maximum_altitude_m?",
+    "Station": """
+        aircraft=aircraft.name mission=mission.name model=solar.model correction=solar.correction
+        winds=source *places *columns at_fastest_airspeed=at_end extrapolations
+        """,
     # ---- Models side by side
     "Comparison": """
         aircraft=aircraft.name mission=mission.name climb?=mission.climb.record summary=headline
@@ -155,23 +185,34 @@ def serialise(value: Any, entry: str = "") -> Any:
 
     ``entry``: of :data:`RECORDS`; by default that of the value's class.
     """
-    if value is None or (isinstance(value, bool | str) and not isinstance(value, Enum)):
-        return value
+    return _finite(plain(value, entry))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def plain(value: Any, entry: str = "") -> Any:
+    """Return a value as dicts, lists, numbers and texts, for frames: numbers as they are."""
     if isinstance(value, Enum):
         return value.name
-    if isinstance(value, int):
+    if value is None or isinstance(value, bool | str | int):
         return value
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
+    if isinstance(value, float):
+        return float(value)
     if isinstance(value, np.generic | np.ndarray):
-        return serialise(value.tolist())
+        return value.tolist()
     if isinstance(value, Mapping):
-        return {getattr(key, "name", key): serialise(one) for key, one in value.items()}
+        return {getattr(key, "name", key): plain(item) for key, item in value.items()}
     if (name := entry or type(value).__name__) in RECORDS:
         return _record(value, name)
     if names := _names(value):
-        return {name: serialise(getattr(value, name)) for name in names}
-    return [serialise(one) for one in value]
+        return {name: plain(getattr(value, name)) for name in names}
+    return [plain(item) for item in value]
 
 
 def _record(value: Any, entry: str) -> dict[str, Any]:
@@ -181,7 +222,7 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
         return {key: None for key, *_ in _keys(entry)}
     for key, optional, path, of in _keys(entry):
         if key == "+":
-            record |= {name: serialise(getattr(value, name)) for name in _names(value)}
+            record |= {name: plain(getattr(value, name)) for name in _names(value)}
         elif key.startswith("-"):
             del record[key[1:]]
         elif key == "*":
@@ -192,13 +233,13 @@ def _record(value: Any, entry: str) -> dict[str, Any]:
             inside = record
             for one in outer:
                 inside = inside.setdefault(one, {})
-            inside[last] = serialise(found, of)
+            inside[last] = plain(found, of)
     return record
 
 
 def _spliced(value: Any, entry: str) -> dict[str, Any]:
     """Record among the keys of another; nulls by an entry where there is no value."""
-    record: dict[str, Any] = _record(value, entry) if entry else serialise(value)
+    record: dict[str, Any] = _record(value, entry) if entry else plain(value)
     return record
 
 
@@ -220,7 +261,7 @@ def _reach(value: Any, path: str) -> Any:
     for name in path.split("."):
         if value is None:
             return None
-        value = getattr(value, name)
+        value = value[name] if isinstance(value, Mapping) else getattr(value, name)
         value = value() if callable(value) else value
     return value
 

@@ -45,12 +45,13 @@ def data_frame(data: Any, columns: list[str] | None = None) -> pd.DataFrame:
 class Column:
     """A column of a table.
 
-    ``name``: name in frames and CSV, with its unit: ``excess_time_h``. ``label``: heading for
-    people; the name without underscores if left out. ``form``: format of numbers, such as ``.2f``;
-    ``.1%`` for shares, ``clock`` for hours of a day; ``{:+.1f} kg`` where text surrounds them.
-    ``missing``: what stands for a value that does not exist. ``to_right``: whether its cells are
-    aligned to the right; by default numbers and the values of facts are. ``digits``: significant
-    digits that numbers are rounded to before they are formatted; all by default.
+    ``name``: name in frames and CSV, with its unit: ``excess_time_h``. ``label``: words for people;
+    the name without underscores if left out; ``head``: in headings, where they are shorter.
+    ``form``: format of numbers, such as ``.2f``; ``.1%`` for shares in per cent, ``clock`` for
+    hours of a day; ``{:+.1f} kg`` where text surrounds them. ``missing``: what stands for a value
+    that does not exist. ``to_right``: whether its cells are aligned to the right; by default
+    numbers and the values of facts are. ``digits``: significant digits that numbers are rounded to
+    before they are formatted; all by default.
     """
 
     name: str
@@ -60,12 +61,23 @@ class Column:
     missing: str = MISSING
     to_right: bool | None = None
     digits: int | None = None
+    head: str = ""
+
+    @property
+    def shown_unit(self) -> str:
+        """Unit as people read it: per cent of shares."""
+        return "%" if self.is_share else unit_text(self.unit)
+
+    @property
+    def is_share(self) -> bool:
+        """Whether numbers are written in per cent."""
+        return self.form.endswith("%") and "{" not in self.form
 
     @property
     def heading(self) -> str:
-        """Label with its unit."""
-        label = self.label or self.name.replace("_", " ")
-        return f"{label} [{unit_text(self.unit)}]" if self.unit else label
+        """Heading of a table, with the unit."""
+        label = self.head or self.label or self.name.replace("_", " ")
+        return f"{label} [{self.shown_unit}]" if self.shown_unit else label
 
     def text(self, value: Any) -> str:
         """Value as people read it: numbers in the column's format, infinity as ``unlimited``."""
@@ -84,7 +96,7 @@ class Column:
         if "{" in self.form:
             return self.form.format(value)
         text = format(value, self.form)
-        return f"{text[:-1]} %" if self.form.endswith("%") else text
+        return text[:-1] if self.is_share else text
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
-from sizing.results.notes import extrapolation_blocks
 from sizing.results.quantities import DRAWN, ENDURANCE, EXCESS_TIME, MINIMUM_CHARGE, Quantity
-from sizing.results.records import check_subjects, hours, percentiles
-from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
+from sizing.results.records import check_subjects, percentiles
+from sizing.results.tables import Result, data_frame
 from sizing.uncertainty.inputs import Proportion, UncertainInputs, sobol_points, uncertain_inputs
 from sizing.uncertainty.propagation import Flights, Propagation, check_inputs
 from sizing.validity.ranges import Extrapolation
@@ -105,17 +104,10 @@ class UncertaintyAnalysis(Result):
         excess = self.flights.excess_time_h
         return Proportion.of((excess > 0.0) & (excess >= self.required_h))
 
-    def headline(self) -> str:
-        """Aircraft, mission and probability in one line."""
-        return (
-            f"{self.aircraft.name} on {self.mission.name}: perpetual flight in "
-            f"{100 * self.probability_perpetual.value:.1f} % of {self.samples} draws"
-        )
-
     @property
     def percentiles(self) -> dict[Quantity, dict[str, float]]:
         """P90, P50 and P10 of excess time, state of charge and endurance."""
-        return {one: _percentiles(values) for one, values in self._scattered().items()}
+        return {one: draw_percentiles(values) for one, values in self.scattered().items()}
 
     @property
     def spreads(self) -> tuple[DrawnInput, ...]:
@@ -125,7 +117,7 @@ class UncertaintyAnalysis(Result):
                 one.key,
                 one.nominal,
                 one.distribution.distribution,
-                _percentiles(self.values[one.key]),
+                draw_percentiles(self.values[one.key]),
             )
             for one in self.inputs.inputs
         )
@@ -136,28 +128,10 @@ class UncertaintyAnalysis(Result):
             self.values | {one.name: getattr(self.flights, one.name) for one in DRAWN}
         )
 
-    def _scattered(self) -> dict[Quantity, FloatArray]:
+    def scattered(self) -> dict[Quantity, FloatArray]:
+        """Excess time, state of charge and endurance of the draws."""
         known = vars(self.flights) | {ENDURANCE.name: self.endurance_h}
         return {one: known[one.name] for one in (EXCESS_TIME, MINIMUM_CHARGE, ENDURANCE)}
-
-    def summary(self) -> Summary:
-        """What the terminal shows."""
-        rows = [("probability of perpetual flight", self.probability_perpetual.text())]
-        if self.required_h > 0.0:
-            label = f"probability of {self.required_h:g} h of excess time"
-            rows.append((label, self.probability_required.text()))
-        rows += [
-            ("excess time with the files' values", hours(self.nominal_excess_time_h)),
-            *self._spread_rows(),
-        ]
-        blocks: list[Any] = [Line(self.headline(), "strong"), facts("", rows), self.input_table()]
-        blocks += extrapolation_blocks(self.extrapolations)
-        climbs = f"; {self.mission.climb_label}" if self.mission.climb else ""
-        text = f"{self.solar.label}{climbs}; seed {self.seed}. P90 is exceeded in 90 % of draws."
-        if not self.inputs.independent:
-            text += " Inputs are correlated: shares of the variance are not defined."
-        blocks.append(Line(text, "faint"))
-        return Summary(tuple(blocks))
 
     @property
     def lobes(self) -> dict[str, NDArray[np.bool_]]:
@@ -169,51 +143,6 @@ class UncertaintyAnalysis(Result):
         share = float(np.mean(perpetual))
         two = _LEAST_LOBE <= share <= 1.0 - _LEAST_LOBE
         return {"perpetual": perpetual, "limited": ~perpetual} if two else {}
-
-    def _spread_rows(self) -> list[tuple[str, str]]:
-        """Spread of excess time, endurance and state of charge; of two lobes each by itself."""
-        scattered, lobes = self._scattered(), self.lobes
-        if not lobes:
-            return [
-                ("excess time: P90, P50, P10 of draws", _three(EXCESS_TIME, scattered)),
-                *((one.label, _three(one, scattered)) for one in (ENDURANCE, MINIMUM_CHARGE)),
-            ]
-        rows = []
-        for name, varied in (("perpetual", MINIMUM_CHARGE), ("limited", ENDURANCE)):
-            chosen = lobes[name]
-            within = {one: values[chosen[: len(values)]] for one, values in scattered.items()}
-            share = f"{name}, {100.0 * np.mean(chosen):.1f} % of draws"
-            rows.append((f"{share}: excess time, P90, P50, P10", _three(EXCESS_TIME, within)))
-            rows.append((f"{share}: {varied.label}", _three(varied, within)))
-        return rows
-
-    def input_table(self) -> Table:
-        """Inputs with their spread and their shares of the excess time's variance."""
-        order = sorted(
-            self.inputs.inputs,
-            key=lambda one: -self.sobol[one.key].total if one.key in self.sobol else 0.0,
-        )
-        rows = []
-        for one in order:
-            low, high = np.percentile(self.values[one.key], [10.0, 90.0])
-            index = self.sobol.get(one.key)
-            rows.append(
-                (
-                    one.label,
-                    f"{one.nominal:.4g}",
-                    f"{low:.4g} to {high:.4g}",
-                    None if index is None else 100.0 * index.first,
-                    None if index is None else 100.0 * index.total,
-                )
-            )
-        columns = (
-            Column("input"),
-            Column("nominal"),
-            Column("spread", "10 to 90 %"),
-            Column("first", "of the variance, alone", "%", ".0f"),
-            Column("total", "with others", "%", ".0f"),
-        )
-        return Table("what the excess time depends on", columns, tuple(rows))
 
 
 def analyse_uncertainty(
@@ -322,11 +251,6 @@ def _sobol_indices(
 _LEAST_LOBE = 0.1  # of all draws
 
 
-def _percentiles(values: FloatArray) -> dict[str, float]:
+def draw_percentiles(values: FloatArray) -> dict[str, float]:
     """P90, P50 and P10, each a draw that occurred."""
     return percentiles(values, "inverted_cdf")
-
-
-def _three(quantity: Quantity, values: dict[Quantity, FloatArray]) -> str:
-    found = _percentiles(values[quantity]).values()
-    return ", ".join(quantity.fact(one)[1] for one in found)

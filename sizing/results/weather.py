@@ -17,26 +17,10 @@ from sizing.battery.condition import BatteryTemperature
 from sizing.day.light import SolarModel
 from sizing.day.record import WeatherPerformance, WeatherRun, weather_performance
 from sizing.results.conditions import BatteryCondition, battery_condition_of_days
-from sizing.results.notes import extrapolation_blocks, extrapolation_records
-from sizing.results.records import (
-    check_subjects,
-    clock_label,
-    finite,
-    finite_values,
-    hours,
-    percentiles,
-)
-from sizing.results.render import ALL, wind_rows
-from sizing.results.sentences import battery_line
-from sizing.results.serialise import serialise
-from sizing.results.tables import Column, Line, Result, Summary, Table, data_frame, facts
-from sizing.results.weather_years import (
-    YearInWeather,
-    year_rows,
-    year_table,
-    year_to_year,
-    years_of,
-)
+from sizing.results.records import check_subjects, finite, percentiles
+from sizing.results.serialise import plain
+from sizing.results.tables import Result, data_frame
+from sizing.results.weather_years import YearInWeather, YearToYear, years_of
 from sizing.validity.checks import (
     battery_checks,
     charge_rate_check,
@@ -55,11 +39,6 @@ if TYPE_CHECKING:
 
 # Windows whose waiting times are told [d].
 WINDOWS_DAYS = (1, 2, 3, 5, 7)
-_WINDOW = (
-    Column("days", "window", "d"),
-    Column("starts", "days on which one begins"),
-    Column("median_wait_days", "median wait", "d", ".0f", "none to come"),
-)
 # Quantities that have the air of each day.
 _OF_DAYS = ("pack_temperature_c", "air_temperature_c")
 # Quantities of what is assumed high up.
@@ -199,43 +178,35 @@ class WeatherAnalysis(Result):
         closes, before = (int(one.recorded.closes.sum()) for one in (flown, done))
         return f"unheated {closes} instead of {before} days close"
 
-    def headline(self) -> str:
-        """Aircraft, site and days that close in one line."""
-        run = self.performance.recorded
-        return (
-            f"{self.aircraft.name} in the weather of {self.weather.site.label}: "
-            f"{int(run.closes.sum())} of {len(run.closes)} days close"
-        )
+    @property
+    def days(self) -> int:
+        """Days of the record."""
+        return len(self.performance.recorded.closes)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Analysis of the record, JSON-ready: the key ``weather`` of ``analyse --weather``."""
-        done, run, clear = self.performance, self.performance.recorded, self.performance.clear
-        weather = self.weather
-        return {
-            **self.weather.origin(),
-            "flight_altitude_m": self.mission.altitude_m,
-            "days": len(run.closes),
-            "days_that_close": int(run.closes.sum()),
-            "clear_sky_days_that_close": int(clear.closes.sum()),
-            "longest_run_days": run.longest_run_days,
-            "clear_sky_longest_run_days": clear.longest_run_days,
-            "share_of_days_that_close": float(run.closes.mean()),
-            "endurance_h": finite_values(self.endurance_h),
-            "flown_to_sunset_share": self.flown_to_sunset_share,
-            "launches_that_outlast_the_record": int(run.outlasts.sum()),
-            "windows": [one._asdict() for one in self.windows],
-            "years": [one.to_dict() for one in self.years],
-            "year_to_year": year_to_year(self.years),
-            "irradiation_kwh_per_m2": float(weather.ghi.sum() * weather.interval_s / 3.6e6),
-            "share_of_clear_sky_light": self.share_of_clear_light(),
-            "wind_above_airspeed_share": self.wind_above_airspeed_share(),
-            "battery_condition": serialise(self.battery_condition),
-            "extrapolations": extrapolation_records(self.extrapolations),
-            "repairs": list(weather.repairs),
-            "notes": list(self.notes),
-            "model": done.solar.model,
-            "correction": done.solar.correction,
-        }
+    @property
+    def days_that_close(self) -> int:
+        """Days that close in the record's light."""
+        return int(self.performance.recorded.closes.sum())
+
+    @property
+    def clear_sky_days_that_close(self) -> int:
+        """Days that close under a clear sky."""
+        return int(self.performance.clear.closes.sum())
+
+    @property
+    def irradiation_kwh_per_m2(self) -> float:
+        """Global horizontal irradiation of the record [kWh/m²]."""
+        return float(self.weather.ghi.sum() * self.weather.interval_s / 3.6e6)
+
+    @property
+    def launches_that_outlast_the_record(self) -> int:
+        """Launches at dawn that still fly when the record ends."""
+        return int(self.performance.recorded.outlasts.sum())
+
+    @property
+    def year_to_year(self) -> YearToYear | None:
+        """Spread of the whole years; None where there are not two of them."""
+        return YearToYear.of(self.years)
 
     @property
     def battery_condition(self) -> BatteryCondition | None:
@@ -286,95 +257,24 @@ class WeatherAnalysis(Result):
 
     def to_years_frame(self) -> pd.DataFrame:
         """A row a year: days, those that close, longest run and endurance."""
-        rows = [
-            {name: value for name, value in one.to_dict().items() if name != "endurance_h"}
-            | {f"endurance_{p}_h": value for p, value in one.endurance_h.items()}
-            for one in self.years
-        ]
-        return data_frame(rows)
+        return data_frame([plain(one, "YearInFrame") for one in self.years])
 
-    def at_level(self, level: int) -> Summary:
-        """Days that close, then by month and year, and windows of days."""
+    @property
+    def months(self) -> list[dict[str, Any]]:
+        """Days that close, state of charge at dawn and endurance of every month."""
         run, clear = self.performance.recorded, self.performance.clear
-        days, solar = len(run.closes), self.performance.solar
-        dawn_h = run.dawn_h + run.axis.midnight_h
-        dawns = ", ".join(clock_label(float(h)) for h in (dawn_h.min(), dawn_h.max()))
-        rows = [
-            ("days that close", f"{int(run.closes.sum())} of {days}"),
-            ("the same under a clear sky", f"{int(clear.closes.sum())} of {days}"),
-            *year_rows(self.years),
-            ("longest run of days that close", f"{run.longest_run_days} days"),
-            ("longest run under a clear sky", f"{clear.longest_run_days} days"),
-            (
-                "endurance from dawn: P90, P50, P10 of days",
-                ", ".join(map(hours, self.endurance_h.values())),
-            ),
-            (
-                "launched at dawn, still flying at sunset",
-                f"{100 * self.flown_to_sunset_share:.0f} % of days",
-            ),
-            ("light, share of the clear sky's", f"{100 * self.share_of_clear_light():.0f} %"),
-            ("dawn: earliest, latest (solar time)", dawns),
-            (
-                "flight altitude",
-                f"{self.mission.altitude_m:.0f} m",
-            ),
-            *(wind_rows(self.mission) if self.mission.holds_station else []),
-        ]
-        wind = self.wind_above_airspeed_share()
-        if wind is not None:
-            rows.append(("time with wind above the airspeed", f"{100 * wind:.1f} %"))
-        blocks: list[Any] = [
-            Line(self.headline(), "strong"),
-            facts("", rows),
-        ]
-        if level >= ALL:
-            blocks += [year_table(self.years)] if year_to_year(self.years) else []
-            blocks.append(self._months())
-        if run.closes.any() and level >= ALL:
-            blocks.append(Table("windows of consecutive days that close", _WINDOW, self.windows))
-        if (condition := self.battery_condition) is not None:
-            blocks.append(battery_line(self.aircraft, condition))
-        blocks += extrapolation_blocks(self.extrapolations)
-        if level >= ALL:
-            blocks += [Line(f"record: {text}", "faint") for text in self.weather.repairs]
-        blocks += [Line(text, "faint") for text in self.notes]
-        kind = "typical year, months of several years" if self.weather.typical else "one record"
-        blocks.append(
-            Line(
-                f"{solar.label}; {self.weather.layout}, "
-                f"{kind}. A day closes if, begun at dawn with the charge carried over, it reaches "
-                "the next dawn without an empty battery. P90 is exceeded on 90 % of days.",
-                "faint",
-            )
-        )
-        return Summary(tuple(blocks))
-
-    def _months(self) -> Table:
-        """Days that close in every month."""
-        run, clear = self.performance.recorded, self.performance.clear
-        month = run.axis.month
-        rows = [
-            (
-                MONTH_NAMES[number - 1],
-                int(np.count_nonzero(at)),
-                int(run.closes[at].sum()),
-                int(clear.closes[at].sum()),
-                float(100.0 * np.median(run.dawn_state_of_charge[at])),
-                float(np.median(run.endurance_h[at])),
-            )
+        return [
+            {
+                "month": MONTH_NAMES[number - 1],
+                "days": int(np.count_nonzero(at)),
+                "days_that_close": int(run.closes[at].sum()),
+                "clear_sky_days_that_close": int(clear.closes[at].sum()),
+                "median_dawn_state_of_charge": float(np.median(run.dawn_state_of_charge[at])),
+                "median_endurance_h": float(np.median(run.endurance_h[at])),
+            }
             for number in range(1, 13)
-            if np.any(at := month == number)
+            if np.any(at := run.axis.month == number)
         ]
-        columns = (
-            Column("month"),
-            Column("days"),
-            Column("days_that_close", "close"),
-            Column("clear_sky_days_that_close", "clear sky"),
-            Column("median_dawn_state_of_charge", "SoC at dawn, median", "%", ".0f"),
-            Column("median_endurance_h", "endurance, median", "h", ".1f"),
-        )
-        return Table("month by month", columns, tuple(rows))
 
 
 def analyse_weather(

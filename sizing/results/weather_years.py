@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from operator import attrgetter
 
 import numpy as np
 
 from missions.weather.record import run_lengths
 from sizing.day.record import WeatherRun
-from sizing.results.records import PERCENTILES, hours, percentiles
-from sizing.results.tables import Column, Table
+from sizing.results.records import percentiles
 
 # A year that lacks more days than these is told, and not counted among the whole ones.
 _MISSING_DAYS = 7
@@ -36,18 +36,41 @@ class YearInWeather:
     endurance_h: dict[str, float]
 
     @property
-    def share(self) -> float:
+    def share_of_days_that_close(self) -> float:
         """Days that close over days [-]."""
         return self.days_that_close / self.days
 
-    @property
-    def label(self) -> str:
-        """Year, and how much of it is there."""
-        return f"{self.year}" if self.whole else f"{self.year} (part)"
 
-    def to_dict(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
-        return vars(self) | {"share_of_days_that_close": self.share}
+@dataclass(frozen=True)
+class YearToYear:
+    """Spread of the whole years of a record, by percentiles that occurred in one of them."""
+
+    whole_years: int
+    days_that_close: dict[str, float]
+    longest_run_days: dict[str, float]
+    median_endurance_h: dict[str, float]
+    worst_year: int
+    best_year: int
+
+    @classmethod
+    def of(cls, years: Sequence[YearInWeather]) -> YearToYear | None:
+        """Return the spread; None where there are not two whole years."""
+        whole = [year for year in years if year.whole]
+        if len(whole) < 2:
+            return None
+
+        def spread(values: list[float]) -> dict[str, float]:
+            return percentiles(np.array(values), "inverted_cdf")
+
+        share = attrgetter("share_of_days_that_close")
+        return cls(
+            whole_years=len(whole),
+            days_that_close=spread([year.days_that_close for year in whole]),
+            longest_run_days=spread([year.longest_run_days for year in whole]),
+            median_endurance_h=spread([year.endurance_h["p50"] for year in whole]),
+            worst_year=min(whole, key=share).year,
+            best_year=max(whole, key=share).year,
+        )
 
 
 def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ...]:
@@ -71,68 +94,3 @@ def years_of(recorded: WeatherRun, clear: WeatherRun) -> tuple[YearInWeather, ..
             )
         )
     return tuple(years)
-
-
-def year_to_year(years: tuple[YearInWeather, ...]) -> dict[str, Any] | None:
-    """Spread of the whole years, JSON-ready; None where there are not two of them.
-
-    Returns percentiles are values of years that occurred.
-    """
-    whole = [one for one in years if one.whole]
-    if len(whole) < 2:
-        return None
-
-    def spread(values: list[float]) -> dict[str, float]:
-        return percentiles(np.array(values), "inverted_cdf")
-
-    return {
-        "whole_years": len(whole),
-        "days_that_close": spread([one.days_that_close for one in whole]),
-        "longest_run_days": spread([one.longest_run_days for one in whole]),
-        "median_endurance_h": spread([one.endurance_h["p50"] for one in whole]),
-        "worst_year": min(whole, key=lambda one: one.share).year,
-        "best_year": max(whole, key=lambda one: one.share).year,
-    }
-
-
-def year_rows(years: tuple[YearInWeather, ...]) -> list[tuple[str, str]]:
-    """Rows on the spread of the years; none where there are not two whole ones."""
-    record = year_to_year(years)
-    if record is None:
-        return []
-    spread = ", ".join(f"{record['days_that_close'][p]:.0f}" for p in PERCENTILES)
-    worst, best = (
-        next(one for one in years if one.year == record[name])
-        for name in ("worst_year", "best_year")
-    )
-    return [
-        ("days that close in a year: 10, 50, 90 % of years", spread),
-        (
-            "worst year, best year",
-            f"{worst.year} ({worst.days_that_close}), {best.year} ({best.days_that_close})",
-        ),
-    ]
-
-
-def year_table(years: tuple[YearInWeather, ...]) -> Table:
-    """A row a year."""
-    columns = (
-        Column("year"),
-        Column("days"),
-        Column("days_that_close", "close"),
-        Column("clear_sky_days_that_close", "clear sky"),
-        Column("longest_run_days", "longest run", "d"),
-        Column("endurance", "endurance: 10, 50, 90 %"),
-    )
-    rows = [
-        (
-            one.label,
-            one.days,
-            one.days_that_close,
-            one.clear_sky_days_that_close,
-            one.longest_run_days,
-            ", ".join(hours(one.endurance_h[p]) for p in PERCENTILES),
-        )
-        for one in years
-    ]
-    return Table("year by year", columns, tuple(rows))

@@ -20,7 +20,7 @@ from missions.logs.table import FlightLog, Gap
 from missions.mission import Mission
 from sizing.aircraft import Aircraft
 from sizing.results.render import ALL
-from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.results.tables import Column, Line, Result, Table
 from solar.names import ModelName
 from solar.types import BoolArray, FloatArray
 from studies.flight_logs.errors import (
@@ -113,7 +113,7 @@ class Verification(Result):
             f"{len(self.samples.time_s)} of {len(self.log)} samples with the sun up"
         )
 
-    def at_level(self, level: int) -> Summary:
+    def blocks(self, level: int) -> list[Any]:
         """Errors and estimates, then those of all models, residuals and what is left out."""
         blocks: list[Any] = [Line(self.headline(), "strong")]
         units = zip(("clock", "heading"), self.applied, ("min", "deg"), strict=True)
@@ -125,14 +125,14 @@ class Verification(Result):
         if self.excluded.any():
             blocks.append(f"{self.excluded.sum()} samples are left out of errors and residuals")
         if level < ALL:
-            return Summary(tuple(blocks))
+            return blocks
         blocks += [f"- {note}" for note in self.notes]
         definition = (
             "errors are modelled minus measured, % of the mean measured power; RMS and maximum "
             "after a moving average over so many seconds to either side as filter says; estimated: "
             "with clock, heading and factor on power as estimated"
         )
-        return Summary((*blocks, Line(definition, "faint")))
+        return [*blocks, Line(definition, "faint")]
 
     def overview(self) -> Table:
         """Errors of the most detailed model in every window and on every day."""

@@ -23,9 +23,9 @@ from sizing.program.objectives import RESIZE_NAMES, Objective
 from sizing.program.result import SizingStatus
 from sizing.program.size import size_aircraft
 from sizing.results.notes import extrapolation_blocks
-from sizing.results.quantities import CHARGE_MARGIN, CHARGE_PERCENT, EXCESS_TIME
+from sizing.results.quantities import group, table_of
 from sizing.results.render import ALL
-from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.results.tables import Column, Line, Result, Table
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
 from sizing.validity.extrapolations import extrapolations, together, told, worst_of
 from sizing.validity.ranges import Extrapolation
@@ -118,7 +118,7 @@ class Comparison(Result):
         text = f"Sized with {by}, {name} has {case.built.result(self.objective)}"
         return f"{text}{joined} {outcome}{aside}."
 
-    def at_level(self, level: int) -> Summary:
+    def blocks(self, level: int) -> list[Any]:
         """Predictions, the headline and what is outside of models; then designs and notes."""
         reference = self.reference.solar
         worst = dict.fromkeys(case.prediction.scenario for case in self.cases)
@@ -131,15 +131,15 @@ class Comparison(Result):
             lines.append(self.mission.climb_label)
         title = (
             f"{self.aircraft.name} on {self.mission.name}: {len(self.cases)} models, evaluated by "
+            f"{model_label(reference)}"
         )
-        title += model_label(reference)
-        notes = (Line(f"- {line}", "faint") for line in lines)
-        outside = extrapolation_blocks(self.extrapolations)
+        notes = [Line(f"- {line}", "faint") for line in lines]
+        outside = extrapolation_blocks(self.extrapolations, level)
         tables: Sequence[Table] = self.tables()
         if level < ALL:
             tables = [replace(tables[0], title="", sections=())]
-            notes = (Line(text, "faint") for text in self.notes)
-        return Summary((Line(title, "strong"), *tables, self.headline(), *outside, *notes))
+            notes = [Line(text, "faint") for text in self.notes]
+        return [Line(title, "strong"), *tables, self.headline(), *outside, *notes]
 
     def perpetual_line(self) -> str:
         """How many of the models and corrections say that the flight is not perpetual."""
@@ -153,67 +153,54 @@ class Comparison(Result):
         table = self.tables()[0]
         if not any(case.prediction.several_scenarios for case in self.cases):
             return (table,)
-        of_all = (*_PREDICTED[:4], _PREDICTED[-1])
-        rows = tuple((*row[:4], row[-1]) for row in table.rows)
-        in_worst = [
-            (*row[:2], case.prediction.scenario, case.prediction.solar_energy_wh, *row[4:-1])
-            for row, case in zip(table.rows, self.cases, strict=True)
-        ]
-        worst = (*_PREDICTED[:2], Column("scenario"), *_PREDICTED[2:3], *_PREDICTED[4:-1])
+        rows, lines = list(map(self._predicted, self.cases)), table.sections
+        worst = f"model correction scenario solar_energy_wh {_REACHED}"
+        title = "all scenarios: mean solar energy of a day, and season of perpetual flight"
         return (
-            Table("worst scenario of each model", worst, tuple(in_worst), sections=table.sections),
-            Table(
-                "all scenarios: mean solar energy of a day, and season of perpetual flight",
-                *(of_all, rows),
-                sections=table.sections,
-            ),
+            table_of("worst scenario of each model", worst, rows, sections=lines),
+            table_of(title, f"{_OF_ALL} season", rows, sections=lines),
         )
 
     def tables(self) -> tuple[Table, ...]:
         """What the models predict, and what they would have built if they were asked."""
         models = [case.solar.model for case in self.cases]
-        sections = [i + 1 for i, (a, b) in enumerate(itertools.pairwise(models)) if a != b]
-        predicted = tuple(self._predicted_row(case) for case in self.cases)
-        tables = [Table("predictions", _PREDICTED, predicted, sections=tuple(sections))]
-        if self.has_designs:
-            objective = self.objective
-            promised = "promised " if objective is Objective.max_excess_time else ""
-            columns = (
-                *_PREDICTED[:2],
-                Column(objective.variable, f"{promised}{objective.label}", objective.unit, ".2f"),
-                Column("judged_excess_time_h", "then: excess time", "h", ".2f"),
-                Column("judged_endurance", "then: endurance"),
-            )
-            title = (
-                f"designs by {objective.value} with {self.required_excess_time_h:g} h of excess "
-            )
-            title += "time, then evaluated by the reference"
-            built = tuple(self._built_row(case) for case in self.cases)
-            tables.append(Table(title, columns, built, sections=tuple(sections)))
-        return tuple(tables)
-
-    def _predicted_row(self, case: Case) -> tuple[Any, ...]:
-        p, season = case.prediction, case.season
-        above, days = self.solar_energy_above_reference(case), season.days
-        return (
-            case.solar.model,
-            case.solar.correction,
-            p.mean_solar_energy_wh,
-            None if above is None else 100.0 * above,
-            p.excess_time_h,
-            100.0 * p.minimum_state_of_charge,
-            p.charge_margin_h,
-            p.endurance_cell,
-            days if days == season.window_days else f"{season.window_days} of {days}",
+        lines = [i + 1 for i, (a, b) in enumerate(itertools.pairwise(models)) if a != b]
+        rows = map(self._predicted, self.cases)
+        predicted = table_of("predictions", f"{_OF_ALL} {_REACHED} season", rows, sections=lines)
+        if not self.has_designs:
+            return (predicted,)
+        objective = self.objective
+        promised = "promised " if objective is Objective.max_excess_time else ""
+        goal = Column("goal", f"{promised}{objective.label}", objective.unit, ".2f")
+        judged = group("model correction judged_excess_time_h judged_endurance")
+        title = (
+            f"designs by {objective.value} with {self.required_excess_time_h:g} h of excess time, "
+            "then evaluated by the reference"
         )
+        columns = (*judged[:2], goal, *judged[2:])
+        built = table_of(title, columns, map(self._built, self.cases), sections=lines)
+        return predicted, built
 
-    def _built_row(self, case: Case) -> tuple[Any, ...]:
+    def _predicted(self, case: Case) -> dict[str, Any]:
+        prediction, season = case.prediction, case.season
+        whole = season.days == season.window_days
+        return {
+            **vars(case.solar),
+            **vars(prediction),
+            "solar_energy_above_reference": self.solar_energy_above_reference(case),
+            "endurance": prediction.endurance_cell,
+            "season": season.days if whole else f"{season.window_days} of {season.days}",
+        }
+
+    def _built(self, case: Case) -> dict[str, Any]:
         assert case.built is not None
-        prediction, row = case.built.judged, (case.solar.model, case.solar.correction)
-        if prediction is None:
-            return (*row, case.built.sizing.status.label, None, None)
-        value = case.built.value(self.objective)
-        return (*row, value, prediction.excess_time_h, prediction.endurance_cell)
+        judged, value = case.built.judged, case.built.sizing.status.label
+        return {
+            **vars(case.solar),
+            "goal": value if judged is None else case.built.value(self.objective),
+            "judged_excess_time_h": judged and judged.excess_time_h,
+            "judged_endurance": judged and judged.endurance_cell,
+        }
 
     @property
     def compared_cases(self) -> tuple[ComparedCase, ...]:
@@ -244,17 +231,8 @@ class Comparison(Result):
         return frame.rename(columns=lambda name: name.removesuffix("_label"))
 
 
-_PREDICTED = (
-    Column("model"),
-    Column("correction", "corr."),
-    Column("mean_solar_energy_wh", "solar energy", "Wh", ".0f"),
-    Column("above_reference_percent", "vs ref.", "%", "+z.1f"),
-    EXCESS_TIME,
-    CHARGE_PERCENT,
-    CHARGE_MARGIN,
-    Column("endurance"),
-    Column("season_days", "season", "d"),
-)
+_OF_ALL = "model correction mean_solar_energy_wh solar_energy_above_reference"
+_REACHED = "excess_time_h minimum_state_of_charge charge_margin_h endurance"
 
 
 def compare(

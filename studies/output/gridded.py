@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -323,6 +324,18 @@ def told_of_cells(
     known = np.isin(columns["status"], described)
     texts = np.asarray(columns["extrapolations"])[known]
     return together([from_text(str(text)) for text in texts.ravel()], what)
+
+
+def shown_places(values: Sequence[float], most: int) -> list[int]:
+    """Places of the values that a table of so many rows shows: of many, those of round values."""
+    every = list(range(len(values)))
+    if len(every) <= most:
+        return every
+    for step in (1.0, 2.0, 5.0, 10.0, 15.0, 30.0):
+        at_round = [i for i in every if values[i] % step == 0.0]
+        if 0 < len(at_round) <= most:
+            return at_round
+    return every[:: math.ceil(len(every) / most)]
 
 
 def feasible(data: OnGrid) -> NDArray[np.bool_]:

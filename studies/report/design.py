@@ -23,10 +23,15 @@ from sizing.results.render import (
     neighbour_table,
     requirement_table,
     sensitivity_table,
-    wind_rows,
 )
 from sizing.results.requirements import constraint_words, requirement_margins
-from sizing.results.sentences import balance_lines, cells_lines, cross_check_line, loss_line
+from sizing.results.sentences import (
+    balance_lines,
+    cells_lines,
+    cross_check_line,
+    loss_line,
+    wind_rows,
+)
 from sizing.results.tables import facts
 from studies.report.blocks import Bars, Block, Section, Tables, Text, sentence
 from studies.report.figures import page_figure, page_options

@@ -242,7 +242,7 @@ def uncertainty_section(subject: Subject) -> Section | None:
         "inputs by what they explain of its variance, as in the table below.",
         key="scatter",
     )
-    first, *others = summary_blocks(uncertainty.summary(), title="probability and spread")
+    first, *others = summary_blocks(uncertainty.at_level(ALL), title="probability and spread")
     return Section("uncertainty", "Uncertain inputs", [first, drawing, *others])
 
 

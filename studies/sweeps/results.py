@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from dataclasses import dataclass
 from string import ascii_uppercase
 from typing import Any
 
@@ -14,10 +13,10 @@ from numpy.typing import NDArray
 
 from sizing.parameters import parameter
 from sizing.program.objectives import Objective
-from sizing.results.notes import extrapolation_blocks, extrapolation_records
+from sizing.results.notes import extrapolation_blocks
 from sizing.results.quantities import BATTERY_MASS, BELOW_ZERO, PAYLOAD_MASS, WINGSPAN
-from sizing.results.records import finite_values
-from sizing.results.tables import Column, Line, Summary, Table
+from sizing.results.serialise import serialise
+from sizing.results.tables import Column, Line, Result, Table
 from studies.output.gridded import (
     CLIMB,
     extrapolations_of,
@@ -27,7 +26,7 @@ from studies.output.gridded import (
 )
 from studies.sweeps.axes import unit_label, without_unit
 
-_ROWS = 15
+_ROWS = 15  # of the table of a summary
 # Results that are the same as a varied key.
 _VARIED_AS = {
     **{one.variable: one.name for one in (WINGSPAN, BATTERY_MASS)},
@@ -35,114 +34,115 @@ _VARIED_AS = {
 }
 
 
-def points_record(data: xr.Dataset) -> dict[str, Any]:
-    """All points, JSON-ready; undefined and infinite numbers are null, the status says why."""
-    table = to_table(data)
-    rows = [
-        {
-            name: None if isinstance(value, float) and not math.isfinite(value) else value
-            for name, value in row.items()
-        }
-        for row in table.to_dict("records")
-    ]
-    return {
-        "title": data.attrs["title"],
-        **({CLIMB: data.attrs[CLIMB]} if CLIMB in data.attrs else {}),
-        "sample": data.attrs["sample"],
-        "objective": data.attrs["objective"] or None,
-        "status": _counts(data),
-        "extrapolations": extrapolation_records(extrapolations_of(data)),
-        "points": rows,
-    }
+@dataclass(frozen=True, repr=False)
+class SweepResult(Result):
+    """A trade study: how its points end, and the best of them, or those of a Pareto front.
 
-
-def _counts(data: xr.Dataset) -> dict[str, int]:
-    return {str(k): int(v) for k, v in to_table(data)["status"].value_counts().items()}
-
-
-def front_record(data: xr.Dataset, x: str, y: str) -> dict[str, Any]:
-    """Key ``pareto_front`` of the record: the front's points with their names."""
-    front = pareto_table(data, x, y)
-    rows = front[front["pareto_front"]][
-        list(dict.fromkeys(["point", *_varied(data), x, y]))
-    ].to_dict("records")
-    named = [{str(key): value for key, value in row.items()} for row in rows]
-    return {"pareto_front": {"x": x, "y": y, "points": list(map(finite_values, named))}}
-
-
-def points_summary(
-    data: xr.Dataset,
-    *,
-    sort: str | None = None,
-    top: int = _ROWS,
-    front: tuple[str, str] | None = None,
-) -> Summary:
-    """How many points end in which way, and the best of them, or those of a Pareto front.
-
-    ``sort``: column to sort by, see :func:`sorted_by`; the best first
-    without it.
+    ``sort``: column to sort by, see :func:`sorted_by`; the best first without it. ``top``: rows of
+    the table; by default what fits a screen. ``front``: results or varied keys of which no other
+    point has better ones.
     """
-    counts = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in _counts(data).items())
-    count = data["status"].size
-    noun = "point" if count == 1 else "points"
-    subject = data.attrs["title"].removeprefix("Trade study of ")
-    heading = Line(f"{subject}: trade study of {count} {noun}, {counts}", "strong")
-    if front is None:
-        rows, order = best_first(data) if sort is None else sorted_by(data, sort)
-        what = f"sorted: {order}{'' if sort is None else ' first'}"
-        table = _table(data, rows, top, ())
-    else:
-        every = pareto_table(data, *front)
+
+    data: xr.Dataset
+    sort: str | None = None
+    top: int | None = None
+    front: tuple[str, str] | None = None
+
+    def headline(self) -> str:
+        """How many points end in which way."""
+        ends = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in self.counts.items())
+        count = self.data["status"].size
+        noun = "point" if count == 1 else "points"
+        subject = self.data.attrs["title"].removeprefix("Trade study of ")
+        return f"{subject}: trade study of {count} {noun}, {ends}"
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Points that end in each way."""
+        return {str(k): int(v) for k, v in to_table(self.data)["status"].value_counts().items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """All points, and those of the front; undefined and infinite numbers are null."""
+        about = self.data.attrs
+        record: dict[str, Any] = {
+            "title": about["title"],
+            **({CLIMB: about[CLIMB]} if CLIMB in about else {}),
+            "sample": about["sample"],
+            "objective": about["objective"] or None,
+            "status": self.counts,
+            "extrapolations": extrapolations_of(self.data),
+            "points": to_table(self.data).to_dict("records"),
+        }
+        if self.front is not None:
+            x, y = self.front
+            points = pareto_table(self.data, x, y)
+            columns = list(dict.fromkeys(["point", *self._varied, x, y]))
+            rows = points[points["pareto_front"]][columns].to_dict("records")
+            record["pareto_front"] = {"x": x, "y": y, "points": rows}
+        written: dict[str, Any] = serialise(record)
+        return written
+
+    def blocks(self, level: int) -> list[Any]:
+        """Headline, the best points, and what lies outside the range of a model."""
+        rows, what = self._ordered()
+        top = (_ROWS if level == 1 else len(rows)) if self.top is None else self.top
+        blocks: list[Any] = [Line(self.headline(), "strong")]
+        if self.data["status"].size > 1:
+            blocks.append(what)
+        blocks.append(self._table(rows.head(top)))
+        if (rows["excess_time"].head(top) < 0.0).any():
+            blocks.append(Line(BELOW_ZERO, "faint"))
+        if len(rows) > top:
+            more = f"{len(rows) - top} more not shown"
+            blocks.append(f"{more}: --top N shows more, -v and --out FILE have all")
+        if CLIMB in self.data.attrs:
+            blocks.append(Line(self.data.attrs[CLIMB], "faint"))
+        return [*blocks, *extrapolation_blocks(extrapolations_of(self.data), level)]
+
+    def _ordered(self) -> tuple[pd.DataFrame, str]:
+        """Points in their order, and that order in words."""
+        if self.front is None:
+            if self.sort is None:
+                rows, order = best_first(self.data)
+                return rows, f"sorted: {order}"
+            rows, order = sorted_by(self.data, self.sort)
+            return rows, f"sorted: {order} first"
+        every = pareto_table(self.data, *self.front)
         rows = every[every["pareto_front"]]
-        better = [f"{'more' if n in MORE_IS_BETTER else 'less'} {_plain(n)}" for n in front]
-        what = (
+        better = (f"{'more' if n in MORE_IS_BETTER else 'less'} {_plain(n)}" for n in self.front)
+        return rows, (
             f"Pareto front of {' and '.join(better)}: {len(rows)} of {len(every)} feasible points; "
             "no other is better in both"
         )
-        table = _table(data, rows, top, front)
-    blocks: list[Any] = [heading]
-    if count > 1:
-        blocks.append(what)
-    blocks.append(table)
-    if (rows["excess_time"].head(top) < 0.0).any():
-        blocks.append(Line(BELOW_ZERO, "faint"))
-    if len(rows) > top:
-        blocks.append(f"{len(rows) - top} more not shown: --top N shows more, --out FILE has all")
-    if CLIMB in data.attrs:
-        blocks.append(Line(data.attrs[CLIMB], "faint"))
-    return Summary((*blocks, *extrapolation_blocks(extrapolations_of(data))))
 
+    @property
+    def _varied(self) -> list[str]:
+        return [str(name) for name in self.data.coords if name not in ("sample", "varied")]
 
-def _varied(data: xr.Dataset) -> list[str]:
-    return [str(name) for name in data.coords if name not in ("sample", "varied")]
-
-
-def _table(data: xr.Dataset, rows: pd.DataFrame, top: int, front: Sequence[str]) -> Table:
-    """Rows with what was varied, how they end, and the results that matter."""
-    reasons = pd.Series(reasons_without_result(data).ravel(), to_table(data).index)
-    rows, varied = rows.head(top).copy(), _varied(data)
-    rows["why"] = reasons.reindex(rows.index)
-    if "varied" in data.coords:
-        # Of each point only one key differs from the file.
-        rows["value"] = [row[row["varied"]] if row["varied"] else "" for _, row in rows.iterrows()]
-        varied = ["varied", "value"]
-    sized = ("wingspan", "battery_mass") if data.attrs["objective"] else ()
-    results = [name for name in sized if _VARIED_AS[name] not in varied]
-    results += ["total_mass", "excess_time"]
-    objective = Objective(data.attrs["objective"]).column if sized else ""
-    results += [objective] if objective not in (*results, "", "wingspan") else []
-    # Where flight is perpetual the endurance is unlimited, which the status says.
-    endurance = rows["endurance"].to_numpy(float) if "endurance" in rows else np.array([])
-    results += ["endurance"] if np.isfinite(endurance).any() else []
-    results += ["charge_margin"]
-    point = ["point"] if front else []
-    named = [*point, *varied, "status", *results]
-    shown = {*named, *(name for name, key in _VARIED_AS.items() if key in varied)}
-    names = [*named, *(name for name in front if name not in shown)]
-    names += ["why"] if rows["why"].any() else []
-    columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
-    cells = rows[names].astype(object).itertuples(index=False, name=None)
-    return Table("", columns, tuple(tuple(map(_spaced, row)) for row in cells))
+    def _table(self, rows: pd.DataFrame) -> Table:
+        """Rows with what was varied, how they end, and the results that matter."""
+        data, rows, varied = self.data, rows.copy(), self._varied
+        reasons = pd.Series(reasons_without_result(data).ravel(), to_table(data).index)
+        rows["why"] = reasons.reindex(rows.index)
+        if "varied" in data.coords:
+            # Of each point only one key differs from the file.
+            rows["value"] = [row.get(row["varied"], "") for _, row in rows.iterrows()]
+            varied = ["varied", "value"]
+        sized = ("wingspan", "battery_mass") if data.attrs["objective"] else ()
+        results = [name for name in sized if _VARIED_AS[name] not in varied]
+        results += ["total_mass", "excess_time"]
+        objective = Objective(data.attrs["objective"]).column if sized else ""
+        results += [objective] if objective not in (*results, "", "wingspan") else []
+        # Where flight is perpetual the endurance is unlimited, which the status says.
+        endurance = rows["endurance"].to_numpy(float) if "endurance" in rows else np.array([])
+        results += ["endurance"] if np.isfinite(endurance).any() else []
+        named = [*(["point"] if self.front else []), *varied, "status", *results, "charge_margin"]
+        shown = {*named, *(name for name, key in _VARIED_AS.items() if key in varied)}
+        names = [*named, *(name for name in self.front or () if name not in shown)]
+        names += ["why"] if rows["why"].any() else []
+        columns = tuple(_column(data, name, ".6g" if name in varied else ".2f") for name in names)
+        cells = rows[names].astype(object).itertuples(index=False, name=None)
+        return Table("", columns, tuple(tuple(map(_spaced, row)) for row in cells))
 
 
 def _plain(name: str) -> str:

@@ -19,11 +19,11 @@ from sizing.uncertainty.inputs import UncertainInput, UncertainInputs
 from sizing.uncertainty.propagation import Propagation, check_inputs
 from sizing.validity.extrapolations import extrapolations
 from studies.ceiling import perpetual_ceiling
-from studies.maps.results import seasons_table
+from studies.maps.results import MapResult
 from studies.maps.study import feasibility_map
 from studies.models.comparison import compare
 from studies.models.solar_models import perpetual_by_model
-from studies.sweeps.results import points_record
+from studies.sweeps.results import SweepResult
 from studies.sweeps.study import sweep
 
 AS2, DESIGN = load_aircraft("atlantiksolar-as2"), load_aircraft("atlantiksolar-design")
@@ -62,8 +62,7 @@ def test_cell_of_a_map_is_the_analysis_of_its_day(model: Any) -> None:
 
 def test_map_tells_its_climbs_and_what_they_leave_out() -> None:
     data = feasibility_map(AS2, mission(), latitudes=[40.0, 47.6], days=[172], endurance=True)
-    table = seasons_table(data)
-    assert any("climbs from 536 to 3536 m" in note for note in table.notes)
+    assert "climbs from 536 to 3536 m" in str(MapResult(data))
     assert "module_temperature" in data.attrs["extrapolations"]
     assert np.all(np.isposinf(data["endurance"].to_numpy()))
 
@@ -80,7 +79,7 @@ def test_point_of_a_trade_study_is_the_analysis_of_its_files() -> None:
         alone = analysed(AS2, mission(ceiling_m))
         assert excess_h == pytest.approx(alone.excess_time_h, abs=STEP_H)
         assert highest_m == pytest.approx(ceiling_m, abs=1.0)
-    assert points_record(data)["climb"] == "with climbs"
+    assert SweepResult(data).to_dict()["climb"] == "with climbs"
 
 
 def test_designs_of_a_trade_study_climb_with_their_own_mass() -> None:

@@ -14,7 +14,7 @@ from studies.cli.files import (
 )
 from studies.cli.jobs import completed
 from studies.cli.outputs import call, deliver, figure_of
-from studies.maps import results
+from studies.maps.results import MapResult
 from studies.maps.study import prepare
 from studies.output.formats import grid_format
 from studies.output.gridded import to_bytes
@@ -40,17 +40,14 @@ def map_(options: Map) -> None:
         endurance=options.endurance,
         objective=options.objective,
     )
-    record = results.designs_record if resized else results.seasons_record
-    table = results.designs_table if resized else results.seasons_table
     with completed(study, options, options.out_file) as data:
         deliver(
             case,
-            lambda: table(data),
+            MapResult(data),
             files={
                 options.out_file: lambda path: to_bytes(data, grid_format(path), "cells"),
                 options.plot_file: figure_of(lambda: _drawn_map(data, options)),
             },
-            record=lambda: record(data),
             next_step=call("report", "--out", "report.html"),
         )
 

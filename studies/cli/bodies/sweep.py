@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-    from sizing.results.tables import Summary
     from studies.study import Study
 
 
@@ -49,15 +48,17 @@ def sweep(options: Sweep) -> None:
     else:
         require_climb_power(case)
     with completed(_prepared(case, options), options, out_file) as points:
+        from studies.sweeps.results import SweepResult  # pandas and xarray
+
         data = points.to_xarray()
-        record, summary = _record_and_summary(data, options)
+        result = SweepResult(data, options.sort, options.top, options.pareto)
         files = {
             out_file: lambda path: to_bytes(data, grid_format(path), "points"),
             plot_file: figure_of(lambda: _chart(data, options)),
         }
         try:
             step = f"{call('explore')} (the same with sliders)"
-            deliver(case, summary, files, record=record, next_step=step)
+            deliver(case, result, files, next_step=step)
         except ValueError as error:
             # The points are worth keeping even where there is nothing to draw.
             tell_error(f"solar-uav: no chart: {error}")
@@ -101,21 +102,6 @@ def _check_names(option: str, names: Sequence[str], allowed: list[str]) -> None:
         if name not in allowed:
             known = ", ".join(dict.fromkeys(allowed))
             raise click.BadParameter(f"{name!r} is not one of {known}", param_hint=option)
-
-
-def _record_and_summary(
-    data: Dataset, options: Sweep
-) -> tuple[Callable[[], dict[str, Any]], Callable[[], Summary]]:
-    """What makes what JSON has, and what is printed."""
-    from studies.sweeps import results  # pandas and xarray
-
-    def record() -> dict[str, Any]:
-        front = {} if options.pareto is None else results.front_record(data, *options.pareto)
-        return results.points_record(data) | front
-
-    return record, lambda: results.points_summary(
-        data, sort=options.sort, top=options.top, front=options.pareto
-    )
 
 
 def _chart(data: Dataset, options: Sweep) -> Figure:

@@ -64,7 +64,7 @@ class Analyse(ModelOptions, LevelOptions, MassOptions, PlaceOptions, DrawnOption
     "solar-uav map atlantiksolar-as2 --latitudes 0:70:5 --plot map.png",
 )
 @dataclass(frozen=True, kw_only=True)
-class Map(ModelOptions, JsonOptions, MassOptions, WorkOptions, DrawnOptions):
+class Map(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     """Map where and when AIRCRAFT (name, file or folder) flies perpetually.
 
     Latitude against season; of the mission the air and the load count, not its latitudes and
@@ -111,7 +111,7 @@ class Map(ModelOptions, JsonOptions, MassOptions, WorkOptions, DrawnOptions):
     "solar-uav ceiling atlantiksolar-as2 --plot ceiling.png",
 )
 @dataclass(frozen=True, kw_only=True)
-class Ceiling(ModelOptions, JsonOptions, DrawnOptions):
+class Ceiling(ModelOptions, LevelOptions, DrawnOptions):
     """Find how high AIRCRAFT (name, file or folder) flies perpetually; exit code 1 if nowhere."""
 
     highest_m: float | None = option(
@@ -140,7 +140,7 @@ class Ceiling(ModelOptions, JsonOptions, DrawnOptions):
     "solar-uav station my-aircraft.yaml -m my-mission.yaml --latitudes 0:60:5 --plot station.png",
 )
 @dataclass(frozen=True, kw_only=True)
-class Station(ModelOptions, JsonOptions, WorkOptions, DrawnOptions):
+class Station(ModelOptions, LevelOptions, WorkOptions, DrawnOptions):
     """Tell how much of the time AIRCRAFT (name, file or folder) holds its place, by month.
 
     Latitude against month, altitude against month at the mission's latitude, or latitude against
@@ -170,7 +170,7 @@ class Station(ModelOptions, JsonOptions, WorkOptions, DrawnOptions):
     "solar-uav uncertainty atlantiksolar-as2 --samples 1024",
 )
 @dataclass(frozen=True, kw_only=True)
-class Uncertainty(ModelOptions, JsonOptions, DrawnOptions):
+class Uncertainty(ModelOptions, LevelOptions, DrawnOptions):
     """Find how likely AIRCRAFT (name, file or folder) flies perpetually when its inputs scatter."""
 
     samples: int = option(

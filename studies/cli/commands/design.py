@@ -13,7 +13,6 @@ from sizing.program.objectives import OBJECTIVE_NAMES, RESIZE_NAMES, Objective
 from studies.cli.command import command, option
 from studies.cli.options import (
     DrawnOptions,
-    JsonOptions,
     LevelOptions,
     MassOptions,
     ModelOptions,
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
 
 _SAMPLES = ("grid", "lhs", "sobol", "one-at-a-time")
 _MOST_SAMPLES = 1_000_000
-_TOP = 15
 _SERVER = ("starlette", "uvicorn")  # of the extra ``explore``
 
 
@@ -169,7 +167,7 @@ def _refuse_given(options: Mapping[str, bool], why: str) -> None:
     "solar-uav sweep atlantiksolar-design --vary battery_mass_kg=2:4:0.5",
 )
 @dataclass(frozen=True, kw_only=True)
-class Sweep(ModelOptions, JsonOptions, MassOptions, WorkOptions, DrawnOptions):
+class Sweep(ModelOptions, LevelOptions, MassOptions, WorkOptions, DrawnOptions):
     """Trade study: vary keys of AIRCRAFT (name, file or folder) and mission, each point judged.
 
     The exit code is 1 if any point could not be computed.
@@ -228,13 +226,11 @@ class Sweep(ModelOptions, JsonOptions, MassOptions, WorkOptions, DrawnOptions):
         help="Sort the table by a result or varied key, the least first; by -KEY the largest "
         "first.  [default: from best to worst]",
     )
-    top: int = option(
+    top: int | None = option(
         "--top",
         type=click.IntRange(1),
         metavar="N",
-        default=_TOP,
-        show_default=True,
-        help="Rows of the table.",
+        help="Rows of the table.  [default: 15, with -v all]",
     )
 
     def __post_init__(self) -> None:

@@ -17,8 +17,8 @@ from sizing.results import quantities
 from sizing.results.analysis import Analysis
 from sizing.results.quantities import Quantity
 
-EVERY = [one for one in vars(quantities).values() if isinstance(one, Quantity)]
-LOSS = Quantity("loss_m_per_s", "loss", "m/s", ".2f", of=float)
+EVERY = [one for one in quantities.TABLE.values() if one.meaning or one.path]
+LOSS = Quantity("loss_m_per_s", "loss", "m/s", ".2f")
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +43,9 @@ def test_a_unit_stands_behind_numbers_alone(value: float | None, text: str) -> N
 
 
 def test_shares_are_told_in_per_cent() -> None:
+    share = quantities.TABLE["minimum_state_of_charge"]
+    table = quantities.table_of("", [share], [{share.name: 0.1234}, {share.name: 1.0}])
+    assert table.to_text().split() == ["min.", "SoC", "[%]", "─" * 12, "12.3", "100.0"]
     assert quantities.MINIMUM_CHARGE.fact(0.1234) == ("minimum state of charge", "12.3 %")
     assert quantities.MINIMUM_CHARGE.described[0] == "1"
 

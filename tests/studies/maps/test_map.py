@@ -22,6 +22,7 @@ from sizing.library import load_aircraft
 from sizing.performance import performance
 from studies.maps import study
 from studies.maps.plots import plot_map
+from studies.maps.results import MapResult
 from studies.output.gridded import to_netcdf_bytes
 from studies.output.season_scale import LEVELS_H
 
@@ -238,17 +239,15 @@ def test_wrong_values_are_refused(run: Run, option: str, value: str, said: str) 
 
 
 def test_endurance_of_the_days_without_perpetual_flight_is_told() -> None:
-    from studies.maps.results import seasons_record, seasons_table
-
     found = study.feasibility_map(
         AS2, JULY, latitudes=[0.0, 47.6], days=[1, 100, 172], endurance=True
     )
-    record = seasons_record(found)
+    record = MapResult(found).to_dict()
     hours = found["endurance"].to_numpy()
     finite = hours[1][np.isfinite(hours[1])]
     assert record["least_endurance_h"][1] == pytest.approx(finite.min())
     assert record["largest_endurance_h"][1] == pytest.approx(finite.max())
     assert record["perpetual_days"][1] == 3 - len(finite)
-    assert "endurance" in seasons_table(found).to_text()
+    assert "endurance" in str(MapResult(found))
     plain = study.feasibility_map(AS2, JULY, latitudes=[47.6], days=[1])
-    assert "least_endurance_h" not in seasons_record(plain)
+    assert "least_endurance_h" not in MapResult(plain).to_dict()

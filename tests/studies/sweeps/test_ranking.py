@@ -9,11 +9,10 @@ import sizing
 from sizing.performance import performance
 from studies.output.gridded import to_table
 from studies.sweeps.results import (
+    SweepResult,
     best_first,
-    front_record,
     pareto_table,
     point_names,
-    points_summary,
     sorted_by,
 )
 from studies.sweeps.study import sweep
@@ -52,7 +51,7 @@ def test_sized_points_are_ordered_by_their_objective() -> None:
     assert told == "points with a design first, then the least total mass"
     assert table["status"].tolist() == ["optimal"] * 3 + ["infeasible"]
     assert table["total_mass"].head(3).is_monotonic_increasing
-    assert "endurance" not in points_summary(sized).to_text()
+    assert "endurance" not in str(SweepResult(sized))
 
 
 def test_a_key_sorts_upwards_and_with_a_minus_downwards(data: xr.Dataset) -> None:
@@ -64,9 +63,11 @@ def test_a_key_sorts_upwards_and_with_a_minus_downwards(data: xr.Dataset) -> Non
 
 
 def test_rows_that_are_not_shown_are_counted(data: xr.Dataset) -> None:
-    text = points_summary(data, top=2).to_text()
+    text = str(SweepResult(data, top=2))
     assert "7 more not shown" in text
-    assert "not shown" not in points_summary(data).to_text()
+    every = SweepResult(data.isel(wingspan_m=[0, 1, 2] * 3)).at_level(2).to_text()
+    assert "not shown" not in every
+    assert "not shown" not in str(SweepResult(data))
 
 
 def test_endurance_is_that_of_an_analysis_and_infinite_where_perpetual(data: xr.Dataset) -> None:
@@ -82,7 +83,7 @@ def test_endurance_is_that_of_an_analysis_and_infinite_where_perpetual(data: xr.
         parts = {k: getattr(DESIGN, k).model_copy(update=v) for k, v in changed.items()}
         found = performance(DESIGN.model_copy(update=parts), MISSION)
         assert row["endurance"] == pytest.approx(found.endurance_h.min(), rel=1e-6)
-    assert "endurance" in points_summary(data).to_text()
+    assert "endurance" in str(SweepResult(data))
 
 
 def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data: xr.Dataset) -> None:
@@ -92,9 +93,9 @@ def test_points_of_a_front_have_names_in_the_order_of_the_first_column(data: xr.
     assert front["total_mass"].is_monotonic_increasing
     assert front["excess_time"].is_monotonic_increasing
     assert set(table["point"][~table["pareto_front"]]) <= {""}
-    record = front_record(data, "wingspan_m", "excess_time")["pareto_front"]
+    record = SweepResult(data, front=("wingspan_m", "excess_time")).to_dict()["pareto_front"]
     assert [one["point"] for one in record["points"]] == list("ABC"[: len(record["points"])])
-    text = points_summary(data, front=("total_mass", "excess_time")).to_text()
+    text = str(SweepResult(data, front=("total_mass", "excess_time")))
     assert "Pareto front of less total mass and more excess time" in text
     assert text.count("perpetual") == len(front) + 1  # and in the heading
 
@@ -105,5 +106,5 @@ def test_names_do_not_run_out() -> None:
 
 
 def test_a_front_shows_a_varied_key_once(data: xr.Dataset) -> None:
-    heads = points_summary(data, front=("wingspan", "excess_time")).to_text().split("───")[0]
+    heads = str(SweepResult(data, front=("wingspan", "excess_time"))).split("───")[0]
     assert heads.count("[m]") == 1

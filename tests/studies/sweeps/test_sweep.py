@@ -33,7 +33,7 @@ from studies.output.gridded import SizingStatus, to_table
 from studies.sweeps import plots as sweep_plots
 from studies.sweeps.axes import Axis, axis_label, axis_names, parse_axis, points, unit_of
 from studies.sweeps.points import judge_points, plain_data
-from studies.sweeps.results import pareto_front, points_summary
+from studies.sweeps.results import SweepResult, pareto_front
 from studies.sweeps.sized import held
 from studies.sweeps.study import prepare, sweep
 
@@ -194,7 +194,7 @@ def test_figure_and_table_tell_the_reason_of_each_point() -> None:
     (legend,) = sweep_plots.plot_sweep(data).legends
     words = {text.get_text() for text in legend.get_texts()}
     assert words == {"modules: too large", "wind: above the airspeed"}
-    table = next(block for block in points_summary(data).blocks if isinstance(block, Table))
+    table = next(block for block in SweepResult(data).summary().blocks if isinstance(block, Table))
     assert table.columns[-1].name == "why"
     assert {row[-1] for row in table.rows} == {"", *words}
     line = sweep_plots.plot_sweep(study(DESIGN, JULY, varied[1]))
@@ -206,7 +206,7 @@ def test_figure_and_table_tell_the_reason_of_each_point() -> None:
 
 def test_what_is_maximised_is_a_column_of_the_table() -> None:
     data = study(DESIGN, JULY, "wingspan_m=5,6", resize="max_payload_mass")
-    table = next(block for block in points_summary(data).blocks if isinstance(block, Table))
+    table = next(block for block in SweepResult(data).summary().blocks if isinstance(block, Table))
     column = [one.name for one in table.columns].index("payload_mass")
     assert [row[column] for row in table.rows] == sorted(data["payload_mass"].values)[::-1]
 
