@@ -17,6 +17,7 @@ from sizing.aircraft import Aircraft
 from sizing.day.light import SolarModel
 from sizing.mass_budget import design_of
 from sizing.results.notes import extrapolation_blocks
+from sizing.results.quantities import described
 from sizing.results.tables import Column, Line, Result, Table, data_frame
 from sizing.station import FASTEST, station_keeping, winds_of
 from sizing.validity.checks import design_checks
@@ -44,13 +45,8 @@ if TYPE_CHECKING:
 LATITUDES_DEG = np.arange(-70.0, 71.0, 5.0)
 _MIDDLE = 15  # day of a month that stands for it
 _CELL_S = 1e-2  # roughly
-_DESCRIBED = {
-    "share": ("1", "share of the time in which it holds its place"),
-    "airspeed": ("m s-1", "fastest airspeed of perpetual flight"),
-    "wind": ("m s-1", "wind speed, at the mission's percentile"),
-    "at_end": ("1", "whether the airspeed is the fastest that is considered"),
-}
-_CHOSEN = {"chosen_altitude": ("m", "altitude of the largest share")}
+_DESCRIBED = described("share airspeed wind at_end")
+_CHOSEN = described("chosen_altitude")
 _NAMES = {
     "share": "share_on_station",
     "airspeed": "airspeed_m_per_s",

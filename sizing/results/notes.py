@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from sizing.results.records import hours
@@ -21,7 +22,7 @@ def extrapolation_blocks(extrapolations: Sequence[Extrapolation], level: int) ->
     if level > 1:
         return [Line(HEADING, "warning"), *(f"  {one.text}" for one in extrapolations)]
     labels = ", ".join(dict.fromkeys(one.label for one in extrapolations))
-    text = labels if len(extrapolations) > 1 else extrapolations[0].text.partition("; ")[0]
+    text = labels if len(extrapolations) > 1 else replace(extrapolations[0], worth="").text
     return [Line(f"{HEADING} {text}", "warning")]
 
 

@@ -143,6 +143,11 @@ def group(keys: str) -> tuple[Quantity, ...]:
     return tuple(TABLE[key] for key in keys.split())
 
 
+def described(keys: str) -> dict[str, tuple[str, str]]:
+    """Unit and long name of variables in files on a grid, by the keys of their quantities."""
+    return {one.variable: one.described for one in group(keys)}
+
+
 def table_of(
     title: str,
     keys: str | Sequence[Column],

@@ -196,9 +196,9 @@ def _analysis_parts(analysis: Analysis) -> list[Any]:
     return blocks
 
 
-def _endurance(values: Mapping[q.Quantity, Any]) -> str:
+def _endurance(values: Mapping[q.Quantity, Any]) -> float | str:
     endurance_h, unlimited = values[q.ENDURANCE], values[q.STATUS] in ("perpetual", "always_lit")
-    return "over a year" if np.isinf(endurance_h) and not unlimited else hours(endurance_h)
+    return "over a year" if np.isinf(endurance_h) and not unlimited else float(endurance_h)
 
 
 def _analysis_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
@@ -255,21 +255,13 @@ def mass_table(masses_kg: Mapping[str, float]) -> Table:
 def scenario_table(analysis: Analysis, shown: Iterable[int] | None = None) -> Table:
     """Metrics of scenarios, a row each: of all, or of those of an index."""
     scenarios = analysis.performance.day.scenarios
-    columns = (
-        Column("latitude"),
-        Column("date"),
-        Column("excess_time", q.EXCESS_TIME.label),
-        Column("charge_margin", q.CHARGE_MARGIN.label),
-        Column("minimum_state_of_charge", "min. SoC"),
-        Column("endurance"),
-    )
     rows = []
     for index in range(len(scenarios)) if shown is None else shown:
         values = analysis.scenario(index)
         place = latitude_label(float(scenarios.latitude_deg[index]))
-        reached = (one.fact(values[one])[1] for one in q.REACHED)
         day = date_label(int(scenarios.day_of_year[index]))
-        rows.append((place, day, *reached, _endurance(values)))
+        rows.append((place, day, *(values[one] for one in q.REACHED), _endurance(values)))
+    columns = (*q.group("latitude date"), *q.REACHED, q.ENDURANCE)
     return Table("all scenarios", columns, tuple(rows))
 
 
@@ -292,12 +284,8 @@ def flight_table(run: CalendarRun) -> Table:
 
 def relaxation_table(relaxations: Sequence[Relaxation], title: str = "feasible") -> Table:
     """Values of single parameters that suffice each for itself, smallest change first."""
-    columns = (
-        Column("parameter"),
-        Column("now", form=".4g"),
-        Column("needed", to_right=True),
-        Column("key", "key in the file"),
-    )
+    parameter, now, needed, key = q.group("parameter now needed key")
+    columns = (parameter, now, replace(needed, to_right=True), key)
     rows = [
         (
             parameter_words(one.parameter),
@@ -323,13 +311,9 @@ _MASS_WORDS = {"mppt": "MPPT", "spar_caps": "spar caps", "spar_web": "spar web"}
 
 def drag_table(shares: DragShares) -> Table:
     """Drag of the parts of level flight, with their shares."""
-    columns = (
-        Column("part"),
-        Column("coefficient", "C_D on the wing area", form=".5f"),
-        Column("share", "share", "%", ".1f"),
-    )
+    columns = q.group("part drag_coefficient share_of_drag")
     rows = [
-        (_DRAG_WORDS.get(name, name), float(one), 100.0 * float(one / shares.total))
+        (_DRAG_WORDS.get(name, name), float(one), float(one / shares.total))
         for name, one in (*shares._asdict().items(), ("sum", shares.total))
         if one != 0.0
     ]
@@ -338,11 +322,7 @@ def drag_table(shares: DragShares) -> Table:
 
 def balance_table(balance: BalanceAssessment) -> Table:
     """Masses with their places."""
-    columns = (
-        Column("item"),
-        Column("mass", "mass", "kg", ".3f"),
-        Column("place", "behind leading edge", "m", ".3f"),
-    )
+    columns = q.group("item mass_kg place_m")
     rows = [(_MASS_WORDS.get(one.name, one.name), one.mass_kg, one.x_m) for one in balance.items]
     rows.append(("centre of gravity", balance.mass_kg, balance.gravity_m))
     return Table("balance, from the leading edge of the wing root", columns, tuple(rows))
@@ -453,17 +433,8 @@ def _survival(study: SizingStudy, level: int) -> list[Any]:
         return []
     blocks: list[Any] = [say.survival_text(survival, study)]
     if survival.several_years and level >= ALL:
-        columns = (
-            Column("year"),
-            Column("days"),
-            Column("days_that_close", "close"),
-            Column("share", "share", "%", ".1f"),
-        )
-        rows = tuple(
-            (one["year"], one["days"], one["days_that_close"], 100.0 * one["share"])
-            for one in survival.days.by_year()
-        )
-        blocks.append(Table("year by year", columns, rows))
+        years = (year | {"year": str(year["year"])} for year in survival.days.by_year())
+        blocks.append(q.table_of("year by year", "year days days_that_close share", years))
     if level >= ALL:
         blocks += [Line(f"record: {text}", "faint") for text in survival.weather.repairs]
     return blocks + [Line(text, "faint") for text in survival.notes]
@@ -589,7 +560,7 @@ def margin_table(
 
 def requirement_table(margins: Iterable[RequirementMargin]) -> Table:
     """Margins as a table."""
-    columns = (Column("requirement"), Column("value"), Column("limit"), Column("margin"))
+    columns = q.group("requirement value limit margin")
     rows = tuple(
         (
             f"{one.label}{' (recommended)' if one.recommended else ''}",
@@ -609,7 +580,7 @@ def build_table(records: Sequence[Mapping[str, Any]], objective: Objective) -> T
     shown = (q.WINGSPAN, q.TOTAL_MASS, q.BATTERY_MASS, q.MODULE_AREA)
     others = objective.variable not in {one.name for one in shown}
     of_design = (replace(one, to_right=True) for one in shown)
-    columns = [Column("build", "build quality"), Column("factor", form=".2f"), *of_design]
+    columns: list[Column] = [*q.group("build factor"), *of_design]
     if others:
         columns.append(Column("objective", objective.label, to_right=True))
     rows = []
@@ -629,12 +600,9 @@ def sensitivity_table(
     sensitivities: Sequence[Sensitivity], objective: Objective, most: int = _SENSITIVITIES
 ) -> Table:
     """What each technology parameter changes, most important first."""
-    columns = (
-        Column("parameter"),
-        Column("value", to_right=True),
-        Column("per_percent", f"{objective.unit} per +1 %", form="+.4f"),
-        Column("elasticity", form="+.3f"),
-    )
+    parameter, value, elasticity = q.group("parameter value elasticity")
+    per_percent = Column("per_percent", f"{objective.unit} per +1 %", form="+.4f")
+    columns = (parameter, replace(value, to_right=True), per_percent, elasticity)
     rows = [
         (
             parameter_words(one.parameter),
@@ -660,11 +628,8 @@ _LEAST_GAIN = 1e-3
 
 def multiplier_table(multipliers: Sequence[ConstraintMultiplier], objective: Objective) -> Table:
     """What relaxing each constraint gains, by its multiplier, next to nothing left out."""
-    columns = (
-        Column("constraint"),
-        Column("gain", f"gain in {objective.unit}", form=".3g"),
-        Column("step", "per relaxation by"),
-    )
+    constraint, gain, step = q.group("constraint gain step")
+    columns = (constraint, replace(gain, label=f"gain in {objective.unit}"), step)
     least = _LEAST_GAIN * max((abs(one.gain) for one in multipliers), default=0.0)
     rows = [
         (constraint_words(one.constraint).without_key, one.gain, one.step)
@@ -685,25 +650,17 @@ def neighbour_table(record: Mapping[str, Any], objective: Objective) -> Table:
     room = max(_DESIGNS - len(infeasible), _DESIGNS // 2)
     shown = [*feasible[:room], *infeasible[: _DESIGNS - min(room, len(feasible))]]
     strung = any(one["strings"] is not None for one in tried)
-    columns = [
-        Column("cells", "solar cells"),
-        *([Column("strings")] if strung else []),
-        Column("battery_cells", "battery cells"),
+    columns: list[Column] = [
+        *q.group(f"cells {'strings' * strung} battery_cells"),
         Column("value", objective.label, objective.unit, ".4g"),
         *([] if objective.value == "min_mass" else [replace(q.TOTAL_MASS, form=".4g")]),
-        Column("reason", "why not", missing=""),
+        replace(q.TABLE["reason"], label="why not", missing=""),
     ]
     unlimited = {"value": UNLIMITED}
-    rows = tuple(
-        tuple(
-            (one | unlimited if one["value"] is None and not one["reason"] else one)[column.name]
-            for column in columns
-        )
-        for one in shown
-    )
+    rows = (one | unlimited if one["value"] is None and not one["reason"] else one for one in shown)
     left = len(tried) - len(shown)
     notes = (f"{left} more were tried; the record of the sizing has all",) if left else ()
-    return Table("designs of whole cells", tuple(columns), rows, notes)
+    return q.table_of("designs of whole cells", columns, rows, notes)
 
 
 _BLOCKS: dict[str, Any] = {

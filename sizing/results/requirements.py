@@ -8,7 +8,11 @@ empty battery.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import csv
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import resources
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -24,28 +28,15 @@ from sizing.parameters import catalogue, label, unit, unit_text
 from sizing.performance import Performance
 from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
 
-# Of the program: what it is, and the key that eases it, if one does so directly.
-_REQUIREMENTS = {
-    "mass_budget": ("mass budget", ""),
-    "module_coverage": ("modules over wing area", "airframe.maximum_module_coverage"),
-    "airspeed_above_wind": ("airspeed above the wind", "mission.wind_m_per_s or mission.wind"),
-    "power_against_wind": (
-        "rated power for flight as fast as the wind",
-        "airframe.propulsion.climb_power_ratio",
-    ),
-    "bus_voltage": ("bus voltage of the empty battery", "battery.voltage"),
-    "tip_mach": ("Mach number of the tips", "airframe.propulsion.maximum_tip_mach"),
-    "motor_current": ("current of the motor", "airframe.propulsion.motor"),
-    "motor_power": ("power of the motor", "airframe.propulsion.motor"),
-    "airspeed_against_wind": ("airspeed against the wind", "mission.wind"),
-    "charge_limit": ("power of the charger", "battery.charge_limit"),
-    "battery_capacity": ("battery capacity for the night", ""),
-    "energy_balance": ("solar energy of the day", ""),
-    "excess_time": ("required excess time", "mission.required_excess_time_h"),
-    "days_that_close": ("days of the record that close", ""),
-    "whole_cells": ("wing that holds the cells", "modules.layout"),
-    "always_lit": ("solar power above the load at all times", ""),
-}
+
+@cache
+def requirements() -> Mapping[str, Mapping[str, str]]:
+    """Words, key and reason of every requirement with a name of its own."""
+    text = (resources.files("sizing") / "data" / "requirements.csv").read_text(encoding="utf-8")
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return MappingProxyType({row["name"]: MappingProxyType(row) for row in rows})
+
+
 _ENDS = ("maximum", "minimum")
 
 
@@ -82,9 +73,9 @@ def constraint_words(name: str, aircraft: Aircraft | None = None) -> Words:
         return Words(f"{label(bounded)} at its {end}", "", f"design_space.{key}" if known else "")
     plain, _, rest = name.partition(" (")
     where = rest.removesuffix(")")
-    if plain in _REQUIREMENTS:
-        text, key = _REQUIREMENTS[plain]
-        return Words(text, where, key)
+    named = requirements().get(plain)
+    if named is not None and named["words"]:
+        return Words(named["words"], where, named["key"])
     quantity, _, end = plain.rpartition("_")
     if end in _ENDS and quantity in catalogue():
         key = f"limits.{quantity}.{end}"

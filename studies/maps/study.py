@@ -16,7 +16,7 @@ from sizing.aircraft import Aircraft, MeasuredAirframe
 from sizing.day.light import SolarModel
 from sizing.day.metrics import CYCLE_ENDS, ENDS, FLOWN, Status
 from sizing.program.objectives import Objective, SizingStatus
-from sizing.results.quantities import ENDURANCE, MAP, MAXIMUM_ALTITUDE
+from sizing.results.quantities import MAP, described
 from sizing.validity.checks import charge_rate_is_open, check_own_models
 from sizing.validity.extrapolations import with_worth
 from sizing.validity.ranges import Extrapolation
@@ -54,11 +54,6 @@ _SIZED_TOGETHER = 96  # each starts from its neighbours, and all fly in one batc
 
 # Variable -> unit, long name.
 _DESCRIBED = {one.variable: one.described for one in MAP}
-_ENDURANCE = {ENDURANCE.variable: ENDURANCE.described}
-_CHARGE_RATE = {"charge_rate": ("1/h", "fastest charge that the day's sun offers the battery")}
-_WIND = {"wind": ("m s-1", "wind speed, at the mission's percentile")}
-_HIGHEST = {MAXIMUM_ALTITUDE.variable: MAXIMUM_ALTITUDE.described}
-_STATUS = {"status": ("1", "how the repeated day ends")}
 
 
 def feasibility_map(
@@ -230,10 +225,13 @@ def prepare(
             },
             extrapolated=lambda columns: _extrapolations_of_designs(configuration, cells, columns),
         )
-    described = _DESCRIBED | (_ENDURANCE if endurance else {})
-    described |= _HIGHEST if climbs else {}
-    described |= _CHARGE_RATE if charge_rate_is_open(aircraft) else {}
-    described |= {} if mission.wind_statistics is None else _WIND
+    more = {
+        "endurance_h": endurance,
+        "maximum_altitude_m": climbs,
+        "charge_rate": charge_rate_is_open(aircraft),
+        "wind": mission.wind_statistics is not None,
+        "status": True,
+    }
     ends: tuple[IntEnum, ...] = ENDS if mission.flight is not None else CYCLE_ENDS
     if solar.needs_path and mission.wind_statistics is not None:
         ends = (*ends, Status.infeasible)
@@ -242,7 +240,7 @@ def prepare(
         configuration,
         cells,
         cell_s=cell_s + endurance * _ENDURANCE_S + climbs * _CLIMB_S,
-        described=described | _STATUS,
+        described=_DESCRIBED | described(" ".join(key for key, there in more.items() if there)),
         statuses=(Status.failed, *ends),
         coordinates=coordinates,
         attributes=attributes(f"Feasibility of {aircraft.name}", aircraft, mission, solar),

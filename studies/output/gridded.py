@@ -25,7 +25,8 @@ from sizing.day.light import SolarModel
 from sizing.day.metrics import FLOWN
 from sizing.parameters import label
 from sizing.program.objectives import RESIZE_NAMES, Objective, SizingStatus
-from sizing.results.quantities import DESIGN_COLUMNS, LOAD, REACHED
+from sizing.results.quantities import DESIGN_COLUMNS, REACHED, described
+from sizing.results.requirements import requirements
 from sizing.results.tables import data_frame
 from sizing.validity.extrapolations import from_text, together
 from sizing.validity.ranges import Extrapolation
@@ -176,42 +177,11 @@ _REASONS = {
     "failed": "could not be computed",
     "never_lit": "polar night",
 }
-# Requirement that is not met, in words.
-_REQUIREMENTS = {
-    "": "no design",
-    "sun": "polar night",
-    "energy_balance": "energy: the day gives less than the load takes",
-    "battery_capacity": "battery: does not last the night",
-    "excess_time": "excess time too short",
-    "mass_budget": "mass: cannot be lifted",
-    "total_mass": "mass: above its limit",
-    "parts": "mass: parts above the known total",
-    "climb": "climb: not with this propulsion",
-    "operating_point": "propulsion: no operating point",
-    TOO_WINDY: "wind: too strong for the path",
-    "module_coverage": "modules: too large",
-    "static_margin": "static margin: not by any tail",
-    "airspeed_above_wind": "wind: above the airspeed",
-    "bus_voltage": "propulsion: voltage too low",
-    "tip_mach": "propulsion: tips too fast",
-    "motor_current": "propulsion: current too high",
-    "motor_power": "propulsion: power too high",
-}
-
 # Variable -> unit, long name.
 DESCRIBED: dict[str, tuple[str, str]] = {
     **{one.variable: one.described for one in DESIGN_COLUMNS},
     **{one.variable: (one.unit or "1", f"{one.label} of the worst scenario") for one in REACHED},
-    LOAD.variable: LOAD.described,
-    "shortfall": (
-        "1",
-        "by how much the violated requirement is missed: relative to its limit, for "
-        "battery_capacity and energy_balance to the battery's capacity, for excess_time in hours",
-    ),
-    "violated_requirement": ("1", "requirement that no design meets"),
-    "message": ("1", "why there is no design"),
-    "extrapolations": ("1", "what lies outside the range of a model"),
-    "status": ("1", "how it ends"),
+    **described("power_out_w shortfall violated_requirement message extrapolations status"),
 }
 
 
@@ -220,8 +190,8 @@ def requirement_label(name: str) -> str:
 
     ``name``: as a sizing calls it, for instance ``energy_balance`` or ``wing_loading_maximum``.
     """
-    if name in _REQUIREMENTS:
-        return _REQUIREMENTS[name]
+    if reason := requirements().get(name, {}).get("reason"):
+        return reason
     quantity, _, end = name.rpartition("_")
     if end in ("minimum", "maximum"):
         return f"limit: {label(quantity)}"
@@ -235,7 +205,7 @@ def reasons_without_result(data: OnGrid) -> NDArray[Any]:
     for value, name in names.items():
         if name in WITHOUT_RESULT:
             # Of a map of a fixed aircraft nothing else is infeasible.
-            reasons[status == value] = _REASONS.get(name, _REQUIREMENTS[TOO_WINDY])
+            reasons[status == value] = _REASONS.get(name, requirement_label(TOO_WINDY))
     if "violated_requirement" in data:
         infeasible = np.isin(status, [v for v, name in names.items() if name == "infeasible"])
         missed = data["violated_requirement"].to_numpy()

@@ -42,6 +42,7 @@ from sizing.results.quantities import (
     PAYLOAD_POWER,
     REACHED,
     TOTAL_MASS,
+    described,
 )
 from sizing.smooth import Value
 from sizing.validity.checks import flight_checks
@@ -55,13 +56,8 @@ from studies.sweeps.axes import design_variable
 _DESCRIBED = gridded.DESCRIBED | {
     ENDURANCE.variable: ("h", "longest flight in the worst scenario; infinite where perpetual"),
     MAXIMUM_ALTITUDE.variable: ("m", "highest altitude of the day in the worst scenario"),
-    "worst_latitude": ("degrees_north", "latitude of the worst scenario"),
-    "worst_day": ("1", "day of year of the worst scenario"),
-    "violated_requirement": ("1", "requirement that is not met, missed most"),
-    "message": ("1", "why there is no result"),
+    **described("worst_latitude worst_day"),
 }
-
-SIZED_DESCRIBED = gridded.DESCRIBED | {"message": _DESCRIBED["message"]}
 _OF_SIZINGS = (PAYLOAD_POWER.variable, "shortfall")
 
 
@@ -88,7 +84,7 @@ class SweepConfiguration:
     def described(self) -> dict[str, tuple[str, str]]:
         """Unit and long name of the columns of points."""
         return (
-            SIZED_DESCRIBED
+            gridded.DESCRIBED
             if self.objective is not None
             else described_flights(
                 climbs=bool(self.mission.get("climb")) or varies_climb(self.keys)

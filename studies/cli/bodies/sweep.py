@@ -23,10 +23,10 @@ from studies.cli.options import EXIT_FAILED
 from studies.cli.outputs import call, deliver, figure_of
 from studies.cli.telling import tell_error
 from studies.output.formats import grid_format
-from studies.output.gridded import to_bytes
+from studies.output.gridded import DESCRIBED, to_bytes
 from studies.study import blanks_of
 from studies.sweeps.axes import axis_names
-from studies.sweeps.points import SIZED_DESCRIBED, described_flights, varies_climb
+from studies.sweeps.points import described_flights, varies_climb
 from studies.sweeps.study import prepare
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def _prepared(case: Case, options: Sweep) -> Study:
 
 def _check_shown(options: Sweep, *, climbs: bool) -> None:
     """Refuse names that no result will have, before the work starts."""
-    described = SIZED_DESCRIBED if options.objective else described_flights(climbs=climbs)
+    described = DESCRIBED if options.objective else described_flights(climbs=climbs)
     varied = axis_names(options.axes)
     numbers = [n for n, axis in zip(varied, options.axes, strict=True) if not axis.names]
     numbers += [*(n for n, blank in blanks_of(described).items() if isinstance(blank, float))]

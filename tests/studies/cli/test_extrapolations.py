@@ -39,7 +39,7 @@ CELLS = ("--latitudes", "40:50:10", "--days", "150:200:50")
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
 def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], count: str) -> None:
-    told = run(*command)
+    told = run(*command, "-v")
     assert told.code == 0
     text = " ".join(told.out.split())
     assert text.count(HEAD) == 1
@@ -49,7 +49,7 @@ def test_commands_tell_of_the_wind_once(run: Run, command: tuple[str, ...], coun
     assert "wind" in [one["model"] for one in found]
     calm = tuple(word for word in command if word not in WIND)
     if command[0] != "ceiling":  # up there the clear sky ends
-        assert HEAD not in run(*calm).out
+        assert HEAD not in run(*calm, "-v").out
         assert run(*calm, "--json").json()["extrapolations"] == []
 
 
@@ -58,7 +58,7 @@ def test_sizings_tell_of_their_designs(run: Run) -> None:
     asked = ("atlantiksolar-design", "--set", "design_space.wingspan_m={minimum: 9, maximum: 12}")
     one = run("size", *asked, "--mission", "rafz-july", "--out", "sized", "-v").out
     assert one.count(HEAD) == one.count("outside the range of rib wing, 3 to 8 m") == 1
-    cells = " ".join(run("map", *asked, *CELLS, "--resize", "min_mass").out.split())
+    cells = " ".join(run("map", *asked, *CELLS, "--resize", "min_mass", "-v").out.split())
     assert "wingspan 9 m (worst; 4 of 4 cells): outside the range of rib wing, 3 to 8 m" in cells
     swept = run("sweep", *asked, "--vary", "power.avionics_w=4,6", "--resize", "min_mass", "--json")
     record = swept.json()
