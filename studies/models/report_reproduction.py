@@ -20,7 +20,7 @@ from missions.mission import Mission, Scenarios
 from sizing.aircraft import Aircraft
 from sizing.day.module_power import modelled_power, own_surroundings
 from sizing.library import load_aircraft
-from sizing.results.tables import Column, Line, Result, Summary, Table
+from sizing.results.tables import Column, Line, Result, Table
 from solar.names import MODEL_NAMES, ModelName
 from solar.types import FloatArray
 from studies.output.figures.drawing import (
@@ -96,8 +96,8 @@ class Reproduction(Result):
             f"{100.0 * abs(worst):.1f} % of the report's"
         )
 
-    def summary(self) -> Summary:
-        """Both tables, and the assumptions."""
+    def blocks(self, level: int) -> list[Any]:
+        """Both tables, and the assumptions, at every level."""
         given = assumptions(self.mission)
         path = given["flight_path"]
         assumed = (
@@ -105,7 +105,7 @@ class Reproduction(Result):
             f"m/s, pitch {path['pitch_deg']:g} deg, wind {given['wind_m_per_s']:g} m/s from "
             f"{given['wind_from_deg']:g} deg, air {given['ambient_temperature_c']:g} C."
         )
-        return Summary((Line(self.headline(), "strong"), *self.tables(), Line(assumed, "faint")))
+        return [Line(self.headline(), "strong"), *self.tables(), Line(assumed, "faint")]
 
     def tables(self) -> tuple[Table, ...]:
         """Published against computed; and what each assumption changes, if that was asked for."""

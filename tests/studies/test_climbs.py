@@ -129,7 +129,7 @@ def test_models_are_compared_on_flights_with_climbs() -> None:
         assert found.excess_time_low_h == pytest.approx(
             alone.low.cycle.excess_time_h[0], abs=STEP_H
         )
-    assert "climbs from 536 to 3536 m" in str(compared)
+    assert "climbs from 536 to 3536 m" in str(compared.at_level(2))
     assert compared.to_dict()["climb"] == {"ceiling_m": 3536.0}
     assert all(perpetual_by_model(AS2, flown).values())
 
