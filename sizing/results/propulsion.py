@@ -19,6 +19,7 @@ from sizing.mass_budget import level_point
 from sizing.performance import Performance
 from sizing.propulsion.chain import LINKS
 from sizing.propulsion.part_masses import motor_mass_fit, propeller_mass_fit
+from sizing.results.records import amount, percent
 
 if TYPE_CHECKING:
     from sizing.propulsion.operating_point import OperatingPoint
@@ -65,7 +66,7 @@ class PowerBudget:
         """What the efficiencies are."""
         if not self.efficiencies:
             return "Only the whole power of a measured aircraft is known, not the share of drag."
-        chain = f"From battery to thrust: {100.0 * self.efficiencies['chain']:.1f} %"
+        chain = f"From battery to thrust: {percent(self.efficiencies['chain'])}"
         if self.point is None:
             return f"{chain} by constants of the file (assumed)."
         point, off = self.point, (self.assumed or 0.0) - self.efficiencies["chain"]
@@ -73,7 +74,7 @@ class PowerBudget:
         return (
             f"{chain} at the operating point: propeller {float(point.rotation_rpm):.0f} rpm, "
             f"motor {float(point.motor_current_a):.2f} A, duty {float(point.duty):.2f} of "
-            f"{float(point.bus_power_w / point.bus_current_a):.1f} V{rest}."
+            f"{amount(float(point.bus_power_w / point.bus_current_a), 'V')}{rest}."
         )
 
     @property

@@ -105,6 +105,20 @@ def percentiles(values: FloatArray, method: Any) -> dict[str, float]:
     }
 
 
+# How numbers with a unit are written in sentences.
+_FORMS = {"kg": ".3f", "m": ".3f", "W": ".2f", "Wh": ".1f", "V": ".1f", "A": ".1f", "m/s": ".1f"}
+
+
+def amount(value: float, unit: str) -> str:
+    """Number with its unit, with the digits that people read of it."""
+    return f"{format(float(value), _FORMS[unit])} {unit}"
+
+
+def percent(share: float, form: str = ".1f") -> str:
+    """Share in per cent."""
+    return f"{format(100.0 * float(share), form)} %"
+
+
 def hours(value: float) -> str:
     """Hours with two decimals."""
     return UNLIMITED if math.isinf(value) else f"{value:.2f} h"

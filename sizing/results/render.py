@@ -26,7 +26,7 @@ from sizing.results import quantities as q
 from sizing.results import sentences as say
 from sizing.results.conditions import CalendarFlight, wind_of
 from sizing.results.notes import extrapolation_blocks
-from sizing.results.records import change_text, date_and_clock, hours, with_unit
+from sizing.results.records import amount, change_text, date_and_clock, hours, percent, with_unit
 from sizing.results.render_chance import (
     uncertainty_blocks,
     uncertainty_headline,
@@ -235,12 +235,12 @@ def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
         constant = q.EXCESS_TIME.fact(climb.constant_altitude_excess_time_h)[1]
         rows += [
             (f"gliding in the evening{day}", hours(climb.gliding_h)),
-            (f"stored potential energy{day}", f"{climb.stored_height_wh:.1f} Wh"),
+            (f"stored potential energy{day}", amount(climb.stored_height_wh, "Wh")),
             ("excess time at constant altitude", constant),
         ]
         if (checked := analysis.climb_check_h) is not None:
             more_h = (round(one_h - analysis.excess_time_h, 2) + 0.0 for one_h in checked)
-            texts = (f"{h:.2f} h ({more:+.2f})" for h, more in zip(checked, more_h, strict=True))
+            texts = (f"{hours(h)} ({more:+.2f})" for h, more in zip(checked, more_h, strict=True))
             rows.append(("by the program, by the minute", ", ".join(texts)))
     return rows
 
@@ -248,7 +248,7 @@ def _climb_facts(analysis: Analysis, level: int) -> list[tuple[str, str]]:
 def mass_table(masses_kg: Mapping[str, float]) -> Table:
     """Mass budget as a list of facts."""
     words = {"mppt": "MPPT"}
-    masses = [(words.get(item, item), f"{mass:.3f} kg") for item, mass in masses_kg.items()]
+    masses = [(words.get(item, item), amount(mass, "kg")) for item, mass in masses_kg.items()]
     return facts("", [("mass budget", ""), *masses])
 
 
@@ -275,7 +275,7 @@ def flight_table(run: CalendarRun) -> Table:
     rows += [
         q.MINIMUM_CHARGE.fact(flight.minimum_state_of_charge),
         ("flown", hours(flight.duration_h)),
-        ("state of charge at the end", f"{100 * flight.final_state_of_charge:.1f} %"),
+        ("state of charge at the end", percent(flight.final_state_of_charge)),
     ]
     if flight.empty_clock_h is not None:
         rows.append(("battery empty", date_and_clock(flight.empty_clock_h, first_day)))
@@ -395,13 +395,16 @@ def _requested(study: SizingStudy, level: int) -> list[Any]:
     if study.reliability is not None:
         blocks.append(say.reliability_text(study))
     blocks += _survival(study, level)
-    if study.sensitivities is not None:
-        most = _SENSITIVITIES if level >= ALL else _FEW
-        blocks.append(sensitivity_table(study.sensitivities, study.objective, most))
-    if study.multipliers:
-        blocks.append(multiplier_table(study.multipliers, study.objective))
+    if study.sensitivities is not None and level < ALL:
+        blocks.append(say.sensitivities_line(study))
+    elif study.sensitivities is not None:
+        blocks.append(sensitivity_table(study.sensitivities, study.objective))
+        if study.multipliers:
+            blocks.append(multiplier_table(study.multipliers, study.objective))
     if study.cross_check is not None:
-        blocks.append(say.cross_check_line(study.cross_check, study.objective))
+        line = say.cross_check_line(study.cross_check, study.objective)
+        passed = study.cross_check.cross_checked and level < ALL
+        blocks.append(line.partition(",")[0] if passed else line)
     return blocks
 
 
@@ -516,7 +519,7 @@ def _margin_blocks(study: SizingStudy, guarded: SizingStudy, level: int) -> list
 
 
 def _with_error(solar: SolarModel) -> str:
-    return f"with one RMS error ({100 * solar.rms_relative:.0f} %) less solar power as margin"
+    return f"with one RMS error ({percent(solar.rms_relative, '.0f')}) less solar power as margin"
 
 
 def _least_h(perf: Performance) -> float:

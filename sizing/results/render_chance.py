@@ -10,7 +10,7 @@ import numpy as np
 from sizing.results import quantities as q
 from sizing.results import sentences as say
 from sizing.results.notes import extrapolation_blocks
-from sizing.results.records import PERCENTILES, clock_label, hours
+from sizing.results.records import PERCENTILES, clock_label, hours, percent
 from sizing.results.tables import Line, Table, facts
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def uncertainty_headline(analysis: UncertaintyAnalysis) -> str:
     """Aircraft, mission and probability in one line."""
     return (
         f"{analysis.aircraft.name} on {analysis.mission.name}: perpetual flight in "
-        f"{_share(analysis.probability_perpetual.value)} of {analysis.samples} draws"
+        f"{percent(analysis.probability_perpetual.value)} of {analysis.samples} draws"
     )
 
 
@@ -65,7 +65,7 @@ def _spread_rows(analysis: UncertaintyAnalysis) -> list[tuple[str, str]]:
     for name, varied in (("perpetual", q.MINIMUM_CHARGE), ("limited", q.ENDURANCE)):
         chosen = lobes[name]
         within = {one: values[chosen[: len(values)]] for one, values in scattered.items()}
-        share = f"{name}, {_share(np.mean(chosen))} of draws"
+        share = f"{name}, {percent(float(np.mean(chosen)))} of draws"
         rows.append((f"{share}: excess time, P90, P50, P10", _three(q.EXCESS_TIME, within)))
         rows.append((f"{share}: {varied.label}", _three(varied, within)))
     return rows
@@ -143,9 +143,9 @@ def _rows(analysis: WeatherAnalysis) -> list[tuple[str, str]]:
         ),
         (
             "launched at dawn, still flying at sunset",
-            f"{_share(analysis.flown_to_sunset_share, '.0%')} of days",
+            f"{percent(analysis.flown_to_sunset_share, '.0f')} of days",
         ),
-        ("light, share of the clear sky's", _share(analysis.share_of_clear_light(), ".0%")),
+        ("light, share of the clear sky's", percent(analysis.share_of_clear_light(), ".0f")),
         (
             "dawn: earliest, latest (solar time)",
             ", ".join(clock_label(float(end)) for end in (dawn_h.min(), dawn_h.max())),
@@ -154,7 +154,7 @@ def _rows(analysis: WeatherAnalysis) -> list[tuple[str, str]]:
         *(say.wind_rows(analysis.mission) if analysis.mission.holds_station else []),
     ]
     if (wind := analysis.wind_above_airspeed_share()) is not None:
-        rows.append(("time with wind above the airspeed", _share(wind)))
+        rows.append(("time with wind above the airspeed", percent(wind)))
     return rows
 
 
@@ -195,7 +195,3 @@ def _weather_tables(analysis: WeatherAnalysis) -> list[Table]:
             Table(title, q.group("window_days starts median_wait_days"), analysis.windows)
         )
     return tables
-
-
-def _share(share: Any, form: str = ".1%") -> str:
-    return q.MINIMUM_CHARGE.fact(float(share), form)[1]

@@ -22,7 +22,7 @@ from sizing.relaxed_flight import Relaxation
 from sizing.results import quantities as q
 from sizing.results.conditions import BatteryCondition, Spread, wind_of
 from sizing.results.propulsion import Instant, PartMasses, PowerBudget, VaryingEfficiency
-from sizing.results.records import change_text, clock_label, hours, with_unit
+from sizing.results.records import amount, change_text, clock_label, hours, percent, with_unit
 from sizing.results.requirements import constraint_words, parameter_words
 from sizing.validity.ranges import where_error_is_known
 from solar.sun import solar_time_h
@@ -113,8 +113,8 @@ def coverage_line(analysis: Analysis) -> str | None:
     if covered <= most * (1.0 + ROW_TOLERANCE):
         return None
     return (
-        f"The modules cover {100.0 * covered:.0f} % of the wing, more than the "
-        f"{100.0 * most:g} % of airframe.maximum_module_coverage."
+        f"The modules cover {percent(covered, '.0f')} of the wing, more than the "
+        f"{percent(most, 'g')} of airframe.maximum_module_coverage."
     )
 
 
@@ -162,7 +162,7 @@ def nearest_lines(study: SizingStudy) -> list[str]:
         structure_kg, total_kg = float(design.masses.structure), float(design.total_mass_kg)
         share = (
             f"{structure_kg:.3g} kg of its {total_kg:.3g} kg are structure "
-            f"({100.0 * structure_kg / total_kg:.0f} %)"
+            f"({percent(structure_kg / total_kg, '.0f')})"
             if math.isfinite(total_kg)
             else "its structure outgrows every mass that it could have"
         )
@@ -189,7 +189,7 @@ def climb_lines(study: SizingStudy) -> list[str]:
     if highest_m > floor_m + 1.0:
         text = (
             f"climbs by day from {floor_m:.0f} m to {reached}{highest_m:.0f} m, which stores "
-            f"{climb.stored_height_wh:.1f} Wh; glides {hours(climb.gliding_h)} in "
+            f"{amount(climb.stored_height_wh, 'Wh')}; glides {hours(climb.gliding_h)} in "
             f"the evening; at dawn at {climb.dawn_altitude_m:.0f} m"
         )
     return [text] if level is None else [text, _without_climbs(study, level)]
@@ -225,9 +225,9 @@ def reliability_text(study: SizingStudy) -> str:
         reached = f"of the nearest design {reached}"
     return (
         f"reliability ({what} in every scenario): {reached} of {reliability.samples} draws; "
-        f"required {100 * reliability.required:g} %. The optimum without uncertainty, "
+        f"required {percent(reliability.required, 'g')}. The optimum without uncertainty, "
         f"{objective.label} {with_unit(reliability.nominal_objective, '.4g', objective)}, has "
-        f"{100 * reliability.nominal.value:.1f} %"
+        f"{percent(reliability.nominal.value)}"
     )
 
 
@@ -237,8 +237,8 @@ def survival_text(survival: Survival, study: SizingStudy) -> str:
     ends = " to ".join(date_label(day) for day in dict.fromkeys((season[0], season[-1])))
     whose = "" if study.feasible else " with the design that closes most of those found"
     return (
-        f"days that close, {ends}: {days.that_close} of {len(days)}, {100 * days.share:.1f} % "
-        f"(required {100 * survival.required:g} %){whose}; longest gap "
+        f"days that close, {ends}: {days.that_close} of {len(days)}, {percent(days.share)} "
+        f"(required {percent(survival.required, 'g')}){whose}; longest gap "
         f"{days.longest_gap_days} days. {_clear_sky_text(survival, study)}"
     )
 
@@ -251,12 +251,30 @@ def _clear_sky_text(survival: Survival, study: SizingStudy) -> str:
     objective, sized = study.objective, study.result.objective_value
     text = (
         f"The design for a clear sky, {objective.label} {with_unit(value, '.4g', objective)}, "
-        f"closes {clear.that_close}, {100 * clear.share:.1f} %"
+        f"closes {clear.that_close}, {percent(clear.share)}"
     )
     if sized is None or value <= 0.0:
         return text
     more = 100.0 * (sized / value - 1.0)
     return f"{text}; this one is {abs(more):.1f} % {'larger' if more >= 0.0 else 'smaller'}"
+
+
+def sensitivities_line(study: SizingStudy) -> str:
+    """What the most important parameters change, and what relaxing a constraint gains."""
+    objective, gain = study.objective, q.TABLE["gain"]
+    parts = (
+        f"{parameter_words(row.parameter)} {row.per_percent:+.4f}"
+        for row in (study.sensitivities or [])[:_SENSITIVITIES]
+    )
+    changes = ", ".join(parts) or f"none: {objective.label} is unlimited"
+    text = f"sensitivities, {objective.unit} per +1 %: {changes}"
+    for row in (study.multipliers or [])[:1]:
+        name = constraint_words(row.constraint).label
+        text += f"; {name} relaxed by {row.step}: {gain.text(row.gain)} {objective.unit}"
+    return text
+
+
+_SENSITIVITIES = 3  # of a line; a table has more
 
 
 def cross_check_line(check: CrossCheck, objective: Objective) -> str:
@@ -308,12 +326,12 @@ def uncertainty_line(low: Performance, high: Performance, index: int, mission: M
     if where := where_error_is_known(mission.altitude_m):
         return (
             f"{solar.label}; its error at {mission.altitude_m:g} m is not known. One of "
-            f"{100 * solar.rms_relative:.0f} % of the mean power,{where},{beyond[1:]} "
+            f"{percent(solar.rms_relative, '.0f')} of the mean power,{where},{beyond[1:]} "
             f"would {means.replace('leaves', 'leave', 1).replace('puts', 'put', 1)}."
         )
     return (
         f"{solar.label}; {error} of "
-        f"{100 * solar.rms_relative:.0f} % of the mean power{beyond} {means}."
+        f"{percent(solar.rms_relative, '.0f')} of the mean power{beyond} {means}."
     )
 
 
@@ -382,9 +400,10 @@ def power_line(budget: PowerBudget, mission: Mission) -> str:
     for name, watts in budget.rows():
         for words in _LEFT_OUT:
             name = name.replace(words, "")
-        parts.append(f"{name} {watts:.2f} W")
+        parts.append(f"{name} {amount(watts, 'W')}")
     slow = " at its own airspeed" if mission.holds_station else ""
-    return f"power in level flight{slow}, {budget.bus_w:.2f} W: {', '.join(parts)}. {budget.note()}"
+    rows = f"{amount(budget.bus_w, 'W')}: {', '.join(parts)}"
+    return f"power in level flight{slow}, {rows}. {budget.note()}"
 
 
 def part_masses_line(masses: PartMasses) -> str:
@@ -397,11 +416,13 @@ def part_masses_line(masses: PartMasses) -> str:
         if mass_kg is not None:
             low, high = mass_kg / fit.scatter, mass_kg * fit.scatter
             parts.append(
-                f"{name} {mass_kg:.3f} kg by the {size} of {fit.number} {name}s of the catalogue, "
-                f"which scatter by a factor of {fit.scatter:.2f} ({low:.3f} to {high:.3f} kg)"
+                f"{name} {amount(mass_kg, 'kg')} by the {size} of {fit.number} {name}s of the "
+                f"catalogue, which scatter by a factor of {fit.scatter:.2f} "
+                f"({low:.3f} to {amount(high, 'kg')})"
             )
     if masses.gearbox_kg is not None:
-        parts.append(f"gearbox {masses.gearbox_kg:.3f} kg by its torque (NASA/TM-2009-215680)")
+        gearbox = amount(masses.gearbox_kg, "kg")
+        parts.append(f"gearbox {gearbox} by its torque (NASA/TM-2009-215680)")
     return f"estimated masses of a propulsor: {', '.join(parts)}."
 
 
@@ -412,17 +433,17 @@ _REPORTED_ERROR = 1e-3
 def varying_line(varying: VaryingEfficiency) -> str:
     """Effect of the efficiency of the moment in a sentence or two."""
     excess_h, level_h = varying.excess_time_h, varying.level_excess_time_h
-    text = f"excess time {excess_h:.2f} h" if np.isfinite(excess_h) else "unlimited excess time"
+    text = f"excess time {hours(excess_h)}" if np.isfinite(excess_h) else "unlimited excess time"
     night, most = varying.night, varying.most
     parts = [
-        f"propulsion at the load of the moment: {text}, {level_h:.2f} h by level "
-        f"flight's efficiency; {_efficiency(night)} at {night.bus_voltage_v:.1f} V at the end of "
-        f"the night, {100.0 * night.state_of_charge:.0f} % charge"
+        f"propulsion at the load of the moment: {text}, {hours(level_h)} by level "
+        f"flight's efficiency; {_efficiency(night)} at {amount(night.bus_voltage_v, 'V')} at the "
+        f"end of the night, {percent(night.state_of_charge, '.0f')} charge"
     ]
     if most is not None:
         parts.append(
-            f", {_efficiency(most)} at {most.bus_voltage_v:.1f} V in thermals, {most.load:.2f} "
-            "times the power of level flight"
+            f", {_efficiency(most)} at {amount(most.bus_voltage_v, 'V')} in thermals, "
+            f"{most.load:.2f} times the power of level flight"
         )
     if varying.interpolation_error > _REPORTED_ERROR:
         parts.append(f"; the table of the march is {varying.interpolation_error:.1e} off")
@@ -432,7 +453,7 @@ def varying_line(varying: VaryingEfficiency) -> str:
 
 def _efficiency(instant: Instant) -> str:
     known = np.isfinite(instant.efficiency)
-    return f"{100.0 * instant.efficiency:.1f} %" if known else "beyond what the parts can do"
+    return percent(instant.efficiency) if known else "beyond what the parts can do"
 
 
 _CLOSE = 0.01  # what a weighed list and the mass budget may differ by without a note
@@ -443,29 +464,30 @@ def balance_lines(balance: BalanceAssessment) -> list[str]:
     tail, level, out = balance.planes, balance.level, balance.motor_out
     stable = "stable" if balance.static_margin > 0.0 else "unstable"
     lines = [
-        f"Static margin {100.0 * balance.static_margin:.1f} % of the mean aerodynamic chord "
-        f"({stable}): centre of gravity at {100.0 * balance.in_chord(balance.gravity_m):.1f} %, "
-        f"neutral point at {100.0 * balance.in_chord(balance.found.x_m):.1f} % of "
-        f"{balance.wing.aerodynamic_chord_m:.3f} m.",
+        f"Static margin {percent(balance.static_margin)} of the mean aerodynamic chord "
+        f"({stable}): centre of gravity at {percent(balance.in_chord(balance.gravity_m))}, "
+        f"neutral point at {percent(balance.in_chord(balance.found.x_m))} of "
+        f"{amount(balance.wing.aerodynamic_chord_m, 'm')}.",
         f"Tail planes of {tail.horizontal_m2:.3f} and {tail.vertical_m2:.3f} m², "
         f"{tail.arm_m:.2f} m behind the wing; trimmed C_L {level.wing_lift:.3f} of the wing and "
         f"{level.tail_lift:.3f} of the tail, trim drag {level.drag:+.5f} "
-        f"({100.0 * level.drag / balance.drag_coefficient:+.1f} % of the drag).",
+        f"({percent(level.drag / balance.drag_coefficient, '+.1f')} of the drag).",
         f"Elevator, trailing edge up positive, of {balance.elevator_limit_deg:g}°: "
         f"{-balance.elevator_deg:+.1f}° trims 1.2 times the stall speed, "
         f"{-balance.elevator_at_stall_deg:+.1f}° the stall. Rudder at 1.2 times the stall speed: "
-        f"{balance.sideslip_deg:.0f}° of sideslip, {balance.crosswind_m_per_s:.1f} m/s of crosswind"
-        + ("." if out is None else f"; one motor out needs {100.0 * out:.0f} % of it."),
+        f"{balance.sideslip_deg:.0f}° of sideslip, {amount(balance.crosswind_m_per_s, 'm/s')} of "
+        "crosswind"
+        + ("." if out is None else f"; one motor out needs {percent(out, '.0f')} of it."),
     ]
     if (margin := balance.asked_margin) is not None:
         volume = balance.holding_volume
         would = "no horizontal tail" if volume is None else f"a horizontal volume of {volume:.3f}"
-        lines[0] += f" The {100.0 * margin:g} % asked for would take {would}."
+        lines[0] += f" The {percent(margin, 'g')} asked for would take {would}."
     off = balance.mass_kg / balance.design_mass_kg - 1.0
     if abs(off) > _CLOSE:
         lines.append(
-            f"The weighed masses add up to {balance.mass_kg:.3f} kg, {100.0 * off:+.1f} % off the "
-            f"mass budget of {balance.design_mass_kg:.3f} kg."
+            f"The weighed masses add up to {amount(balance.mass_kg, 'kg')}, "
+            f"{percent(off, '+.1f')} off the mass budget of {amount(balance.design_mass_kg, 'kg')}."
         )
     return lines
 
@@ -486,17 +508,17 @@ def cells_lines(record: Mapping[str, Any]) -> list[str]:
             text += (
                 f"; {_counted(strings['count'], 'string')} of {series} on "
                 f"{_counted(strings['mppts'], 'MPPT')}, {strings['hottest_mpp_voltage_v']:.1f} to "
-                f"{strings['coldest_mpp_voltage_v']:.1f} V, "
-                f"{strings['coldest_open_voltage_v']:.1f} V unloaded"
+                f"{amount(strings['coldest_mpp_voltage_v'], 'V')}, "
+                f"{amount(strings['coldest_open_voltage_v'], 'V')} unloaded"
             )
         lines.append(text)
     if pack is not None:
         series, parallel = pack["cells_in_series"], pack["cells_in_parallel"]
         text = f"battery cells: {series * parallel}, {series} in series and {parallel} in parallel"
         if pack["empty_voltage_v"] is not None:
-            text += f", {pack['empty_voltage_v']:.1f} to {pack['full_voltage_v']:.1f} V"
+            text += f", {pack['empty_voltage_v']:.1f} to {amount(pack['full_voltage_v'], 'V')}"
         if pack["charge_current_a"] is not None:
-            text += f", charged with at most {pack['charge_current_a']:.1f} A"
+            text += f", charged with at most {amount(pack['charge_current_a'], 'A')}"
         lines.append(text)
     return lines
 
@@ -514,7 +536,7 @@ def loss_line(record: Mapping[str, Any], objective: Objective) -> str:
     text = f"{objective.label} {_value(chosen, objective)}"
     if loss is None:
         return f"whole cells: {text}, beside {relaxed}"
-    return f"loss by whole cells: {text}, {100.0 * loss:.1f} % worse than {relaxed}"
+    return f"loss by whole cells: {text}, {percent(loss)} worse than {relaxed}"
 
 
 def _value(design: Mapping[str, Any], objective: Objective) -> str:

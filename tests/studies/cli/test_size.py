@@ -81,7 +81,7 @@ def test_excess_time_without_end_is_null_and_told_in_words(run: Run, tmp_path: P
     assert record["cross_check"]["cross_checked"]
     assert record["cross_check"]["advantage"] == 0.0
     assert files(tmp_path / "pole") == SIZED_FILES
-    text = run(*asked)
+    text = run(*asked, "-v")
     assert (text.code, text.err) == (0, "")
     assert "unlimited excess time" in text.out
     assert re.search(r"\b(inf|nan)\b", text.out) is None
