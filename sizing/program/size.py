@@ -462,7 +462,10 @@ def _explained(search: Search) -> SizingResult:
         largest = searched(easiest, start)
         report += largest.report
         if largest.best is not None and largest.best.excess_h.min() >= task.required_h:
-            again = searched(task, easiest.design_variables(largest.best.values))
+            # With no more payload than that design has, so that it is one of this task as well.
+            enough = largest.best.values
+            carried = {name: enough[name] for name in task.free_names if name in enough}
+            again = searched(task, easiest.design_variables(enough)._replace(**carried))
             again.report += report
             return _result(again)
         if largest.best is not None or largest.status is SizingStatus.infeasible:
