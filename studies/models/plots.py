@@ -109,9 +109,9 @@ def _axis_labels(comparison: Comparison) -> tuple[str, ...]:
     required, objective = comparison.required_excess_time_h, comparison.objective
     promised = "promised " if objective is Objective.max_excess_time else ""
     return (
-        "solar energy of a day [Wh]\n(bars: RMS error of the model)",
-        "excess time, worst scenario [h]\n(lines: RMS error of the model)",
-        "perpetual season around the\nsummer solstice (days in the year)",
+        "solar energy\nof a day [Wh]\n(bars: RMS error)",
+        "excess time [h],\nworst scenario\n(lines: RMS error)",
+        "perpetual season\naround the summer\nsolstice [d]",
         f"design: {promised}{objective.label} [{objective.unit}],\n"
         f"{required:g} h of excess time required",
     )
