@@ -68,9 +68,9 @@ def sensitivities(
     Returns largest change of the objective per per cent first; empty where the excess time is
     infinite, which no small change makes any longer.
     """
-    optimum, objective_value = _optimum(result, "sensitivities")
-    if not np.isfinite(objective_value):
+    if result.objective_value == np.inf:
         return []
+    optimum, objective_value = _optimum(result, "sensitivities")
     to_units = _objective_per_cost(optimum, objective_value)
     # What the optimiser chooses is no parameter.
     requested = aircraft.design_space.requested_ranges()
@@ -115,9 +115,9 @@ def constraint_multipliers(result: SizingResult) -> list[ConstraintMultiplier]:
     They are those of the program, in the units of the objective. Like sensitivities they hold for
     small changes.
     """
-    optimum, objective_value = _optimum(result, "multipliers")
-    if not np.isfinite(objective_value):
+    if result.objective_value == np.inf:
         return []
+    optimum, objective_value = _optimum(result, "multipliers")
     to_units = abs(_objective_per_cost(optimum, objective_value))
     longest = result.objective is Objective.max_excess_time
     gains: defaultdict[tuple[str, str], float] = defaultdict(float)
@@ -136,8 +136,6 @@ def _optimum(result: SizingResult, wanted: str) -> tuple[Solution, float]:
     found = result.optimum
     if found is None or result.simulated is None or result.objective_value is None:
         raise ValueError(f"the sizing is {result.status.name}: only an optimum has {wanted}")
-    if not np.isfinite(result.objective_value):
-        return found, result.objective_value
     task, point = found.task, found.linearisation
     values = task.first_values(result.simulated.design.variables.mapped(float))
     values[TOTAL_MASS] = float(result.simulated.design.total_mass_kg)
