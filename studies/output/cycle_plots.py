@@ -43,8 +43,10 @@ _WITH_ERROR = "with that error in solar power"
 
 
 def _beside(axes: Axes, text: str, place: tuple[float, float], **options: Any) -> None:
-    """Write a text a few points to the right of a place."""
-    axes.annotate(text, place, (4, 0), textcoords="offset points", **options)
+    """Write a text a few points beside a place, on the side where there is more room."""
+    right = place[0] <= sum(axes.get_xlim()) / 2.0
+    sides: dict[str, Any] = {"ha": "left" if right else "right"} | options
+    axes.annotate(text, place, (4 if right else -4, 0), textcoords="offset points", **sides)
 
 
 def _error_band(axes: Axes, x: Any, low: Any, high: Any, colour: str, label: str) -> None:
@@ -156,7 +158,7 @@ def _draw_charge(axes: Axes, analysis: Analysis, index: int) -> None:
         _beside(axes, "full", (full, 30))
         _draw_margin(axes, float(full), float(perf.cycle.charge_margin_h[index]))
     _draw_excess(axes, perf, index)
-    axes.set(ylabel="state of charge [%]", ylim=(-26, 105), yticks=range(0, 101, 20))
+    axes.set(ylabel="state of charge [%]", ylim=(-36, 105), yticks=range(0, 101, 20))
 
 
 def _draw_excess(axes: Axes, perf: Performance, index: int) -> None:

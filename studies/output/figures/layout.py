@@ -83,6 +83,7 @@ class StyledFigure(Figure):
         top_px = self.bbox.height
         for text in self._heading:
             text.set_in_layout(False)
+            text.set_visible(bool(self.get_suptitle()))
             if self.get_suptitle() and text.get_text():
                 pad_px = 0.3 * float(text.get_fontsize()) * self.dpi / 72.0
                 text.set_y((top_px - pad_px) / self.bbox.height)

@@ -207,9 +207,7 @@ def test_commands_tell_the_worth_high_up_and_nothing_near_the_ground(command, ru
     record = run(*call, *high, "--json").json()
     told = {(one["quantity"], one["model"]): one for one in record["extrapolations"]}
     assert {MODULES, BATTERY, ERROR} <= set(told)
-    # The worth is among what -v tells of a single flight.
-    more = ("-v",) if verb == "analyse" else ()
-    printed = run(*call, *high, *more).out
+    printed = run(*call, *high, "-v").out
     for key in (MODULES, BATTERY):
         assert isinstance(told[key]["excess_time_h"], float)
         assert told[key]["text"] in printed

@@ -90,7 +90,7 @@ def test_a_small_figure_keeps_its_axes_and_its_texts() -> None:
         0.0 < analysis.performance.cycle.charge_margin_h[0] < 2.0
     )  # full late: its text has little room to the right
     figure = studies.plot_cycle(
-        analysis, figure=FigureOptions(size_in=(85 / 25.4, 60 / 25.4), style="paper")
+        analysis, figure=FigureOptions(size_in=(3.35, 3.0), style="paper", title=False)
     )
     assert not [fault for fault in text_faults(figure) if "leaves" in fault or "crosses" in fault]
     assert all(axes.get_position().height > 0.15 for axes in figure.axes)
