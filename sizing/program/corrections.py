@@ -24,9 +24,9 @@ from sizing.program.climbing import Profile, power_beyond_floor
 from sizing.program.days import (
     Day,
     day_means,
-    equal_power_step,
     light_at_heights,
     nodes_of,
+    reserve_nodes,
 )
 from sizing.program.task import SizingTask, Values
 from sizing.program.transcription import (
@@ -288,12 +288,10 @@ def _block(
         # Where a day does not close its voltages leap, and the load has no derivative.
         closes = np.broadcast_to(perf.cycle.perpetual, (len(load), task.count))[:, number]
         load = np.where((closes & closes[0])[:, np.newaxis], load, load[0])
-    dawn = equal_power_step(day, nominal_w[0])
-    at = np.arange(len(scenario.nodes))
-    first_light = at <= 1 + np.argmin(np.abs(scenario.nodes - dawn))
+    reserve = reserve_nodes(day, scenario.nodes, nominal_w[0])
     beyond_h = np.zeros(len(nominal_w))  # at a landing, which is a node, there is nothing
     if ends_h is None:
-        beyond_h = _beyond_h(perf, day, number, scenario.nodes[first_light], nominal_w)
+        beyond_h = _beyond_h(perf, day, number, scenario.nodes[reserve], nominal_w)
     if laid_anew:
         scenario.shift_h = float(beyond_h[0])
     block = BlockData(
@@ -305,7 +303,7 @@ def _block(
         load_slope=_slopes(task, load),
         shift_h=scenario.shift_h,
         shift_slope_h=_derivatives(task, beyond_h[:, np.newaxis]).ravel(),
-        reserve=(first_light if ends_h is None else at == at[-1]).astype(float),
+        reserve=reserve.astype(float),
         way_h=scenario.way_h,
         margin=scenario.margin,
         continuous=float(task.continuous),

@@ -75,6 +75,14 @@ def equal_power_step(day: Day, nominal_w: float) -> int:
     return int(np.argmax(carried)) if carried.any() and not carried.all() else 0
 
 
+def reserve_nodes(day: Day, nodes: IntArray, nominal_w: float) -> BoolArray:
+    """Whether the excess time must be left at each node: up to equal power, or at the landing."""
+    at = np.arange(len(nodes))
+    if day.lands:
+        return np.asarray(at == at[-1])
+    return np.asarray(at <= 1 + np.argmin(np.abs(nodes - equal_power_step(day, nominal_w))))
+
+
 def nodes_of(
     day: Day,
     path: FloatArray,

@@ -23,9 +23,9 @@ from sizing.program.days import (
     Day,
     DayMeans,
     day_means,
-    equal_power_step,
     light_at_heights,
     nodes_of,
+    reserve_nodes,
 )
 from sizing.program.transcription import (
     FIRST_HEIGHT,
@@ -44,7 +44,7 @@ from sizing.program.transcription import (
     day_rows,
     lagrange,
 )
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 FORM = Form(1, climbs=True)
 _HEIGHTS = slice(-FORM.heights, None)
@@ -177,7 +177,7 @@ def best_heights(
     around = _Around.of(time_h, levels, store.select(slice(i, i + 1)), flown, i, window)
     nominal_w, full_wh = float(levels.nominal_load_w[i]), around.full_wh
     design, unit_wh = _design(levels, i, around), RESERVE_SCALE_H * nominal_w
-    block = _block(design, around, nominal_w, margin, repeated=window is None)
+    block = _block(design, around, nominal_w, margin)
     data = (*around.efficiencies, nominal_w, around.climb_m)
     start = (
         [max(float(flown.cycle.excess_time_h[i]), 0.0)],
@@ -210,7 +210,7 @@ class _Around(NamedTuple):
 
     ``light_w``: mean power of the modules by heights and intervals. ``power_w``: of level flight,
     by heights. ``clock_h``, ``soc``, ``share``: at the nodes time of the day, state of charge and
-    height over the way ``climb_m`` to the ceiling. ``first_light``: node next to equal power.
+    height over the way ``climb_m`` to the ceiling; ``reserve``: where the excess time must be left.
     """
 
     full_wh: float
@@ -222,7 +222,7 @@ class _Around(NamedTuple):
     clock_h: FloatArray
     soc: FloatArray
     share: FloatArray
-    first_light: int
+    reserve: BoolArray
 
     @classmethod
     def of(
@@ -267,7 +267,7 @@ class _Around(NamedTuple):
             day.time_h[nodes] % 24.0,
             path[nodes],
             share,
-            int(np.argmin(np.abs(nodes - equal_power_step(day, nominal_w)))),
+            reserve_nodes(day, nodes, nominal_w),
         )
 
 
@@ -286,9 +286,7 @@ def _design(levels: FlightLevels, i: int, around: _Around) -> DesignSymbols:
     )
 
 
-def _block(
-    design: DesignSymbols, around: _Around, nominal_w: float, margin: float, *, repeated: bool
-) -> BlockData:
+def _block(design: DesignSymbols, around: _Around, nominal_w: float, margin: float) -> BlockData:
     """Data of the day of a design that is held: nothing is known of others."""
     share, hours = around.share, around.means.hours
     middle = np.stack(lagrange((share[1:] + share[:-1]) / 2.0, LEVELS))
@@ -297,7 +295,6 @@ def _block(
     beyond_w = (np.exp(design.log_power_w @ middle) - floor_w) * design.steady
     beyond_w = beyond_w + climb_w / (3600.0 * hours)
     level_w = floor_w * design.steady + design.constant_w
-    at = np.arange(len(share))
     return BlockData(
         hours=hours,
         light_w_per_m2=around.light_w.ravel(order="F"),
@@ -307,7 +304,7 @@ def _block(
         load_slope=np.zeros(0),
         shift_h=0.0,
         shift_slope_h=np.zeros(0),
-        reserve=(at <= 1 + around.first_light if repeated else at == at[-1]).astype(float),
+        reserve=around.reserve.astype(float),
         way_h=0.0,
         margin=margin,
         continuous=0.0,

@@ -195,9 +195,8 @@ def _lagrangian(
     )
     scales = scales_of(own.variables, point.values)
     design = optimum.program.parts["design"]
-    x, centre = optimum.x.copy(), np.zeros(len(scales))
+    x, centre = optimum.x.copy(), optimum.centre.copy()
     for i, v in enumerate(own.variables):
-        centre[i] = v.to_program(point.values[v.name], scales[i])
         if v.name in held:
             x[design][i] = centre[i] = v.to_program(held[v.name], scales[i])
     program = build_program(aircraft, optimum.program.form)

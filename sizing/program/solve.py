@@ -24,7 +24,7 @@ from sizing.program.transcription import (
     build_program,
 )
 from sizing.program.variables import WORST_EXCESS, Role, scales_of
-from solar.types import FloatArray
+from solar.types import BoolArray, FloatArray
 
 # Cost of missing a requirement by all of it, or of lacking the whole load all day: far above any
 # multiplier of a cost of order one, so that none is missed for a gain.
@@ -147,9 +147,7 @@ class Solution:
 
     def reserve_h(self, block: int) -> float:
         """Excess time that a block has in the program, the required one or more [h]."""
-        kept = np.array(
-            [(c.name, c.block) == ("excess_time", block) for c in self.program.constraints]
-        )
+        kept = self._of("excess_time", block)
         kept[kept] = self.linearisation.blocks[block].reserve > 0.0
         spare_h = self._rows[kept] / -self._rows_by_hour[kept]
         return self.excess_time_h + float(spare_h.min())
@@ -162,10 +160,9 @@ class Solution:
 
     def excess_multiplier(self, block: int, *, on_way: bool = False) -> float:
         """Sum of the multipliers of the rows in which the excess time must be left, or others."""
-        pairs = zip(self.program.constraints, self.row_multipliers, strict=True)
-        rows = [abs(m) for c, m in pairs if c.name == "excess_time" and c.block == block]
         reserve = self.linearisation.blocks[block].reserve
-        return float((1.0 - reserve if on_way else reserve) @ rows)
+        held = np.abs(self.row_multipliers[self._of("excess_time", block)])
+        return float((1.0 - reserve if on_way else reserve) @ held)
 
     @property
     def design_bounds(self) -> FloatArray:
@@ -174,12 +171,15 @@ class Solution:
 
     def multiplier(self, name: str, block: int | None) -> float:
         """Sum of the multipliers of the rows of a name."""
-        pairs = zip(self.program.constraints, self.row_multipliers, strict=True)
-        return float(sum(abs(m) for c, m in pairs if c.name == name and c.block == block))
+        return float(np.abs(self.row_multipliers[self._of(name, block)]).sum())
 
     def is_equation(self, name: str) -> bool:
         """Whether the rows of a name are equations."""
         return any(c.equation for c in self.program.constraints if c.name == name)
+
+    def _of(self, name: str, block: int | None) -> BoolArray:
+        """Which rows are those of a name and a block."""
+        return np.array([(c.name, c.block) == (name, block) for c in self.program.constraints])
 
     @cached_property
     def _rows(self) -> FloatArray:
@@ -194,8 +194,7 @@ class Solution:
 
     def full(self, block: int) -> float:
         """Energy of the full battery, in the unit of charges."""
-        names = [(c.name, c.block) for c in self.program.constraints]
-        spare = self._rows[names.index(("battery_capacity", block))]
+        spare = self._rows[self._of("battery_capacity", block)][0]
         charges = self.x[self.program.parts["charge"]].reshape(self.program.blocks, -1)
         return float(spare + charges[block, 0])
 
