@@ -7,13 +7,13 @@ sensible range, stands once in ``data/parameters.csv``.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast
+
+from sizing.data_rows import data_rows
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -60,8 +60,7 @@ class Parameter:
 @cache
 def catalogue() -> Mapping[str, Parameter]:
     """Every parameter by its key, in the order of the file."""
-    text = (resources.files("sizing") / "data" / "parameters.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    rows = data_rows("parameters")
     return MappingProxyType({row["key"]: _from_row(row) for row in rows})
 
 

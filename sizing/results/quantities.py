@@ -8,16 +8,15 @@ the groups that are to have it; what a design may also be bounded by is in
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import resources
 from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
+from sizing.data_rows import data_rows
 from sizing.day.metrics import Status
 from sizing.limits import QUANTITIES
 from sizing.parameters import parameter, unit_text
@@ -119,8 +118,7 @@ _COMPUTED: dict[str, Any] = {
 
 
 def _read() -> dict[str, Quantity]:
-    text = (resources.files("sizing") / "data" / "quantities.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    rows = data_rows("quantities")
     return {row["key"]: _from_row(row) for row in rows}
 
 

@@ -8,10 +8,8 @@ empty battery.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 from functools import cache
-from importlib import resources
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -20,6 +18,7 @@ import numpy as np
 from missions.air import GRAVITY_M_PER_S2
 from missions.mission import Mission
 from sizing.aircraft import Aircraft, ParametricAirframe
+from sizing.data_rows import data_rows
 from sizing.design import Design, bus_voltage_v
 from sizing.design_space import DesignSpace
 from sizing.limits import QUANTITIES, DesignInFlight
@@ -32,8 +31,7 @@ from sizing.results.quantities import EXCESS_TIME, MINIMUM_CHARGE
 @cache
 def requirements() -> Mapping[str, Mapping[str, str]]:
     """Words, key and reason of every requirement with a name of its own."""
-    text = (resources.files("sizing") / "data" / "requirements.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    rows = data_rows("requirements")
     return MappingProxyType({row["name"]: MappingProxyType(row) for row in rows})
 
 

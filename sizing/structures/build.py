@@ -6,17 +6,16 @@ building" in docs/structure.md.
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from functools import cache
-from importlib import resources
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args
 
 from pydantic import BeforeValidator, model_validator
 
 from missions.files.errors import shown
+from sizing.data_rows import data_rows
 from sizing.smooth import Value
 from solar.schema import PositiveReal, Record, is_positive
 
@@ -45,8 +44,7 @@ def build_qualities() -> Mapping[str, BuildQuality]:
     two aircraft alone tell none: ``s^2 = sum (ln r - mean)^2/(N - classes)`` (Montgomery, Design
     and Analysis of Experiments, section 3.3: pooled variance of an analysis of variance).
     """
-    text = (resources.files("sizing") / "data" / "built-structures.csv").read_text(encoding="utf-8")
-    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    rows = data_rows("built-structures")
     logs = {
         quality: {
             one["aircraft"]: math.log(float(one["ratio"]))

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
-from importlib import resources
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from sizing.data_rows import data_rows
 from sizing.limits import ROW_TOLERANCE
 from sizing.parameters import Parameter, unit_text
 from solar.types import BoolArray, FloatArray
@@ -132,8 +131,7 @@ def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
 @cache
 def ranges() -> Mapping[tuple[str, str], Range]:
     """Ranges of all models, by quantity and model."""
-    text = (resources.files("sizing") / "data" / "validity.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    rows = data_rows("validity")
     return MappingProxyType({(row["key"], row["model"]): _from_row(row) for row in rows})
 
 
