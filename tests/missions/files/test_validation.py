@@ -270,7 +270,7 @@ def test_deprecated_keys_are_read_with_a_warning_that_has_line_and_new_name():
     with pytest.warns(DeprecatedKeyWarning) as told:
         read = validate(document, Racks)
     assert [pack.mass_kg for pack in read.packs] == [1.0, 2.0]
-    new = "is called '{}' now; version 2.0 refuses the old name"
+    new = "is called '{}' now; version 3.0 refuses the old name"
     assert [str(one.message) for one in told] == [
         f"as2.yaml:1:1: racks: {new.format('packs')}",
         f"as2.yaml:3:3: packs.1.weight_kg: {new.format('mass_kg')}",
