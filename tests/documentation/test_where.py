@@ -1,4 +1,4 @@
-"""Questions of a reader, and the definition that answers each: where is the excess time computed?
+"""Each question of a reader names the definition that answers: where is the excess time computed.
 
 A reader who knows the tree of files should guess the file of most of them in ten seconds.
 """
