@@ -1,9 +1,9 @@
-"""Coefficients of a propeller of which diameter, pitch and number of blades are known.
+"""Coefficients of thrust and power of propellers from diameter, pitch and number of blades.
 
 Blade elements and momentum in the form of Drela's QPROP (Drela, M. (2006), QPROP Formulation, MIT
 Aero & Astro): the velocity at a blade station is a function of one angle, in which the circulation
-by momentum and that by the section's lift have one difference with a bracketed root. It holds at
-rest, in flight, and where the propeller brakes.
+by momentum equals that by the section's lift at one bracketed root. The method holds at rest, in
+flight, and where the propeller brakes.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from missions.air import Air
-from sizing.propulsion.propeller import Coefficients, SomePoints
+from sizing.propulsion.propeller import Coefficients, Indices
 from sizing.roots import bracketed_root
 from solar.types import FloatArray
 
@@ -42,27 +42,27 @@ _LEAST_LIFT, _GREATEST_LIFT = -0.3, 1.2
 _LEAST_DRAG, _LIFT_OF_LEAST_DRAG = 0.028, 0.5
 _DRAG_ABOVE, _DRAG_BELOW = 0.050, 0.020
 _REYNOLDS, _REYNOLDS_EXPONENT = 70_000.0, -0.7
-# The exponent is one of laminar flow with separation bubbles; above, drag is held.
+# The exponent is that of laminar flow with separation bubbles; drag is constant above this range.
 _LARGEST_REYNOLDS, _SMALLEST_REYNOLDS = 300_000.0, 2_000.0
-# Drag of a plate across the flow.
+# Drag coefficient of a plate across the flow.
 _PLATE_DRAG = 2.0
 
 _ANGLE_TOLERANCE = 1e-11
 _HUB = 0.1
 _ELEMENTS = 24
-# Above this advance ratio over pitch/diameter every propeller of such a section brakes.
+# Every propeller of this section brakes above an advance ratio of 1.3 pitch/diameter + 0.3.
 _LARGEST_ADVANCE_OVER_PITCH, _ADVANCE_BEYOND_PITCH = 1.3, 0.3
 
 
 def section_coefficients(
     angle_rad: ArrayLike, reynolds: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
-    """Lift and drag of the blade section.
+    """Return lift and drag coefficients of the blade section.
 
     ``c_l = 0.5 + 5.8 alpha`` from -0.3 to 1.2, beyond them the limit times the cosine of the
     excess of the angle; ``c_d = (0.028 + k (c_l - 0.5)^2) (Re / 70000)^-0.7``, with k 0.050 above
-    and 0.020 below 0.5, and beyond the limits ``2 sin^2`` of the excess more. Above a Reynolds
-    number of 300 000 drag is held.
+    and 0.020 below 0.5; beyond the limits of lift, ``2 sin^2`` of the excess is added. Above a
+    Reynolds number of 300 000 drag is constant.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def section_coefficients(
 
 
 def _lift_and_excess(angle: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Lift of the blade section, and the angle beyond its limits [rad]."""
+    """Return the lift coefficient of the blade section, and the angle beyond its limits [rad]."""
     upper = (_GREATEST_LIFT - _LIFT_AT_ZERO) / _LIFT_SLOPE
     lower = (_LEAST_LIFT - _LIFT_AT_ZERO) / _LIFT_SLOPE
     excess = angle - np.clip(angle, lower, upper)
@@ -104,20 +104,20 @@ class _Flow(NamedTuple):
 
 @dataclass(frozen=True)
 class BladeElementPropeller:
-    """A propeller by its diameter, pitch and number of blades.
+    """Propeller by its diameter, pitch and number of blades.
 
-    Its blades have the chords of a family of model propellers, scaled with the diameter, a section
-    of Drela's, and the twist of its pitch, ``atan(pitch / (2 pi r))``, from a tenth of the radius
-    to the tip. The tips' Mach number plays no part.
+    The blades have the chords of a family of model propellers, scaled with the diameter, Drela's
+    section, and the twist of the pitch, ``atan(pitch / (2 pi r))``, from a tenth of the radius to
+    the tip. Compressibility is not modelled.
 
     Attributes
     ----------
     diameter_m, pitch_m : float or ndarray
-        Diameter and geometric pitch [m]; arrays of the shape of the points that it is asked for.
+        Diameter and geometric pitch [m]; arrays have the shape of the operating points.
     blades : int
         Number of blades.
     chords : {"thin_electric", "slow_flyer"}
-        Family of model propellers that the chords are those of.
+        Family of model propellers whose chords the blades have.
 
     Raises
     ------
@@ -130,11 +130,11 @@ class BladeElementPropeller:
     pitch_m: Any
     blades: int = 2
     chords: Literal["thin_electric", "slow_flyer"] = "thin_electric"
-    # It knows every speed of rotation, and thrust rises with it.
+    # There is no limit of the speed of rotation, and thrust rises with it.
     trials: ClassVar[int] = 9
 
     def __post_init__(self) -> None:
-        """Refuse what is no propeller."""
+        """Check diameter, pitch, number of blades and family of chords."""
         for name in ("diameter_m", "pitch_m"):
             value = getattr(self, name)
             if not np.all((value > 0.0) & (value <= 100.0)):
@@ -145,25 +145,25 @@ class BladeElementPropeller:
             raise ValueError(f"chords must be one of {', '.join(_CHORDS)} (got {self.chords!r})")
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Ranges of the advance ratio [-] and of the speed of rotation [1/s] that it covers."""
+        """Return the ranges of advance ratio [-] and speed of rotation [1/s] of the model."""
         ratio = self.pitch_m / self.diameter_m
         return (0.0, _LARGEST_ADVANCE_OVER_PITCH * ratio + _ADVANCE_BEYOND_PITCH), (0.0, np.inf)
 
-    def at(self, some: SomePoints) -> BladeElementPropeller:
-        """Propellers of some of the points."""
+    def at(self, indices: Indices) -> BladeElementPropeller:
+        """Return the propellers at indices; a single one unchanged."""
         if np.ndim(self.diameter_m) == np.ndim(self.pitch_m) == 0:
             return self
         sizes = np.broadcast_arrays(self.diameter_m, self.pitch_m)
-        return replace(self, diameter_m=sizes[0][some], pitch_m=sizes[1][some])
+        return replace(self, diameter_m=sizes[0][indices], pitch_m=sizes[1][indices])
 
     @property
     def _diameter_m(self) -> FloatArray:
-        """Diameter with an axis for the stations."""
+        """Diameter with an axis for the stations [m]."""
         return np.asarray(self.diameter_m)[..., np.newaxis]
 
     @cached_property
     def _blade(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Place [-], width of the element [m], chord [m] and twist [rad], denser at the tip."""
+        """Station r/R [-], element width [m], chord [m] and twist [rad], denser at the tip."""
         edges = _HUB + (1.0 - _HUB) * np.sin(np.linspace(0.0, np.pi / 2, _ELEMENTS + 1))
         place = (edges[1:] + edges[:-1]) / 2.0
         radius = self._diameter_m / 2.0
@@ -175,7 +175,7 @@ class BladeElementPropeller:
     def coefficients(
         self, airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, air: Air
     ) -> Coefficients:
-        """Coefficients of thrust and power.
+        """Return the coefficients of thrust and power.
 
         ``dT = B rho W c (c_l W_t - c_d W_a) dr / 2`` and ``dQ = B rho W c (c_l W_a + c_d W_t) r dr
         / 2``, with the velocities at the station that make the circulation of the lift,
@@ -186,18 +186,18 @@ class BladeElementPropeller:
         airspeed_m_per_s, rotation_per_s : array_like
             True airspeed, 0 or more [m/s], and speed of rotation, above 0 [1/s].
         air : Air
-            Its density and viscosity count.
+            Only density and viscosity are used.
 
         Returns
         -------
         Coefficients
-            Of the broadcast shape of the arguments. Below zero where the propeller brakes, the
+            Of the broadcast shape of the arguments. Thrust is negative where the propeller brakes,
             power where the air turns it.
         """
         v, n, density, viscosity = np.broadcast_arrays(
             *(
-                np.asarray(one, float)[..., np.newaxis]
-                for one in (
+                np.asarray(values, float)[..., np.newaxis]
+                for values in (
                     airspeed_m_per_s,
                     rotation_per_s,
                     air.density_kg_per_m3,
@@ -220,15 +220,15 @@ class BladeElementPropeller:
         )
 
     def _angle(self, v: FloatArray, rotation: FloatArray) -> FloatArray:
-        """Angle psi of every station [rad], of the airspeed and that of the rotation [m/s].
+        """Return the angle psi of every station [rad]; airspeed and rotational speed in m/s.
 
-        Without induced velocity psi is the angle of the free flow. There the circulation by
-        momentum is zero: a section that lifts has its root above, one that brakes below.
+        At the angle of the free flow the circulation by momentum is zero: the root lies above for
+        a section that lifts, below for one that brakes.
         """
         chord = self._blade[2]
 
         def excess(psi: FloatArray) -> FloatArray:
-            """Circulation by momentum above that by lift [m2/s]."""
+            """Return the circulation by momentum less the circulation by lift [m2/s]."""
             flow = self._flow(psi, v, rotation)
             return np.asarray(
                 flow.circulation - 0.5 * flow.speed * chord * _lift_and_excess(flow.angle)[0]
@@ -241,7 +241,7 @@ class BladeElementPropeller:
         return bracketed_root(excess, lower, upper, _ANGLE_TOLERANCE)
 
     def _flow(self, psi: FloatArray, v: FloatArray, rotation: FloatArray) -> _Flow:
-        """Flow at an angle psi.
+        """Return the flow at an angle psi [rad].
 
         ``W_a = (V + U sin psi) / 2`` and ``W_t = (Omega r + U cos psi) / 2`` with ``U^2 = V^2 +
         (Omega r)^2``, so that the induced velocity is at right angles to the flow; circulation

@@ -1,4 +1,4 @@
-"""The propulsion of an aircraft's file: a chain of constants, or parts at their operating point."""
+"""Propulsion of an aircraft's file: a chain of constants, or parts at their operating point."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ from solar.schema import (
 )
 
 _MassFactor = Annotated[float, Strict(), Field(gt=0.0, le=20.0)]
-# Rated over level-flight power where a file says nothing: AtlantikSolar has 180 W over 35.8 W.
+# Default of rated over level-flight power; AtlantikSolar has 180 W over 35.8 W.
 _CLIMB_POWER_RATIO = 5.0
 _MASS_KG_PER_W = 0.0011
-# Of a propeller at one advance ratio power goes with the cube of its speed, torque with the square.
+# At a constant advance ratio power scales with the cube of propeller speed, torque with the square.
 _GEAR_BY_POWER = GEAR_EXPONENT * 2.0 / 3.0
-# Links from the bus to the air, and those of an operating point that they stand for.
+# Links of the chain from the bus to the air, and their names in an operating point.
 LINKS = {
     "wiring": "wiring",
     "controller": "controller",
@@ -75,13 +75,13 @@ class Propulsion(OfCatalogue):
 
     The group's mass follows its rated electric power: level flight's times ``climb_power_ratio``
     (5 by default), or what climbing at ``climb_rate_m_per_s`` takes at the airspeed of level
-    flight, ``P_level + m g v_climb / efficiency``. One of the two, not both. ``fixed_mass_kg`` is
-    what does not follow the power.
+    flight, ``P_level + m g v_climb / efficiency``. One of the two, not both. ``fixed_mass_kg`` does
+    not scale with the power.
 
     ``motor`` names an entry of the catalogue of motors, which gives the motor's best efficiency at
-    ``motor_voltage_v``. ``mass_model`` names a model of the user's own for the mass, instead of
-    ``mass_kg_per_w``: see :func:`sizing.register_propulsion_mass`. ``efficiency_model`` names one
-    for the efficiency of the whole chain, instead of those of its links: see
+    ``motor_voltage_v``. ``mass_model`` names a user-defined mass model, instead of
+    ``mass_kg_per_w``: see :func:`sizing.register_propulsion_mass`. ``efficiency_model`` names a
+    user-defined model of the efficiency of the whole chain, instead of its links: see
     :func:`sizing.register_propulsion_efficiency`.
     """
 
@@ -110,22 +110,22 @@ class Propulsion(OfCatalogue):
     def in_level_flight(
         self, power_w: Value, airspeed_m_per_s: Value, density_kg_per_m3: Value
     ) -> Propulsion:
-        """Chain whose efficiency is that of the user's own model, as one link; else itself.
+        """Return the chain with the efficiency of the user-defined model, if any, as one link.
 
-        ``power_w``: drag times airspeed.
+        ``power_w`` is drag times airspeed [W].
         """
         if self.efficiency_model is None:
             return self
-        own = propulsion_efficiency_function(self.efficiency_model)
+        model = propulsion_efficiency_function(self.efficiency_model)
         one_link: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
-        one_link["propeller_efficiency"] = own(power_w, airspeed_m_per_s, density_kg_per_m3)
+        one_link["propeller_efficiency"] = model(power_w, airspeed_m_per_s, density_kg_per_m3)
         return self.model_copy(update=one_link | {"efficiency_model": None})
 
     def rated_power_w(self, level_w: Value, *, weight_n: Value) -> Value:
-        """Rated electric power [W].
+        """Return the rated electric power [W].
 
-        Returns ``level_w + weight_n v_climb / efficiency`` where a climb rate is given, else the
-        climb power ratio times ``level_w`` [W].
+        ``level_w + weight_n v_climb / efficiency`` where a climb rate is given, else the climb
+        power ratio times ``level_w``.
         """
         if self.climb_rate_m_per_s is not None:
             return level_w + weight_n * self.climb_rate_m_per_s / self.efficiency
@@ -133,7 +133,7 @@ class Propulsion(OfCatalogue):
         return (_CLIMB_POWER_RATIO if ratio is None else ratio) * level_w
 
     def mass_kg(self, rated_w: Value) -> Value:
-        """Mass of the propulsion group for its rated electric power [kg]."""
+        """Return the mass of the propulsion group for a rated electric power [kg]."""
         if self.mass_model is not None:
             mass_kg = propulsion_mass_function(self.mass_model)(rated_w)
         else:
@@ -142,13 +142,13 @@ class Propulsion(OfCatalogue):
 
     @property
     def links(self) -> dict[str, Value]:
-        """Efficiency of each of :data:`LINKS` [-]; 1 of one that the chain does not have."""
+        """Efficiency of each of :data:`LINKS` [-]; 1 for a link that the chain lacks."""
         named = {name: getattr(self, f"{name}_efficiency") for name in LINKS}
-        return {name: 1.0 if one is None else one for name, one in named.items()}
+        return {name: 1.0 if value is None else value for name, value in named.items()}
 
     def mapped(self, function: Callable[[Value], Value]) -> Self:
-        """Chain with a function of what differs between designs."""
-        links = {f"{name}_efficiency": function(one) for name, one in self.links.items()}
+        """Return the chain with a function applied to every efficiency."""
+        links = {f"{name}_efficiency": function(value) for name, value in self.links.items()}
         return self.model_copy(update=links)
 
     @property
@@ -164,18 +164,18 @@ class Propulsion(OfCatalogue):
 
 
 class OperatingPointPropulsion(Record):
-    """Propellers, gears, motors and controllers whose efficiencies follow from level flight.
+    """Propellers, gears, motors and controllers with efficiencies computed in level flight.
 
-    ``propulsors`` of one kind share the thrust. ``motor`` is the name of an entry of the catalogue,
-    the path of one's own, or the constants themselves. Masses are those of one propulsor's parts;
-    ``mass_kg_per_w`` comes on top, and is 0 where the motor's mass is known. ``efficiency_factor``
-    is what the propellers have over what is computed; ``motor_mass_factor`` and
-    ``propeller_mass_factor`` what those parts weigh over what is given or estimated.
+    Equal ``propulsors`` share the thrust. ``motor`` is the name of a catalogue entry, the path of a
+    user-defined entry, or the motor's constants. Masses are of the parts of one propulsor;
+    ``mass_kg_per_w`` is added, and is 0 by default where the motor's mass is known.
+    ``efficiency_factor`` is actual over computed efficiency of the propellers;
+    ``motor_mass_factor`` and ``propeller_mass_factor`` are actual over given or estimated mass.
     """
 
-    # Whether a batch of designs is too dear to have its operating points at every step.
+    # Whether operating points are exact, and too slow to evaluate at every step for many designs.
     is_exact: ClassVar[bool] = True
-    # Whether the limits of its parts refuse a flight.
+    # Whether the limits of the parts make operating points infeasible.
     is_limited: ClassVar[bool] = True
 
     kind: Literal["operating_point"]
@@ -208,9 +208,9 @@ class OperatingPointPropulsion(Record):
         gear_ratio: Value | None,
         speed_constant_rpm_per_v: Value | None = None,
     ) -> Self:
-        """These parts with a chosen diameter and pitch [m], gear and winding of the motor.
+        """Return these parts with another diameter and pitch [m], gear ratio and motor winding.
 
-        None leaves the file's. A motor that is wound anew has the mass that it had.
+        None keeps the value of the file. Rewinding does not change the motor's mass.
         """
         sizes: dict[str, Any] = {
             "propeller.diameter_m": diameter_m,
@@ -218,7 +218,7 @@ class OperatingPointPropulsion(Record):
             "gear.ratio": gear_ratio,
         }
         if diameter_m is not None and self.propeller.mass_kg:
-            # The file's mass is that of the file's diameter.
+            # The mass in the file belongs to the diameter in the file.
             larger = diameter_m / self.propeller.diameter_m
             grown = larger ** propeller_mass_fit().exponent
             sizes["propeller.mass_kg"] = self.propeller.mass_kg * grown
@@ -227,17 +227,17 @@ class OperatingPointPropulsion(Record):
             sizes["motor"] = replaced(wound, ["mass_kg"], self.motor_mass_kg)
         chosen: dict[str, Any] = {k: value for k, value in sizes.items() if value is not None}
         if diameter_m is not None or pitch_m is not None:
-            chosen["propeller.product"] = None  # of that size it is no longer
+            chosen["propeller.product"] = None  # the product has another size
         return all_replaced(self, chosen) if chosen else self
 
     @cached_property
     def own_motor(self) -> Motor:
-        """Motor of the file, or of the catalogue."""
+        """Motor of the file, or of the catalogue entry that the file names."""
         return Motor.from_catalogue(self.motor) if isinstance(self.motor, str) else self.motor
 
     @cached_property
     def propulsor(self) -> Propulsor:
-        """One of the propulsors."""
+        """Propeller, gear, motor, controller and wiring; all propulsors are equal."""
         return Propulsor(
             propeller=self.propeller.propeller,
             motor=self.own_motor,
@@ -249,16 +249,20 @@ class OperatingPointPropulsion(Record):
         )
 
     def taken(self) -> list[Taken]:
-        """Values of propeller and motor that the catalogues give, with their sources."""
+        """Return the values of propeller and motor from catalogues, with their sources."""
         of_propeller = taken(self.propeller, "airframe.propulsion.propeller.")
         if not isinstance(self.motor, str):
             return of_propeller
-        one = found_entry("motor", "motors", self.motor)
+        motor = found_entry("motor", "motors", self.motor)
         return of_propeller + [
             Taken(
-                f"airframe.propulsion.motor.{key}", value, self.motor, one.label, one.source_of(key)
+                f"airframe.propulsion.motor.{key}",
+                value,
+                self.motor,
+                motor.label,
+                motor.source_of(key),
             )
-            for key, value in one.numbers().items()
+            for key, value in motor.numbers().items()
             if key in Motor.model_fields
         ]
 
@@ -269,18 +273,18 @@ class OperatingPointPropulsion(Record):
         air: Air,
         bus_voltage_v: tuple[float, float],
     ) -> OperatingPoint:
-        """Operating point of one propulsor in level flight.
+        """Return the operating point of one propulsor in level flight, of the arguments' shape.
 
-        ``thrust_power_w``, ``airspeed_m_per_s``, ``air``: of the whole aircraft; numbers or arrays.
-        ``bus_voltage_v``: of the empty and of the full battery [V]. It must work at both; of the
-        two, the one that takes more power counts. Returns of the arguments' shape.
+        The thrust power [W] is that of the whole aircraft. ``bus_voltage_v`` holds the voltages of
+        the empty and the full battery [V]: the point must be feasible at both, and the one with
+        more bus power is returned.
         """
         power_w, speed, *state = (
-            np.asarray(one, float)
-            for one in np.broadcast_arrays(thrust_power_w, airspeed_m_per_s, *air)
+            np.asarray(array, float)
+            for array in np.broadcast_arrays(thrust_power_w, airspeed_m_per_s, *air)
         )
         bus_v = np.reshape(bus_voltage_v, (2,) + (1,) * power_w.ndim)
-        # A design that carries nothing has no thrust; it is masked with its efficiencies.
+        # Invalid designs get a placeholder thrust; their efficiencies are masked elsewhere.
         flies = np.isfinite(power_w) & np.isfinite(speed) & (power_w > 0.0) & (speed > 0.0)
         power_w, speed = np.where(flies, power_w, 1.0), np.where(flies, speed, 1.0)
         thrust_n = power_w / speed / self.propulsors
@@ -289,11 +293,11 @@ class OperatingPointPropulsion(Record):
         worse = np.argmax(weight, axis=0)[np.newaxis]
         point = OperatingPoint(
             *(
-                np.take_along_axis(getattr(both, one.name), worse, axis=0)[0]
-                for one in fields(OperatingPoint)
+                np.take_along_axis(getattr(both, field.name), worse, axis=0)[0]
+                for field in fields(OperatingPoint)
             )
         )
-        factor = self.efficiency_factor  # the propeller is as much better than computed
+        factor = self.efficiency_factor
         if factor == 1.0:
             return point
         return replace(
@@ -307,9 +311,9 @@ class OperatingPointPropulsion(Record):
     def bus_power_w(
         self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
     ) -> Value:
-        """Electric power of all propulsors, whatever the limits of their parts are [W].
+        """Return the electric power of all propulsors without limits of the parts [W].
 
-        Voltages broadcast with the others. NaN where the propeller's data end.
+        Voltages [V] broadcast with the other arguments. NaN outside the propeller's data.
         """
         thrust_n = thrust_power_w / airspeed_m_per_s / self.propulsors
         power_w = bus_power_w(self.propulsor, thrust_n, airspeed_m_per_s, air, bus_v)
@@ -318,9 +322,9 @@ class OperatingPointPropulsion(Record):
     def propeller_state(
         self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air
     ) -> tuple[Value, Value, Value]:
-        """Speed of rotation [1/s], power at one shaft [W] and power over thrust power [-].
+        """Return speed of rotation [1/s], power of one shaft [W], and shaft over thrust power [-].
 
-        NaN where the propeller's data end.
+        NaN outside the propeller's data.
         """
         thrust_w = thrust_power_w / self.propulsors
         turns, shaft_w = propeller_state(
@@ -335,20 +339,20 @@ class OperatingPointPropulsion(Record):
         air: Air,
         bus_voltage_v: tuple[float, float],
     ) -> Propulsion:
-        """Chain of constants at an operating point, see :meth:`point`; NaN where there is none."""
+        """Return the chain of efficiencies at :meth:`point`; NaN where it is infeasible."""
         point = self.point(thrust_power_w, airspeed_m_per_s, air, bus_voltage_v)
         links = {name: getattr(point, f"{link}_efficiency") for name, link in LINKS.items()}
         return self.with_links(links, point.propeller_torque_nm, thrust_power_w / point.efficiency)
 
     @property
     def estimates_masses(self) -> bool:
-        """Whether parts without a mass have one by relations: unless the file says how all grow."""
+        """True if masses missing in the file are estimated: no mass model, no mass per power."""
         named = self.mass_kg_per_w is None and self.mass_model is None
         return named and self.motor_mass_kg is not None
 
     @cached_property
     def motor_mass_kg(self) -> float | None:
-        """Mass of a motor [kg], by its continuous torque where it is not known, else None."""
+        """Mass of a motor [kg], estimated from its continuous torque if not given; else None."""
         motor = self.own_motor
         if motor.mass_kg is not None:
             return motor.mass_kg
@@ -357,26 +361,26 @@ class OperatingPointPropulsion(Record):
 
     @property
     def motor_kg(self) -> Value:
-        """Mass of a motor that the budget has [kg], without its factor."""
+        """Mass of a motor in the mass budget, before its factor [kg]."""
         mass_kg = self.motor_mass_kg if self.estimates_masses else self.own_motor.mass_kg
         return 0.0 if mass_kg is None else mass_kg
 
     @property
     def propeller_kg(self) -> Value:
-        """Mass of a propeller that the budget has [kg], without its factor."""
-        own = self.propeller
-        if own.mass_kg is not None or not self.estimates_masses:
-            return 0.0 if own.mass_kg is None else own.mass_kg
-        diameter_m = own.propeller.diameter_m if own.diameter_m is None else own.diameter_m
+        """Mass of a propeller in the mass budget, before its factor [kg]."""
+        choice = self.propeller
+        if choice.mass_kg is not None or not self.estimates_masses:
+            return 0.0 if choice.mass_kg is None else choice.mass_kg
+        diameter_m = choice.propeller.diameter_m if choice.diameter_m is None else choice.diameter_m
         return propeller_mass_fit().mass_kg(diameter_m)
 
     def with_links(
         self, efficiencies: Mapping[str, Any], torque_nm: Value = 0.0, level_w: Value = 1.0
     ) -> ChainOfParts:
-        """Chain of constants of these parts; efficiencies by :data:`LINKS`, of floats or arrays.
+        """Return a chain of these parts with efficiencies by the keys of :data:`LINKS`.
 
-        ``torque_nm``, ``level_w``: of one propeller in level flight [N m] and electric power of
-        all [W], by which a gear without a mass has one.
+        The torque of one propeller [N m] and the electric power of all propulsors [W] in level
+        flight give the mass of a gear for which the file has none.
         """
         known_kg = self.controller.mass_kg + (self.gear.mass_kg or 0.0)
         known_kg = known_kg + self.motor_mass_factor * self.motor_kg
@@ -385,7 +389,7 @@ class OperatingPointPropulsion(Record):
         if self.estimates_masses and self.gear.mass_kg is None:
             gear_kg = self.propulsors * gear_mass_kg(torque_nm, self.gear.ratio)
         default = 0.0 if self.motor_mass_kg is not None else _MASS_KG_PER_W
-        links = {f"{name}_efficiency": plain_number(one) for name, one in efficiencies.items()}
+        links = {f"{name}_efficiency": plain_number(value) for name, value in efficiencies.items()}
         return ChainOfParts.model_construct(
             **links,
             fixed_mass_kg=self.propulsors * known_kg,
@@ -398,13 +402,13 @@ class OperatingPointPropulsion(Record):
 
 
 class UnlimitedPropulsion(OperatingPointPropulsion):
-    """Parts that fly beyond their limits: those are rows of a program. No file has it."""
+    """Parts whose limits are not checked: a program has them as constraints. Not in files."""
 
     is_limited = False
 
     @classmethod
     def of(cls, parts: OperatingPointPropulsion) -> UnlimitedPropulsion:
-        """These parts without their limits."""
+        """Return these parts without their limits."""
         fields = {name: getattr(parts, name) for name in OperatingPointPropulsion.model_fields}
         return cls.model_construct(**fields)
 
@@ -412,7 +416,7 @@ class UnlimitedPropulsion(OperatingPointPropulsion):
 def chain_of_numbers(
     parts: OperatingPointPropulsion, efficiency: Value, mass_kg: Value
 ) -> Propulsion:
-    """Chain of parts of which efficiency and mass are known, as one link."""
+    """Return a chain of known efficiency and mass, as one link."""
     links: dict[str, Any] = {f"{name}_efficiency": 1.0 for name in LINKS}
     return Propulsion.model_construct(
         **links | {"propeller_efficiency": efficiency},
@@ -424,28 +428,28 @@ def chain_of_numbers(
 
 
 class ChainOfParts(Propulsion):
-    """Efficiencies of parts at their operating point.
+    """Chain with the efficiencies of parts at their operating point.
 
-    ``gear_kg``: mass of gears without a mass in the file, over the rated power to the power by
-    which their torque grows with it. No file has this key.
+    ``gear_kg`` is the mass of gears for which the file has none, over the rated power raised to
+    ``_GEAR_BY_POWER`` [kg/W^x]. Not in files.
     """
 
     gear_kg: Value = Field(default=0.0, exclude=True, repr=False)
 
     def mass_kg(self, rated_w: Value) -> Value:
-        """Mass of the propulsion group for its rated electric power [kg]."""
+        """Return the mass of the propulsion group for a rated electric power [kg]."""
         return super().mass_kg(rated_w) + self.gear_kg * rated_w**_GEAR_BY_POWER
 
     def mapped(self, function: Callable[[Value], Value]) -> Self:
-        """Chain with a function of what differs between designs, gears included."""
-        own = {"gear_kg": function(self.gear_kg)}
-        if isinstance(self.fixed_mass_kg, np.ndarray):  # of sizes of their own
-            own["fixed_mass_kg"] = function(self.fixed_mass_kg)
-        return super().mapped(function).model_copy(update=own)
+        """Return the chain with a function applied to its efficiencies and masses."""
+        updates = {"gear_kg": function(self.gear_kg)}
+        if isinstance(self.fixed_mass_kg, np.ndarray):  # differs between the designs
+            updates["fixed_mass_kg"] = function(self.fixed_mass_kg)
+        return super().mapped(function).model_copy(update=updates)
 
 
 def _check_one_rating(chain: Propulsion | OperatingPointPropulsion) -> None:
-    """Refuse a propulsion that is rated twice."""
+    """Check that climb rate and climb power ratio are not both given."""
     if chain.climb_power_ratio is not None and chain.climb_rate_m_per_s is not None:
         raise wrong_value(
             "climb_rate_m_per_s",
@@ -454,12 +458,12 @@ def _check_one_rating(chain: Propulsion | OperatingPointPropulsion) -> None:
         )
 
 
-# Keys that an operating point alone has.
+# Keys that only parts at their operating point have.
 PARTS = OperatingPointPropulsion.model_fields.keys() - Propulsion.model_fields.keys()
 
 
 def _constant_by_default(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
-    """Chains without a kind are constant; that kind does not count as given."""
+    """Validate a chain without ``kind`` as constant, without counting the kind as given."""
     if not isinstance(value, Mapping) or "kind" in value:
         return handler(value)
     if PARTS & value.keys():

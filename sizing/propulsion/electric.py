@@ -1,4 +1,4 @@
-"""Motor, gear and controller."""
+"""Models of motor, gear and controller."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ _RPM_PER_RAD_PER_S = 30.0 / np.pi
 def _check_efficiency(
     part: Motor | Controller, needed: tuple[str, ...], others: tuple[str, ...] = ()
 ) -> None:
-    """Refuse a part with neither an efficiency nor the losses it needs, and one with both."""
-    given = part.model_fields_set
+    """Check that a part has either an efficiency or the losses it needs."""
+    keys = part.model_fields_set
     for key in needed if part.efficiency is None else ():
-        if key not in given:
+        if key not in keys:
             raise wrong_value(key, "required key is missing (or efficiency, one for all loads)")
     for key in (*needed, *others) if part.efficiency is not None else ():
-        if key in given:
+        if key in keys:
             raise wrong_value(
                 key, f"give this or efficiency, not both (got {getattr(part, key):g})"
             )
@@ -48,10 +48,10 @@ class MotorState(NamedTuple):
 
 
 class Motor(Record):
-    """An electric motor by three constants, or four, or by its speed constant and one efficiency.
+    """Electric motor by three or four constants, or by speed constant and efficiency.
 
-    Drela, M. (2007), First-Order DC Electric Motor Model, MIT Aero & Astro. The fourth is the rise
-    of the no-load current with speed of his second-order model: iron and air friction.
+    Drela, M. (2007), First-Order DC Electric Motor Model, MIT Aero & Astro. The fourth constant is
+    the rise of the no-load current with speed in his second-order model: iron and air friction.
 
     Attributes
     ----------
@@ -64,11 +64,11 @@ class Motor(Record):
     efficiency
         The same at every load, in place of resistance and no-load current [-].
     no_load_current_rise_a_per_1000_rpm
-        Rise of it with speed [A per 1000 rpm].
+        Rise of the no-load current with speed [A per 1000 rpm].
     maximum_current_a, maximum_power_w
         Continuous limits of current [A] and power at the terminals [W]; none without them.
     mass_kg
-        Not known where it is None [kg].
+        Mass [kg]; None if unknown.
     """
 
     speed_constant_rpm_per_v: PositiveReal
@@ -89,7 +89,7 @@ class Motor(Record):
 
     @classmethod
     def from_catalogue(cls, name: str) -> Motor:
-        """Motor of the catalogue, or of a file with one entry.
+        """Return the motor of a catalogue entry, or of a file with one entry.
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class Motor(Record):
         )
 
     def rewound(self, speed_constant_rpm_per_v: Value) -> Motor:
-        """Same motor with other turns of its windings, for another speed constant.
+        """Return the motor with another number of turns, for another speed constant.
 
         ``N`` turns in the same slots have ``K_v ~ 1/N`` and, of wire with ``1/N`` of the section,
         ``R ~ N^2``: with ``k`` the ratio of the speed constants ``R/k^2``, and currents times ``k``
@@ -135,14 +135,14 @@ class Motor(Record):
             "no_load_current_rise_a_per_1000_rpm",
             "maximum_current_a",
         )
-        given = {key: getattr(self, key) for key in currents}
-        constants = {key: ratio * one for key, one in given.items() if one is not None}
+        currents_a = {key: getattr(self, key) for key in currents}
+        constants = {key: ratio * value for key, value in currents_a.items() if value is not None}
         constants["speed_constant_rpm_per_v"] = speed_constant_rpm_per_v
         constants["resistance_ohm"] = self.resistance_ohm / ratio**2
         return all_replaced(self, constants)
 
     def state(self, speed_rpm: ArrayLike, torque_nm: ArrayLike) -> MotorState:
-        """Current and voltage at a speed and a torque.
+        """Return current and voltage at a speed and a torque.
 
         ``i = Q K_v + i_0(Omega)`` and ``v = Omega / K_v + i R``, with ``K_v`` in rad/s per volt.
 
@@ -159,7 +159,7 @@ class Motor(Record):
         return self.state_of(np.asarray(speed_rpm, float), np.asarray(torque_nm, float))
 
     def state_of(self, rpm: Value, torque_nm: Value) -> MotorState:
-        """As :meth:`state`, of numbers, arrays or symbols.
+        """Return :meth:`state` of numbers, arrays or symbols.
 
         Parameters
         ----------
@@ -181,7 +181,7 @@ class Motor(Record):
 
 
 class Gear(Record):
-    """A reduction gear, or none.
+    """Reduction gear; ratio 1 for none.
 
     Attributes
     ----------
@@ -190,8 +190,8 @@ class Gear(Record):
     efficiency
         Power out over power in [-].
     mass_kg
-        Its mass [kg]; in an aircraft without it that of
-        :func:`sizing.propulsion.part_masses.gear_mass_kg`.
+        Mass [kg]; None estimates it by
+        :func:`sizing.propulsion.part_masses.gear_mass_kg` in an aircraft.
     """
 
     ratio: PositiveReal = 1.0
@@ -200,7 +200,7 @@ class Gear(Record):
 
 
 class Controller(Record):
-    """A controller that chops the bus voltage down to the motor's; by losses or one efficiency.
+    """Motor controller that chops the bus voltage; by its losses or by one efficiency.
 
     A step-down converter with a continuous current (Mohan, Undeland & Robbins, Power Electronics,
     chapters 2 and 7): of the current's path a resistance, for the share of the time that the bus is
@@ -219,7 +219,7 @@ class Controller(Record):
     idle_power_w
         Of its electronics [W].
     mass_kg
-        Its mass [kg].
+        Mass [kg].
     """
 
     efficiency: Fraction | None = None
@@ -237,7 +237,7 @@ class Controller(Record):
         return self
 
     def input_power_w(self, motor: MotorState, voltage_v: Value) -> Value:
-        """Power at the input at a voltage there.
+        """Return the input power at an input voltage.
 
         ``P = i v + i^2 R + (1 - d) i V_f + s V i + P_0``, or ``i v`` over the efficiency.
 
@@ -263,7 +263,7 @@ class Controller(Record):
         return resistive + freewheeling + switching + self.idle_power_w
 
     def duty(self, motor: MotorState, voltage_v: Value) -> Value:
-        """Share of the time that the bus is on: ``d V - (1 - d) V_f = v + i R``.
+        """Return the share of the time that the bus is on: ``d V - (1 - d) V_f = v + i R``.
 
         Parameters
         ----------

@@ -1,8 +1,8 @@
-"""Parts whose propeller is known near one flight: for many flights that differ little from it.
+"""Parts with a propeller approximated near one flight, for many similar flights.
 
-A propeller of given blades has one speed of rotation and one power for two numbers of its flight,
-loading ``T / (rho V^2 D^2)`` and Reynolds number ``rho V D / mu``. Their logarithms are Chebyshev
-polynomials here, through the exact ones.
+Speed of rotation and power of a blade-element propeller are functions of two numbers: loading
+``T / (rho V^2 D^2)`` and Reynolds number ``rho V D / mu``. Chebyshev polynomials of the logarithms
+are fitted to exact values.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from sizing.propulsion.shafts import inlet, motor_state, power_of_shafts_w
 from sizing.smooth import Value
 from solar.types import FloatArray
 
-# Half widths of the logarithms: a factor of 2.7 in loading, of 1.4 in Reynolds number, with degrees
-# that leave 1e-5 of the power of blade elements there.
+# Half widths of the logarithms (factors of 2.7 in loading, 1.4 in Reynolds number); the degrees
+# leave an error of 1e-5 of the power of blade elements.
 _HALF_WIDTHS, _DEGREES = (1.0, 0.35), (9, 4)
 
 
 class _Polynomials(NamedTuple):
-    """Logarithms of ``n D / V`` and of power over thrust power."""
+    """Polynomials for the logarithms of ``n D / V`` and of shaft power over thrust power."""
 
     centre: FloatArray
     turns: FloatArray
@@ -33,10 +33,7 @@ class _Polynomials(NamedTuple):
 
 
 class NearbyPropulsion(OperatingPointPropulsion):
-    """Parts with polynomials for their propeller; no limit of theirs refuses a flight.
-
-    No file has it.
-    """
+    """Parts with polynomials for their propeller, and without limits. Not in files."""
 
     is_exact = False
     is_limited = False
@@ -47,16 +44,16 @@ class NearbyPropulsion(OperatingPointPropulsion):
     def of(
         cls, parts: OperatingPointPropulsion, thrust_w: float, speed_m_per_s: float, air: Air
     ) -> NearbyPropulsion:
-        """These parts near a flight of the whole aircraft by its thrust power [W]."""
+        """Return these parts near a flight with a thrust power of the whole aircraft [W]."""
         diameter_m = parts.propeller.propeller.diameter_m
         thrust_w = thrust_w / parts.propulsors
         centre = np.log(_numbers(thrust_w, speed_m_per_s, air, diameter_m))
         nodes = [np.cos(np.pi * (np.arange(n + 3) + 0.5) / (n + 3)) for n in _DEGREES]
-        x, y = (one.ravel() for one in np.meshgrid(*nodes, indexing="ij"))
+        x, y = (grid.ravel() for grid in np.meshgrid(*nodes, indexing="ij"))
         loading, reynolds = np.exp(
             centre[:, np.newaxis] + np.stack([x, y]) * np.reshape(_HALF_WIDTHS, (2, 1))
         )
-        # The propeller knows of air and size only what the two numbers have.
+        # Air and size act on the propeller through the two numbers alone.
         density = air.density_kg_per_m3
         there = air._replace(dynamic_viscosity_pa_s=density * speed_m_per_s * diameter_m / reynolds)
         thrust_w = loading * density * speed_m_per_s**3 * diameter_m**2
@@ -64,9 +61,9 @@ class NearbyPropulsion(OperatingPointPropulsion):
         known = np.isfinite(cost)
         basis = chebyshev.chebvander2d(x[known], y[known], _DEGREES)
         rows = np.log(np.stack([turns * diameter_m / speed_m_per_s, cost], axis=1)[known])
-        found = np.linalg.lstsq(basis, rows, rcond=1e-10)[0]
+        coefficients = np.linalg.lstsq(basis, rows, rcond=1e-10)[0]
         shape = tuple(n + 1 for n in _DEGREES)
-        polynomials = _Polynomials(centre, *(one.reshape(shape) for one in found.T))
+        polynomials = _Polynomials(centre, *(column.reshape(shape) for column in coefficients.T))
         fields = {name: getattr(parts, name) for name in OperatingPointPropulsion.model_fields}
         return cls.model_construct(**fields, polynomials=polynomials)
 
@@ -77,13 +74,13 @@ class NearbyPropulsion(OperatingPointPropulsion):
         air: Air,
         bus_voltage_v: tuple[float, float],
     ) -> Propulsion:
-        """Chain at an operating point; no limit is checked."""
+        """Return the chain of efficiencies at an operating point, without limits."""
         turns, shaft_w, cost = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
         state = motor_state(self, turns, shaft_w)
         ends = [(volts, *inlet(self, state, volts)) for volts in bus_voltage_v]
         bus_w = np.maximum(*(power_w * volts / inlet_v for volts, inlet_v, power_w in ends))
         motor_w = state.current_a * state.voltage_v
-        # The wiring of the full battery; what the empty one takes more is the controller's.
+        # Wiring loss at the full battery; what the empty one adds counts as the controller's.
         wiring = ends[1][1] / bus_voltage_v[1]
         links = {
             "wiring": wiring,
@@ -98,28 +95,31 @@ class NearbyPropulsion(OperatingPointPropulsion):
     def bus_power_w(
         self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air, bus_v: Value
     ) -> Value:
-        """Electric power of all propulsors, whatever the limits of their parts are [W]."""
+        """Return the electric power of all propulsors without limits of the parts [W]."""
         turns, shaft_w, _ = self.propeller_state(thrust_power_w, airspeed_m_per_s, air)
         return power_of_shafts_w(self, turns, shaft_w, bus_v)
 
     def propeller_state(
         self, thrust_power_w: Value, airspeed_m_per_s: Value, air: Air
     ) -> tuple[Value, Value, Value]:
-        """Speed of rotation [1/s], power at one shaft [W] and power over thrust power [-]."""
+        """Return rotation [1/s], power of one shaft [W], and shaft over thrust power [-]."""
         thrust_w = thrust_power_w / self.propulsors
         diameter_m = self.propeller.propeller.diameter_m
-        found = self.polynomials
+        polynomials = self.polynomials
         numbers = _numbers(thrust_w, airspeed_m_per_s, air, diameter_m)
         place: list[Any] = [
-            np.clip((np.log(one) - middle) / half, -1.0, 1.0)
-            for one, middle, half in zip(numbers, found.centre, _HALF_WIDTHS, strict=True)
+            np.clip((np.log(number) - middle) / half, -1.0, 1.0)
+            for number, middle, half in zip(numbers, polynomials.centre, _HALF_WIDTHS, strict=True)
         ]
-        turns, cost = (np.exp(chebyshev.chebval2d(place[0], place[1], one)) for one in found[1:])
+        turns, cost = (
+            np.exp(chebyshev.chebval2d(place[0], place[1], coefficients))
+            for coefficients in polynomials[1:]
+        )
         return turns * airspeed_m_per_s / diameter_m, thrust_w * cost, cost
 
 
 def _numbers(thrust_w: Value, speed_m_per_s: Value, air: Air, diameter_m: float) -> Any:
-    """Loading and Reynolds number, of one shape."""
+    """Return loading and Reynolds number [-], broadcast to one shape."""
     density = air.density_kg_per_m3
     loading = thrust_w / (density * speed_m_per_s**3 * diameter_m**2)
     reynolds = density * speed_m_per_s * diameter_m / air.dynamic_viscosity_pa_s

@@ -1,4 +1,4 @@
-"""Propeller, gear, motor, controller and wiring at a thrust, an airspeed and an air."""
+"""Operating point of propeller, gear, motor, controller and wiring at thrust, airspeed and air."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _SIZES = ("diameter_m", "pitch_m")
 
 @dataclass(frozen=True)
 class Propulsor:
-    """One propeller and what drives it.
+    """Propeller with its gear, motor, controller and wiring.
 
-    Diameter and pitch, ratio of the gear and numbers of the motor may be arrays that broadcast with
-    what is asked.
+    Diameter, pitch, gear ratio and constants of the motor may be arrays that broadcast with the
+    operating points.
 
     Attributes
     ----------
@@ -37,13 +37,13 @@ class Propulsor:
     motor : Motor
     controller : Controller
     gear : Gear
-        None by default: ratio and efficiency 1.
+        Ratio and efficiency 1 by default.
     wiring_resistance_ohm : float
         From the bus to the controller and back [ohm].
     maximum_tip_mach : float
-        Largest Mach number of the tips [-]; the models know no compressible flow.
+        Largest Mach number of the tips [-]; the propeller models are incompressible.
     limited : bool
-        Whether limits of the parts refuse what the propeller's data have.
+        Whether the limits of the parts make operating points infeasible.
 
     Raises
     ------
@@ -60,7 +60,7 @@ class Propulsor:
     limited: bool = True
 
     def __post_init__(self) -> None:
-        """Refuse a wiring that gives power and tips that stand still."""
+        """Check resistance and Mach number."""
         if not 0.0 <= self.wiring_resistance_ohm < np.inf:
             raise ValueError(
                 f"wiring_resistance_ohm must be 0 or more (got {self.wiring_resistance_ohm!r})"
@@ -70,38 +70,38 @@ class Propulsor:
                 f"maximum_tip_mach must be above 0 and below 1 (got {self.maximum_tip_mach!r})"
             )
 
-    def at(self, shape: tuple[int, ...], some: slice) -> Propulsor:
-        """Propulsors of some of the points of a shape in a row.
+    def at(self, shape: tuple[int, ...], indices: slice) -> Propulsor:
+        """Return the propulsors of a part of the flattened operating points.
 
         Parameters
         ----------
         shape : tuple of int
-            Of all points.
-        some : slice
-            Of the points in a row.
+            Shape of all points.
+        indices : slice
+            Part of the flattened points.
 
         Returns
         -------
         Propulsor
         """
 
-        def of_some(record: Any, names: Iterable[str], replaced_in: Any = all_replaced) -> Any:
+        def part_of(record: Any, names: Iterable[str], replaced_in: Any = all_replaced) -> Any:
             sizes: dict[str, Any] = {name: getattr(record, name, None) for name in names}
-            some_of = {
-                name: np.broadcast_to(one, shape).ravel()[some]
-                for name, one in sizes.items()
-                if np.ndim(one)
+            arrays = {
+                name: np.broadcast_to(value, shape).ravel()[indices]
+                for name, value in sizes.items()
+                if np.ndim(value)
             }
-            return replaced_in(record, some_of) if some_of else record
+            return replaced_in(record, arrays) if arrays else record
 
-        propeller = of_some(self.propeller, _SIZES, lambda one, sizes: replace(one, **sizes))
-        gear, motor = (of_some(one, type(one).model_fields) for one in (self.gear, self.motor))
+        propeller = part_of(self.propeller, _SIZES, lambda part, sizes: replace(part, **sizes))
+        gear, motor = (part_of(part, type(part).model_fields) for part in (self.gear, self.motor))
         return replace(self, propeller=propeller, gear=gear, motor=motor)
 
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """What a propulsor does, in arrays of the shape of what was asked.
+    """State of a propulsor at operating points, in arrays of their shape.
 
     Attributes
     ----------
@@ -112,19 +112,20 @@ class OperatingPoint:
     propeller_torque_nm, motor_torque_nm
         At the two shafts [N m].
     motor_current_a, motor_voltage_v
-        At the motor's terminals, means of the chopped ones [A, V].
+        Mean current and voltage at the motor's terminals [A, V].
     duty
         Of the controller [-].
     bus_current_a, bus_power_w
-        What the bus delivers [A, W].
+        Delivered by the bus [A, W].
     thrust_power_w
         Thrust times airspeed [W].
     propeller_efficiency, gear_efficiency, motor_efficiency, controller_efficiency, \
 wiring_efficiency, efficiency
         Of every link, and their product: thrust power over bus power [-].
     reason
-        Why it cannot be done, with what would do; empty where it can. Duty, bus current and power
-        and efficiencies are NaN where it cannot, all else where the propeller's data end.
+        Why the point is infeasible, with the violated limit; empty where it is feasible. Duty, bus
+        current, bus power and efficiencies are NaN at infeasible points, everything outside the
+        propeller's data.
     """
 
     rotation_rpm: FloatArray
@@ -149,11 +150,11 @@ wiring_efficiency, efficiency
 
     @property
     def feasible(self) -> BoolArray:
-        """Whether it can be done."""
+        """True where the point is feasible."""
         return np.asarray(self.reason == "")
 
     def budget_w(self) -> dict[str, FloatArray]:
-        """Where the power goes.
+        """Return thrust power and losses.
 
         Returns
         -------
@@ -175,18 +176,18 @@ def operating_point(
     air: Air,
     bus_voltage_v: ArrayLike,
 ) -> OperatingPoint:
-    """Speed of rotation, currents, voltages and efficiencies at a thrust.
+    """Return speed of rotation, currents, voltages and efficiencies at a thrust.
 
-    The slowest rotation at which the propeller pulls so much gives the torque, ``Q = C_P rho n^2
-    D^5 / (2 pi)``; the gear passes ``Q / (g eta_g)`` on to the motor, which turns ``g`` times
-    as fast; motor and controller give current, voltage and power (:class:`Motor`,
-    :class:`Controller`); the wiring takes ``I^2 R`` of the bus.
+    The slowest rotation with this thrust gives the torque, ``Q = C_P rho n^2 D^5 / (2 pi)``; the
+    gear passes ``Q / (g eta_g)`` on to the motor, which turns ``g`` times as fast; motor and
+    controller give current, voltage and power (:class:`Motor`, :class:`Controller`); the wiring
+    dissipates ``I^2 R``.
 
     Parameters
     ----------
     propulsor : Propulsor
     thrust_n : array_like
-        Thrust of this one propulsor, above 0 [N].
+        Thrust of one propulsor, above 0 [N].
     airspeed_m_per_s : array_like
         True airspeed, 0 or more [m/s].
     air : Air
@@ -197,61 +198,59 @@ def operating_point(
     Returns
     -------
     OperatingPoint
-        Of the broadcast shape of the arguments; what cannot be done has a reason.
+        Of the broadcast shape of the arguments; infeasible points have a reason.
 
     Raises
     ------
     ValueError
         For thrusts, airspeeds or voltages out of range.
     """
-    given = np.broadcast_arrays(
-        *(np.asarray(one, float) for one in (thrust_n, airspeed_m_per_s, bus_voltage_v, *air))
+    arrays = np.broadcast_arrays(
+        *(np.asarray(values, float) for values in (thrust_n, airspeed_m_per_s, bus_voltage_v, *air))
     )
     for name, values, holds in (
-        ("thrust_n must be above 0", given[0], given[0] > 0.0),
-        ("airspeed_m_per_s must be 0 or more", given[1], given[1] >= 0.0),
-        ("bus_voltage_v must be above 0", given[2], given[2] > 0.0),
-        ("the density of the air must be above 0", given[5], given[5] > 0.0),
+        ("thrust_n must be above 0", arrays[0], arrays[0] > 0.0),
+        ("airspeed_m_per_s must be 0 or more", arrays[1], arrays[1] >= 0.0),
+        ("bus_voltage_v must be above 0", arrays[2], arrays[2] > 0.0),
+        ("the density of the air must be above 0", arrays[5], arrays[5] > 0.0),
     ):
         if not np.all(holds & np.isfinite(values)):
             raise ValueError(f"{name} (got {values[~(holds & np.isfinite(values))].flat[0]:g})")
-    found = [
-        _at(one, thrust, v, Air(*state), bus)
-        for one, (thrust, v, bus, *state) in _in_parts(propulsor, given)
+    points = [
+        _at(part, thrust, v, Air(*state), bus)
+        for part, (thrust, v, bus, *state) in _in_parts(propulsor, arrays)
     ]
     return OperatingPoint(
         *(
-            np.concatenate([getattr(one, field.name) for one in found]).reshape(given[0].shape)
+            np.concatenate([getattr(point, field.name) for point in points]).reshape(
+                arrays[0].shape
+            )
             for field in fields(OperatingPoint)
         )
     )
 
 
 def _in_parts(
-    propulsor: Propulsor, given: Sequence[FloatArray]
+    propulsor: Propulsor, arrays: Sequence[FloatArray]
 ) -> Iterator[tuple[Propulsor, list[FloatArray]]]:
-    """Arrays of one shape in rows, some points at a time, and what is there.
-
-    Blade elements of more points would not fit into the cache.
-    """
-    flat = [np.ravel(one) for one in given]
+    """Yield propulsor and flattened arrays in chunks whose blade elements fit into the cache."""
+    flat = [np.ravel(array) for array in arrays]
     for first in range(0, max(flat[0].size, 1), _AT_ONCE):
-        some = slice(first, first + _AT_ONCE)
-        yield propulsor.at(given[0].shape, some), [one[some] for one in flat]
+        indices = slice(first, first + _AT_ONCE)
+        yield propulsor.at(arrays[0].shape, indices), [row[indices] for row in flat]
 
 
 def bus_power_w(
     propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air, bus_v: FloatArray
 ) -> FloatArray:
-    """Power from the bus of thrusts at voltages, whatever the limits of the parts are [W].
+    """Return the bus power at thrusts and voltages without limits of the parts [W].
 
-    The voltages broadcast with the other arguments, whose shaft they do not move: a table over
-    thrust and voltage has one search for a rotation in each of its rows. NaN where the propeller's
-    data end.
+    Voltages broadcast with the other arguments, but do not enter the search for the rotation. NaN
+    outside the propeller's data.
     """
     shape, shafts = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air)
-    states = zip(*(one.motor for one in shafts), strict=True)
-    motor = MotorState(*(np.concatenate(one).reshape(shape) for one in states))
+    states = zip(*(shaft.motor for shaft in shafts), strict=True)
+    motor = MotorState(*(np.concatenate(values).reshape(shape) for values in states))
     inlet_v, _ = _inlet(propulsor, motor, bus_v)
     power_w = propulsor.controller.input_power_w(motor, inlet_v)
     return np.asarray(power_w / _wiring_efficiency(inlet_v, bus_v))
@@ -260,9 +259,9 @@ def bus_power_w(
 def propeller_state(
     propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
 ) -> tuple[FloatArray, FloatArray]:
-    """Speed of rotation [1/s] and power at the shaft [W] of thrusts; NaN where the data end."""
+    """Return rotation [1/s] and shaft power [W] at thrusts; NaN outside the propeller's data."""
     shape, shafts = _shafts_of(propulsor, thrust_n, airspeed_m_per_s, air)
-    rows = zip(*((one.rotation_per_s, one.power_w) for one in shafts), strict=True)
+    rows = zip(*((shaft.rotation_per_s, shaft.power_w) for shaft in shafts), strict=True)
     turns, shaft_w = (np.concatenate(row).reshape(shape) for row in rows)
     return turns, shaft_w
 
@@ -270,19 +269,19 @@ def propeller_state(
 def _shafts_of(
     propulsor: Propulsor, thrust_n: FloatArray, airspeed_m_per_s: Value, air: Air
 ) -> tuple[tuple[int, ...], list[_Shaft]]:
-    """Shape of what is asked, and its shafts some at a time."""
-    given = np.broadcast_arrays(
-        *(np.asarray(one, float) for one in (thrust_n, airspeed_m_per_s, *air))
+    """Return the broadcast shape of the arguments, and their shafts in chunks."""
+    arrays = np.broadcast_arrays(
+        *(np.asarray(values, float) for values in (thrust_n, airspeed_m_per_s, *air))
     )
     shafts = [
-        _shaft(one, thrust, v, Air(*state))
-        for one, (thrust, v, *state) in _in_parts(propulsor, given)
+        _shaft(part, thrust, v, Air(*state))
+        for part, (thrust, v, *state) in _in_parts(propulsor, arrays)
     ]
-    return given[0].shape, shafts
+    return arrays[0].shape, shafts
 
 
 class _Shaft(NamedTuple):
-    """What turns at a thrust, whatever the voltage of the bus is."""
+    """State of propeller shaft and motor at a thrust, independent of the bus voltage."""
 
     rotation_per_s: FloatArray
     power_w: FloatArray
@@ -294,7 +293,7 @@ class _Shaft(NamedTuple):
 
 
 def _shaft(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) -> _Shaft:
-    """Shafts and motor at thrusts in a row."""
+    """Return shafts and motor at thrusts, in one dimension."""
     propeller, gear = propulsor.propeller, propulsor.gear
     n, reason = _rotation(propeller, thrust, v, air)
     power = propeller.coefficients(v, n, air).power
@@ -308,7 +307,7 @@ def _shaft(propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air) ->
 def _at(
     propulsor: Propulsor, thrust: FloatArray, v: FloatArray, air: Air, bus: FloatArray
 ) -> OperatingPoint:
-    """Operating points in a row."""
+    """Return operating points, in one dimension."""
     gear, controller, d = propulsor.gear, propulsor.controller, propulsor.propeller.diameter_m
     n, shaft_w, torque, motor_rpm, motor_torque, motor, reason = _shaft(propulsor, thrust, v, air)
     motor_w = motor.current_a * motor.voltage_v
@@ -332,7 +331,7 @@ def _at(
         _over(propulsor.motor.maximum_power_w, motor_w, "motor power", "W"),
     ):
         for place in np.flatnonzero(wrong & (reason == "") & propulsor.limited):
-            reason[place] = text.format(*(one[place] for one in values))
+            reason[place] = text.format(*(column[place] for column in values))
     good = np.where(reason == "", 1.0, np.nan)
     thrust_w = thrust * v
     return OperatingPoint(
@@ -361,7 +360,7 @@ def _at(
 def _over(
     limit: Value | None, values: FloatArray, name: str, unit: str
 ) -> tuple[BoolArray, str, tuple[FloatArray, ...]]:
-    """Where a limit of the motor is passed, and how that is told."""
+    """Return where a limit of the motor is exceeded, the message's format, and its values."""
     most = np.broadcast_to(np.asarray(np.inf if limit is None else limit), values.shape)
     text = f"{name} {{:.3g}} {unit} is above {{}} {unit}, the motor's limit"
     return np.asarray(values > most), text, (values, most)
@@ -370,9 +369,9 @@ def _over(
 def _inlet(
     propulsor: Propulsor, motor: MotorState, bus: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Voltage at the controller, and the least bus voltage that suffices [V].
+    """Return the voltage at the controller, and the least bus voltage that suffices [V].
 
-    ``V = V_bus - R P(V) / V``; at the least the bus is on all the time.
+    ``V = V_bus - R P(V) / V``; the duty is 1 at the least voltage.
     """
     resistance = propulsor.wiring_resistance_ohm
     least = motor.voltage_v + motor.current_a * propulsor.controller.resistance_ohm
@@ -385,16 +384,16 @@ def _inlet(
 
 
 def _wiring_efficiency(inlet_v: FloatArray, bus_v: FloatArray) -> FloatArray:
-    """Voltage that arrives over that of the bus, which gives no less where it does not suffice."""
+    """Return the efficiency of the wiring [-]; at most 1 where the bus voltage is insufficient."""
     return np.asarray(np.minimum(inlet_v / bus_v, 1.0))
 
 
 def _rotation(
     propeller: Propeller, thrust: FloatArray, v: FloatArray, air: Air
 ) -> tuple[FloatArray, NDArray[np.object_]]:
-    """Slowest rotation [1/s] of a thrust, NaN with a reason where the propeller has none.
+    """Return the slowest rotation [1/s] of a thrust; NaN with a reason where there is none.
 
-    Of the speeds tried between the ends of its data, the thrust lies between two.
+    Speeds between the ends of the propeller's data are tried, until two bracket the thrust.
     """
     d = propeller.diameter_m
     (least_j, largest_j), (slowest, fastest) = propeller.limits()
@@ -407,7 +406,7 @@ def _rotation(
     trial = lower[:, None] * (upper / lower)[:, None] ** np.linspace(0.0, 1.0, propeller.trials)
     each = np.repeat(np.arange(len(v)), propeller.trials)
     at_trials = _thrust(
-        trial.ravel(), v[each], *(one[each] for one in air), propeller=propeller.at(each)
+        trial.ravel(), v[each], *(values[each] for values in air), propeller=propeller.at(each)
     )
     pull = at_trials.reshape(trial.shape)
     crosses = (pull[:, :-1] <= thrust[:, None]) & (pull[:, 1:] >= thrust[:, None])
@@ -417,11 +416,11 @@ def _rotation(
     n = np.full(len(v), np.nan)
 
     def excess(rotation: FloatArray) -> FloatArray:
-        return _thrust(rotation, *given, propeller=pulling) - pulled
+        return _thrust(rotation, *flow, propeller=pulling) - pulled
 
     if crossing.size:
         pulling = propeller.at(crossing)
-        pulled, *given = (one[crossing] for one in (thrust, v, *air))
+        pulled, *flow = (values[crossing] for values in (thrust, v, *air))
         n[crossing] = bracketed_root(excess, *ends)
     reason = np.full(len(v), "", dtype=object)
     for place in np.flatnonzero(np.isnan(n)):
@@ -439,14 +438,14 @@ def _thrust(
     *,
     propeller: Propeller,
 ) -> FloatArray:
-    """Thrust at a speed of rotation [N]; NaN outside the propeller's data."""
+    """Return the thrust at a speed of rotation [N]; NaN outside the propeller's data."""
     air = Air(temperature, pressure, density, viscosity)
     coefficient = propeller.coefficients(v, rotation, air).thrust
     return np.asarray(coefficient * density * rotation**2 * propeller.diameter_m**4)
 
 
 def _no_rotation(thrust: float, v: float, pull: FloatArray, propeller: Propeller) -> str:
-    """Why the propeller has no speed of rotation for a thrust, with what it has."""
+    """Return why no speed of rotation has this thrust, with the range of the data."""
     (least_j, largest_j), (slowest, fastest) = propeller.limits()
     rpm = "" if fastest == np.inf else f" and from {60.0 * slowest:.4g} to {60.0 * fastest:.4g} rpm"
     data = f"the propeller's data (J from {least_j:.3g} to {largest_j:.3g}{rpm})"

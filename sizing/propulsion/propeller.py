@@ -1,4 +1,4 @@
-"""Coefficients of propellers, and those that are given as tables.
+"""Coefficients of thrust and power of propellers, and propellers given as tables.
 
 Everywhere ``J = V / (n D)``, ``C_T = T / (rho n^2 D^4)`` and ``C_P = P / (rho n^3 D^5)``, with the
 speed of rotation ``n`` in revolutions per second, so that the efficiency is ``J C_T / C_P``.
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from missions.air import Air
 from solar.types import FloatArray
 
-SomePoints = slice | int | NDArray[np.integer[Any]]
+Indices = slice | int | NDArray[np.integer[Any]]
 
 # Rounding of an advance ratio that lies on the edge of a table.
 _EDGE = 1e-9
@@ -29,7 +29,7 @@ class Coefficients(NamedTuple):
 
 
 class Propeller(Protocol):
-    """What an operating point asks of a propeller."""
+    """Interface of a propeller to the operating point."""
 
     @property
     def diameter_m(self) -> float:
@@ -38,28 +38,28 @@ class Propeller(Protocol):
 
     @property
     def trials(self) -> int:
-        """Speeds of rotation to be tried before the one of a thrust is searched for."""
+        """Number of speeds of rotation to try before the search for the one of a thrust."""
         ...
 
     def coefficients(
         self, airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, air: Air
     ) -> Coefficients:
-        """Coefficients at airspeeds [m/s] and speeds of rotation [1/s]; NaN outside the data."""
+        """Return coefficients [-] at airspeeds [m/s] and rotations [1/s]; NaN outside the data."""
         ...
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Ranges of the advance ratio [-] and of the speed of rotation [1/s] that it covers."""
+        """Return the ranges of advance ratio [-] and speed of rotation [1/s] of the data."""
         ...
 
-    def at(self, some: SomePoints) -> Propeller:
-        """Propellers of some points, of an array of propellers; else itself."""
+    def at(self, indices: Indices) -> Propeller:
+        """Return the propellers at indices of an array of propellers; a single one unchanged."""
         ...
 
 
 def tip_mach(
     airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, diameter_m: float, air: Air
 ) -> FloatArray:
-    """Mach number of the blade tips.
+    """Return the Mach number of the blade tips.
 
     ``sqrt(V^2 + (pi n D)^2) / sqrt(1.4 R T)``.
 
@@ -101,7 +101,7 @@ class SpeedCurve:
 
 @dataclass(frozen=True, eq=False)
 class PropellerTable:
-    """A propeller by measured or published coefficients.
+    """Propeller by measured or published coefficients.
 
     Linear in the advance ratio, and between two speeds of rotation in the speed. Nothing is
     extrapolated: outside, the coefficients are NaN.
@@ -126,13 +126,13 @@ class PropellerTable:
     source: str
     any_speed: bool = False
     notes: tuple[str, ...] = ()
-    # Its curves end at different advance ratios, and outside there is nothing to search.
+    # The curves end at different advance ratios, so that many trials may fall outside the data.
     trials: ClassVar[int] = 97
 
     def coefficients(
         self, airspeed_m_per_s: ArrayLike, rotation_per_s: ArrayLike, air: Air | None = None
     ) -> Coefficients:
-        """Coefficients of thrust and power.
+        """Return the coefficients of thrust and power.
 
         Parameters
         ----------
@@ -171,7 +171,7 @@ class PropellerTable:
         return Coefficients(*(_weighted(column, place, upper, weight) for column in columns))
 
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Ranges of the advance ratio [-] and of the speed of rotation [1/s] that it covers."""
+        """Return the ranges of advance ratio [-] and speed of rotation [1/s] of the data."""
         advance = (
             min(float(curve.advance_ratio[0]) for curve in self.curves),
             max(float(curve.advance_ratio[-1]) for curve in self.curves),
@@ -180,13 +180,13 @@ class PropellerTable:
             return advance, (0.0, np.inf)
         return advance, (self.curves[0].speed_rpm / 60.0, self.curves[-1].speed_rpm / 60.0)
 
-    def at(self, some: SomePoints) -> PropellerTable:
-        """The same propeller at some points."""
+    def at(self, indices: Indices) -> PropellerTable:
+        """Return this propeller, the same at all points."""
         return self
 
 
 def _on(advance: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:
-    """Values of a curve, NaN beyond its ends."""
+    """Interpolate values along a curve; NaN beyond its ends."""
     near = np.where(np.abs(advance - known[0]) < _EDGE, known[0], advance)
     near = np.where(np.abs(near - known[-1]) < _EDGE, known[-1], near)
     return np.asarray(np.interp(near, known, values, left=np.nan, right=np.nan))
@@ -195,7 +195,7 @@ def _on(advance: FloatArray, known: FloatArray, values: FloatArray) -> FloatArra
 def _weighted(
     curves: FloatArray, lower: np.ndarray, upper: np.ndarray, weight: FloatArray
 ) -> FloatArray:
-    """Mean of two curves by weight; a curve without weight need not reach so far."""
+    """Return the weighted mean of two curves; a curve of weight 0 may end earlier."""
     low = np.take_along_axis(curves, lower[np.newaxis], axis=0)[0]
     high = np.take_along_axis(curves, upper[np.newaxis], axis=0)[0]
     mean = (1.0 - weight) * low + weight * high

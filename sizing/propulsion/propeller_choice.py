@@ -1,4 +1,4 @@
-"""The propeller of an aircraft's file: diameter and pitch, a table, or a product."""
+"""Propeller of an aircraft's file: diameter and pitch, a table, or a product."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from solar.schema import Flag, NonNegativeReal, PositiveReal, Text, wrong_value
 
 
 class PropellerChoice(OfCatalogue):
-    """A propeller by its diameter and pitch, or by the files of its table.
+    """Propeller by its diameter and pitch, or by the files of its table.
 
-    ``product`` names an entry of the catalogue, which gives what the file does not. ``table``: see
-    :func:`sizing.read_propeller`, which also says what ``any_speed`` is; there ``diameter_m`` is
-    needed only where the files do not tell it.
+    ``product`` names a catalogue entry, which gives the keys that the file omits. ``table`` and
+    ``any_speed``: see :func:`sizing.read_propeller`; with a table, ``diameter_m`` is needed only
+    where its files omit it.
     """
 
     _entries: ClassVar[Mapping[str, Kind]] = {"product": "propellers"}
@@ -36,7 +36,7 @@ class PropellerChoice(OfCatalogue):
     table: Text | tuple[Text, ...] | None = None
     any_speed: Flag = False
     mass_kg: NonNegativeReal | None = None
-    # Texts of the tables by path, as read when the record was made.
+    # Texts of the tables by path, read when the record was made.
     _texts: dict[str, str] | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
@@ -59,27 +59,25 @@ class PropellerChoice(OfCatalogue):
 
     @property
     def paths(self) -> tuple[str, ...]:
-        """Files of the table; none without."""
+        """Files of the table; empty without a table."""
         return (self.table,) if isinstance(self.table, str) else self.table or ()
 
     def texts_read(self) -> dict[str, str]:
-        """Text of every file of the table by its path, read once."""
+        """Return the text of every file of the table by its path, read once."""
         if self._texts is None or tuple(self._texts) != self.paths:
             self._texts = {path: read_text(path) for path in self.paths}
         return self._texts
 
     def contents_read(self) -> str | None:
-        """Texts of the table, which count for equality."""
+        """Return the joined texts of the table, which count for equality."""
         return "".join(self.texts_read().values()) or None
 
     @cached_property
     def propeller(self) -> Propeller:
-        """The propeller itself."""
+        """Propeller by its table or by blade elements."""
         if self.table is None:
             assert self.diameter_m is not None
             assert self.pitch_m is not None
-            size = (self.diameter_m, self.pitch_m)
-            return BladeElementPropeller(*size, self.blades, self.chords)
+            return BladeElementPropeller(self.diameter_m, self.pitch_m, self.blades, self.chords)
         with texts_as_read(self.texts_read()):
-            given = (self.paths, self.diameter_m)
-            return read_propeller(*given, any_speed=self.any_speed)
+            return read_propeller(self.paths, self.diameter_m, any_speed=self.any_speed)

@@ -1,4 +1,4 @@
-"""Tables of propellers in files: APC's, those of the UIUC database, and CSV tables of one's own."""
+"""Files of propeller tables: APC, UIUC database, and CSV."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from sizing.propulsion.propeller import PropellerTable, SpeedCurve
 
 _INCH_M = 0.0254
 _MPH_M_PER_S = 0.44704
-# Names of propellers are in inches, of some in millimetres; no model propeller has 40 inches.
+# Sizes in names are in inches, a few in millimetres; no model propeller has 40 inches.
 _LARGEST_INCHES = 40.0
 _LARGEST_ADVANCE, _LARGEST_COEFFICIENT, _LARGEST_RPM = 5.0, 2.0, 1e5
-# Runs of a wind tunnel at one nominal speed, one at low and one at high advance ratios.
+# Relative difference of the speeds of two wind tunnel runs at one nominal speed.
 _SAME_SPEED = 0.01
-# Rounding of the coefficients may lift the efficiency that follows from them this much.
+# Relative error of the efficiency by rounding of the coefficients.
 _ROUNDING = 0.02
 
 _BLOCK = re.compile(r"^\s*PROP RPM\s*=\s*(\S+)", re.IGNORECASE)
@@ -52,7 +52,7 @@ class _Point:
 
 @dataclass
 class _Read:
-    """What was found in the files so far."""
+    """Points, problems and diameter read from the files."""
 
     points: list[_Point] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
@@ -104,7 +104,7 @@ def read_propeller(
         name = os.fspath(path)
         _read_file(read, read_text(name), printable(name))
     names = ", ".join(printable(os.fspath(path)) for path in paths)
-    read.problems += [one for point in read.points for one in _wrong(point)]
+    read.problems += [problem for point in read.points for problem in _wrong(point)]
     if not read.problems:
         read.problems += _missing(read, names, any_speed)
     if read.problems:
@@ -115,7 +115,7 @@ def read_propeller(
 
 
 def _missing(read: _Read, names: str, any_speed: bool) -> list[Problem]:
-    """What the files lack as a whole."""
+    """Return the problems of the files as a whole."""
     if not read.points:
         return [file_error(names, "holds no row of J, CT and CP").problems[0]]
     if read.diameter_m is None:
@@ -137,7 +137,7 @@ def _missing(read: _Read, names: str, any_speed: bool) -> list[Problem]:
 
 
 def _read_file(read: _Read, text: str, file: str) -> None:
-    """Add what a file has, in whichever of the formats it is."""
+    """Add the points of a file in any of the formats."""
     lines = text.splitlines()
     head = [line.lower().replace(",", " ").split() for line in lines if line.strip()][:40]
     if any(_BLOCK.match(line) for line in lines):
@@ -155,7 +155,7 @@ def _read_file(read: _Read, text: str, file: str) -> None:
 
 
 def _size(read: _Read, text: str) -> None:
-    """Take the diameter from a name such as 11x5.5E, if none is given."""
+    """Take the diameter from a name such as 11x5.5E, unless it is given."""
     size = _SIZE.search(text)
     if read.diameter_m is None and size and float(size[1]) <= _LARGEST_INCHES:
         read.diameter_m = float(size[1]) * _INCH_M
@@ -194,7 +194,7 @@ def _read_apc(read: _Read, lines: Sequence[str], file: str) -> None:
 
 
 def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, int]) -> None:
-    """A row; of J and V, both rounded, the finer one counts, and they must agree."""
+    """Add a row; the finer rounded of J and V counts, and they must agree."""
     values = {key: _number(row.get(key, "")) for key in ("v", "j", "ct", "cp")}
     wrong = [key for key, value in values.items() if math.isnan(value)]
     if wrong:
@@ -223,7 +223,7 @@ def _apc_row(read: _Read, speed: float, row: dict[str, str], place: tuple[str, i
 
 
 def _step(text: str) -> float:
-    """Last digit of a printed number."""
+    """Return the last digit's place value of a printed number."""
     return 10.0 ** -len(text.partition(".")[2])
 
 
@@ -259,7 +259,7 @@ def _read_csv(read: _Read, lines: Sequence[str], file: str) -> None:
 def _numbered(
     read: _Read, lines: Iterable[str], file: str, columns: int, first: int = 2
 ) -> Iterator[tuple[int, list[float]]]:
-    """Rows of numbers with their lines; others are told."""
+    """Yield rows of numbers with their lines, and add other rows to the problems."""
     for number, line in enumerate(lines, first):
         if not line.strip():
             continue
@@ -273,7 +273,7 @@ def _numbered(
 
 
 def _number(text: str) -> float:
-    """Number of a text; NaN for what is none, or not finite."""
+    """Return the number of a text; NaN if it is none or not finite."""
     try:
         value = float(text)
     except ValueError:
@@ -282,7 +282,7 @@ def _number(text: str) -> float:
 
 
 def _wrong(point: _Point) -> Iterator[Problem]:
-    """What no propeller does."""
+    """Yield the physically impossible coefficients of a point."""
     if not 0.0 <= point.advance <= _LARGEST_ADVANCE:
         yield point.problem(f"J must be from 0 to {_LARGEST_ADVANCE:g} (got {point.advance:g})")
         return
@@ -298,7 +298,7 @@ def _wrong(point: _Point) -> Iterator[Problem]:
 
 
 def _by_speed(points: Sequence[_Point]) -> Iterator[list[_Point]]:
-    """Rows of one speed of rotation each, runs of nearly the same speed together."""
+    """Yield the points of each speed of rotation, with runs of nearly the same speed together."""
     ordered = sorted(points, key=lambda point: (point.speed_rpm, point.advance))
     group: list[_Point] = []
     for point in ordered:
@@ -310,7 +310,7 @@ def _by_speed(points: Sequence[_Point]) -> Iterator[list[_Point]]:
 
 
 def _curve(points: Sequence[_Point], static: Sequence[_Point]) -> SpeedCurve:
-    """Curve of one speed; rows of equal J are their mean, and J = 0 is that of the static runs."""
+    """Return the curve of one speed, averaged over equal J, with J = 0 of the static runs."""
     speed = float(np.mean([point.speed_rpm for point in points]))
     advance, place = np.unique([point.advance for point in points], return_inverse=True)
     count = np.bincount(place)
@@ -320,6 +320,6 @@ def _curve(points: Sequence[_Point], static: Sequence[_Point]) -> SpeedCurve:
     if still and advance[0] > 0.0 and still[0].speed_rpm <= speed <= still[-1].speed_rpm:
         speeds = [point.speed_rpm for point in still]
         advance = np.append(0.0, advance)
-        thrust = np.append(np.interp(speed, speeds, [one.thrust for one in still]), thrust)
-        power = np.append(np.interp(speed, speeds, [one.power for one in still]), power)
+        thrust = np.append(np.interp(speed, speeds, [point.thrust for point in still]), thrust)
+        power = np.append(np.interp(speed, speeds, [point.power for point in still]), power)
     return SpeedCurve(speed, advance, thrust, power)

@@ -1,7 +1,7 @@
-"""What motors, controllers and wiring do behind shafts that turn: formulas of numbers and symbols.
+"""Motor, controller and wiring behind turning shafts, by formulas of numbers and symbols.
 
-Propellers say at which speed and power their shafts turn, the exact ones and those of a surface
-alike. Nothing is refused: what is beyond the parts' limits has a power too, and a share of them.
+Speed and power of the shafts come from exact or approximated propellers. Limits are not checked:
+operating points beyond them have a power, and a share of each limit above 1.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ from sizing.propulsion.chain import OperatingPointPropulsion
 from sizing.propulsion.electric import MotorState
 from sizing.smooth import Value
 
-# Rounds of the voltage behind the wiring, of which each leaves a hundredth of the error or less.
+# Iterations of the voltage behind the wiring; each leaves at most a hundredth of the error.
 _WIRING_ROUNDS = 5
 
 
 def motor_state(
     parts: OperatingPointPropulsion, rotation_per_s: Value, shaft_w: Value
 ) -> MotorState:
-    """Current and voltage of the motor behind the gear."""
+    """Return current and voltage of the motor behind the gear."""
     gear = parts.gear
     torque = shaft_w / (2.0 * np.pi * rotation_per_s) / (gear.ratio * gear.efficiency)
     return parts.own_motor.state_of(60.0 * rotation_per_s * gear.ratio, torque)
 
 
 def inlet(parts: OperatingPointPropulsion, state: MotorState, bus_v: Value) -> tuple[Value, Value]:
-    """Voltage [V] and power [W] at the controller."""
+    """Return voltage [V] and power [W] at the controller."""
     voltage = bus_v
     for _ in range(_WIRING_ROUNDS if parts.wiring_resistance_ohm else 0):
         power_w = parts.controller.input_power_w(state, voltage)
@@ -38,7 +38,7 @@ def inlet(parts: OperatingPointPropulsion, state: MotorState, bus_v: Value) -> t
 def power_of_shafts_w(
     parts: OperatingPointPropulsion, rotation_per_s: Value, shaft_w: Value, bus_v: Value
 ) -> Value:
-    """Electric power of all propulsors of a rotation [1/s] and a power at each shaft [W]."""
+    """Return the electric power of all propulsors [W] at a rotation [1/s] and shaft power [W]."""
     inlet_v, power_w = inlet(parts, motor_state(parts, rotation_per_s, shaft_w), bus_v)
     return parts.propulsors * power_w * bus_v / inlet_v / parts.efficiency_factor
 
@@ -51,12 +51,12 @@ def shares_of_limits(
     air: Air,
     bus_v: Value,
 ) -> dict[str, Value]:
-    """What the parts do over their limits [-]; of those that have one."""
+    """Return the use of each limit of the parts over that limit [-]."""
     state = motor_state(parts, rotation_per_s, shaft_w)
     least_v = state.voltage_v + state.current_a * parts.controller.resistance_ohm
     wires_v = parts.wiring_resistance_ohm * parts.controller.input_power_w(state, least_v) / least_v
     diameter_m = parts.propeller.diameter_m
-    if diameter_m is None:  # that of the files of its table
+    if diameter_m is None:  # the files of the table have it
         diameter_m = parts.propeller.propeller.diameter_m
     tip = ((np.pi * rotation_per_s * diameter_m) ** 2 + airspeed_m_per_s**2) ** 0.5
     motor = parts.own_motor
