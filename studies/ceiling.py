@@ -22,7 +22,7 @@ from sizing.results.quantities import EXCESS_TIME, group, table_of
 from sizing.results.records import hours
 from sizing.results.serialise import plain
 from sizing.results.tables import Line, Result, Table, data_frame
-from sizing.validity.extrapolations import together
+from sizing.validity.extrapolations import merge_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from studies.output.figures.drawing import (
@@ -60,7 +60,7 @@ class Ceiling(Result):
         claimed = [flight for flight in ceiling.flights if flight.altitude_m <= top_m]
         ends = (ceiling.best, *(() if ceiling.highest is None else (ceiling.highest,)))
         claimed += [flight for flight in ends if flight not in claimed]
-        return together([flight.extrapolations for flight in claimed], "altitudes")
+        return merge_extrapolations([flight.extrapolations for flight in claimed], "altitudes")
 
     def headline(self) -> str:
         """Ceiling and best altitude in one line."""

@@ -21,7 +21,7 @@ from sizing.results.quantities import described
 from sizing.results.tables import Column, Line, Result, Table, data_frame
 from sizing.station import FASTEST, station_keeping, winds_of
 from sizing.validity.checks import design_checks
-from sizing.validity.extrapolations import together, told
+from sizing.validity.extrapolations import collect_extrapolations, merge_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.types import BoolArray, FloatArray
@@ -285,8 +285,11 @@ def _extrapolations(places: Sequence[Mission], asked: _Configuration) -> tuple[E
     """What the design takes from outside the range of a model, at all altitudes."""
     aircraft, solar = asked.aircraft, asked.solar
     calm = [one.in_wind(0.0) for one in places]  # the share says what the wind does
-    each = [told(design_checks(aircraft, one, design_of(aircraft, one), solar)) for one in calm]
-    return each[0] if len(each) == 1 else together(each, "altitudes")
+    each = [
+        collect_extrapolations(design_checks(aircraft, one, design_of(aircraft, one), solar))
+        for one in calm
+    ]
+    return each[0] if len(each) == 1 else merge_extrapolations(each, "altitudes")
 
 
 @styled

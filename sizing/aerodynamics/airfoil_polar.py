@@ -1,9 +1,8 @@
 """Smooth polar of an airfoil section, fitted to a table.
 
-From the table the linear branch up to the stall is taken, and drag is fitted once as a smooth
-function of lift coefficient and Reynolds number. The fit is evaluated by arithmetic only, so that
-floats, arrays and symbolic expressions pass alike, and it has derivatives of every order
-everywhere.
+The fit covers the branch of attached flow up to the stall, with drag as a smooth function of lift
+coefficient and Reynolds number. It is evaluated by arithmetic alone, for floats, arrays and
+symbolic expressions, and has derivatives of every order.
 """
 
 from __future__ import annotations
@@ -28,16 +27,16 @@ from solar.types import FloatArray
 
 # The branch ends where the slope of lift falls to a tenth of a thin airfoil's, 2 pi/rad [1/deg].
 _LEAST_SLOPE_PER_DEG = 0.1 * 2.0 * pi * pi / 180.0
-# It is one over up to this much [deg]: between finer steps lift scatters as much as it rises.
+# Window of that slope [deg]: within finer steps lift scatters as much as it rises.
 _WINDOW_DEG = 0.5
-# A Reynolds number at the low end whose maximum lift lies this far below the next one's has stalled
-# by laminar separation; drag there is no continuation of the branch.
+# Ratio of maximum lifts of neighbouring low Reynolds numbers that shows laminar separation, where
+# drag does not continue the branch.
 _STALLED_RATIO = 0.85
 _LEAST_REYNOLDS_NUMBERS, _LEAST_ANGLES = 4, 12
 _LIFT_DEGREE, _REYNOLDS_DEGREE, _MAXIMUM_LIFT_DEGREE = 14, 6, 4
-_RIDGE = 1e-4  # keeps coefficients small that the table does not determine
+_RIDGE = 1e-4  # regularises coefficients that the table does not determine
 _REFUSED_MEDIAN, _REFUSED_MAXIMUM = 0.05, 0.3
-# The fit ends this far below the maximum lift, where drag turns upwards ever more steeply.
+# The fit ends this far below the maximum lift, as drag rises steeply there.
 _STALL_DISTANCE = 0.03
 # Half-widths of the smooth clamps, of lift and of the normalised Reynolds coordinate.
 _LIFT_BLEND, _REYNOLDS_BLEND = 0.02, 0.02
@@ -67,11 +66,11 @@ class _Branch(NamedTuple):
         return float(np.max(self.cl))
 
     def refined(self) -> tuple[FloatArray, FloatArray]:
-        """Lift and logarithm of drag between the rows, by cubic splines over the angle."""
+        """Return lift and log of drag between the rows, by cubic splines over the angle."""
         from scipy.interpolate import CubicSpline
 
         width_deg = float(self.alpha_deg[-1] - self.alpha_deg[0])
-        # Finer steps than half a degree tell no more of the curve, and weigh as much.
+        # At most 16 points a degree: finer tables have no more information, and equal weight.
         count = min(8 * len(self.alpha_deg), round(16.0 * width_deg) + 8)
         alpha = np.linspace(self.alpha_deg[0], self.alpha_deg[-1], count)
         lift = CubicSpline(self.alpha_deg, self.cl)(alpha)
@@ -81,7 +80,7 @@ class _Branch(NamedTuple):
 class _ReynoldsScale(NamedTuple):
     """Coordinate of the Reynolds number: Re^-1/4, from 1 at the lowest to -1 at the highest.
 
-    Over the range of a table it is nearly linear in log Re, and it takes arithmetic only.
+    It is nearly linear in log Re over the range of a table, by arithmetic alone.
     """
 
     middle: float
@@ -102,10 +101,10 @@ class AirfoilPolar:
 
     ``log c_d`` is a tensor product of Chebyshev polynomials in the lift, scaled between the lower
     end of the branch and the stall at that Reynolds number, and in Re^-1/4. Outside the table both
-    coordinates are clamped, smoothly, and drag grows with the square of the excess: below the
-    lowest Reynolds number, beyond the stall, and below the branch. Above the highest Reynolds
-    number drag keeps its last value. Drag is never zero and never negative. What lies outside the
-    table is a fence for optimisers, not physics.
+    coordinates are clamped smoothly, and drag grows with the square of the excess: below the lowest
+    Reynolds number, beyond the stall, and below the branch. Above the highest Reynolds number drag
+    is constant. Drag is positive everywhere. Values outside the table are a penalty for optimisers,
+    not physics.
 
     Attributes
     ----------
@@ -117,7 +116,7 @@ class AirfoilPolar:
     least_lift : float
         Lift coefficient at which the branch starts at all these Reynolds numbers.
     notes : tuple of str
-        What was left out of the table, and how it was read.
+        Rows left out of the table, and remarks on its format.
     """
 
     name: str
@@ -131,9 +130,9 @@ class AirfoilPolar:
 
     @classmethod
     def load(cls, airfoil: str) -> AirfoilPolar:
-        """Read a polar: the name of a shipped one, or the path of a file or folder.
+        """Read a polar by the name of a shipped one, or by the path of a file or folder.
 
-        ValueError where no shipped polar has that name; a file that is no polar table is an
+        Unknown names raise ValueError; files that are no polar table raise
         :class:`missions.files.errors.InputError`, with line numbers.
         """
         if is_table_path(airfoil):
@@ -142,7 +141,7 @@ class AirfoilPolar:
 
     @classmethod
     def from_table(cls, table: PolarTable) -> AirfoilPolar:
-        """Fit a table; InputError without a branch of attached flow, or where it is too rough."""
+        """Fit a table; raise InputError where it is rough or has no branch of attached flow."""
         branches = _attached_branches(table)
         least_lift = max(float(b.cl[0]) for b in branches)
         scale = _ReynoldsScale.between(branches[0].reynolds, branches[-1].reynolds)
@@ -158,7 +157,7 @@ class AirfoilPolar:
             notes=table.notes,
         )
         error = polar.fit_error
-        # Written so that an error that is no number is refused as well.
+        # Refuses NaN as well.
         if not (error.median <= _REFUSED_MEDIAN and error.maximum <= _REFUSED_MAXIMUM):
             raise file_error(
                 table.source,
@@ -168,12 +167,12 @@ class AirfoilPolar:
         return polar
 
     def maximum_lift(self, reynolds: Value) -> Value:
-        """Maximum lift coefficient of the section [-], for Reynolds numbers above zero."""
+        """Return the maximum lift coefficient of the section [-]; Reynolds numbers above zero."""
         inside, below = self._reynolds_coordinates(reynolds)
         return chebyshev_series(self._maximum_lift, inside) / (1.0 + below * below)
 
     def profile_drag(self, cl: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the section [-] on the branch up to the stall.
+        """Return the drag coefficient of the section [-] on the branch up to the stall.
 
         Parameters
         ----------
@@ -199,7 +198,7 @@ class AirfoilPolar:
         return e ** chebyshev_series(rows, share) * fence * (1.0 + below * below)
 
     def _reynolds_coordinates(self, reynolds: Value) -> tuple[Value, Value]:
-        """Coordinate clamped to the table, and the excess below the lowest Reynolds number."""
+        """Return the clamped coordinate, and the excess below the lowest Reynolds number."""
         z = self._scale.at(reynolds)
         inside = -1.0 + _ramp(z + 1.0, _REYNOLDS_BLEND)
         inside = 1.0 - _ramp(1.0 - inside, _REYNOLDS_BLEND)
@@ -224,7 +223,7 @@ def _shipped_polar(name: str) -> AirfoilPolar:
 
 
 def _ramp(x: Value, width: float) -> Value:
-    """Smooth maximum of ``x`` and 0: a hyperbola, ``width / 2`` high at 0."""
+    """Return the smooth maximum of ``x`` and 0: a hyperbola, ``width / 2`` high at 0."""
     return (x + (x * x + width * width) ** 0.5) / 2.0
 
 
@@ -252,7 +251,7 @@ def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
             f"attached flow at {len(branches)} Reynolds numbers; "
             f"at least {_LEAST_REYNOLDS_NUMBERS} are needed",
         )
-    # Where the rise breaks off at low Reynolds numbers, the flow is not attached there either.
+    # Branches at low Reynolds numbers that end early are not attached flow.
     for first in range(len(branches) - _LEAST_REYNOLDS_NUMBERS + 1):
         kept = branches[first:]
         if max(b.cl[0] for b in kept) <= 0.5 * min(b.maximum_lift for b in kept):
@@ -263,7 +262,7 @@ def _attached_branches(table: PolarTable) -> tuple[_Branch, ...]:
 def _attached_branch(
     reynolds: float, alpha_deg: FloatArray, cl: FloatArray, cd: FloatArray
 ) -> _Branch:
-    """Rows around half the greatest lift, from each of which lift rises within the window."""
+    """Return the branch of rising lift around half the greatest lift."""
     start = int(np.argmax(cl >= 0.5 * np.max(cl)))
     first, last = (_end_of_rise(sign * alpha_deg, sign * cl, start, sign) for sign in (-1, 1))
     rows = slice(first, last + 1)
@@ -271,7 +270,7 @@ def _attached_branch(
 
 
 def _end_of_rise(alpha_deg: FloatArray, cl: FloatArray, row: int, step: int) -> int:
-    """Last row from ``row`` on, in steps of ``step``, up to which lift rises."""
+    """Return the last row from ``row`` on, in steps of ``step``, up to which lift rises."""
     while 0 <= row + step < len(cl):
         ahead = np.arange(row + step, len(cl) if step > 0 else -1, step)
         width = alpha_deg[ahead] - alpha_deg[row]
@@ -293,7 +292,7 @@ def _fit_maximum_lift(branches: tuple[_Branch, ...], scale: _ReynoldsScale) -> t
 def _fit_log_drag(
     branches: tuple[_Branch, ...], scale: _ReynoldsScale, peak: tuple[float, ...], least_lift: float
 ) -> tuple[tuple[float, ...], ...]:
-    """Chebyshev coefficients of log drag, by lift (outer) and Reynolds number (inner)."""
+    """Return Chebyshev coefficients of log drag, by lift (outer) and Reynolds number (inner)."""
     shares, coordinates, logs = [], [], []
     for branch in branches:
         z = scale.at(branch.reynolds)

@@ -1,6 +1,6 @@
 """Lift, drag and power of level flight.
 
-The formulas use arithmetic only, so that floats, arrays and symbolic expressions pass alike.
+The formulas use arithmetic alone, for floats, arrays and symbolic expressions.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Polar(Protocol):
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Airspeed of level flight [m/s].
+        """Return the airspeed of level flight [m/s].
 
         Parameters
         ----------
@@ -55,7 +55,7 @@ class Polar(Protocol):
         ...
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft in level flight [-].
+        """Return the drag coefficient of the aircraft in level flight [-].
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class Polar(Protocol):
 
 
 class AtLiftCoefficient(Record):
-    """Polar of an aircraft that holds one lift coefficient in level flight."""
+    """Polar of an aircraft with a constant lift coefficient in level flight."""
 
     model: str
     lift_coefficient: LiftCoefficient
@@ -92,7 +92,7 @@ class AtLiftCoefficient(Record):
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``; see :class:`Polar`."""
+        """Return the airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
         weight = mass_kg * GRAVITY_M_PER_S2
         return (2.0 * weight / (density_kg_per_m3 * wing_area_m2 * self.lift_coefficient)) ** 0.5
 
@@ -101,8 +101,8 @@ class DragPolar(AtLiftCoefficient):
     """Parabolic polar with a profile drag that depends on the Reynolds number of the wing.
 
     ``C_D = C_Dp (Re / Re_ref)^-n + C_Dpar + C_L^2 / (pi e AR)`` at the lift coefficient of level
-    flight, which a solar aircraft holds near its least power: for high aspect ratios that optimum
-    lies beyond the stall margin, so that the margin sets it.
+    flight. A solar aircraft flies near its least power; for high aspect ratios that optimum lies
+    beyond the stall margin, so that the margin sets the lift coefficient.
     """
 
     model: Literal["parabolic"] = "parabolic"
@@ -113,12 +113,12 @@ class DragPolar(AtLiftCoefficient):
     span_efficiency: Fraction = 0.9
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft [-], by the formula of the class; see :class:`Polar`."""
+        """Return the drag coefficient of the aircraft, by the formula of the class [-]."""
         profile, induced, parasitic = self.parts(aspect_ratio, reynolds)
         return profile + parasitic + induced
 
     def parts(self, aspect_ratio: Value, reynolds: Value) -> tuple[Value, Value, Value]:
-        """Profile and induced drag of the wing, and all else, as coefficients [-]."""
+        """Return the coefficients of profile, induced and all other drag [-]."""
         profile = (
             self.profile_drag_coefficient
             * (reynolds / self.reference_reynolds) ** -self.reynolds_exponent
@@ -128,13 +128,13 @@ class DragPolar(AtLiftCoefficient):
 
 
 class OwnDragPolar(AtLiftCoefficient):
-    """A drag model of the user's own, by its name: see :func:`sizing.register_drag`."""
+    """User-defined drag model, by its name: see :func:`sizing.register_drag`."""
 
     model: Literal["own"]
     name: Annotated[Text, AfterValidator(lambda name: drag_function(name) and name)]
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft in level flight [-]."""
+        """Return the drag coefficient of the aircraft in level flight [-]."""
         return drag_function(self.name)(self.lift_coefficient, aspect_ratio, reynolds)
 
 
@@ -147,7 +147,7 @@ def level_flight_power_w(
     density_kg_per_m3: Value,
     dynamic_viscosity: Value,
 ) -> Value:
-    """Aerodynamic power of level flight, drag times airspeed [W].
+    """Return the aerodynamic power of level flight, drag times airspeed [W].
 
     Parameters
     ----------

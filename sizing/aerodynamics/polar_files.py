@@ -1,9 +1,9 @@
-"""Polars as XFOIL (PACC), XFLR5 and airfoil web sites write them: headers with units, rows.
+"""Files of polars by XFOIL (PACC), XFLR5 and airfoil web sites: headers with units, and rows.
 
 A file may hold several polars, and the text of a folder several files
-(:data:`missions.files.texts.FILE_MARK`). XFOIL and XFLR5 leave out points that do not converge;
-rows with NaN or asterisks, which some programs write instead, are passed over. Single rows of drag
-or lift that no section has are left out, and told.
+(:data:`missions.files.texts.FILE_MARK`). XFOIL and XFLR5 omit points that do not converge; rows
+with NaN or asterisks, which some programs write instead, are skipped. Single rows with impossible
+drag or lift are left out, with a note.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from missions.files.errors import InputError, Problem, left_out_note, printable,
 from missions.files.texts import FILE_MARK
 from sizing.aerodynamics.polar_table import SHARE_LEFT_OUT
 
-# Metres per second of the units that XFLR5 offers.
+# Metres per second of the units in XFLR5.
 _SPEED_UNITS = {
     "m/s": 1.0,
     "km/h": 1.0 / 3.6,
@@ -32,7 +32,7 @@ _SPEED_UNITS = {
     "knots": 0.514444,
 }
 _LEAST_REYNOLDS, _LARGEST_REYNOLDS = 1e3, 1e8
-# Above it the air is compressible, which wing and aircraft know nothing of: Anderson, Fundamentals
+# Limit of incompressible flow, which the models of wing and aircraft assume: Anderson, Fundamentals
 # of Aerodynamics, section 1.10.
 _LARGEST_MACH = 0.3
 _LARGEST_LIFT = 4.0 * math.pi  # Smith (1975), as for lift coefficients of a file
@@ -40,7 +40,7 @@ _MOST_ROWS = 50_000
 
 _NO_POLAR = "holds no polar: neither 'Calculated polar for:' nor 'Wing name' or 'Plane name'"
 _SECTION = re.compile(r"^\s*Calculated polar for\s*:\s*,?(.*)$", re.IGNORECASE)
-# First line of the CSV of airfoiltools.com, and the lines of its head that count.
+# First line of the CSV of airfoiltools.com, and the lines of its header that are used.
 _OF_A_SITE = re.compile(r"^\s*Xfoil polar\.", re.IGNORECASE)
 _ENTRY = re.compile(
     r"^\s*(Airfoil|Reynolds number|Mach|Ncrit)\s*,\s*([^,]*\S)[\s,]*$", re.IGNORECASE
@@ -58,10 +58,10 @@ _TRIP = re.compile(rf"xtrf\s*=\s*({_NUMBER})\s*\(top\)\s*({_NUMBER})\s*\(bottom\
 _SPEED = re.compile(rf"^\s*Freestream speed\s*:\s*,?\s*({_NUMBER})\s*,?\s*(.*?)\s*$", re.IGNORECASE)
 _PROGRAM = re.compile(r"^\s*(XFOIL|xflr5|QBlade|flow5)\b.*$", re.IGNORECASE)
 _RULE = re.compile(r"^[\s\-_=,;]+$")
-# A field of a Fortran format is no wider than it is: signs may follow digits at once.
+# Fields of Fortran have a fixed width: a sign may follow a digit without a space.
 _FIELD = re.compile(rf"{_NUMBER}|[-+]?nan|[-+]?inf(?:inity)?|\*+", re.IGNORECASE)
 
-# Column names by what they are; those of XFLR5's earlier versions as well.
+# Column names by quantity, of earlier versions of XFLR5 too.
 _COLUMNS = {
     "alpha": ("alpha",),
     "lift": ("cl",),
@@ -75,7 +75,7 @@ _COLUMNS = {
 
 @dataclass(frozen=True)
 class PolarRow:
-    """A row: angle [deg], coefficients [-], Reynolds number [-] or speed [m/s] where it has one."""
+    """Row of a polar: angle [deg], coefficients [-], and speed [m/s] if the file has it."""
 
     line: int
     alpha_deg: float
@@ -88,15 +88,14 @@ class PolarRow:
 
 @dataclass
 class FilePolar:
-    """One polar with what its header says.
+    """Polar of an airfoil ("section"), or of a whole wing or plane ("wing"), with its header.
 
-    ``source``, ``line``: file and line of its header. ``kind``: polar of an airfoil, or of a whole
-    wing or plane. ``name``, ``polar_name``: of the airfoil or wing, and of the polar of a wing.
-    ``program``: what wrote it, with its version. ``reynolds_type``: 1: fixed Reynolds number; 2:
-    ``Re C_L^1/2`` is fixed, as in level flight. ``reynolds``: Reynolds number [-], for type 2 that
-    at ``C_L = 1``; NaN for a wing. ``mach``, ``ncrit``, ``trip``: Mach number, critical
+    ``source``, ``line``: file and line of the header. ``name``, ``polar_name``: names of the
+    airfoil or wing, and of a wing's polar. ``program``: name and version. ``reynolds_type``: 1 for
+    a fixed Reynolds number, 2 for a fixed ``Re C_L^1/2``, as in level flight. ``reynolds``:
+    Reynolds number [-], at ``C_L = 1`` for type 2; NaN for a wing. ``ncrit``, ``trip``: critical
     amplification, forced transition above and below (x/c). ``speed_m_per_s``: free stream of a wing
-    at fixed speed [m/s]; NaN without one. ``rows``: in the order of the file.
+    at fixed speed [m/s], or NaN. ``rows``: in the order of the file.
     """
 
     source: str
@@ -112,37 +111,38 @@ class FilePolar:
     trip: tuple[float, float] | None = None
     speed_m_per_s: float = math.nan
     rows: list[PolarRow] = field(default_factory=list)
-    # Rows that no section can have, and how the others were read.
+    # Impossible rows, and the number of surplus columns.
     left_out: list[Problem] = field(default_factory=list)
     surplus: int = 0
-    # How its rows are to be read.
+    # Format of the rows.
     columns: list[str] = field(default_factory=list)
     by_commas: bool = False
     speed_unit: float = 1.0
 
     def problem(self, line: int | None, message: str) -> Problem:
-        """Problem at a line of its file."""
+        """Return a problem at a line of the file."""
         return Problem(self.source, line, None, "", message)
 
 
 def is_foreign(text: str) -> bool:
-    """Whether a text is that of XFOIL or XFLR5, and not one of our own tables."""
+    """Return whether a text is from XFOIL or XFLR5 rather than a polar table."""
     if text.startswith(FILE_MARK):
         return True
     head = [line for _, line in zip(range(40), text.splitlines(), strict=False)]
-    return any(one.match(line) for line in head for one in (_SECTION, _WING, _PROGRAM, _OF_A_SITE))
+    return any(
+        pattern.match(line) for line in head for pattern in (_SECTION, _WING, _PROGRAM, _OF_A_SITE)
+    )
 
 
 def read_polars(text: str, source: str) -> list[FilePolar]:
-    """Read all polars of a text.
+    """Read all polars of a file's or folder's text: at least one, each with rows.
 
-    ``text``: contents of a file, or of a folder. ``source``: file or folder, for messages. Returns
-    at least one, each with rows. Raises InputError with every line that is wrong.
+    ``source`` is the file or folder, for messages. Raises InputError with every wrong line.
     """
     polars: list[FilePolar] = []
     problems: list[Problem] = []
     program, count = "", 0
-    empty: dict[str, int] = {}  # files in which no polar has begun, with their first line of text
+    empty: dict[str, int] = {}  # files without a polar, with their first line of text
     for file, number, line in _lines(text, source):
         if _PROGRAM.match(line):
             program = " ".join(line.split())
@@ -170,7 +170,7 @@ def read_polars(text: str, source: str) -> list[FilePolar]:
 
 
 def _lines(text: str, source: str) -> Iterator[tuple[str, int, str]]:
-    """File, number within it, and text of every line."""
+    """Yield file, line number and text of every line."""
     file, number = source, 0
     for line in text.split("\n"):
         if line.startswith(FILE_MARK):
@@ -182,25 +182,25 @@ def _lines(text: str, source: str) -> Iterator[tuple[str, int, str]]:
 
 
 def _started(file: str, number: int, line: str, program: str) -> FilePolar | None:
-    """New polar whose first line this is; none if it is not."""
+    """Return a new polar if a line starts one, else None."""
     if _OF_A_SITE.match(line):
         return FilePolar(file, number, "section", "unnamed", program)
     for expression, kind in ((_SECTION, "section"), (_WING, "wing")):
-        if found := expression.match(line):
-            name = printable(" ".join(found[1].split()).strip(","))[:80] or "unnamed"
-            which: Literal["section", "wing"] = "wing" if kind == "wing" else "section"
-            return FilePolar(file, number, which, name, program)
+        if match := expression.match(line):
+            name = printable(" ".join(match[1].split()).strip(","))[:80] or "unnamed"
+            section_or_wing: Literal["section", "wing"] = "wing" if kind == "wing" else "section"
+            return FilePolar(file, number, section_or_wing, name, program)
     return None
 
 
 def _read_line(polar: FilePolar, number: int, line: str) -> bool:
-    """Read a line below the first one of a polar; returns whether it is a row."""
+    """Read a line below the first one of a polar, and return whether it is a row."""
     if not line.strip() or _RULE.match(line):
         return False
     if not polar.columns or line.lower().lstrip().startswith("alpha"):
         _read_header(polar, line)
         return False
-    if _PROGRAM.match(line):  # of the next polar in the same file
+    if _PROGRAM.match(line):  # header of the next polar in the file
         return False
     row = _polar_row(polar, number, line)
     if row is not None:
@@ -209,26 +209,26 @@ def _read_line(polar: FilePolar, number: int, line: str) -> bool:
 
 
 def _read_header(polar: FilePolar, line: str) -> None:
-    """Take what a line of the header says; others are passed over."""
-    if found := _TYPE.match(line):
-        polar.reynolds_type = int(found[1])
+    """Read a line of the header; unknown lines are skipped."""
+    if match := _TYPE.match(line):
+        polar.reynolds_type = int(match[1])
         if polar.reynolds_type not in (1, 2):
             raise ValueError(
-                f"Reynolds number of type {found[1]}; polars of type 1 (fixed) and 2 (~ 1/sqrt(CL))"
+                f"Reynolds number of type {match[1]}; polars of type 1 (fixed) and 2 (~ 1/sqrt(CL))"
                 " are read"
             )
-    elif found := _SETTINGS.search(line):
-        exponent = 10.0 ** min(int(found[3] or 0), 99)
-        polar.ncrit = None if found[4] is None else _float(found[4])
-        _take_air(polar, _float(found[1]), _float(found[2]) * exponent)
-    elif found := _ENTRY.match(line):
-        _take_entry(polar, found[1].lower(), found[2])
-    elif found := _TRIP.search(line):
-        polar.trip = (_float(found[1]), _float(found[2]))
-    elif found := _WING_POLAR.match(line):
-        polar.polar_name = printable(" ".join(found[1].split()))[:80]
-    elif found := _SPEED.match(line):
-        polar.speed_m_per_s, polar.speed_unit = _speed(found[1], found[2])
+    elif match := _SETTINGS.search(line):
+        exponent = 10.0 ** min(int(match[3] or 0), 99)
+        polar.ncrit = None if match[4] is None else _float(match[4])
+        _take_air(polar, _float(match[1]), _float(match[2]) * exponent)
+    elif match := _ENTRY.match(line):
+        _take_entry(polar, match[1].lower(), match[2])
+    elif match := _TRIP.search(line):
+        polar.trip = (_float(match[1]), _float(match[2]))
+    elif match := _WING_POLAR.match(line):
+        polar.polar_name = printable(" ".join(match[1].split()))[:80]
+    elif match := _SPEED.match(line):
+        polar.speed_m_per_s, polar.speed_unit = _speed(match[1], match[2])
     elif _FIXED_ALPHA.match(line):
         raise ValueError("a polar at a fixed angle of attack (type 4); types 1 and 2 are read")
     elif line.lower().lstrip().startswith("alpha"):
@@ -238,7 +238,7 @@ def _read_header(polar: FilePolar, line: str) -> None:
 
 
 def _take_entry(polar: FilePolar, key: str, value: str) -> None:
-    """Take a line of a web site's head."""
+    """Read a line of a web site's header."""
     if key == "airfoil":
         polar.name = printable(value)[:80]
         return
@@ -265,7 +265,7 @@ def _take_air(polar: FilePolar, mach: float, reynolds: float) -> None:
 
 
 def _speed(number: str, unit: str) -> tuple[float, float]:
-    """Speed [m/s], and metres per second of its unit."""
+    """Return the speed [m/s], and metres per second of its unit."""
     name = unit.strip(" ,;").lower()
     if name not in _SPEED_UNITS:
         allowed = ", ".join(_SPEED_UNITS)
@@ -279,7 +279,7 @@ def _take_columns(polar: FilePolar, line: str) -> None:
     polar.by_commas = "," in line
     plain = re.sub(r"(?i)\b(top|bot)[ _](xtr|itr)\b", r"\1\2", line)
     names = plain.split(",") if polar.by_commas else plain.split()
-    # A section's moment is Cm; of a wing Cl, Cm, Cn are moments, and only CL is lift.
+    # In polars of wings Cl, Cm and Cn are moments, and only CL is lift.
     keys: list[str] = []
     for raw in (name.strip() for name in names):
         known = next((key for key, spelt in _COLUMNS.items() if raw.lower() in spelt), "")
@@ -294,7 +294,7 @@ def _take_columns(polar: FilePolar, line: str) -> None:
 
 
 def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
-    """Row of numbers; None for a point that did not converge, or that no section can have."""
+    """Return a row; None for a point that did not converge, or is impossible."""
     if polar.by_commas:
         texts = [part.strip() for part in line.rstrip(", \t").split(",")]
         odd = [text for text in texts if not _FIELD.fullmatch(text)]
@@ -302,7 +302,7 @@ def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
         texts = _FIELD.findall(line)
         odd = _FIELD.sub(" ", line).split()
     surplus = len(texts) - len(polar.columns)
-    # XFLR5 6.61 writes twelve numbers under ten names; those that count stand left of them.
+    # XFLR5 6.61 writes twelve numbers under ten names; the surplus is at the right.
     if "xflr5" in polar.program.lower() and polar.kind == "section" and surplus > 0:
         polar.surplus, texts = surplus, texts[:-surplus]
     if odd or len(texts) != len(polar.columns):
@@ -331,7 +331,7 @@ def _polar_row(polar: FilePolar, number: int, line: str) -> PolarRow | None:
 
 
 def _float(text: str) -> float:
-    """Number of a Fortran program; NaN for asterisks, which stand for one that is too wide."""
+    """Return a number of a Fortran program; NaN for asterisks, which mark an overflow."""
     return math.nan if text.startswith("*") else float(text.lower().replace("d", "e"))
 
 
@@ -347,7 +347,7 @@ def _incomplete(polar: FilePolar) -> Iterator[Problem]:
 
 
 def _repeated(polar: FilePolar) -> Iterator[Problem]:
-    """Angles that are there twice with different values; equal ones are taken out, in place."""
+    """Yield problems of angles repeated with other values; remove equal rows in place."""
     seen: dict[float, PolarRow] = {}
     kept: list[PolarRow] = []
     for row in polar.rows:
@@ -362,17 +362,19 @@ def _repeated(polar: FilePolar) -> Iterator[Problem]:
 
 
 def reading_notes(polars: Sequence[FilePolar]) -> tuple[str, ...]:
-    """What was left out of polars, and how they were read where that is no matter of course."""
+    """Return notes on rows left out of polars, and on surplus columns."""
     notes = []
-    if one := next((polar for polar in polars if polar.surplus), None):
-        names = len(one.columns)
+    if polar := next((polar for polar in polars if polar.surplus), None):
+        names = len(polar.columns)
         notes.append(
-            f"XFLR5 writes {names + one.surplus} numbers under {names} names: columns are taken by "
-            "their place from the left"
+            f"XFLR5 writes {names + polar.surplus} numbers under {names} names: columns are taken "
+            "by their place from the left"
         )
     return (*notes, *left_out_note([row for polar in polars for row in polar.left_out]))
 
 
 def names_of(polars: Sequence[FilePolar]) -> list[str]:
-    """Different names of airfoils or wings, as they are written first."""
-    return list({" ".join(one.name.lower().split()): one.name for one in reversed(polars)}.values())
+    """Return the different names of airfoils or wings, as first written."""
+    return list(
+        {" ".join(polar.name.lower().split()): polar.name for polar in reversed(polars)}.values()
+    )

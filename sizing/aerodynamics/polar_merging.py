@@ -1,4 +1,4 @@
-"""From polars of XFOIL and XFLR5 to one table over angle of attack and Reynolds number."""
+"""Merging of polars by XFOIL and XFLR5 into one table over angle of attack and Reynolds number."""
 
 from __future__ import annotations
 
@@ -26,21 +26,18 @@ from sizing.aerodynamics.polar_table import (
 )
 from solar.types import FloatArray
 
-# Fixed-lift polars are resampled from the Reynolds number at which lift this share of the greatest
-# is still flown; a branch of attached flow has to begin below half of it.
+# Share of the greatest lift that polars of fixed lift cover at their lowest resampled Reynolds
+# number; a branch of attached flow has to begin below half the greatest lift.
 _LOW_LIFT_SHARE = 0.35
 _LEAST_RATIO = 1.5
-# Lift coefficients over which the span efficiency is taken, as shares of the greatest.
+# Lift coefficients of the span efficiency, over the greatest.
 _CRUISE = (0.3, 0.9)
 _SAME_SPEED = 2e-3
 
 
 @dataclass(frozen=True)
 class Merged:
-    """Rows of a table, ``(alpha_deg, reynolds, cl, cd, cm)``, and what the polars say of it.
-
-    ``span_efficiency`` is that of a wing's induced drag; None for sections.
-    """
+    """Rows ``(alpha_deg, reynolds, cl, cd, cm)``, and a wing's span efficiency (sections: None)."""
 
     name: str
     program: str
@@ -49,11 +46,10 @@ class Merged:
 
 
 def parse_polar(text: str, source: str, wing: WingReference | None = None) -> PolarTable:
-    """Read the text of a polar: our own table, or what XFOIL and XFLR5 write.
+    """Read a polar of a file's or folder's text: a table, or polars by XFOIL and XFLR5.
 
-    ``text``: contents of the file, or of a folder. ``source``: file or folder, for messages.
-    ``wing``: for polars of a whole wing, whose table then has the viscous drag. Raises InputError
-    with every line that is wrong.
+    ``source`` is the file or folder, for messages. With ``wing`` the polars are those of a whole
+    wing, and the table has the viscous drag. Raises InputError with every wrong line.
     """
     if not is_foreign(text):
         if wing is not None:
@@ -67,15 +63,14 @@ def parse_polar(text: str, source: str, wing: WingReference | None = None) -> Po
 
 
 def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> Merged:
-    """Put polars of one airfoil, or of one wing, together.
+    """Merge polars of one airfoil, or of one wing.
 
-    Polars of fixed lift (type 2) have another Reynolds number in each row. Between polars, at equal
-    angle of attack, lift, the logarithm of drag and the moment are interpolated linearly in the
-    logarithm of the Reynolds number, to as many fixed ones as there are polars.
+    Polars of fixed lift (type 2) have another Reynolds number in each row. At equal angle of
+    attack, lift, logarithm of drag and moment are interpolated linearly in the logarithm of the
+    Reynolds number, to as many fixed Reynolds numbers as there are polars.
 
-    ``polars``: as read. ``source``: file or folder, for messages. ``wing``: needed for polars of a
-    wing, of no use for those of a section. Raises InputError if they do not belong together, or are
-    not what is asked for.
+    ``source`` is the file or folder, for messages. ``wing`` is needed for polars of a wing, and
+    refused for sections. Raises InputError for polars of different airfoils, settings or kinds.
     """
     _check_kind(polars, source, wing)
     _check_settings(polars)
@@ -88,7 +83,11 @@ def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None)
         _check_repeated(pairs)
         both = [zip(polar.rows, reynolds, strict=True) for polar, reynolds in pairs]
         rows = np.array(
-            [(row.alpha_deg, re, row.lift, row.drag, row.moment) for one in both for row, re in one]
+            [
+                (row.alpha_deg, re, row.lift, row.drag, row.moment)
+                for pair in both
+                for row, re in pair
+            ]
         )
     else:
         rows = _resampled(pairs, source)
@@ -99,32 +98,34 @@ def merged(polars: Sequence[FilePolar], source: str, wing: WingReference | None)
 def _check_kind(polars: Sequence[FilePolar], source: str, wing: WingReference | None) -> None:
     of_wings = [polar for polar in polars if polar.kind == "wing"]
     if of_wings and len(of_wings) < len(polars):
-        one = of_wings[0]
-        raise InputError([one.problem(one.line, "polars of an airfoil and of a wing mixed")])
+        polar = of_wings[0]
+        raise InputError([polar.problem(polar.line, "polars of an airfoil and of a wing mixed")])
     if of_wings and wing is None:
-        one = of_wings[0]
+        polar = of_wings[0]
         message = (
-            f"is the polar of a whole wing ({one.name}), induced drag included, not of its section:"
-            " give wing_chord_m and wing_aspect_ratio, or polars of the section"
+            f"is the polar of a whole wing ({polar.name}), induced drag included, not of its "
+            "section: give wing_chord_m and wing_aspect_ratio, or polars of the section"
         )
-        raise InputError([one.problem(one.line, message)])
+        raise InputError([polar.problem(polar.line, message)])
     if wing is not None and not of_wings:
         raise file_error(source, OF_A_SECTION)
 
 
 def _check_settings(polars: Sequence[FilePolar]) -> None:
-    """Refuse polars of several airfoils, Mach numbers or transitions."""
+    """Refuse polars of different airfoils, Mach numbers or transitions."""
     first = polars[0]
     names = names_of(polars)
     problems: list[Problem] = []
     for polar in polars[1:]:
-        for what, one, other in (
+        for setting, expected, actual in (
             ("Mach", first.mach, polar.mach),
             ("Ncrit", first.ncrit, polar.ncrit),
             ("xtrf", first.trip, polar.trip),
         ):
-            if one != other:
-                message = f"{what} {_spelled(other)}, but {_spelled(one)} in {_place(first)}"
+            if expected != actual:
+                message = (
+                    f"{setting} {_spelled(actual)}, but {_spelled(expected)} in {_place(first)}"
+                )
                 problems.append(polar.problem(polar.line, message))
         if len(names) > 1 and polar.name.lower().split() != first.name.lower().split():
             message = f"polar of {polar.name}, but {_place(first)} is of {first.name}"
@@ -136,7 +137,9 @@ def _check_settings(polars: Sequence[FilePolar]) -> None:
 def _spelled(value: float | tuple[float, float] | None) -> str:
     if value is None:
         return "none"
-    return " and ".join(f"{one:g}" for one in (value if isinstance(value, tuple) else (value,)))
+    return " and ".join(
+        f"{number:g}" for number in (value if isinstance(value, tuple) else (value,))
+    )
 
 
 def _place(polar: FilePolar) -> str:
@@ -144,7 +147,7 @@ def _place(polar: FilePolar) -> str:
 
 
 def _is_fixed(polar: FilePolar) -> bool:
-    """Whether all rows have one Reynolds number."""
+    """Return whether all rows have the same Reynolds number."""
     if polar.kind == "section":
         return polar.reynolds_type == 1
     speeds = [row.speed_m_per_s for row in polar.rows if math.isfinite(row.speed_m_per_s)]
@@ -152,7 +155,7 @@ def _is_fixed(polar: FilePolar) -> bool:
 
 
 def _reynolds(polar: FilePolar, wing: WingReference | None) -> list[float]:
-    """Reynolds number of every row; NaN where fixed lift knows none, at lift below zero."""
+    """Return the Reynolds number of every row; NaN for fixed lift at lift below zero."""
     if wing is None:
         if polar.reynolds_type == 1:
             return [polar.reynolds] * len(polar.rows)
@@ -170,13 +173,13 @@ def _reynolds(polar: FilePolar, wing: WingReference | None) -> list[float]:
             raise InputError([polar.problem(polar.line, message)])
         reynolds.append(speed * per_speed)
     if _is_fixed(polar):
-        # QInf has fewer digits than a table's key may differ by.
+        # Speeds have few digits: all rows get their mean.
         reynolds = [float(f"{np.mean(reynolds):.4g}")] * len(reynolds)
     return reynolds
 
 
 def _check_repeated(pairs: Sequence[tuple[FilePolar, list[float]]]) -> None:
-    """Refuse two polars of one Reynolds number."""
+    """Refuse two polars of the same Reynolds number."""
     seen: dict[float, FilePolar] = {}
     problems = []
     for polar, reynolds in pairs:
@@ -189,9 +192,9 @@ def _check_repeated(pairs: Sequence[tuple[FilePolar, list[float]]]) -> None:
 
 
 def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> FloatArray:
-    """Rows at fixed Reynolds numbers, from polars of fixed lift."""
+    """Return the rows at fixed Reynolds numbers, from polars of fixed lift."""
     highest = max(row.lift for polar, _ in pairs for row in polar.rows)
-    # Re C_L^1/2 of every polar, which is constant up to rounding.
+    # Re C_L^1/2 of every polar, constant up to rounding.
     constants = sorted(
         float(np.median([re * math.sqrt(row.lift) for row, re in _level_flight_rows(polar, res)]))
         for polar, res in pairs
@@ -206,10 +209,10 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
         )
     )
     if not high >= _LEAST_RATIO * low > 0.0:
-        wanted = _LEAST_RATIO / math.sqrt(_LOW_LIFT_SHARE)
+        ratio = _LEAST_RATIO / math.sqrt(_LOW_LIFT_SHARE)
         message = (
             "polars of fixed lift (type 2) make a table only if the greatest Re C_L^1/2 is at "
-            f"least {wanted:.2g} times the smallest; export more of them, or polars of type 1"
+            f"least {ratio:.2g} times the smallest; export more of them, or polars of type 1"
         )
         raise file_error(source, message)
     targets = np.geomspace(low, high, max(len(constants), 2))
@@ -217,7 +220,7 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
     for polar, reynolds in pairs:
         for row, re in _level_flight_rows(polar, reynolds):
             by_angle.setdefault(round(row.alpha_deg, 6), []).append((re, row))
-    rows = [one for alpha in sorted(by_angle) for one in _rows_at(targets, alpha, by_angle[alpha])]
+    rows = [row for alpha in sorted(by_angle) for row in _rows_at(targets, alpha, by_angle[alpha])]
     if not rows:
         raise file_error(source, "no angle of attack is in two polars of fixed lift")
     return np.array(rows)
@@ -226,7 +229,7 @@ def _resampled(pairs: Sequence[tuple[FilePolar, list[float]]], source: str) -> F
 def _level_flight_rows(
     polar: FilePolar, reynolds: Sequence[float]
 ) -> Iterator[tuple[PolarRow, float]]:
-    """Rows that level flight knows, with lift, and their Reynolds numbers."""
+    """Yield rows with positive lift, and their Reynolds numbers."""
     for row, re in zip(polar.rows, reynolds, strict=True):
         if row.lift > 0.0 and math.isfinite(re):
             yield row, re
@@ -235,7 +238,7 @@ def _level_flight_rows(
 def _rows_at(
     targets: FloatArray, alpha: float, points: Sequence[tuple[float, PolarRow]]
 ) -> Iterator[tuple[float, ...]]:
-    """Rows of one angle at those target Reynolds numbers that its points enclose."""
+    """Yield the rows of an angle at the target Reynolds numbers between its points."""
     points = sorted(points, key=lambda point: point[0])
     log_re = np.log([re for re, _ in points])
     if len(points) < 2 or np.any(np.diff(log_re) <= 0.0):
@@ -254,7 +257,7 @@ def _rows_at(
 
 
 def _span_efficiency(polars: Sequence[FilePolar], wing: WingReference, source: str) -> float:
-    """Span efficiency of the induced drag, ``e = C_L^2 / (pi AR C_Di)``, median over cruise [-].
+    """Return the median span efficiency over cruise, ``e = C_L^2 / (pi AR C_Di)`` [-].
 
     Anderson, Fundamentals of Aerodynamics, eq. 5.62.
     """

@@ -1,7 +1,7 @@
-"""Tables of airfoil polars: read from files and checked, and those that ship with the package.
+"""Tables of airfoil polars: reading, checks, and the tables that ship with the package.
 
-A polar is a CSV table, whoever made it: a program, a wind tunnel, a paper; or a file as XFOIL or
-XFLR5 writes it, or a folder of such files.
+A polar is a CSV table of computed or measured data, a file by XFOIL or XFLR5, or a folder of such
+files.
 """
 
 from __future__ import annotations
@@ -16,19 +16,18 @@ from missions.files.errors import InputError, Problem, file_error, left_out_note
 from missions.files.texts import read_folder, read_text
 from solar.types import FloatArray
 
-# How names of files with polars end; a folder of them ends with a slash.
+# Suffixes of files with polars; the path of a folder ends with a slash.
 POLAR_SUFFIXES = (".csv", ".txt", ".pol", ".plr", ".dat")
 
-# No section lifts more than 4 pi without power, see LiftCoefficient; a plate across the flow has a
-# drag coefficient of 2. Numbers far beyond would only overflow.
+# Lift without power is at most 4 pi, see LiftCoefficient; drag of a plate across the flow is 2.
 _LARGEST_LIFT, _LARGEST_DRAG, _LARGEST_REYNOLDS = 12.57, 10.0, 1e10
-# Rows of impossible lift or drag that may be left out of a table or a polar.
+# Largest share of rows with impossible lift or drag that is left out of a table or a polar.
 SHARE_LEFT_OUT = 1 / 12
 COLUMNS = ("alpha_deg", "reynolds", "cl", "cd", "cm", "confidence")
 
 
 def is_table_path(airfoil: str) -> bool:
-    """Whether an airfoil is the path of a table and not the name of a shipped one."""
+    """Return whether an airfoil is the path of a table rather than the name of a shipped one."""
     return airfoil.lower().endswith((*POLAR_SUFFIXES, "/"))
 
 
@@ -37,11 +36,7 @@ OF_A_SECTION = "holds polars of a section: wing_chord_m and wing_aspect_ratio go
 
 @dataclass(frozen=True)
 class WingReference:
-    """What makes Reynolds numbers of the speeds of a wing's polars, and induced drag comparable.
-
-    ``chord_m``, ``aspect_ratio``: mean chord [m] and aspect ratio [-] of the wing that was
-    computed. ``kinematic_viscosity_m2_per_s``: of the air that it was computed in [m2/s].
-    """
+    """Wing of polars: mean chord [m], aspect ratio [-], and viscosity of the air [m2/s]."""
 
     chord_m: float
     aspect_ratio: float
@@ -50,32 +45,29 @@ class WingReference:
 
 @dataclass(frozen=True)
 class PolarTable:
-    """Rows of a polar file, with what its header says (keys of :attr:`header` in lower case)."""
+    """Rows and header of a polar file; keys of :attr:`header` are in lower case."""
 
     source: str
     header: dict[str, str]
     columns: dict[str, FloatArray]
     span_efficiency: float | None = None  # of a wing's induced drag
-    notes: tuple[str, ...] = ()  # what was left out, and how it was read
+    notes: tuple[str, ...] = ()  # rows left out, and remarks on the format
 
     @property
     def name(self) -> str:
-        """Airfoil as the header names it."""
+        """Name of the airfoil in the header."""
         return self.header["airfoil"]
 
 
 def shipped_airfoils() -> tuple[str, ...]:
-    """Names of the polars that ship with the package."""
+    """Return the names of the polars that ship with the package."""
     folder = resources.files("sizing").joinpath("data", "polars")
     names = (item.name for item in folder.iterdir())
     return tuple(sorted(name.removesuffix(".csv") for name in names if name.endswith(".csv")))
 
 
 def shipped_table(name: str) -> PolarTable:
-    """Read one of the tables that ship with the package.
-
-    Raises ValueError if there is none of that name; the message lists the names.
-    """
+    """Read a table that ships with the package; an unknown name raises ValueError."""
     if name not in shipped_airfoils():
         known = ", ".join(shipped_airfoils())
         raise ValueError(
@@ -87,21 +79,19 @@ def shipped_table(name: str) -> PolarTable:
 
 
 def read_polar_text(path: str) -> str:
-    """Text of a polar: of a file, or of all files of a folder, whose path ends with a slash.
+    """Read the text of a file, or of all files of a folder, whose path ends with a slash.
 
-    Raises InputError if it is too large, or no text. Raises OSError if it cannot be read.
+    Raises InputError if it is too large or no text, and OSError if it cannot be read.
     """
     return read_folder(path, POLAR_SUFFIXES) if path.endswith("/") else read_text(path)
 
 
 def parse_polar_table(text: str, source: str) -> PolarTable:
-    """Read the text of a polar table of our own.
+    """Read the text of a polar table.
 
     The header is comment lines ``# key: value``, of which ``airfoil`` and ``source`` are required;
-    then come the line of column names and the rows, in any order.
-
-    ``text``: contents of the file. ``source``: file name, for messages. Returns header and columns;
-    the rows in the order of the file. Raises InputError with every line that is wrong.
+    then come the line of column names and the rows, in any order. ``source`` is the file name, for
+    messages. Raises InputError with every wrong line.
     """
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
     comments = [(number, line) for number, line in lines if line.startswith("#")]
@@ -139,7 +129,7 @@ def _header_entries(comments: list[tuple[int, str]]) -> Iterable[tuple[str, str]
 def _read_rows(
     content: list[tuple[int, str]], source: str
 ) -> tuple[list[list[float]], list[Problem], list[Problem]]:
-    """Rows, mistakes, and rows of lift or drag that no section has."""
+    """Return rows, mistakes, and rows with impossible lift or drag."""
     rows: list[list[float]] = []
     problems: list[Problem] = []
     left_out: list[Problem] = []

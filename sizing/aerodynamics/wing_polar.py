@@ -43,12 +43,12 @@ from solar.schema import (
 
 
 def plane_form_factor(thickness_ratio: float) -> float:
-    """Form factor of a section: Hoerner, Fluid-Dynamic Drag, chapter 6."""
+    """Return the form factor of a section: Hoerner, Fluid-Dynamic Drag, chapter 6."""
     return 1.0 + 2.0 * thickness_ratio + 60.0 * thickness_ratio**4
 
 
 class DragBuildUp(NamedTuple):
-    """Drag coefficients of the parts, on the wing area [-]; before any calibration."""
+    """Drag coefficients of the parts on the wing area, before any calibration [-]."""
 
     profile: Value
     induced: Value
@@ -68,7 +68,7 @@ class WingPolar(Record):
     ``C_D = calibration (c_d(c_l, Re) + C_L^2 / (pi e AR) + C_D,tail + C_D,fuselage + C_D,other)``
 
     * Wing: the polar at ``c_l = section_lift_ratio C_L`` and the Reynolds number of the mean chord.
-      The ratio is that of the most loaded section to the whole wing. Prandtl's lifting line at
+      The ratio relates the most loaded section to the whole wing. Prandtl's lifting line at
       aspect ratio 18.5 gives 1.05 for a straight centre section with tips tapered to 0.6 over the
       outer 40 % of the span, and 1.08 for a rectangle; an elliptic wing has 1.
     * Tail: laminar flat plate with the form factor of a section, Hoerner, S. F. (1965),
@@ -77,17 +77,17 @@ class WingPolar(Record):
       four chords). About 0.0105 at a wing Reynolds number of 158 000.
     * Fuselage: turbulent flat plate ``0.074 Re^-1/5`` (Schlichting, Boundary-Layer Theory) on its
       length and wetted area with a form factor (Raymer, D. P., Aircraft Design, section 12.5).
-    * Other: whatever the build-up misses, such as interference, gaps, antennas, sensors.
+    * Other: interference, gaps, antennas, sensors.
 
-    ``maximum_lift_factor`` is what gaps, roughness and cells leave of the section's greatest lift.
+    ``maximum_lift_factor`` reduces the section's greatest lift for gaps, roughness and cells.
 
-    A lift coefficient of null means the best one: least power of level flight at the design point,
-    no slower than ``stall_margin`` times the stall speed. Like a given one it stays the same for
-    whatever aircraft is sized. ``design_reynolds`` is the Reynolds number at ``C_L = 1``: at one
-    weight level flight keeps ``Re C_L^1/2`` constant (XFOIL's polars of type 2).
+    A lift coefficient of null is the optimal one: least power of level flight at the design point,
+    no slower than ``stall_margin`` times the stall speed. It is constant for all sized aircraft.
+    ``design_reynolds`` is the Reynolds number at ``C_L = 1``: at constant weight level flight has a
+    constant ``Re C_L^1/2`` (XFOIL's polars of type 2).
 
     With ``wing_chord_m`` and ``wing_aspect_ratio`` the polars are those of a whole wing by XFLR5:
-    its viscous drag stands for the section's, and the span efficiency is that of its induced drag.
+    viscous drag replaces the section's drag, and induced drag gives the span efficiency.
     """
 
     model: Literal["wing_polar"]
@@ -116,7 +116,7 @@ class WingPolar(Record):
     def _as_the_wing_has_it(
         cls, data: Any, handler: ModelWrapValidatorHandler[WingPolar]
     ) -> WingPolar:
-        """Take what polars of a wing say unless it is given; it does not count as given."""
+        """Take values from polars of a wing unless given, without counting them as given."""
         polar = _of_a_wing(data)
         new = {key: value for key, value in polar.items() if key not in data}
         if not new:
@@ -128,13 +128,13 @@ class WingPolar(Record):
     @model_validator(mode="after")
     def _check_wing(self) -> WingPolar:
         keys = ("wing_chord_m", "wing_aspect_ratio")
-        given = [key for key in keys if getattr(self, key) is not None]
-        if len(given) == 1:
-            other = keys[keys[0] == given[0]]
-            raise wrong_value(given[0], f"goes with {other}")
-        if given and not is_table_path(self.airfoil):
+        named = [key for key in keys if getattr(self, key) is not None]
+        if len(named) == 1:
+            other = keys[keys[0] == named[0]]
+            raise wrong_value(named[0], f"goes with {other}")
+        if named and not is_table_path(self.airfoil):
             raise wrong_value("airfoil", OF_A_SECTION)
-        if given and self.section_lift_ratio != 1.0:
+        if named and self.section_lift_ratio != 1.0:
             text = f"must be 1 with polars of a wing (got {self.section_lift_ratio:g})"
             raise wrong_value("section_lift_ratio", text)
         return self
@@ -154,7 +154,7 @@ class WingPolar(Record):
             )
         return self
 
-    # Path and text of the airfoil's own table, as read when the record was made.
+    # Path and text of the airfoil's table, read when the record was made.
     _table: tuple[str, str] | None = PrivateAttr(default=None)
 
     @cached_property
@@ -167,7 +167,7 @@ class WingPolar(Record):
 
     @property
     def wing(self) -> WingReference | None:
-        """Wing that the polars are of; none for those of a section."""
+        """Wing of the polars; None for polars of a section."""
         if self.wing_chord_m is None or self.wing_aspect_ratio is None:
             return None
         return WingReference(
@@ -175,7 +175,7 @@ class WingPolar(Record):
         )
 
     def contents_read(self) -> str | None:
-        """Text of the airfoil's table, read once; none for a shipped airfoil."""
+        """Return the text of the airfoil's table, read once; None for a shipped airfoil."""
         if not is_table_path(self.airfoil):
             return None
         if self._table is None or self._table[0] != self.airfoil:
@@ -184,7 +184,7 @@ class WingPolar(Record):
 
     @field_serializer("airfoil")
     def _with_checksum(self, airfoil: str, info: SerializationInfo) -> str:
-        """Name or path; with the checksum of the table where one asks for contents."""
+        """Return name or path, with the checksum of the table if the context asks for contents."""
         text = self.contents_read() if (info.context or {}).get("contents") else None
         return airfoil if text is None else f"{airfoil} {hashlib.sha256(text.encode()).hexdigest()}"
 
@@ -192,7 +192,7 @@ class WingPolar(Record):
     def maximum_lift_coefficient(self) -> float:
         """Lift coefficient of the wing at the stall, at the design point [-]."""
         lift = 1.0
-        # Maximum lift hardly changes with the Reynolds number, so that this settles at once.
+        # Converges at once, as maximum lift hardly changes with the Reynolds number.
         for _ in range(40):
             reynolds = self.design_reynolds / lift**0.5
             highest = self.maximum_lift_factor * float(self.polar.maximum_lift(reynolds))
@@ -206,7 +206,7 @@ class WingPolar(Record):
 
     @cached_property
     def flight_lift_coefficient(self) -> float:
-        """Lift coefficient of level flight: the given one, or the best at the design point [-]."""
+        """Lift coefficient of level flight: given, or optimal at the design point [-]."""
         if self.lift_coefficient is not None:
             return self.lift_coefficient
         from scipy.optimize import minimize_scalar
@@ -222,26 +222,22 @@ class WingPolar(Record):
         return min(candidates, key=lambda lift: float(self._power_measure(lift)))
 
     def _power_measure(self, lift: Value) -> Value:
-        """Power of level flight up to a factor, ``C_D / C_L^1.5``, at the design point."""
+        """Return ``C_D / C_L^1.5`` at the design point, proportional to power of level flight."""
         reynolds = self.design_reynolds * lift**-0.5
         return self.drag_at(lift, self.design_aspect_ratio, reynolds) * lift**-1.5
 
     def drag_coefficient(self, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft in level flight, calibrated [-]."""
+        """Return the drag coefficient of the aircraft in level flight, calibrated [-]."""
         return self.drag_at(self.flight_lift_coefficient, aspect_ratio, reynolds)
 
     def drag_at(self, lift_coefficient: Value, aspect_ratio: Value, reynolds: Value) -> Value:
-        """Drag coefficient of the aircraft at a lift coefficient, calibrated [-]."""
+        """Return the drag coefficient of the aircraft at a lift coefficient, calibrated [-]."""
         return self.calibration * self.build_up(lift_coefficient, aspect_ratio, reynolds).total
 
     def build_up(
         self, lift_coefficient: Value, aspect_ratio: Value, reynolds: Value
     ) -> DragBuildUp:
-        """Drag of the parts before calibration.
-
-        Flat plates of tail (laminar, ``1.328 Re^-1/2``) and fuselage (turbulent, ``0.074
-        Re^-1/5``), Schlichting; sources of the factors at the head of the class.
-        """
+        """Return the drag coefficients of the parts before calibration, as the class explains."""
         tail_form = plane_form_factor(self.tail_thickness_ratio)
         tail = 2.0 * 1.328 * (self.tail_chord_ratio * reynolds) ** -0.5 * tail_form
         fuselage = 0.074 * (self.fuselage_length_chords * reynolds) ** -0.2
@@ -254,22 +250,22 @@ class WingPolar(Record):
         )
 
     def parts(self, aspect_ratio: Value, reynolds: Value) -> tuple[Value, Value, Value]:
-        """Profile and induced drag of the wing, and all else, calibrated coefficients [-]."""
-        one = self.build_up(self.flight_lift_coefficient, aspect_ratio, reynolds)
-        shares = (one.profile, one.induced, one.tail + one.fuselage + one.parasitic)
+        """Return the calibrated coefficients of profile, induced and all other drag [-]."""
+        drag = self.build_up(self.flight_lift_coefficient, aspect_ratio, reynolds)
+        shares = (drag.profile, drag.induced, drag.tail + drag.fuselage + drag.parasitic)
         profile, induced, other = (self.calibration * share for share in shares)
         return profile, induced, other
 
     def airspeed_m_per_s(
         self, *, mass_kg: Value, wing_area_m2: Value, density_kg_per_m3: Value
     ) -> Value:
-        """Airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
+        """Return the airspeed of level flight [m/s], ``(2 m g / (rho S C_L))^0.5``."""
         pressure = mass_kg * GRAVITY_M_PER_S2 / (wing_area_m2 * self.flight_lift_coefficient)
         return (2.0 * pressure / density_kg_per_m3) ** 0.5
 
 
 def _of_a_wing(data: Any) -> dict[str, float]:
-    """Keys that polars of a wing give, empty where there are none or they are not readable."""
+    """Return the keys given by polars of a wing; empty without readable ones."""
     if not isinstance(data, Mapping) or not isinstance(data.get("airfoil"), str):
         return {}
     keys = ("wing_chord_m", "wing_aspect_ratio", "wing_kinematic_viscosity_m2_per_s")
@@ -282,7 +278,7 @@ def _of_a_wing(data: Any) -> dict[str, float]:
     try:
         table = parse_polar(read_polar_text(airfoil), airfoil, WingReference(*values))
     except (InputError, OSError):
-        return {"section_lift_ratio": 1.0}  # the checks of the record tell what is wrong
+        return {"section_lift_ratio": 1.0}  # the checks of the record report the error
     efficiency = table.span_efficiency
     assert efficiency is not None  # every polar of a wing has one
     return {"section_lift_ratio": 1.0, "span_efficiency": float(f"{efficiency:.4g}")}

@@ -20,7 +20,7 @@ from sizing.day.module_power import clear_daylight
 from sizing.design import Design
 from sizing.mass_budget import design_of
 from sizing.validity.checks import charge_rate_check, correction_check, design_checks
-from sizing.validity.extrapolations import told
+from sizing.validity.extrapolations import collect_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar.sun import HOURS_PER_DAY, declination, solar_time_h, sun_times
 from solar.types import FloatArray
@@ -148,7 +148,7 @@ def _outside_ranges(
         *correction_check(scenarios, solar, mission),
         *charge_rate_check(aircraft, mission, design, np.max(solar_power_w)),
     ]
-    return told(checks, scenarios)
+    return collect_extrapolations(checks, scenarios)
 
 
 def _charge_until_empty(

@@ -211,7 +211,7 @@ class ReliableSizing(MarginSearch):
 
     def _excess_h(self, result: SizingResult, shares: FloatArray) -> FloatArray:
         propagation, inputs = self._study(result)
-        flights = propagation.flights(inputs.values(shares), enough_h=self._required_h)
+        flights = propagation.flights(inputs.values(shares), stop_at_excess_time_h=self._required_h)
         return np.where(flights.excess_time_h > 0.0, flights.excess_time_h, -np.inf)
 
     def _study(self, result: SizingResult) -> tuple[Propagation, UncertainInputs]:

@@ -29,7 +29,7 @@ from sizing.results.records import check_subjects
 from sizing.results.tables import data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
-from sizing.validity.extrapolations import extrapolations, with_worth, worst_of
+from sizing.validity.extrapolations import add_effects, extrapolations, keep_worst
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 
@@ -175,8 +175,10 @@ class Analysis(DesignResult):
     def extrapolations(self) -> tuple[Extrapolation, ...]:
         """What lies outside the range of a model, each quantity once."""
         outside = extrapolations(self.aircraft, self.performance)
-        outside = worst_of([*outside, *(() if self.flight is None else self.flight.extrapolations)])
-        return with_worth(outside, self.aircraft, lambda: self.performance)
+        outside = keep_worst(
+            [*outside, *(() if self.flight is None else self.flight.extrapolations)]
+        )
+        return add_effects(outside, self.aircraft, lambda: self.performance)
 
     @cached_property
     def structure(self) -> StructureAssessment | None:

@@ -39,7 +39,7 @@ from sizing.results.tables import data_frame
 from sizing.sized_structure import structure_assessment
 from sizing.structures.assessment import StructureAssessment
 from sizing.validity.checks import record_check, stall_margin_within_polar
-from sizing.validity.extrapolations import extrapolations, told, with_worth
+from sizing.validity.extrapolations import add_effects, collect_extrapolations, extrapolations
 from sizing.validity.ranges import Extrapolation
 
 if TYPE_CHECKING:
@@ -303,8 +303,8 @@ class SizingStudy(DesignResult):
         notes = extrapolations(self.aircraft, flight)
         if self.survival is not None:
             site = self.survival.weather.site
-            notes += told([record_check(self.survival.mission, site.altitude_m)])
-        return with_worth(notes, self.aircraft, lambda: flight)
+            notes += collect_extrapolations([record_check(self.survival.mission, site.altitude_m)])
+        return add_effects(notes, self.aircraft, lambda: flight)
 
     @cached_property
     def quantities(self) -> dict[str, float] | None:

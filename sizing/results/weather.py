@@ -28,7 +28,7 @@ from sizing.validity.checks import (
     design_checks,
     record_check,
 )
-from sizing.validity.extrapolations import told, worst_of
+from sizing.validity.extrapolations import collect_extrapolations, keep_worst
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from solar.sun import declination, sun_times
@@ -139,7 +139,12 @@ class WeatherAnalysis(Result):
             *charge_rate_check(aircraft, mission, design, peak_w),
         ]
         always.append(record_check(mission, self.weather.site.altitude_m))
-        extrapolations = worst_of([*told(always), *told(of_days, of=len(axis), what="days")])
+        extrapolations = keep_worst(
+            [
+                *collect_extrapolations(always),
+                *collect_extrapolations(of_days, of=len(axis), what="days"),
+            ]
+        )
         worths = {
             "weather_record": self._worth_of_record,
             "module_temperature": self._worth_of_warm_modules,

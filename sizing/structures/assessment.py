@@ -1,4 +1,4 @@
-"""What sizes a rib wing, how far it bends and twists, and its V-n diagram, after the sizing.
+"""Assessment of a rib wing: sizing criteria, deflections, twist and V-n diagram.
 
 The flight envelope (V-n diagram) has load factors over equivalent airspeed: manoeuvre and gust
 envelopes of CS 23.333, with the gust speeds and speed ratios of the structure's file.
@@ -34,13 +34,13 @@ class FlightEnvelope:
     Attributes
     ----------
     stall_speed_m_per_s, cruise_speed_m_per_s, dive_speed_m_per_s : float
-        At one g; of level flight, taken as cruise; ``dive_speed_ratio`` times that.
+        Stall speed at 1 g; level flight, taken as cruise; ``dive_speed_ratio`` times cruise.
     manoeuvre_load_factor, negative_manoeuvre_load_factor : float
-        Limits of manoeuvres, the second counted positive.
+        Limits of manoeuvres, both positive.
     cruise_gust_increment, dive_gust_increment : float
-        What the gust of that speed adds and takes away.
+        Increments of the gusts at these speeds.
     limit_load_factor, negative_limit_load_factor : float
-        What the structure is sized for, the second counted positive.
+        Load factors that size the structure, both positive.
     """
 
     stall_speed_m_per_s: float
@@ -54,14 +54,14 @@ class FlightEnvelope:
     negative_limit_load_factor: float
 
     def highest_lift(self, airspeed_m_per_s: ArrayLike) -> FloatArray:
-        """Load factor at the maximum lift coefficient, ``(V/V_s)^2`` [-]."""
+        """Return the load factor at the maximum lift coefficient, ``(V/V_s)^2`` [-]."""
         return np.asarray((np.asarray(airspeed_m_per_s, float) / self.stall_speed_m_per_s) ** 2)
 
     def manoeuvre(self, airspeed_m_per_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Largest load factors of manoeuvres, upwards and downwards (negative) [-].
+        """Return the largest load factors of manoeuvres, upwards and downwards (negative) [-].
 
-        Limited by the lift: downwards by the same coefficient, as no other is known. The downward
-        limit falls linearly to none from cruise to dive speed, CS 23.333 (b).
+        The maximum lift coefficient limits both, and is assumed equal downwards. The downward limit
+        falls linearly to 0 from cruise to dive speed, CS 23.333 (b).
         """
         airspeed, stalled = np.asarray(airspeed_m_per_s, float), self.highest_lift(airspeed_m_per_s)
         fading = np.interp(airspeed, (self.cruise_speed_m_per_s, self.dive_speed_m_per_s), (1, 0))
@@ -80,14 +80,14 @@ class FlightEnvelope:
 def flight_envelope(
     model: RibWingStructure, inputs: StructureInputs, maximum_lift_coefficient: float
 ) -> FlightEnvelope:
-    """Flight envelope of a rib wing.
+    """Return the flight envelope of a rib wing.
 
     Parameters
     ----------
     model : RibWingStructure
-        With its gusts and its ratio of dive speed.
+        Wing with gusts and ratio of dive speed.
     inputs : StructureInputs
-        As numbers.
+        Numbers.
     maximum_lift_coefficient : float
         Of the aircraft [-].
 
@@ -144,12 +144,12 @@ _LABELS = {
 
 @dataclass(frozen=True)
 class Torsion:
-    """Torsional stiffness of a wing and the speeds it is good for.
+    """Torsional stiffness of a wing, and its critical speeds.
 
     Attributes
     ----------
     stiffness_nm2, needed_nm2 : float
-        Torsional stiffness GJ, at least, and what the criteria ask for [N m2].
+        Lower bound of the torsional stiffness GJ, and stiffness required by the criteria [N m2].
     divergence_speed_ratio : float or None
         Speed of torsional divergence over dive speed [-]; None where the wing cannot diverge.
     flutter_flexibility_ratio : float
@@ -165,20 +165,20 @@ class Torsion:
     twist_at_limit_load_deg: float
 
 
-# Criteria that belong to no load case, or name their own.
+# Criteria without a load case, or with the load case in their name.
 _WITHOUT_CASE = ("gauge", "tip_deflection", "tip_slope", "landing_deflection")
 
 
 @dataclass(frozen=True)
 class StructureAssessment:
-    """What sizes the spar and the nose, and the stiffness that follows.
+    """Sizing criteria of spar and nose, and the resulting stiffness.
 
     Attributes
     ----------
     limit_load_factor, negative_limit_load_factor : float
-        Upwards and downwards, both counted positive [-].
+        Upwards and downwards, both positive [-].
     load_case, negative_load_case : str
-        What they are: ``gust`` or ``manoeuvre``.
+        ``gust`` or ``manoeuvre``.
     landing_load_factor : float
         Of the landing without lift [-].
     spar_caps, spar_web : dict
@@ -194,11 +194,11 @@ class StructureAssessment:
     tip_slope_1g_deg, tip_slope_limit_deg : float
         Slope of the tip in level flight and at the upward limit load [deg].
     torsion : Torsion or None
-        None where the file asks for no torsional stiffness.
+        None without requirements on torsional stiffness.
     wing_battery_kg, pod_battery_kg : float
         Battery in the spar and in the pod [kg].
     remarks : tuple of str
-        What the criteria do not cover, or where a key is read otherwise than before.
+        Loads that the criteria do not cover, and keys whose meaning has changed.
     flight_envelope : FlightEnvelope or None
         Airspeeds and load factors of manoeuvres and gusts.
     """
@@ -224,7 +224,7 @@ class StructureAssessment:
     flight_envelope: FlightEnvelope | None = None
 
     def headline(self) -> str:
-        """What sizes the structure, and under which load, in a line."""
+        """Return a line with sizing criteria, load cases and deflections."""
         caps, web = next(iter(self.spar_caps)), next(iter(self.spar_web))
         case = "" if caps in _WITHOUT_CASE else f" in {self.spar_caps_case}"
         up, down = f"{self.limit_load_factor:.1f}", f"{-self.negative_limit_load_factor:.1f} g"
@@ -248,7 +248,7 @@ class StructureAssessment:
 
 
 def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessment:
-    """What sizes a rib wing, from inputs that are floats."""
+    """Return the assessment of a rib wing from inputs that are floats."""
     inputs = StructureInputs(*(float(value) for value in inputs))
     wing = model.wing(inputs)
     station, integral = model.along_the_span(wing.wingspan_m)
@@ -294,7 +294,7 @@ def assess(model: RibWingStructure, inputs: StructureInputs) -> StructureAssessm
 
 
 def _shares(needs: tuple[dict[str, Value], ...], station: Station) -> dict[str, float]:
-    """Share of the material where each criterion asks for the most, largest first."""
+    """Return the shares of material sized by each criterion, largest first."""
     shares: dict[str, float] = {}
     for each in needs:
         table = np.array([np.broadcast_to(need, station.weight.shape) for need in each.values()])
@@ -312,17 +312,17 @@ def _shares(needs: tuple[dict[str, Value], ...], station: Station) -> dict[str, 
 def _case(
     criterion: str, needs: tuple[dict[str, Value], ...], station: Station, cases: dict[str, Value]
 ) -> str:
-    """Load case under which a criterion of strength sizes most of the caps."""
+    """Return the load case in which a criterion of strength sizes most of the caps."""
     names = list(cases)
     _, down, landing = (np.broadcast_to(force, station.weight.shape) for force in cases.values())
     downwards = np.where(landing > down, 2, 1)
-    # What squeezes the one cap stretches the other.
+    # A load that compresses one cap stretches the other.
     by_cap = (np.zeros_like(downwards), downwards)
     sized: dict[str, float] = dict.fromkeys(names, 0.0)
     for cap, each in enumerate(needs):
-        which = by_cap[1 - cap] if criterion == "tension" else by_cap[cap]
+        case_at = by_cap[1 - cap] if criterion == "tension" else by_cap[cap]
         size = np.broadcast_to(each[criterion], station.weight.shape)
-        for case, part in zip(which, size * station.weight, strict=True):
+        for case, part in zip(case_at, size * station.weight, strict=True):
             sized[names[case]] += float(part)
     return max(sized, key=lambda name: sized[name])
 
@@ -336,7 +336,7 @@ def _bent(
     load: Value,
     needs: tuple[dict[str, Value], ...],
 ) -> tuple[float, float]:
-    """Deflection of the tip over the half-span, and its slope [deg], by beam theory.
+    """Return tip deflection over the half-span [-] and slope of the tip [deg], by beam theory.
 
     ``load`` is the moment of both wings over the half-span at 1 g [N].
     """
@@ -349,7 +349,7 @@ def _bent(
 
 
 def _nose(model: RibWingStructure, wing: Wing) -> str:
-    """Criterion that sizes the nose's sheet."""
+    """Return the criterion that sizes the nose's sheet."""
     if model.torsion is None:
         return "gauge"
     needed = model.torsion.needed_nm2(model.twisting(wing))
@@ -358,7 +358,7 @@ def _nose(model: RibWingStructure, wing: Wing) -> str:
 
 
 def _at_gauge_nm2(model: RibWingStructure, torsion: WingTorsion, wing: Wing) -> float:
-    """Torsional stiffness with the nose's sheet at its gauge."""
+    """Return the torsional stiffness with the nose's sheet at its gauge [N m2]."""
     wall = torsion.sheet_shear_modulus_pa * wing.sheet_m
     nose = model.nose_cell(wing.chord_m).stiffness_nm2(wall)
     return float(nose + model.box_torsional_stiffness_nm2(wing))

@@ -1,6 +1,6 @@
-"""Quality of building: how much heavier a team's structure is than that of AtlantikSolar.
+"""Build quality: mass of a team's structures relative to AtlantikSolar.
 
-Factors and their scatter come from built aircraft, ``data/built-structures.csv``; see "Quality of
+Factors and scatter come from built aircraft, ``data/built-structures.csv``; see "Quality of
 building" in docs/structure.md.
 """
 
@@ -24,10 +24,10 @@ QUALITIES: tuple[Quality, ...] = get_args(Quality)
 
 
 class BuildQuality(NamedTuple):
-    """A class of aircraft as teams build them.
+    """Build quality of a class of aircraft.
 
-    ``factor``: structure over that of AtlantikSolar [-]. ``log_sigma``: scatter of the next
-    aircraft's logarithm [-]. ``aircraft``: names of those that both rest on.
+    ``factor``: structural mass relative to AtlantikSolar [-]. ``log_sigma``: standard deviation of
+    its logarithm for the next aircraft [-]. ``aircraft``: names of the aircraft in the data.
     """
 
     factor: float
@@ -37,33 +37,36 @@ class BuildQuality(NamedTuple):
 
 @cache
 def build_qualities() -> Mapping[str, BuildQuality]:
-    """Classes by their names.
+    """Return the build qualities by their names.
 
-    The factor is the geometric mean of a class of n aircraft, to the two digits that its data
-    have. The scatter of the next aircraft is ``s sqrt(1 + 1/n)`` with s of all classes together, as
-    two aircraft alone tell none: ``s^2 = sum (ln r - mean)^2/(N - classes)`` (Montgomery, Design
-    and Analysis of Experiments, section 3.3: pooled variance of an analysis of variance).
+    The factor is the geometric mean of the class's n aircraft, to the data's two digits. The
+    scatter of the next aircraft is ``s sqrt(1 + 1/n)`` with the pooled variance of all classes,
+    ``s^2 = sum (ln r - mean)^2/(N - classes)`` (Montgomery, Design and Analysis of Experiments,
+    section 3.3), as a class of two aircraft is too small for its own.
     """
     rows = data_rows("built-structures")
     logs = {
         quality: {
-            one["aircraft"]: math.log(float(one["ratio"]))
-            for one in rows
-            if one["quality"] == quality
+            row["aircraft"]: math.log(float(row["ratio"]))
+            for row in rows
+            if row["quality"] == quality
         }
         for quality in QUALITIES
     }
-    means = {quality: sum(some.values()) / len(some) for quality, some in logs.items()}
+    means = {
+        quality: sum(logs_of_class.values()) / len(logs_of_class)
+        for quality, logs_of_class in logs.items()
+    }
     squares = sum((r - means[quality]) ** 2 for quality in logs for r in logs[quality].values())
     sigma = math.sqrt(squares / (len(rows) - len(logs)))
     return MappingProxyType(
         {
             quality: BuildQuality(
                 round(math.exp(means[quality]), 2),
-                sigma * math.sqrt(1.0 + 1.0 / len(some)),
-                tuple(some),
+                sigma * math.sqrt(1.0 + 1.0 / len(logs_of_class)),
+                tuple(logs_of_class),
             )
-            for quality, some in logs.items()
+            for quality, logs_of_class in logs.items()
         }
     )
 
@@ -79,10 +82,9 @@ Build = Annotated[Quality | PositiveReal, BeforeValidator(_checked_build)]
 
 
 class BuiltStructure(Record):
-    """What every model of the structure has: how well the team builds.
+    """Base of all structural models, with the build quality.
 
-    ``build`` counts from AtlantikSolar. So a model that has a ``calibration`` takes that of
-    AtlantikSolar where a file with ``build`` gives none.
+    ``build`` is relative to AtlantikSolar: with it, ``calibration`` is AtlantikSolar's by default.
     """
 
     atlantiksolar_calibration: ClassVar[float | None] = None
@@ -92,19 +94,19 @@ class BuiltStructure(Record):
     @model_validator(mode="before")
     @classmethod
     def _calibrated(cls, data: Any) -> Any:
-        own = cls.atlantiksolar_calibration
-        if own is None or not isinstance(data, Mapping) or data.get("build") is None:
+        calibration = cls.atlantiksolar_calibration
+        if calibration is None or not isinstance(data, Mapping) or data.get("build") is None:
             return data
-        return {"calibration": own, **data}
+        return {"calibration": calibration, **data}
 
     @property
     def build_factor(self) -> Value:
-        """Structure over that of AtlantikSolar [-]; a number or symbol is one itself, none is 1."""
+        """Structural mass relative to AtlantikSolar [-]; 1 by default."""
         if self.build is None:
             return 1.0
         return build_qualities()[self.build].factor if isinstance(self.build, str) else self.build
 
     @property
     def mass_factor(self) -> Value:
-        """Factor on the mass that the formulas give [-]: calibration and build together."""
+        """Factor on the mass by the formulas: calibration times build factor [-]."""
         return getattr(self, "calibration", 1.0) * self.build_factor

@@ -1,10 +1,10 @@
-"""What a structure is sized from: wing, masses and flight, load factors and root bending moment.
+"""Loads of a structure: wing, masses and flight, load factors and bending moments.
 
 Load factors have the forms of CS-23 (EASA, formerly FAR 23).
 
-Airworthiness codes for light aeroplanes are not binding for aircraft of this class; they are what
-AtlantikSolar was designed with. Airspeeds are equivalent airspeeds: a wing feels the same load at
-every altitude for the same equivalent airspeed. Arithmetic only, for floats, arrays and symbols.
+AtlantikSolar was designed by these airworthiness codes of light aeroplanes, which are not binding
+for its class. Airspeeds are equivalent airspeeds, which give the same loads at every altitude.
+Arithmetic alone, for floats, arrays and symbols.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SEA_LEVEL_DENSITY_KG_PER_M3 = 1.225  # [kg/m3], standard day
 
 
 class StructureInputs(NamedTuple):
-    """Wing, masses and flight that a structure is sized from.
+    """Wing, masses and flight for the sizing of a structure.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class StructureInputs(NamedTuple):
     total_mass_kg
         Take-off mass [kg].
     span_load_kg
-        Mass spread evenly along the span, battery and modules, which relieves the spar [kg].
+        Mass of battery and modules spread evenly along the span, which relieves the spar [kg].
     airspeed_m_per_s, density_kg_per_m3
         True airspeed of level flight [m/s], taken as cruise, and density of the air [kg/m3].
     wing_battery_kg, pod_battery_kg
@@ -54,12 +54,12 @@ class StructureInputs(NamedTuple):
 
 
 def limit_load_factor(total_mass_kg: Value) -> Value:
-    """Limit load factor [-] of the CS-23 form, ``2.1 + 10900/(m + 4536)`` with m in kg."""
+    """Return the limit load factor of CS-23 form, ``2.1 + 10900/(m + 4536)`` with m in kg [-]."""
     return 2.1 + 10900.0 / (total_mass_kg + 4536.0)
 
 
 def lift_curve_slope(aspect_ratio: Value) -> Value:
-    """Lift slope of a straight wing [1/rad], ``2 pi AR/(AR + 2)``.
+    """Return the lift slope of a straight wing, ``2 pi AR/(AR + 2)`` [1/rad].
 
     Prandtl's lifting line with elliptic lift (Anderson, Fundamentals of Aerodynamics, chapter 5).
     """
@@ -67,14 +67,14 @@ def lift_curve_slope(aspect_ratio: Value) -> Value:
 
 
 def gust_alleviation_factor(mass_ratio: Value) -> Value:
-    """Gust alleviation factor of CS 23.341, ``0.88 mu/(5.3 + mu)``."""
+    """Return the gust alleviation factor of CS 23.341, ``0.88 mu/(5.3 + mu)`` [-]."""
     return 0.88 * mass_ratio / (5.3 + mass_ratio)
 
 
 def gust_mass_ratio(
     *, total_mass_kg: Value, wing_area_m2: Value, aspect_ratio: Value, density_kg_per_m3: Value
 ) -> Value:
-    """Aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)``, with the mean chord c = b/AR [-].
+    """Return the aeroplane mass ratio of CS 23.341, ``2 m/(rho S c a)`` with c = b/AR [-].
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def gust_load_increment(
     aspect_ratio: Value,
     density_kg_per_m3: Value,
 ) -> Value:
-    """Load factor that a sharp-edged gust adds or takes away [-], CS 23.341.
+    """Return the load factor increment of a sharp-edged gust, CS 23.341 [-].
 
     ``dn = K_g rho_0 a U V / (2 W/S)``.
 
@@ -112,7 +112,7 @@ def gust_load_increment(
     total_mass_kg, wing_area_m2, aspect_ratio
         Mass [kg], wing area [m2] and aspect ratio [-].
     density_kg_per_m3
-        Of the air [kg/m3]: it alone sets the mass ratio.
+        Of the air, for the mass ratio [kg/m3].
 
     Returns
     -------
@@ -133,11 +133,11 @@ def gust_load_increment(
 def root_bending_moment_nm(
     wingspan_m: Value, total_mass_kg: Value, span_load_kg: Value, minimum_fraction: float
 ) -> Value:
-    """Root bending moment at limit load [N m], relieved by the mass along the span.
+    """Return the root bending moment at limit load [N m], relieved by the mass along the span.
 
     An elliptic lift of one half-wing acts at 4/(3 pi) of the half-span, an even mass at 1/2 of it.
-    The larger of the relieved moment and the floor is taken by a smooth maximum, which lies above
-    both by at most 2 % of the unrelieved moment.
+    The moment is the smooth maximum of the relieved moment and the floor, which exceeds both by at
+    most 2 % of the unrelieved moment.
 
     Parameters
     ----------
@@ -168,9 +168,9 @@ STATION_COUNT = 6
 class Station(NamedTuple):
     """Unit moments and shear at a fraction of the half-span, and its weight in an integral.
 
-    ``lift_*`` belong to an elliptic lift of one half-wing, ``mass_*`` to a mass spread evenly,
+    ``lift_*`` belong to an elliptic lift of a half-wing, ``mass_*`` to an evenly spread mass,
     ``landed_*`` to that mass less the ground's reaction; per unit of half-wing load, and of
-    half-span for the moments. ``braced_*`` have what a wire takes off, which is ``inboard`` 1.
+    half-span for the moments. ``braced_*`` are relieved by a wire; ``inboard`` is 1 inboard of it.
     """
 
     fraction: Value
@@ -188,10 +188,10 @@ class Station(NamedTuple):
 
 
 def stations(count: int, gear: float = 0.0, wire: float | None = None) -> tuple[Station, ...]:
-    """Stations of a Gauss-Legendre rule from root (0) to tip (1).
+    """Return the stations of a Gauss-Legendre rule from root (0) to tip (1).
 
-    ``gear``: fraction of the half-span over which the landing gear stands; ``wire``: where a wire
-    is attached, none without.
+    ``gear`` is the fraction of the half-span of the landing gear, ``wire`` that of the wire's
+    attachment, None without a wire.
     """
     nodes, weights = np.polynomial.legendre.leggauss(count)
     return tuple(
@@ -201,9 +201,9 @@ def stations(count: int, gear: float = 0.0, wire: float | None = None) -> tuple[
 
 
 def _station(x: float, weight: float, gear: float, wire: float | None) -> Station:
-    """Station at a fraction of the half-span."""
+    """Return the station at a fraction of the half-span."""
     lift, mass, landed = _moments(x, gear)
-    # A wire takes the whole moment at the root, and less the nearer the station is to it.
+    # A wire carries the whole moment at the root, decreasing linearly to its attachment.
     share = 0.0 if wire is None else max(0.0, 1.0 - x / wire)
     at_root = _moments(0.0, gear)
     outboard = _outboard(x)
@@ -224,29 +224,29 @@ def _station(x: float, weight: float, gear: float, wire: float | None) -> Statio
 
 
 def _outboard(x: float) -> float:
-    """Area of the quarter circle outboard of x."""
+    """Return the area of the quarter circle outboard of x."""
     return float((np.arccos(x) - x * (1.0 - x * x) ** 0.5) / 2.0)
 
 
 def _moments(x: float, gear: float) -> tuple[float, float, float]:
-    """Moments of an elliptic lift, of an even mass, and of that mass on its landing gear."""
+    """Return moments of elliptic lift, of an even mass, and of that mass on its landing gear."""
     lift = ((1.0 - x * x) ** 1.5 / 3.0 - x * _outboard(x)) * 4.0 / pi
     mass = (1.0 - x) ** 2 / 2.0
-    # The ground carries the mass evenly over the landing gear.
+    # The ground's reaction is even over the landing gear.
     ground = max(0.0, gear - x) ** 2 / (2.0 * gear) if gear else 0.0
     return lift, mass, mass - ground
 
 
 @cache
 def _station_columns(gear: float, wire: float | None) -> Station:
-    """All stations, each quantity in one array."""
+    """Return all stations as arrays of the quantities."""
     return Station(*np.array(stations(STATION_COUNT, gear, wire)).T)
 
 
 def along_the_span(
     *values: Value, gear: float = 0.0, wire: float | None = None
 ) -> tuple[Station, Callable[[Value], Value]]:
-    """All stations at once in the arithmetic of some values, and the integral over them.
+    """Return all stations as arrays or symbols, as the values are, and the integral over them.
 
     Stations are the first axis of arrays and the rows of symbols. ``gear`` and ``wire`` as in
     :func:`stations`.

@@ -1,6 +1,6 @@
 """Structural mass of the airframe: wing, tails and fuselage without systems.
 
-The formulas use arithmetic only, so that floats, arrays and symbolic expressions pass alike.
+The formulas use arithmetic alone, for floats, arrays and symbolic expressions.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from sizing.structures.rib_wing_keys import RIB_WING_CALIBRATION, WebCore
 from sizing.structures.torsion import WingTorsion
 from solar.schema import Fraction, NonNegativeReal, PositiveReal, Real, Text
 
-# Fitted to the structure of AtlantikSolar, as is that of the rib wing.
+# Fitted to the structure of AtlantikSolar.
 SPAR_CALIBRATION = 1.109
 
 
@@ -37,7 +37,7 @@ class SparStructure(BuiltStructure):
     * Shell (ribs, skins, edges) by wing area and tail area; tail areas follow from the volume
       ratios at a fuselage of ``fuselage_chords`` chords, the boom from its length.
 
-    ``calibration`` multiplies everything: it is the one factor that fits AtlantikSolar. The
+    ``calibration`` multiplies the whole mass, and is fitted to AtlantikSolar. The
     areal and linear masses are assumptions for built-up wings of 3 to 8 m span, not measurements.
     Sources of the form and of the material data: CS-23; unidirectional carbon fibre, 368 MPa in
     compression; tail volume ratios of AtlantikSolar.
@@ -63,7 +63,7 @@ class SparStructure(BuiltStructure):
     vertical_tail_ratio: PositiveReal = 0.045
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
-        """Structural mass [kg]; airspeed and air play no part."""
+        """Return the structural mass [kg]; airspeed and air are not used."""
         chord_m = inputs.wingspan_m / inputs.aspect_ratio
         area_m2 = inputs.wingspan_m * chord_m
         tail_ratio = (self.horizontal_tail_ratio + self.vertical_tail_ratio) / self.fuselage_chords
@@ -90,7 +90,7 @@ class StructureModel(Protocol):
     """Interface of a model of the structure to the mass budget."""
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
-        """Structural mass [kg]."""
+        """Return the structural mass [kg]."""
         ...
 
 
@@ -102,7 +102,7 @@ class _PowerLaw(BuiltStructure):
     aspect_ratio_exponent: Real
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
-        """Structural mass [kg]; the masses it carries and how it flies play no part."""
+        """Return the structural mass [kg]; masses and flight are not used."""
         return (
             self.mass_factor
             * self.coefficient_kg
@@ -115,9 +115,9 @@ class PowerLawStructure(_PowerLaw):
     """Airframe mass as a power law of wingspan and aspect ratio.
 
     ``m = coefficient_kg b^span_exponent AR^aspect_ratio_exponent``. The defaults are the airframe
-    law used for Sky-Sailor, which is that of the best 5 % of the sailplanes in a statistic: Noth,
-    A. (2008), Design of Solar Powered Airplanes for Continuous Flight, ETH Zurich: weight
-    0.44 S^1.55 AR^1.30 = 0.44 b^3.1 AR^-0.25 in newton. It is far too heavy above 4 m of span.
+    law of Sky-Sailor, fitted to the best 5 % of sailplanes in a statistic: Noth, A. (2008), Design
+    of Solar Powered Airplanes for Continuous Flight, ETH Zurich: weight 0.44 S^1.55 AR^1.30 =
+    0.44 b^3.1 AR^-0.25 in newton. Masses are far too high above 4 m of span.
     """
 
     model: Literal["power_law"] = "power_law"
@@ -127,7 +127,7 @@ class PowerLawStructure(_PowerLaw):
 
 
 class AllPowerLawStructure(_PowerLaw):
-    """The power law of all 415 sailplanes of the same statistic.
+    """Power law of all 415 sailplanes of the same statistic.
 
     Noth (2008): weight 5.58 S^1.59 AR^0.71 = 5.58 b^3.18 AR^-0.88 in newton. Far too heavy for
     solar aircraft; for comparison.
@@ -140,16 +140,16 @@ class AllPowerLawStructure(_PowerLaw):
 
 
 class OwnStructure(BuiltStructure):
-    """A model of the user's own, by its name: see :func:`sizing.register_structure`.
+    """User-defined model, by its name: see :func:`sizing.register_structure`.
 
-    ``build`` multiplies what the function gives, where the file has it.
+    ``build`` multiplies its mass, where the file has it.
     """
 
     model: Literal["own"]
     name: Annotated[Text, AfterValidator(lambda name: structure_function(name) and name)]
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
-        """Structural mass [kg]."""
+        """Return the structural mass [kg]."""
         return self.mass_factor * structure_function(self.name)(inputs)
 
 
@@ -161,7 +161,7 @@ Structure = Annotated[
 
 @cache
 def reference_rib_wing() -> RibWingStructure:
-    """Rib wing with the keys that were checked from 3 to 75 m, see docs/structure.md."""
+    """Return the rib wing with the keys checked from 3 to 75 m, see docs/structure.md."""
     return RibWingStructure(
         model="rib_wing",
         calibration=RIB_WING_CALIBRATION,
@@ -173,7 +173,7 @@ def reference_rib_wing() -> RibWingStructure:
 
 
 def other_model(structure: object) -> RibWingStructure | SparStructure | None:
-    """Model beside that of a file; none where there is no second opinion on its kind."""
+    """Return another model for a second opinion on a structure's mass; None for other kinds."""
     if isinstance(structure, RibWingStructure):
         return SparStructure(calibration=SPAR_CALIBRATION)
     return reference_rib_wing() if isinstance(structure, SparStructure) else None

@@ -1,9 +1,9 @@
 """Structural mass of a rib wing with a box spar of carbon fibre, part by part.
 
 The spar is sized station by station along the span for the larger of manoeuvre and gust, upwards
-and downwards, and for landing; every wall has a minimum gauge. Everything is arithmetic and every
-maximum is smooth (:mod:`sizing.smooth`), so that floats, arrays and symbols pass alike and an
-optimiser finds no kink. Equations and sources: docs/structure.md.
+and downwards, and for landing; every wall has a minimum gauge. All formulas are arithmetic with
+smooth maxima (:mod:`sizing.smooth`), for floats, arrays, symbols and optimisers. Equations and
+sources: docs/structure.md.
 """
 
 from __future__ import annotations
@@ -38,30 +38,30 @@ _PERIMETER = 2.04
 _SECTION_AREA = 0.68
 # The section tapers to the trailing edge from its thickest place at 30 % of the chord.
 _TAPER_LENGTH = 0.7
-# A thin tube in bending buckles at 0.6 E t/R in theory. Half of that is used: imperfections leave
-# 0.79 to 0.66 of it for a radius of 30 to 100 wall thicknesses (NASA SP-8007).
+# Half of the theoretical buckling stress 0.6 E t/R of a thin tube in bending: imperfections leave
+# 0.79 to 0.66 of it for radii of 30 to 100 wall thicknesses (NASA SP-8007).
 _TUBE_KNOCKDOWN = 0.3
 
 
 class RibWingStructure(RibWingKeys):
     """Rib wing with a carbon-fibre box spar, tails on a tube, a pod.
 
-    ``calibration`` multiplies everything: it is the one factor that fits a built aircraft. Strength
-    and moduli are published material data; areal masses, gauges and proportions are assumptions
-    for light built-up wings.
+    ``calibration`` multiplies the whole mass, and is fitted to a built aircraft. Strength and
+    moduli are published material data; areal masses, gauges and proportions are assumptions for
+    light built-up wings.
     """
 
     @property
     def is_for_large_wings(self) -> bool:
-        """Whether neither caps nor webs are sized by buckling, as in wings above 8 m."""
+        """True if neither caps nor webs are sized by buckling, as in wings above 8 m."""
         return self.narrow_caps and self.web_core is not None
 
     def mass_kg(self, inputs: StructureInputs) -> Value:
-        """Structural mass [kg]."""
+        """Return the structural mass [kg]."""
         return self.breakdown(inputs).total_kg
 
     def breakdown(self, inputs: StructureInputs) -> StructureParts:
-        """Masses of the parts."""
+        """Return the masses of the parts."""
         wing = self.wing(inputs)
         area_m2, chord_m = wing.wing_area_m2, wing.chord_m
         (caps, web), wires = self._spar_kg(wing), self.wires(wing).mass_kg
@@ -82,7 +82,7 @@ class RibWingStructure(RibWingKeys):
         return StructureParts(*(self.mass_factor * part for part in (*parts, joints)))
 
     def wing(self, inputs: StructureInputs) -> Wing:
-        """Geometry, load factors, sheets, and the mass that relieves the spar."""
+        """Return geometry, load factors, sheets, and the mass that relieves the spar."""
         chord_m = inputs.wingspan_m / inputs.aspect_ratio
         area_m2 = inputs.wingspan_m * chord_m
         relative_density = inputs.density_kg_per_m3 / SEA_LEVEL_DENSITY_KG_PER_M3
@@ -114,16 +114,16 @@ class RibWingStructure(RibWingKeys):
         )
         if self.torsion is not None:
             wing = wing._replace(nose_sheet_m=self._stiff_nose_sheet_m(wing))
-        # The wing's own shell relieves the spar; the spar itself is left out, on the safe side.
+        # The shell of the wing relieves the spar; the spar's mass is neglected, conservatively.
         spread = (
             wing.relief_kg + self._covering_kg(area_m2) + self._ribs_kg(area_m2, chord_m, sheet_m)
         )
         spread = spread + self._edges_kg(area_m2, chord_m, wing.nose_sheet_m)
-        # No more than the aircraft weighs: an assumed mass may be below that of its own wing.
+        # At most the total mass: an assumed total may be below the mass of the wing.
         return wing._replace(relief_kg=smooth_minimum(spread, inputs.total_mass_kg))
 
     def _battery_outside_spar_kg(self, inputs: StructureInputs, chord_m: Value) -> Value:
-        """Battery meant for the wing that the spar's box has no room for; it goes to the pod."""
+        """Return the battery for the wing that does not fit into the spar's box [kg]."""
         if self.spar_battery_density_kg_per_m3 is None:
             return 0.0
         section = self.cap_width_fraction * self.spar_depth_fraction * self.thickness_ratio
@@ -132,7 +132,7 @@ class RibWingStructure(RibWingKeys):
         return inputs.wing_battery_kg - smooth_minimum(inputs.wing_battery_kg, room_kg)
 
     def twisting(self, wing: Wing) -> Twisting:
-        """What twists the wing: dive speed, and the lift at the limit load."""
+        """Return geometry, dive pressure and limit loading that twist the wing."""
         dive = self.dive_speed_ratio * wing.equivalent_airspeed_m_per_s
         loading = wing.total_mass_kg * GRAVITY_M_PER_S2 / wing.wing_area_m2
         return Twisting(
@@ -144,7 +144,7 @@ class RibWingStructure(RibWingKeys):
         )
 
     def nose_cell(self, chord_m: Value) -> NoseCell:
-        """Cell of the sheeted nose."""
+        """Return the cell of the sheeted nose."""
         return NoseCell.of(
             chord_m,
             thickness_ratio=self.thickness_ratio,
@@ -153,7 +153,7 @@ class RibWingStructure(RibWingKeys):
         )
 
     def box_torsional_stiffness_nm2(self, wing: Wing) -> Value:
-        """Torsional stiffness GJ of the spar's box with all its walls at their gauges [N m2]."""
+        """Return the torsional stiffness GJ of the spar's box at minimum gauges [N m2]."""
         width_m = self.cap_width_fraction * wing.chord_m
         web_n_per_m = self.laminate_shear_modulus_pa * self.minimum_web_thickness_m
         cap_n_per_m = self.shear_modulus_pa * self.minimum_cap_thickness_m
@@ -161,7 +161,7 @@ class RibWingStructure(RibWingKeys):
         return closed_cell_nm2(width_m * wing.depth_m, flexibility)
 
     def stiffening_sheet_m(self, wing: Wing) -> Value:
-        """What the sheet of the nose would have to be thicker to give the stiffness asked for."""
+        """Return the additional sheet of the nose for the required torsional stiffness [m]."""
         assert self.torsion is not None
         needed = largest(self.torsion.needed_nm2(self.twisting(wing)))
         nose = self.nose_cell(wing.chord_m)
@@ -171,7 +171,7 @@ class RibWingStructure(RibWingKeys):
         return nose.wall_n_per_m(missing) / self.torsion.sheet_shear_modulus_pa
 
     def _stiff_nose_sheet_m(self, wing: Wing) -> Value:
-        """Sheet as heavy as a nose stiff enough: sheet at its gauge, and cloth."""
+        """Return the sheet equivalent in mass to a stiff nose of sheet and cloth [m]."""
         torsion = self.torsion
         assert torsion is not None
         stiffness = torsion.sheet_shear_modulus_pa / torsion.cloth_shear_modulus_pa
@@ -188,9 +188,9 @@ class RibWingStructure(RibWingKeys):
         density_kg_per_m3: Value,
         gust_fraction: Value = 1.0,
     ) -> LoadFactors:
-        """Limit load factors: the larger of manoeuvre and gust, upwards and downwards.
+        """Return limit load factors: the larger of manoeuvre and gust, upwards and downwards.
 
-        Gust times airspeed is larger either at cruise or at dive speed, whatever the design.
+        Whether gust times airspeed is larger at cruise or at dive speed depends on the keys alone.
 
         Parameters
         ----------
@@ -224,7 +224,7 @@ class RibWingStructure(RibWingKeys):
         )
 
     def pull_up(self, total_mass_kg: Value) -> Value:
-        """Limit load factor of manoeuvres [-]: that of the file, or by the mass."""
+        """Return the limit load factor of manoeuvres, by the file or by the mass [-]."""
         chosen = self.manoeuvre_load_factor
         return limit_load_factor(total_mass_kg) if chosen is None else chosen
 
@@ -243,7 +243,7 @@ class RibWingStructure(RibWingKeys):
         return 2.0 * pi**2 / 12.0 * (stiffness + 2.0 * self.shear_modulus_pa)
 
     def narrow_cap_width_m(self, section_m2: Value) -> Value:
-        """Width at which a cap of a section buckles as it fails in compression [m]."""
+        """Return the width at which a cap buckles at its compressive strength [m]."""
         slenderness = (self.compressive_strength_pa / self.cap_buckling_pa) ** 0.5
         return (section_m2 / slenderness) ** 0.5
 
@@ -258,12 +258,12 @@ class RibWingStructure(RibWingKeys):
         return self.laminate_modulus_pa / 2.6
 
     def along_the_span(self, *values: Value) -> tuple[Station, Callable[[Value], Value]]:
-        """Stations with the landing gear and the wires of this wing, and the integral."""
+        """Return stations with landing gear and wires of this wing, and the integral over them."""
         wire = None if self.bracing is None else self.bracing.attachment_span_fraction
         return along_the_span(*values, gear=self.landing_gear_span_fraction, wire=wire)
 
     def _spar_kg(self, wing: Wing) -> tuple[Value, Value]:
-        """Caps and webs, integrated over both half-spans."""
+        """Return the masses of caps and webs, integrated over both half-spans [kg]."""
         station, integral = self.along_the_span(
             wing.wingspan_m, wing.chord_m, wing.total_mass_kg, wing.relief_kg, *wing.factors
         )
@@ -282,10 +282,10 @@ class RibWingStructure(RibWingKeys):
         return caps_kg, span_m * 2.0 * wing.depth_m * integral(web_kg_per_m2)
 
     def cap_forces(self, wing: Wing, station: Station) -> CapForces:
-        """Cap forces of lift less the inertia of what the wing carries.
+        """Return the cap forces of lift less the inertia of the masses in the wing.
 
-        Where the wing carries more than it lifts, an up-load bends it downwards. Wires take off
-        what they carry, from below upwards, from above downwards and in landing.
+        Where mass outweighs lift, an up-load bends the wing downwards. Wires from below relieve it
+        of moments upwards, wires from above of moments downwards and in landing.
         """
         up, down = wing.factors
         level = GRAVITY_M_PER_S2 / 2.0 * (wing.wingspan_m / 2.0) / wing.depth_m
@@ -313,19 +313,19 @@ class RibWingStructure(RibWingKeys):
     def _net(
         self, wing: Wing, lift_moment: Value, mass_moment: Value, station: Station
     ) -> tuple[Value, Value]:
-        """Moment at 1 g that bends the wing up, and that bends it down, per unit of ``level``."""
+        """Return moments at 1 g that bend the wing up and down, per unit of ``level``."""
         net = wing.total_mass_kg * lift_moment - wing.relief_kg * mass_moment
         size = smooth_absolute(net, wing.total_mass_kg * station.lift_moment)
         return (size + net) / 2.0, (size - net) / 2.0
 
     def _root_moment_nm(self, wing: Wing) -> Value:
-        """Moment of one wing at its root in level flight, without wires [N m]."""
+        """Return the root moment of a half-wing in level flight, without wires [N m]."""
         lifted = wing.total_mass_kg * 4.0 / (3.0 * pi)
         size = smooth_absolute(lifted - wing.relief_kg / 2.0, lifted)
         return GRAVITY_M_PER_S2 / 2.0 * wing.wingspan_m / 2.0 * size
 
     def wires(self, wing: Wing) -> Wires:
-        """Wires of both wings; none where the file has none."""
+        """Return the wires of both wings, without mass and drag if there are none."""
         if self.bracing is None:
             return Wires(0.0, 0.0)
         root_nm = self.safety_factor * self._root_moment_nm(wing)
@@ -333,9 +333,9 @@ class RibWingStructure(RibWingKeys):
         return self.bracing.wires(up, down, wing.wingspan_m / 2.0)
 
     def shear_n(self, wing: Wing, station: Station) -> Value:
-        """Ultimate shear at the upward limit load or in landing [N].
+        """Return the ultimate shear at the upward limit load or in landing [N].
 
-        Wires are left out, on the safe side: inboard of them the shear is smaller.
+        Wires, which reduce the shear inboard, are neglected, conservatively.
         """
         half_n = self.safety_factor * GRAVITY_M_PER_S2 / 2.0
         lifted = wing.total_mass_kg * station.lift_shear
@@ -349,10 +349,10 @@ class RibWingStructure(RibWingKeys):
     def cap_needs_m2(
         self, wing: Wing, forces: CapForces
     ) -> tuple[dict[str, Value], dict[str, Value]]:
-        """Section [m2] of the upper and of the lower cap that each criterion asks for.
+        """Return the sections of upper and lower cap that each criterion requires [m2].
 
-        Loads upwards squeeze the upper cap and stretch the lower one; loads downwards and landing
-        do the opposite. Limits of the deflection hold the strain of both caps.
+        Loads upwards compress the upper cap and stretch the lower one; loads downwards and landing
+        do the opposite. Limits of the deflection bound the strain of both caps.
         """
         stiffness = self._stiffness_needs_m2(wing, forces)
         downwards = smooth_maximum(forces.down, forces.landing)
@@ -362,7 +362,7 @@ class RibWingStructure(RibWingKeys):
     def _strength_needs_m2(
         self, wing: Wing, compression_n: Value, tension_n: Value
     ) -> dict[str, Value]:
-        """Section of a cap for its strength, its buckling and its gauge."""
+        """Return the sections of a cap for strength, buckling and gauge [m2]."""
         width_m = self.cap_width_fraction * wing.chord_m
         needs = {
             "compression": compression_n / self.compressive_strength_pa,
@@ -370,14 +370,14 @@ class RibWingStructure(RibWingKeys):
             "tension": tension_n / self.tensile_strength_pa,
             "gauge": width_m * self.minimum_cap_thickness_m,
         }
-        # A cap of any section is as narrow as it takes not to buckle before it fails.
+        # Narrow caps have a width at which they do not buckle before they fail.
         return {k: v for k, v in needs.items() if not (self.narrow_caps and k == "buckling")}
 
     def _stiffness_needs_m2(self, wing: Wing, forces: CapForces) -> dict[str, Value]:
-        """Section of a cap for the limits of deflection and slope, each in its load case.
+        """Return the sections of a cap for the limits of deflection and slope [m2].
 
-        A strain of at most ``2 f h/b`` makes a curvature of at most ``4 f/b``, which bends the tip
-        by no more than f half-spans; ``theta h/b`` turns it by no more than theta.
+        A strain of at most ``2 f h/b`` gives a curvature of at most ``4 f/b``, and a tip deflection
+        of at most f half-spans; a strain of at most ``theta h/b`` a slope of at most theta.
         """
         flight_n = forces.level
         if self.deflection_load_case == "limit_load":
@@ -399,21 +399,21 @@ class RibWingStructure(RibWingKeys):
         }
 
     def web_needs_m(self, wing: Wing, shear_n: Value) -> dict[str, Value]:
-        """Thickness [m] of each of the two webs that each criterion asks for, of ultimate shear."""
+        """Return the thickness of each web that each criterion requires, of ultimate shear [m]."""
         depth_m = wing.depth_m
         needs = {
             "shear": shear_n / (2.0 * depth_m * self.laminate_shear_strength_pa),
             "buckling": (shear_n * depth_m / (2.0 * self.web_buckling_pa)) ** (1.0 / 3.0),
             "gauge": self.minimum_web_thickness_m,
         }
-        # With a core the laminate is its two facings.
+        # A core prevents buckling of the facings.
         return {k: v for k, v in needs.items() if self.web_core is None or k != "buckling"}
 
     def _covering_kg(self, area_m2: Value) -> Value:
         return _PERIMETER * area_m2 * self.covering_kg_per_m2
 
     def _ribs_kg(self, area_m2: Value, chord_m: Value, sheet_m: Value) -> Value:
-        """Ribs, or the core that fills the section."""
+        """Return the mass of the ribs, or of the core that fills the section [kg]."""
         if self.core_density_kg_per_m3 is not None:
             return (
                 self.core_density_kg_per_m3 * _SECTION_AREA * self.thickness_ratio * chord_m
@@ -422,14 +422,14 @@ class RibWingStructure(RibWingKeys):
         return self.sheet_density_kg_per_m3 * section * sheet_m * area_m2 / self.rib_spacing_chords
 
     def _edges_kg(self, area_m2: Value, chord_m: Value, sheet_m: Value) -> Value:
-        """Nose sheeted on both sides, and a solid wedge as trailing edge, if no core has it."""
+        """Return the mass of the nose's sheets, and of a solid trailing edge without core [kg]."""
         nose_m = _PERIMETER * self.nose_chord_fraction * sheet_m
         wedge = self.trailing_edge_chord_fraction**2 * self.thickness_ratio / (2.0 * _TAPER_LENGTH)
         wedge = wedge if self.core_density_kg_per_m3 is None else 0.0
         return self.sheet_density_kg_per_m3 * area_m2 * (nose_m + wedge * chord_m)
 
     def _boom_kg(self, area_m2: Value, chord_m: Value, equivalent_airspeed: Value) -> Value:
-        """Tubes as bought, or sized for the tail's largest lift at dive speed and a least gauge."""
+        """Return the mass of tubes, bought or sized for the largest tail lift in a dive [kg]."""
         if self.booms == 0:
             return 0.0
         length_m = self.fuselage_chords * chord_m

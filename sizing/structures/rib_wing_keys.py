@@ -1,4 +1,4 @@
-"""Keys of a rib wing, of its wires and of the core of its webs; its parts and their sizing loads.
+"""Keys of a rib wing, of its wires and of its web cores, with its parts and loads.
 
 docs/structure.md names source or assumption key by key.
 """
@@ -25,7 +25,7 @@ from solar.schema import (
 
 
 class StructureParts(NamedTuple):
-    """Masses of the structure's parts [kg], calibration and build included; they add up to it."""
+    """Masses of the structure's parts, with calibration and build factor [kg]."""
 
     spar_caps: Value
     spar_web: Value
@@ -44,16 +44,16 @@ class StructureParts(NamedTuple):
 
 
 class LoadFactors(NamedTuple):
-    """Limit load factors [-], all counted positive: pull-up or up-gust, and their opposites."""
+    """Limit load factors, both positive: pull-up or up-gust, push-over or down-gust [-]."""
 
     up: Value
     down: Value
 
 
 class Wing(NamedTuple):
-    """What the parts are sized from.
+    """Geometry, masses and load factors of the wing, for the sizing of its parts.
 
-    ``sheet_m`` is at its gauge; ``nose_sheet_m`` weighs as much as the stiffened nose.
+    ``sheet_m`` is the minimum gauge; ``nose_sheet_m`` is equivalent in mass to the stiffened nose.
     """
 
     wingspan_m: Value
@@ -72,8 +72,8 @@ class Wing(NamedTuple):
 class CapForces(NamedTuple):
     """Ultimate cap forces at a station [N], by load case.
 
-    ``up`` and ``down`` are those of flight at the limit load factors, bending the wing up and down,
-    ``landing`` bends it down; ``level`` is that of level flight, without the safety factor.
+    ``up`` and ``down`` bend the wing up and down at the limit load factors, ``landing`` bends it
+    down; ``level`` is the force in level flight, without the safety factor.
     """
 
     up: Value
@@ -87,9 +87,9 @@ SHEAR_PLATE = 5.35
 
 
 class WebCore(Record):
-    """Foam between two facings, each half of the laminate of the web.
+    """Foam between two facings, each with half of the web's laminate.
 
-    The facings carry the shear, the core keeps them apart. docs/structure.md names source or
+    The facings carry the shear, the core prevents their buckling. docs/structure.md names source or
     assumption key by key.
     """
 
@@ -101,7 +101,7 @@ class WebCore(Record):
     def kg_per_m2(
         self, shear_n_per_m: Value, facings_m: Value, depth_m: Value, modulus_pa: Value
     ) -> Value:
-        """Core and its two bonds for the web's area [kg/m2].
+        """Return the mass of core and both bonds over the web's area [kg/m2].
 
         The plate's bending stiffness is that of its facings, ``D = E t d^2/(4 (1 - nu^2))`` with
         both of them t and the core d thick. With the shear of the core the plate buckles at
@@ -139,10 +139,10 @@ class Wires(NamedTuple):
 
 
 class Bracing(Record):
-    """A wire to each wing, or one from below and one from above.
+    """Bracing by a wire to each wing from below, and on request from above.
 
-    The wire's force leaves the wing no moment at its root, as of a wing hinged there. It presses
-    the spar inboard together. docs/structure.md names source or assumption key by key.
+    The wire carries the whole bending moment at the root, and compresses the spar inboard.
+    docs/structure.md names source or assumption key by key.
     """
 
     attachment_span_fraction: Annotated[float, Strict(), Field(ge=0.1, le=0.9)]
@@ -153,15 +153,15 @@ class Bracing(Record):
     drag_coefficient: NonNegativeReal = 1.1
 
     def compression_n(self, root_moment_nm: Value, half_span_m: Value) -> Value:
-        """Force along the spar inboard of the wire [N], for a moment that it takes at the root."""
+        """Return the compression of the spar inboard of the wire [N] for its moment at the root."""
         lift_n = root_moment_nm / (self.attachment_span_fraction * half_span_m)
         return lift_n / tan(radians(self.angle_deg))
 
     def wires(self, up_nm: Value, down_nm: Value, half_span_m: Value) -> Wires:
-        """Wires for the ultimate moments that they take at the root, upwards and downwards.
+        """Return the wires for ultimate root moments upwards and downwards [N m].
 
-        ``T = M/(y sin(angle))`` at the distance y of the attachment, of wires ``y/cos(angle)`` long
-        whose diameter faces the air over all of their length.
+        ``T = M/(y sin(angle))`` with the distance y of the attachment; wires are ``y/cos(angle)``
+        long, and have drag over their whole length.
         """
         distance_m = self.attachment_span_fraction * half_span_m
         angle = radians(self.angle_deg)
@@ -176,7 +176,7 @@ class Bracing(Record):
         return Wires(mass_kg, drag_m2)
 
 
-# Where the limits of the tip's deflection and slope hold: at 1 g, or at the limit load in flight.
+# Load case of the limits of tip deflection and slope: 1 g, or limit load in flight.
 DeflectionCase = Literal["level_flight", "limit_load"]
 
 
@@ -185,7 +185,7 @@ RIB_WING_CALIBRATION = 1.188
 
 
 class RibWingKeys(BuiltStructure):
-    """What a file says of a rib wing."""
+    """Keys of a rib wing in an aircraft's file."""
 
     atlantiksolar_calibration: ClassVar[float | None] = RIB_WING_CALIBRATION
 
@@ -209,17 +209,17 @@ class RibWingKeys(BuiltStructure):
     minimum_web_thickness_m: PositiveReal = 0.2e-3
     # Caps no wider than buckling allows; otherwise as wide as the box.
     narrow_caps: Flag = False
-    # Webs with a core against buckling, and wires that carry the wing; none: without.
+    # Core of the webs against buckling, and wires to the wing, if any.
     web_core: WebCore | None = None
     bracing: Bracing | None = None
-    # Stiffness in bending; none: strength alone.
+    # Limits of bending, if any.
     maximum_tip_deflection: Fraction | None = None
     maximum_tip_slope_deg: Annotated[float, Strict(), Field(gt=0.1, le=45.0)] | None = None
     deflection_load_case: DeflectionCase = "level_flight"
     maximum_landing_deflection: Fraction | None = None
-    # Torsion; none: the wing is not held against it.
+    # Requirements on torsional stiffness, if any.
     torsion: WingTorsion | None = None
-    # Battery that the spar's box holds; none: any mass fits.
+    # Battery mass per volume of the spar's box; None: any mass fits.
     spar_battery_density_kg_per_m3: PositiveReal | None = None
     # Unidirectional carbon fibre of the caps.
     tensile_strength_pa: PositiveReal = 914e6
@@ -242,7 +242,7 @@ class RibWingKeys(BuiltStructure):
     rib_spacing_chords: PositiveReal = 0.2
     rib_solidity: Fraction = 0.6
     nose_chord_fraction: Fraction = 0.25
-    # Solid core of foam in place of ribs and trailing edge, as bought; none: built up.
+    # Solid foam core in place of ribs and trailing edge, if any; not multiplied by the mass factor.
     core_density_kg_per_m3: PositiveReal | None = None
     trailing_edge_chord_fraction: Fraction = 0.05
     # Tails, boom, pod, joints.
@@ -254,7 +254,7 @@ class RibWingKeys(BuiltStructure):
     booms: Annotated[int, Strict(), Field(ge=0, le=2)] = 1
     boom_diameter_chords: PositiveReal = 0.1
     minimum_boom_thickness_m: PositiveReal = 0.5e-3
-    # Tubes as bought, by one of these: neither calibration nor build multiplies them.
+    # Bought tubes, by one of these: not multiplied by the mass factor.
     boom_kg_per_m: PositiveReal | None = None
     boom_thickness_m: PositiveReal | None = None
     pod_wetted_area_ratio: NonNegativeReal = 0.08

@@ -1,7 +1,7 @@
-"""Torsional stiffness that a wing of constant chord needs: flutter, divergence and twist.
+"""Torsional stiffness for flutter, divergence and twist of a wing of constant chord.
 
-All of it is for a uniform wing built in at the root, in the dynamic pressure of dive speed or at
-the limit load. Arithmetic only, for floats, arrays and symbols.
+The wing is uniform and clamped at the root, at the dynamic pressure of dive speed or at the limit
+load. Arithmetic alone, for floats, arrays and symbols.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _NOSE_AREA = 0.77
 
 
 class Twisting(NamedTuple):
-    """What twists a wing.
+    """Geometry, dive pressure and limit loading that twist a wing.
 
     Attributes
     ----------
@@ -48,10 +48,10 @@ class Twisting(NamedTuple):
 
 
 class WingTorsion(Record):
-    """Requirements on the torsional stiffness of a wing, and what carries the torsion.
+    """Requirements on the torsional stiffness of a wing, and materials of its cells.
 
-    The cell of the nose, closed by the spar, and the spar's box carry it. docs/structure.md names
-    source or assumption key by key.
+    The nose's cell, closed by the spar, and the spar's box carry the torsion. docs/structure.md
+    names source or assumption key by key.
     """
 
     aileron_start_fraction: Annotated[float, Strict(), Field(ge=0.0, le=0.95)] = 0.5
@@ -64,7 +64,7 @@ class WingTorsion(Record):
     cloth_density_kg_per_m3: PositiveReal = 1900.0
 
     def needed_nm2(self, wing: Twisting) -> dict[str, Value]:
-        """Torsional stiffness GJ that each criterion asks for [N m2].
+        """Return the torsional stiffness GJ that each criterion requires [N m2].
 
         ``flutter``: the flexibility of Report 45, with twist ``s/GJ`` at s from the root for a unit
         torque outboard of it, is ``c^2 l^2 (1 - x^2)/(2 GJ)`` over ailerons from the fraction x of
@@ -80,12 +80,12 @@ class WingTorsion(Record):
         Parameters
         ----------
         wing : Twisting
-            What twists it.
+            Geometry and loads.
 
         Returns
         -------
         dict
-            By criterion.
+            Stiffness by criterion.
         """
         square = (wing.chord_m * wing.half_span_m) ** 2
         pressure = wing.dive_pressure_pa
@@ -102,7 +102,7 @@ class WingTorsion(Record):
 
 
 def closed_cell_nm2(area_m2: Value, flexibility: Value) -> Value:
-    """Torsional stiffness GJ of a closed thin-walled cell [N m2], Bredt: ``4 A^2/sum(s/(G t))``.
+    """Return Bredt's torsional stiffness GJ of a thin-walled cell, ``4 A^2/sum(s/(G t))`` [N m2].
 
     Parameters
     ----------
@@ -128,14 +128,14 @@ class NoseCell(NamedTuple):
     def of(
         cls, chord_m: Value, *, thickness_ratio: Value, chord_fraction: Value, skin_m: Value
     ) -> NoseCell:
-        """Cell ahead of a fraction of the chord.
+        """Return the cell ahead of a fraction of the chord.
 
         Parameters
         ----------
         chord_m, thickness_ratio
             Of the section [m, -].
         chord_fraction
-            Where the cell ends [-].
+            End of the cell [-].
         skin_m
             Length of its skin [m].
 
@@ -147,9 +147,9 @@ class NoseCell(NamedTuple):
         return cls(area, skin_m + thickness_ratio * chord_m)
 
     def stiffness_nm2(self, wall_n_per_m: Value) -> Value:
-        """Torsional stiffness of walls that all have a shear stiffness G t [N/m]."""
+        """Return the torsional stiffness [N m2] of walls of equal shear stiffness G t [N/m]."""
         return closed_cell_nm2(self.area_m2, self.perimeter_m / wall_n_per_m)
 
     def wall_n_per_m(self, stiffness_nm2: Value) -> Value:
-        """Shear stiffness G t of all walls that gives a torsional stiffness [N m2]."""
+        """Return the shear stiffness G t of equal walls [N/m] for a torsional stiffness [N m2]."""
         return stiffness_nm2 * self.perimeter_m / (4.0 * self.area_m2 * self.area_m2)

@@ -1,8 +1,7 @@
-"""Uncertain inputs of an aircraft on a mission, and draws of them.
+"""Uncertain inputs of an aircraft on a mission, and their random draws.
 
-Draws are points of the unit cube, one axis an input: quantiles turn them into values, and a
-Gaussian copula ties inputs together (Nelsen, R. B. (2006), An Introduction to Copulas, section
-2.3).
+A draw is a point of the unit cube with an axis for each input: quantiles turn it into values, and
+a Gaussian copula correlates inputs (Nelsen, R. B. (2006), An Introduction to Copulas, section 2.3).
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ _CONFIDENCE_Z = 1.959964  # of 95 %
 
 @dataclass(frozen=True)
 class Proportion:
-    """Share of draws with a property, and its interval of 95 % confidence."""
+    """Share of draws with a property, and its 95 % confidence interval."""
 
     value: float
     low: float
@@ -43,11 +42,11 @@ class Proportion:
 
     @classmethod
     def of(cls, marks: BoolArray) -> Proportion:
-        """Share of true values.
+        """Return the share of true values and its interval.
 
         Interval: Wilson, E. B. (1927), Probable inference, the law of succession, and statistical
-        inference, J. Am. Stat. Assoc. 22, 209-212. It holds for independent draws; of the more even
-        points of a Sobol sequence it is on the safe side.
+        inference, J. Am. Stat. Assoc. 22, 209-212. It holds for independent draws, and is
+        conservative for the points of a Sobol sequence.
         """
         count, z = len(marks), _CONFIDENCE_Z
         share = float(np.mean(marks))
@@ -57,36 +56,33 @@ class Proportion:
         return cls(share, max(centre - half, 0.0), min(centre + half, 1.0))
 
     def text(self) -> str:
-        """Share and interval in per cent."""
+        """Return share and interval in per cent."""
         value, low, high = (f"{100.0 * v:.1f}" for v in (self.value, self.low, self.high))
         return f"{value} %" if low == high else f"{value} % (95 % between {low} and {high} %)"
 
 
 def sobol_points(dimension: int, samples: int, seed: int) -> FloatArray:
-    """Points of a Sobol sequence with Owen's scrambling.
-
-    Returns of the unit cube.
-    """
+    """Return points of a Sobol sequence with Owen's scrambling, of shape (dimension, draws)."""
     from scipy.stats import qmc
 
     power = math.ceil(math.log2(samples))
     return np.ascontiguousarray(qmc.Sobol(dimension, rng=seed).random_base2(power).T)
 
 
-# Factor on the power of the solar model, whose error was measured in flight.
+# Key of the factor on the power of the solar model, whose error was measured in flight.
 SOLAR_MODEL = "solar_model"
 _PROPULSION = "airframe.propulsion."
 _FACTOR = f"{_PROPULSION}efficiency_factor"
-# Share of draws beyond which a distribution is cut off, and that must be possible.
+# Share of draws in each tail that is cut off; the values at the ends must be possible.
 _TAIL = 1e-4
 
 
 @dataclass(frozen=True)
 class UncertainInput:
-    """An input that scatters.
+    """Uncertain input with its distribution.
 
-    ``key``: in the aircraft's file, behind ``mission.`` in the mission's, or :data:`SOLAR_MODEL`.
-    ``nominal``: value that the file gives. ``distribution``: how it scatters.
+    ``key`` is that of the aircraft's file, of the mission's with the prefix ``mission.``, or
+    :data:`SOLAR_MODEL`; ``nominal`` is the value of the file.
     """
 
     key: str
@@ -95,23 +91,20 @@ class UncertainInput:
 
     @property
     def label(self) -> str:
-        """Input in words."""
+        """Name of the input in words."""
         if self.key == SOLAR_MODEL:
             return "error of the solar model"
         known = catalogue().get(self.key)
         return known.label if known else self.key.replace("_", " ").replace(".", ", ")
 
     def values(self, share: FloatArray) -> FloatArray:
-        """Values below which shares of all draws lie; the tails are cut off."""
+        """Return the quantiles at shares of all draws, with the tails cut off."""
         return self.distribution.values(np.clip(share, _TAIL, 1.0 - _TAIL), self.nominal)
 
 
 @dataclass(frozen=True)
 class UncertainInputs:
-    """All uncertain inputs of a case.
-
-    ``correlation``: of their normal scores [-].
-    """
+    """Uncertain inputs of aircraft and mission, with the correlation of their normal scores [-]."""
 
     inputs: tuple[UncertainInput, ...]
     correlation: FloatArray
@@ -121,7 +114,7 @@ class UncertainInputs:
 
     @property
     def independent(self) -> bool:
-        """Whether no input goes with another."""
+        """True if no two inputs are correlated."""
         return bool(np.array_equal(self.correlation, np.eye(len(self))))
 
     @cached_property
@@ -129,23 +122,23 @@ class UncertainInputs:
         return np.asarray(np.linalg.cholesky(self.correlation), float)
 
     def values(self, shares: FloatArray) -> dict[str, FloatArray]:
-        """Values of all inputs at points of the unit cube.
-
-        Returns values of each input by its key, shape ``(sample,)``.
-        """
+        """Return the values of each input by its key at points of the unit cube, ``(sample,)``."""
         if not self.independent:
             from scipy.special import ndtr, ndtri
 
             shares = ndtr(self._root @ ndtri(np.clip(shares, 1e-12, 1.0 - 1e-12)))
-        return {one.key: one.values(share) for one, share in zip(self.inputs, shares, strict=True)}
+        return {
+            scattering.key: scattering.values(share)
+            for scattering, share in zip(self.inputs, shares, strict=True)
+        }
 
 
 def uncertain_inputs(
     aircraft: Aircraft, mission: Mission, solar: SolarModel, *, model_error: bool = True
 ) -> UncertainInputs:
-    """Collect and check the uncertain inputs that aircraft and mission name.
+    """Collect and check the uncertain inputs of aircraft and mission.
 
-    ``solar``: solar power model, whose RMS error is an input of its own.
+    The RMS error of the solar power model is an additional input.
     """
     inputs: list[UncertainInput] = []
     problems: list[Problem] = []
@@ -154,35 +147,37 @@ def uncertain_inputs(
         if owner.uncertainty is None:
             continue
         named: dict[str, str] = {}
-        for given, distribution in owner.uncertainty.inputs.items():
-            named[given] = key = _of_operating_point(owner, given, distribution)
+        for file_key, distribution in owner.uncertainty.inputs.items():
+            named[file_key] = key = _key_to_vary(owner, file_key, distribution)
             nominal = parameter_value(owner, None, key)
-            place = f"uncertainty.inputs.{given}"
+            place = f"uncertainty.inputs.{file_key}"
             if nominal is None:
                 message = "is no key of the file that holds a number"
-                if given.startswith(_PROPULSION) and _is_computed(owner):
+                if file_key.startswith(_PROPULSION) and _has_operating_point(owner):
                     message += f"; of an operating point {_FACTOR} scatters, by a relative_sigma"
                 problems.append(Problem(owner.name, None, None, place, message))
                 continue
-            one = UncertainInput(prefix + key, nominal, distribution)
-            problems += _impossible(owner, key, one)
-            inputs.append(one)
+            scattering = UncertainInput(prefix + key, nominal, distribution)
+            problems += _range_problems(owner, key, scattering)
+            inputs.append(scattering)
         pairs += [
-            (prefix + named.get(one, one), prefix + named.get(other, other), c.coefficient)
+            (prefix + named.get(first, first), prefix + named.get(second, second), c.coefficient)
             for c in owner.uncertainty.correlations
-            for one, other in [c.between]
+            for first, second in [c.between]
         ]
     if model_error and solar.rms_relative > 0.0:
         inputs.append(UncertainInput(SOLAR_MODEL, 1.0, Normal(sigma=solar.rms_relative)))
-    inputs += _scatter_of_build(aircraft, {one.key for one in inputs})
-    correlation, wrong = _correlations(aircraft.name, [one.key for one in inputs], pairs)
+    inputs += _scatter_of_build(aircraft, {scattering.key for scattering in inputs})
+    correlation, wrong = _correlations(
+        aircraft.name, [scattering.key for scattering in inputs], pairs
+    )
     if problems or wrong:
         raise InputError([*problems, *wrong])
     return UncertainInputs(tuple(inputs), correlation)
 
 
 def _scatter_of_build(aircraft: Aircraft, named: set[str]) -> list[UncertainInput]:
-    """Scatter of a class of building, unless the file says how the structure scatters."""
+    """Return the scatter of the build quality, unless the file has one for the structure."""
     build = value_at(aircraft, BUILD_KEY)
     if not isinstance(build, str) or named & {BUILD_KEY, *FITTED_KEYS}:
         return []
@@ -191,24 +186,26 @@ def _scatter_of_build(aircraft: Aircraft, named: set[str]) -> list[UncertainInpu
     return [UncertainInput(BUILD_KEY, quality.factor, scatter)]
 
 
-def _is_computed(owner: Aircraft | Mission) -> bool:
-    """Whether the efficiencies of the propulsion are those of an operating point."""
+def _has_operating_point(owner: Aircraft | Mission) -> bool:
+    """Return whether the propulsion's efficiencies are computed at an operating point."""
     return isinstance(owner, Aircraft) and owner.propulsion_by_parts is not None
 
 
-def _of_operating_point(owner: Aircraft | Mission, key: str, distribution: Distribution) -> str:
-    """Key that an input stands for: of a propeller's efficiency that is computed, its factor."""
+def _key_to_vary(owner: Aircraft | Mission, key: str, distribution: Distribution) -> str:
+    """Return the key to vary: the efficiency factor in place of a computed propeller efficiency."""
     assert owner.uncertainty is not None
     relative = getattr(distribution, "relative_sigma", None) is not None
     named = key == f"{_PROPULSION}propeller_efficiency" and _FACTOR not in owner.uncertainty.inputs
-    return _FACTOR if named and relative and _is_computed(owner) else key
+    return _FACTOR if named and relative and _has_operating_point(owner) else key
 
 
-def _impossible(owner: Aircraft | Mission, key: str, one: UncertainInput) -> list[Problem]:
-    """What is wrong with the ends of a distribution, by the rules of the file."""
+def _range_problems(
+    owner: Aircraft | Mission, key: str, scattering: UncertainInput
+) -> list[Problem]:
+    """Return the problem of the first end of a distribution that the file's rules refuse."""
     problems = []
     for share, end in ((_TAIL, "lowest"), (1.0 - _TAIL, "highest")):
-        value = float(one.values(np.array([share]))[0])
+        value = float(scattering.values(np.array([share]))[0])
         try:
             with_values(owner, {key: value})
         except InputError as error:
@@ -225,7 +222,7 @@ def _impossible(owner: Aircraft | Mission, key: str, one: UncertainInput) -> lis
 def _correlations(
     source: str, keys: list[str], pairs: list[tuple[str, str, float]]
 ) -> tuple[FloatArray, list[Problem]]:
-    """Matrix of the correlations, and what is wrong with them."""
+    """Return the correlation matrix, and its problems."""
     matrix, problems = np.eye(len(keys)), []
     for first, second, coefficient in pairs:
         unknown = [key for key in (first, second) if key not in keys]

@@ -1,14 +1,12 @@
-"""Flights of many draws of uncertain inputs at once.
+"""Simulation of many draws of uncertain inputs at once.
 
-The formulas of the sizing take arrays where they take numbers: a draw is an element of a batch, as
-a design is. Solar power of CDM, CAM and VM is linear in what scatters, so that the sky is computed
-once.
+Formulas of the sizing take arrays, so that draws are elements of a batch of designs. Solar power of
+CDM, CAM and VM is linear in the uncertain factors, so that the sky is computed once.
 
-With climbs draws are small changes of one aircraft: none has a program of its own. They fly the
-best height profiles of the files' aircraft, in as much light over load as the draw has, a step more
-and a step less; where neither closes the day, those in little more light than days begin to close
-in, and level flight. Of each draw the best of these flights counts: a lower bound of what its own
-best profile gives.
+With climbs the height profile is not optimised for every draw. Each draw flies the optimal profiles
+of the nominal aircraft for the next lower and higher ratio of light to load; where neither closes
+the day, the profiles at the least light that does, and level flight. The best of these flights is
+a lower bound of the draw's own optimum.
 """
 
 from __future__ import annotations
@@ -41,18 +39,18 @@ from sizing.propulsion.part_load import PROPORTIONAL, AnyPartLoad
 from sizing.roots import LightestMass
 from sizing.uncertainty.inputs import SOLAR_MODEL, UncertainInputs
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
-from sizing.validity.extrapolations import told, worst_of
+from sizing.validity.extrapolations import collect_extrapolations, keep_worst
 from sizing.validity.ranges import Extrapolation
 from solar.types import FloatArray, IntArray
 
-# Draws simulated at once: a day of each array stays small.
+# Number of draws simulated at once, limited by memory.
 _DRAWS_AT_ONCE = 2048
 _CLIMBING_AT_ONCE = 1024  # with the light at all levels
-# Finest step of the profiles' light over load, and steps between two that draws fly: between 5 %
-# the best profile changes little but where days begin to close.
-_LIGHT, _APART = 0.05 / 8, 8
+# Logarithmic step of light over load, and steps between profiles: within 5 % the optimal profile
+# changes little, except where days begin to close.
+_LIGHT_STEP, _STRIDE = 0.05 / 8, 8
 _TOLERANCE = 1e-10  # relative, of the total mass
-# Keys of the modules and the sky that the specific power is rescaled for.
+# Keys of modules and sky by which the specific power is rescaled.
 _SUN_KEYS = (
     "modules.efficiency_stc",
     "modules.mppt_efficiency",
@@ -65,22 +63,24 @@ _SUN_KEYS = (
     "mission.air.temperature_offset_k",
     SOLAR_MODEL,
 )
-# Keys that move the sun itself, or what no batch can carry.
+# Keys that change the path of the sun, or cannot differ within a batch.
 _FIXED = (
-    *("mission.latitude_deg", "mission.altitude_m", "mission.longitude_deg", "mission.dates"),
+    "mission.latitude_deg",
+    "mission.altitude_m",
+    "mission.longitude_deg",
+    "mission.dates",
     "mission.climb",
 )
 
 
 @dataclass(frozen=True)
 class Flights:
-    """What becomes of the draws, the worst scenario of each; arrays of shape ``(sample,)``.
+    """Results of the draws in their critical scenario; arrays of shape ``(sample,)``.
 
-    ``excess_time_h``: excess time [h]; infinite where it is unlimited. ``minimum_state_of_charge``:
-    of the converged cycle [-]. ``total_mass_kg``, ``propulsion_power_w``: of the design that is
-    drawn [kg, W]. ``worst``: scenario with the least excess time. ``peak_solar_w``: largest solar
-    power of all scenarios [W]. ``maximum_altitude_m``: highest altitude of all scenarios of a
-    mission with climbs [m]; NaN without.
+    ``excess_time_h`` is infinite where it is unlimited; ``minimum_state_of_charge`` is that of the
+    converged cycle [-]; ``worst`` is the index of the critical scenario; ``peak_solar_w`` the
+    largest solar power and ``maximum_altitude_m`` the highest altitude of all scenarios, NaN
+    without climbs.
     """
 
     excess_time_h: FloatArray
@@ -92,15 +92,15 @@ class Flights:
     maximum_altitude_m: FloatArray
 
     def first(self, count: int) -> Flights:
-        """Flights of the first so many draws."""
+        """Return the results of the first draws."""
         return Flights(*(getattr(self, name)[:count] for name in Flights.__dataclass_fields__))
 
 
 class Profiles(NamedTuple):
-    """Best heights of an aircraft in more and in less light.
+    """Optimal height profiles of the nominal aircraft in more and less light.
 
-    ``light``: mean light over load of its own, by scenario; ``known``: heights [m] and excess time
-    [h] by scenario and steps of light from there.
+    ``light``: nominal mean light over load by scenario [-]; ``known``: heights [m] and excess time
+    [h] by scenario and steps of light from the nominal.
     """
 
     light: dict[int, float]
@@ -108,14 +108,14 @@ class Profiles(NamedTuple):
 
 
 _PROPULSION, _FACTOR = "airframe.propulsion.", "efficiency_factor"
-# Of the propulsion's keys those that may differ between draws.
+# Keys of the propulsion that may differ between draws.
 _DRAWN = {_FACTOR, "motor_mass_factor", "propeller_mass_factor"}
 _PARTS = tuple(f"{_PROPULSION}{part}." for part in ("propeller", "gear", "motor", "controller"))
 
 
 def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -> None:
     """Refuse inputs that a propagation cannot vary."""
-    for key in (one.key for one in inputs.inputs):
+    for key in (scattering.key for scattering in inputs.inputs):
         if key.startswith(_FIXED) or key.startswith("modules.geometry"):
             raise ValueError(f"{key} moves the sun on the modules: vary it with `sweep`")
         if key.startswith(_PARTS) or key.removeprefix(_PROPULSION) in PARTS - _DRAWN:
@@ -124,16 +124,16 @@ def check_inputs(inputs: UncertainInputs, mission: Mission, solar: SolarModel) -
                 f"{_PROPULSION}{_FACTOR} scatter"
             )
         if key.startswith("battery.charge_limit"):
-            # The charger's table of times is one for all batteries of a batch.
+            # All batteries of a batch share the charger's table of times.
             raise ValueError(f"{key} is the same for all draws: vary it with `sweep`")
         if key in _SUN_KEYS[2:5] and solar.model in ("VM", "FM"):
             raise ValueError(f"{key} varies with CDM and CAM alone (got {solar.model})")
 
 
 def _with_nearby_parts(aircraft: Aircraft, mission: Mission) -> Aircraft:
-    """Aircraft with its parts near the level flight of its file.
+    """Return the aircraft with its propulsion approximated near nominal level flight.
 
-    With a propeller by tables, which have corners, it has the constant efficiencies of that flight.
+    A propeller by tables, which are not smooth, gives the constant efficiencies of that flight.
     """
     if (parts := aircraft.propulsion_by_parts) is None or not parts.is_exact:
         return aircraft
@@ -141,16 +141,16 @@ def _with_nearby_parts(aircraft: Aircraft, mission: Mission) -> Aircraft:
     assert design.chain is not None
     if parts.propeller.table is not None:
         return aircraft.with_airframe(propulsion=design.chain)
-    flight = float(design.thrust_power_w), float(design.airspeed_m_per_s)
-    nearby = NearbyPropulsion.of(parts, *flight, design.conditions.air)
+    thrust_w, speed_m_per_s = float(design.thrust_power_w), float(design.airspeed_m_per_s)
+    nearby = NearbyPropulsion.of(parts, thrust_w, speed_m_per_s, design.conditions.air)
     return aircraft.with_airframe(propulsion=nearby)
 
 
 class Propagation:
-    """Flights of an aircraft on a mission under draws of its inputs.
+    """Simulation of an aircraft on a mission under draws of its inputs.
 
-    ``day``: sun of that aircraft on that mission, where it is known already. ``profiles``: of
-    an aircraft much like it; those that are missing join them.
+    ``day`` is the nominal solar day, if it is known already. ``profiles`` are those of a similar
+    aircraft; missing ones are added.
     """
 
     def __init__(
@@ -167,21 +167,22 @@ class Propagation:
         self.day = solar_day(aircraft, mission, solar) if day is None else day
         self._direct: SolarDay | None = None
         self._best = Profiles({}, {}) if profiles is None else profiles
-        # Of a propeller by tables, whose efficiencies are constants here.
+        # A propeller by tables has constant efficiencies here.
         by_table = isinstance(getattr(self.aircraft.airframe, "propulsion", None), Propulsion)
         self._parts = aircraft.propulsion_by_parts if by_table else None
 
-    def flights(self, values: dict[str, FloatArray], *, enough_h: float = np.inf) -> Flights:
-        """Fly all draws.
+    def flights(
+        self, values: dict[str, FloatArray], *, stop_at_excess_time_h: float = np.inf
+    ) -> Flights:
+        """Simulate all draws, given as values of every input by its key, shape ``(sample,)``.
 
-        ``values``: values of every input by its key, shape ``(sample,)``. ``enough_h``: excess time
-        from which on no draw need look for a better flight.
+        Draws with the excess time ``stop_at_excess_time_h`` try no further height profile.
         """
         count = len(next(iter(values.values()))) if values else 1
         at_once = _DRAWS_AT_ONCE if self.mission.climb is None else _CLIMBING_AT_ONCE
         parts = [
-            self._block({key: value[some] for key, value in values.items()}, enough_h)
-            for some in blocks(count, at_once)
+            self._block({key: value[draws] for key, value in values.items()}, stop_at_excess_time_h)
+            for draws in blocks(count, at_once)
         ]
         return Flights(
             *(
@@ -193,10 +194,9 @@ class Propagation:
     def extrapolations(
         self, values: dict[str, FloatArray], flights: Flights
     ) -> tuple[Extrapolation, ...]:
-        """What draws take from outside the range of a model, each quantity once.
+        """Return the quantities outside the range of a model, with worst value and count of draws.
 
-        ``values``: values of every input by its key, shape ``(sample,)``. Returns with the worst
-        value, and how many of the draws it is told of.
+        ``values`` holds values of every input by its key, shape ``(sample,)``.
         """
         case = self._case(values)
         aircraft, mission, design = case.aircraft, case.mission, case.design
@@ -206,27 +206,29 @@ class Propagation:
             of_design = at_highest(of_design, aircraft, mission, self.solar, highest_m)
         checks = [*of_design, *charge_rate_check(aircraft, mission, design, flights.peak_solar_w)]
         of_sun = correction_check(self.day.scenarios, self.solar, mission)
-        return worst_of(
-            [*told(checks, of=case.count, what="draws"), *told(of_sun, self.day.scenarios)]
+        return keep_worst(
+            [
+                *collect_extrapolations(checks, of=case.count, what="draws"),
+                *collect_extrapolations(of_sun, self.day.scenarios),
+            ]
         )
 
     def endurance_h(
         self, values: dict[str, FloatArray], flights: Flights | None = None
     ) -> FloatArray:
-        """Longest flight of every draw in its worst scenario [h], infinite if perpetual.
+        """Return every draw's longest flight in its critical scenario [h], infinite if perpetual.
 
-        ``flights``: those of the same draws, where they are known.
+        ``flights`` are the results of the same draws, if known.
         """
-        flown = self.flights(values) if flights is None else flights
-        count = len(flown.excess_time_h)
+        results = self.flights(values) if flights is None else flights
+        count = len(results.excess_time_h)
         hours = np.full(count, np.inf)
-        short = np.flatnonzero(flown.excess_time_h <= 0.0)
-        if not len(short):
+        insufficient = np.flatnonzero(results.excess_time_h <= 0.0)
+        if not len(insufficient):
             return hours
-        some = {key: value[short] for key, value in values.items()}
-        case = self._case(some)
+        case = self._case({key: value[insufficient] for key, value in values.items()})
         for scenario in range(len(self.day.scenarios)):
-            at = np.flatnonzero(flown.worst[short] == scenario)
+            at = np.flatnonzero(results.worst[insufficient] == scenario)
             if not len(at):
                 continue
             store, climb = case.store.select(at), case.mission.climb
@@ -236,16 +238,15 @@ class Propagation:
             else:
                 levels = self._levels(case, scenario).select(at)
                 longest = ClimbFlights(self.day.time_h, levels, store).longest()
-            hours[short[at]] = longest.endurance_h
+            hours[insufficient[at]] = longest.endurance_h
         return hours
 
     def income_and_storage(
         self, values: dict[str, FloatArray], scenario: int
     ) -> tuple[FloatArray, FloatArray]:
-        """Solar energy and battery energy of every draw over its load.
+        """Return daily solar energy and battery energy of every draw over the day's load [-].
 
-        ``values``: values of every input by its key, shape ``(sample,)``. Returns energy that a day
-        returns and that the battery delivers, over the day's load [-].
+        ``values`` holds values of every input by its key, shape ``(sample,)``.
         """
         case = self._case(values)
         _, solar_w, load_w = self._cycle_of(case, scenario)
@@ -255,7 +256,7 @@ class Propagation:
         income = np.mean(solar_w, axis=-1) * battery.mean_charge_efficiency / load
         return np.asarray(income), np.asarray(energy_wh / (24.0 * load))
 
-    def _block(self, values: dict[str, FloatArray], enough_h: float) -> Flights:
+    def _block(self, values: dict[str, FloatArray], stop_at_excess_time_h: float) -> Flights:
         case = self._case(values)
         excess, charge, peak_w = [], [], np.zeros(case.count)
         highest_m = np.full(case.count, np.nan)
@@ -266,8 +267,9 @@ class Propagation:
                 excess_h, least = cycle.excess_time_h, cycle.minimum_state_of_charge
             else:
                 solar_w = self._solar_of_draws(case, scenario)
-                flown = self._with_climbs(case, scenario, solar_w, enough_h)
-                excess_h, least, altitude_m = flown
+                excess_h, least, altitude_m = self._with_climbs(
+                    case, scenario, solar_w, stop_at_excess_time_h
+                )
                 highest_m = np.fmax(highest_m, altitude_m)
             peak_w = np.maximum(peak_w, np.max(solar_w, axis=-1))
             excess.append(np.where(flies, excess_h, -24.0))
@@ -285,99 +287,108 @@ class Propagation:
         )
 
     def _with_climbs(
-        self, case: _Case, scenario: int, solar_w: FloatArray, enough_h: float
+        self, case: _Case, scenario: int, solar_w: FloatArray, stop_at_excess_time_h: float
     ) -> FloatArray:
-        """Excess time [h], least state of charge and highest altitude [m] of every draw.
+        """Return excess time [h], least state of charge [-] and highest altitude [m], (3, sample).
 
-        Of the best of level flight and of flights along the profiles of less and of more light.
+        They are those of the best flight of every draw along its height profiles, or level.
         """
         levels = self._levels(case, scenario)
-        lit = np.mean(solar_w, axis=-1) / levels.nominal_load_w
+        light_over_load = np.mean(solar_w, axis=-1) / levels.nominal_load_w
         below = np.zeros(case.count, int)
-        known = (lit > 0.0) & levels.flies
-        own = self._own_light(scenario)
-        below[known] = _APART * np.floor(np.log(lit[known] / own) / (_APART * _LIGHT))
-        steps, places = np.unique([below, below + _APART], return_inverse=True)
-        heights_m = np.stack([one for one, _ in self._profiles(scenario, steps.tolist())])
-        found = np.full((3, case.count), -np.inf)
+        known = (light_over_load > 0.0) & levels.flies
+        nominal = self._nominal_light(scenario)
+        below[known] = _STRIDE * np.floor(
+            np.log(light_over_load[known] / nominal) / (_STRIDE * _LIGHT_STEP)
+        )
+        steps, places = np.unique([below, below + _STRIDE], return_inverse=True)
+        heights_m = np.stack([height_m for height_m, _ in self._profiles(scenario, steps.tolist())])
+        best = np.full((3, case.count), -np.inf)
 
-        def fly(some: IntArray, height_m: FloatArray) -> None:
-            if not len(some):
+        def simulate(draws: IntArray, height_m: FloatArray) -> None:
+            if not len(draws):
                 return
-            given = self.day.time_h, levels.select(some), case.store.select(some)
-            flown = flown_along(*given, height_m, of_others=True)
-            highest_m = levels.altitude_m[0] + flown.height_m.max(axis=-1)
-            cycle = flown.cycle
+            flights = flown_along(
+                self.day.time_h,
+                levels.select(draws),
+                case.store.select(draws),
+                height_m,
+                of_others=True,
+            )
+            highest_m = levels.altitude_m[0] + flights.height_m.max(axis=-1)
+            cycle = flights.cycle
             new = np.stack([cycle.excess_time_h, cycle.minimum_state_of_charge, highest_m])
-            found[:, some] = np.where(new[0] > found[0, some], new, found[:, some])
+            best[:, draws] = np.where(new[0] > best[0, draws], new, best[:, draws])
 
         for at in places.reshape(2, -1):
-            some = np.flatnonzero(found[0] < enough_h)
-            fly(some, heights_m[at[some]])
+            unfinished = np.flatnonzero(best[0] < stop_at_excess_time_h)
+            simulate(unfinished, heights_m[at[unfinished]])
         edge, closing_m = self._closing(scenario, steps)
         for height_m in closing_m:
-            some = np.flatnonzero((found[0] <= 0.0) & (np.abs(below - edge) <= _APART))
-            fly(some, np.tile(height_m, (len(some), 1)))
-        some = np.flatnonzero(found[0] <= 0.0)
-        fly(some, np.zeros((len(some), len(self.day.time_h))))
-        return found
+            unfinished = np.flatnonzero((best[0] <= 0.0) & (np.abs(below - edge) <= _STRIDE))
+            simulate(unfinished, np.tile(height_m, (len(unfinished), 1)))
+        unfinished = np.flatnonzero(best[0] <= 0.0)
+        simulate(unfinished, np.zeros((len(unfinished), len(self.day.time_h))))
+        return best
 
     def _light(self, scenario: int) -> float:
-        """Mean light over load with the files' values; 1 where there is neither."""
+        """Return nominal mean light over load [-]; 1 where there is neither."""
         case = self._case({})
         levels, solar_w = self._levels(case, scenario), self._solar_of_draws(case, scenario)
         light = float(np.mean(solar_w) / levels.nominal_load_w[0])
         return light if levels.flies[0] and light > 0.0 else 1.0
 
-    def _own_light(self, scenario: int) -> float:
-        """That of the aircraft whose profiles the draws fly."""
+    def _nominal_light(self, scenario: int) -> float:
+        """Return mean light over load of the aircraft whose profiles the draws fly [-]."""
         light = self._best.light
         if scenario not in light:
             light[scenario] = self._light(scenario)
         return light[scenario]
 
     def _profiles(self, scenario: int, steps: list[int]) -> list[tuple[FloatArray, float]]:
-        """Best heights of the files' aircraft by light over load [m], and its excess time [h]."""
-        centre, known = self._own_light(scenario), self._best.known
+        """Return nominal optimal heights [m] and excess times [h] at steps of light."""
+        centre, known = self._nominal_light(scenario), self._best.known
         if new := [step for step in steps if (scenario, step) not in known]:
-            factors = np.exp(_LIGHT * np.array(new)) * centre / self._light(scenario)
+            factors = np.exp(_LIGHT_STEP * np.array(new)) * centre / self._light(scenario)
             case = self._case({SOLAR_MODEL: factors})
-            found = best_climbs(self.day.time_h, self._levels(case, scenario), case.store)
-            flights = zip(found.height_m, found.cycle.excess_time_h.tolist(), strict=True)
-            known.update({(scenario, n): one for n, one in zip(new, flights, strict=True)})
+            climbs = best_climbs(self.day.time_h, self._levels(case, scenario), case.store)
+            flights = zip(climbs.height_m, climbs.cycle.excess_time_h.tolist(), strict=True)
+            known.update({(scenario, n): flight for n, flight in zip(new, flights, strict=True)})
         return [known[scenario, step] for step in steps]
 
     def _closing(self, scenario: int, steps: IntArray) -> tuple[int, list[FloatArray]]:
-        """From what step of light days begin to close, and best heights that do from there [m].
+        """Return the step of light at which days begin to close, and optimal heights above it [m].
 
-        Over two steps of the draws: with another battery their days begin to close in other light.
+        Two strides are covered: with another battery, days begin to close in other light.
         """
         closes = [excess_h > 0.0 for _, excess_h in self._profiles(scenario, steps.tolist())]
-        edges = np.flatnonzero(np.diff(closes) & (np.diff(steps) == _APART))
+        edges = np.flatnonzero(np.diff(closes) & (np.diff(steps) == _STRIDE))
         if not len(edges):
             return 0, []
         edge = int(steps[edges[0]])
-        between = self._profiles(scenario, list(range(edge + 1, edge + 2 * _APART)))
+        between = self._profiles(scenario, list(range(edge + 1, edge + 2 * _STRIDE)))
         return edge, [height_m for height_m, excess_h in between if excess_h > 0.0]
 
     def _levels(self, case: _Case, scenario: int) -> FlightLevels:
-        """Every draw in a scenario, each in its own light at all levels."""
+        """Return the flight levels of every draw in a scenario, each with its own light."""
         day, mission = self.day, case.mission
-        aloft = [
+        powers = [
             self._specific_power(case, scenario, level, altitude_m)
             for level, altitude_m in enumerate(mission.climb_levels_m)
         ]
-        own = day.at(np.full(case.count, scenario))
-        own = replace(own, power_w_per_m2=np.stack(aloft), cooling=None)
+        day_of_draws = day.at(np.full(case.count, scenario))
+        day_of_draws = replace(day_of_draws, power_w_per_m2=np.stack(powers), cooling=None)
         design = case.design._replace(total_mass_kg=case.mass_kg)
-        return flight_levels(case.aircraft, mission, design, own, paired=True)
+        return flight_levels(case.aircraft, mission, design, day_of_draws, paired=True)
 
     def _specific_power(
         self, case: _Case, scenario: int, level: int, altitude_m: float
     ) -> FloatArray:
-        """Power of every draw at a level of the climbs [W/m2], shape ``(sample, time)``."""
-        missions = (one.at_altitude(altitude_m) for one in (self.mission, case.mission))
-        whole, more = self._light_factors(case, *missions)
+        """Return the power of every draw at a flight level [W/m2], shape ``(sample, time)``."""
+        nominal, drawn = (
+            mission.at_altitude(altitude_m) for mission in (self.mission, case.mission)
+        )
+        whole, more = self._light_factors(case, nominal, drawn)
         power = whole[..., np.newaxis] * self.day.power_w_per_m2[level, scenario]
         if more is not None:
             direct = self._direct_day().power_w_per_m2[level, scenario]
@@ -422,7 +433,7 @@ class Propagation:
     def _of_constants(
         self, aircraft: Aircraft, name: str, factor: FloatArray
     ) -> tuple[str, FloatArray]:
-        """Key and values by which constant efficiencies and masses have a factor."""
+        """Return key and values that apply a factor to a constant efficiency or mass."""
         parts, chain = self._parts, getattr(aircraft.airframe, "propulsion", None)
         assert parts is not None
         assert isinstance(chain, Propulsion)
@@ -435,12 +446,15 @@ class Propagation:
         return f"{_PROPULSION}fixed_mass_kg", chain.fixed_mass_kg + more_kg
 
     def _cycle_of(self, case: _Case, scenario: int) -> tuple[Cycle, FloatArray, FloatArray]:
-        """Cycle of every draw in a scenario, solar power and load [W], ``(sample, time)``."""
+        """Return cycle, solar power and load [W] of all draws in a scenario, ``(sample, time)``."""
         solar_w, day = self._solar_of_draws(case, scenario), self.day.at([scenario])
         design, mission, part_load = case.design, case.mission, case.part_load
         load = Load.of(case.aircraft, mission, design, day, paired=True, part_load=part_load)
         cycle = simulate_cycle(
-            *(day.time_h, solar_w, load.power_w, case.store),
+            day.time_h,
+            solar_w,
+            load.power_w,
+            case.store,
             nominal_load_w=load.nominal_w,
             keep_trajectory=False,
             window_h=mission.flight_window_h(day.scenarios),
@@ -448,7 +462,7 @@ class Propagation:
         return cycle, solar_w, load.power_w
 
     def _solar_of_draws(self, case: _Case, scenario: int) -> FloatArray:
-        """Solar power of every draw in a scenario [W], shape ``(sample, time)``."""
+        """Return solar power of every draw in a scenario [W], shape ``(sample, time)``."""
         day = self.day
         area = np.asarray(case.aircraft.modules.area_m2, float)
         factors = self._light_factors(case, self.mission, case.mission)
@@ -462,12 +476,12 @@ class Propagation:
     def _light_factors(
         self, case: _Case, nominal: Mission, drawn: Mission
     ) -> tuple[FloatArray, FloatArray | None]:
-        """Factor on the nominal specific power, and what is added per nominal direct part.
+        """Return the factors on nominal specific power and on its direct part, if any.
 
-        ``nominal``, ``drawn``: mission as the files give it and as it is drawn, at one altitude.
-        With direct part ``D`` and diffuse part ``F`` of the nominal power, that of a draw is
-        ``k (c D + f F) = k f (D + F) + k (c - f) D``: ``k`` from efficiencies, temperature and
-        clearness, ``c`` from the camber, ``f`` from the efficiency of diffuse light.
+        Nominal and drawn mission have the same altitude. With direct part ``D`` and diffuse part
+        ``F`` of the nominal power, the power of a draw is ``k (c D + f F) = k f (D + F) +
+        k (c - f) D``: ``k`` from efficiencies, temperature and clearness, ``c`` from the camber,
+        ``f`` from the efficiency for diffuse light.
         """
         was, now = self.aircraft.modules, case.aircraft.modules
         warmer_k = self._warmer_k
@@ -481,7 +495,7 @@ class Propagation:
             * (drawn.pessimistic_clearness / nominal.pessimistic_clearness)
         )
         camber = np.asarray(now.camber_efficiency / was.camber_efficiency, float)
-        if self.solar.model == "CDM":  # camber takes from all light, diffuse light has no own
+        if self.solar.model == "CDM":  # camber acts on all light; no separate diffuse efficiency
             return np.asarray(k * camber), None
         diffuse = np.asarray(now.diffuse_efficiency / was.diffuse_efficiency, float)
         if camber.ndim == 0 and diffuse.ndim == 0:
@@ -490,7 +504,7 @@ class Propagation:
 
     @cached_property
     def _warmer_k(self) -> float:
-        """Modules above the air where they find their own temperature, weighted by power [K]."""
+        """Power-weighted mean of module above air temperature by the heat balance [K]."""
         modules, mission = self.aircraft.modules, self.mission
         if not balances_heat(mission) or not modules.temperature_coefficient_per_k:
             return 0.0
@@ -505,9 +519,9 @@ class Propagation:
         return lost * at_air / modules.temperature_coefficient_per_k
 
     def _direct_day(self) -> SolarDay:
-        """Day with the direct part of the nominal specific power."""
+        """Return the day of the direct part of the nominal specific power."""
         if self._direct is None:
-            # A diffuse efficiency that halves its part tells what that part is.
+            # Halving the diffuse efficiency isolates the diffuse part.
             half = 0.5 * self.aircraft.modules.diffuse_efficiency
             aircraft, _ = with_parameter(
                 self.aircraft, self.mission, "modules.diffuse_efficiency", half
@@ -520,7 +534,7 @@ class Propagation:
 
 @dataclass(frozen=True)
 class _Case:
-    """Aircraft and mission of a batch of draws, and what follows from them."""
+    """Aircraft, mission, designs and batteries of a batch of draws."""
 
     aircraft: Aircraft
     mission: Mission
@@ -534,7 +548,7 @@ class _Case:
 
 
 def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
-    """Design of every draw; its mass budget closes again, infinite where it cannot."""
+    """Return the designs of the draws, with closed mass budgets; infinite where none closes."""
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return measured_design(aircraft, mission)
     variables = variables_of(aircraft)
@@ -544,7 +558,7 @@ def _drawn_design(aircraft: Aircraft, mission: Mission, count: int) -> Design:
     search = LightestMass(start_kg, _TOLERANCE)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         while search.open.size:
-            # What is drawn is an array of all draws: it cannot be taken apart.
+            # Drawn inputs are arrays of all draws and cannot be subset.
             every = np.ones(count)
             every[search.open] = search.assumed_kg
             closing = parametric_design(aircraft, conditions, variables, every)

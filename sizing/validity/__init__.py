@@ -1,12 +1,11 @@
-"""Where the models end: what a result takes from outside the range of one of them.
+"""Ranges of the models, and the extrapolated quantities of a result.
 
 Every model of structure, aerodynamics, propulsion, battery, sky and solar power holds within a
-range: that of its data, its fit, its publication, or an assumption that says so. The ranges stand
-once, with their sources, in ``sizing/data/validity.csv``; those that an airfoil's table, an
-aircraft or a mission gives are read there. Nothing is refused for being outside: the result says
-so.
+range: that of its data, its fit, its publication, or an explicit assumption. ``validity.csv`` in
+``sizing/data`` has the ranges with their sources; an airfoil's table, an aircraft or a mission give
+some themselves. Results outside a range are not refused, but noted.
 
-* ``ranges``: the catalogue, a quantity beside its range, and what is told of it
-* ``checks``: the quantities that are looked at
-* ``extrapolations``: what is told of a design, of many, and of cells
+* ``ranges``: catalogue of ranges, check of a quantity, and the note on an extrapolation
+* ``checks``: checks of a design and its flight
+* ``extrapolations``: extrapolated quantities of a design, of many results, and of cells
 """

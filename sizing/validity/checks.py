@@ -1,4 +1,4 @@
-"""Quantities of a design and its flight, each beside the range of the model that it enters."""
+"""Checks of the quantities of a design and its flight against the ranges of models."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ from solar.clearsky import THIN_AIR_FROM_M
 from solar.sun import declination
 from solar.types import FloatArray
 
-# Quantities that a flight with climbs has at its highest altitude.
+# Quantities checked at the highest altitude of a flight with climbs.
 _OF_HEIGHT = ("altitude_m", "air_temperature_c")
-# Rows of the catalogue for rib wings with the keys of large wings.
+# Model name of rib wings with the keys of large wings, in the catalogue.
 _LARGE = "rib_wing_large"
-# Solar power on the report's morning: 7 % less airspeed changes FM by 0.4 %.
+# In the flight of the report, 7 % less airspeed changes the solar power of FM by 0.4 %.
 _AIRSPEED_TOLERANCE = 0.05
 
 
 def design_checks(
     aircraft: Aircraft, mission: Mission, design: Design, solar: SolarModel
 ) -> Iterator[Check]:
-    """Quantities of a design in flight, whatever the scenario."""
+    """Yield the checks of a design in flight that do not depend on the scenario."""
     loading = np.asarray(design.total_mass_kg) / design.wing_area_m2
     yield Check.of("wing_loading_kg_per_m2", "aircraft", loading)
     load_w = design.nominal_load_w(mission)
@@ -60,33 +60,35 @@ def design_checks(
 
 
 def wind_check(design: Design, wind_m_per_s: ArrayLike) -> Iterator[Check]:
-    """Airspeed of a design, where it is known, in one wind or in that of every cell [m/s]."""
+    """Yield the check of the airspeed against the wind, of all or of every cell [m/s]."""
     if design.airspeed_m_per_s is not None:
         ends = (wind_m_per_s, None)
         yield Check.of("airspeed_m_per_s", "wind", design.airspeed_m_per_s, ends)
 
 
 def technology_checks(aircraft: Aircraft) -> Iterator[Check]:
-    """Technology of an aircraft beside what has been built or is in sight.
-
-    Returns of the parameters of the catalogue that the aircraft has.
-    """
-    for key, one in catalogue().items():
-        found = value_at(aircraft, key) if one.kind == "technology" else None
-        # An array is of many draws, where the parameter scatters.
-        known = isinstance(found, int | float | np.ndarray)
-        value = np.asarray(found, float) if known else None
+    """Yield checks of the aircraft's technology parameters against values built or in sight."""
+    for key, parameter in catalogue().items():
+        entry = value_at(aircraft, key) if parameter.kind == "technology" else None
+        # An array holds the values of many draws.
+        known = isinstance(entry, int | float | np.ndarray)
+        value = np.asarray(entry, float) if known else None
         if key == "airframe.propulsion.mass_kg_per_w" and value is not None and not np.any(value):
-            continue  # parts that were weighed have none
+            continue  # the masses of the parts are given
         if value is not None:
-            yield Check(experience(one), value, np.asarray(one.minimum), np.asarray(one.maximum))
+            yield Check(
+                experience(parameter),
+                value,
+                np.asarray(parameter.minimum),
+                np.asarray(parameter.maximum),
+            )
 
 
 def battery_checks(battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike) -> Iterator[Check]:
-    """Temperature and age of a battery beside what is known of them.
+    """Yield checks of the battery's temperature and age.
 
-    Returns of a battery without a temperature the altitude from which a heater is assumed, and
-    below that the temperature of the air; nothing for one without age.
+    Without a temperature in the file, the altitude from which a heater is assumed is checked, and
+    below that altitude the air temperature.
     """
     if battery.temperature is None:
         assumed = thin_air_share(altitude_m) > 0.0
@@ -101,10 +103,7 @@ def battery_checks(battery: Battery, air_c: ArrayLike, altitude_m: ArrayLike) ->
 
 
 def altitude_checks(mission: Mission, solar: SolarModel, altitude_m: ArrayLike) -> Iterator[Check]:
-    """Altitude beside the ranges of sky and solar power.
-
-    Nothing of a sky of the user's own, whose range is not known.
-    """
+    """Yield checks of the altitude for sky and solar power; a user-defined sky has no range."""
     altitude = np.asarray(altitude_m, float)
     yield Check.of("altitude_m", "model_error", altitude)
     if _uses_reported_errors(mission, solar):
@@ -122,9 +121,9 @@ def at_highest(
     solar: SolarModel,
     highest_m: ArrayLike,
 ) -> list[Check]:
-    """Checks of a flight with climbs: altitude and air are those of its highest altitude.
+    """Return the checks of a flight with climbs, with altitude and air at its highest altitude.
 
-    ``checks``: of the flight at its floor. ``highest_m``: highest altitude [m], of the scenarios,
+    ``checks`` are those at the lowest altitude. ``highest_m`` [m] has the shape of the scenarios,
     cells, or designs with a last axis of scenarios.
     """
     offset_k = mission.air_state().temperature_k - standard_air(mission.altitude_m).temperature_k
@@ -134,21 +133,21 @@ def at_highest(
         *module_check(aircraft, mission, highest_m),
         *battery_checks(aircraft.battery, air.temperature_c, highest_m),
     ]
-    below = [one for one in checks if one.range.quantity not in _OF_HEIGHT]
-    return below + [one for one in up_there if one.range.quantity in _OF_HEIGHT]
+    below = [check for check in checks if check.range.quantity not in _OF_HEIGHT]
+    return below + [check for check in up_there if check.range.quantity in _OF_HEIGHT]
 
 
 def module_check(aircraft: Aircraft, mission: Mission, altitude_m: ArrayLike) -> Iterator[Check]:
-    """Altitude from which the modules' temperature is that of a balance nobody gave numbers for."""
-    given = "thermal" in aircraft.modules.model_fields_set
-    if mission.air.module_temperature_c is None and not given:
+    """Yield the check of the altitude for module temperatures by a default heat balance."""
+    has_balance = "thermal" in aircraft.modules.model_fields_set
+    if mission.air.module_temperature_c is None and not has_balance:
         yield Check.of("altitude_m", "module_temperature", altitude_m)
 
 
 def record_check(mission: Mission, site_altitude_m: float) -> Check:
-    """Largest height of a flight above the site of the weather record that it goes through.
+    """Return the check of the largest height above the site of a weather record.
 
-    ``site_altitude_m``: ground of the site above mean sea level [m].
+    ``site_altitude_m`` is the ground's altitude above mean sea level [m].
     """
     above_m = np.asarray(mission.climb_levels_m[-1]) - site_altitude_m
     return Check.of("height_above_record_m", "weather_record", above_m)
@@ -156,8 +155,8 @@ def record_check(mission: Mission, site_altitude_m: float) -> Check:
 
 def _measured_checks(airframe: MeasuredAirframe, design: Design) -> Iterator[Check]:
     flight, air = airframe.level_flight, design.conditions
-    # At constant lift coefficient V goes with (m/rho)^0.5, so Re with (m rho)^0.5/mu; a file gives
-    # the density of the measurement alone, the viscosity is that of the standard sea level.
+    # At constant lift coefficient Re scales with (m rho)^0.5/mu; files have the density of the
+    # measurement, and the viscosity is assumed to be that at standard sea level.
     mass_density = (design.total_mass_kg * air.density_kg_per_m3) / (
         flight.mass_kg * flight.density_kg_per_m3
     )
@@ -173,8 +172,8 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
     design, structure = it.design, it.aircraft.parametric.structure
     large = isinstance(structure, RibWingStructure) and structure.is_for_large_wings
     for quantity, value in (design.variables._asdict() | design._asdict()).items():
-        own = (quantity, structure.model)
-        row = (quantity, _LARGE) if large and (quantity, _LARGE) in ranges() else own
+        default = (quantity, structure.model)
+        row = (quantity, _LARGE) if large and (quantity, _LARGE) in ranges() else default
         if row in ranges():
             yield Check.of(*row, value)
     if isinstance(structure, RibWingStructure):
@@ -191,17 +190,19 @@ def _parametric_checks(it: DesignInFlight) -> Iterator[Check]:
 
 
 def _agreement_check(it: DesignInFlight) -> Iterator[Check]:
-    """Mass of the structure by the file's model over that by the other one."""
+    """Yield the check of structural mass by the file's model over mass by the other model."""
     with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
         both = structure_by_both(it.aircraft, it.design)
         if both is not None:
-            own, other = both
+            model, other = both
             masses = {name: np.asarray(mass, float) for name, mass in both.items()}
-            yield Check.of("structure_mass_ratio", own, masses[own] / masses[other], beside=masses)
+            yield Check.of(
+                "structure_mass_ratio", model, masses[model] / masses[other], masses_kg=masses
+            )
 
 
 def _cap_depth_ratio(aircraft: Aircraft, design: Design, structure: RibWingStructure) -> Any:
-    """Thickness of both caps over the depth of the spar, mean over the span [-]."""
+    """Return the thickness of both caps over the depth of the spar, mean over the span [-]."""
     with np.errstate(invalid="ignore", over="ignore"):  # of a design that cannot carry itself
         parts = structure_parts(aircraft, design)
     assert parts is not None
@@ -232,12 +233,12 @@ def _aerodynamic_checks(it: DesignInFlight) -> Iterator[Check]:
 
 
 def stall_margin_within_polar(it: DesignInFlight) -> Any:
-    """Airspeed over stall speed, without lift that no table of the airfoil knows [-].
+    """Return airspeed over stall speed, without lift beyond the airfoil's tables [-].
 
-    As :attr:`sizing.limits.DesignInFlight.stall_margin`, which takes the stall from the design
-    point of the aerodynamics, within the Reynolds numbers of the polar. Flown outside of them the
-    stall is that of the polar as it is fenced there: at one weight the Reynolds number of the stall
-    is that of the flight over the margin ``m``, so that ``m^2 C_L = C_L,max(Re/m)``.
+    Within the Reynolds numbers of the polar it is
+    :attr:`sizing.limits.DesignInFlight.stall_margin`, by the design point of the aerodynamics.
+    Outside of them the polar's bounded lift gives the stall: at constant weight the Reynolds number
+    of the stall is that of the flight over the margin ``m``, so that ``m^2 C_L = C_L,max(Re/m)``.
     """
     polar = it.aircraft.parametric.aerodynamics
     assumed = np.asarray(it.stall_margin, float)
@@ -251,17 +252,17 @@ def stall_margin_within_polar(it: DesignInFlight) -> Any:
     lift = np.asarray(it.lift_coefficient, float) * polar.section_lift_ratio
     margin = np.broadcast_to(assumed, np.broadcast_shapes(assumed.shape, reynolds.shape))
     for _ in range(60):
-        # The geometric mean settles however steeply the fence falls.
-        next_one = (polar.polar.maximum_lift(reynolds / margin) / lift) ** 0.5
-        margin = (margin * next_one) ** 0.5
+        # The geometric mean converges however steeply the bounded lift falls.
+        following = (polar.polar.maximum_lift(reynolds / margin) / lift) ** 0.5
+        margin = (margin * following) ** 0.5
     return np.where(known, assumed, margin)
 
 
 def correction_check(scenarios: Scenarios, solar: SolarModel, mission: Mission) -> Iterator[Check]:
-    """Sun at noon beside that of the flight that the corrections and RMS errors come from.
+    """Yield the check of the noon elevation for corrections and errors from the reported flight.
 
-    ``mission``: whose uncertainty margins may use the error of that flight. Returns of the
-    scenarios in which the sun rises; nothing where no constant of the flight is used.
+    Scenarios without sunrise are NaN. Nothing is yielded where the mission's margins and the solar
+    model use no constant of that flight.
     """
     if not _uses_reported_errors(mission, solar):
         return
@@ -271,21 +272,21 @@ def correction_check(scenarios: Scenarios, solar: SolarModel, mission: Mission) 
 
 
 def _uses_reported_errors(mission: Mission, solar: SolarModel) -> bool:
-    """Whether a correction or a margin takes its number from the report's flight."""
+    """Return whether a correction or a margin uses a constant of the reported flight."""
     return solar.correction != "none" or mission.uncertainty_margins.solar_model_sigmas != 0.0
 
 
 def _path_check(mission: Mission, solar: SolarModel, design: Design) -> Iterator[Check]:
-    """Airspeed of the design beside that of the flight path, for solar power along the path."""
-    flown = getattr(mission.flight_path, "airspeed_m_per_s", None)
-    if not solar.needs_path or flown is None or design.airspeed_m_per_s is None:
+    """Yield the check of the airspeed against the flight path's, for solar power along the path."""
+    path_speed = getattr(mission.flight_path, "airspeed_m_per_s", None)
+    if not solar.needs_path or path_speed is None or design.airspeed_m_per_s is None:
         return
-    ends = (flown * (1.0 - _AIRSPEED_TOLERANCE), flown * (1.0 + _AIRSPEED_TOLERANCE))
+    ends = (path_speed * (1.0 - _AIRSPEED_TOLERANCE), path_speed * (1.0 + _AIRSPEED_TOLERANCE))
     yield Check.of("airspeed_m_per_s", "flight_path", design.airspeed_m_per_s, ends)
 
 
 def charge_rate_is_open(aircraft: Aircraft) -> bool:
-    """Whether nothing keeps the charge rate within the range of the battery model."""
+    """Return whether no limit keeps the charge rate within the battery model's range."""
     limit = aircraft.battery.charge_limit
     if isinstance(limit, TableChargeLimit):
         return False  # measured
@@ -297,11 +298,10 @@ def charge_rate_is_open(aircraft: Aircraft) -> bool:
 def charge_rate_check(
     aircraft: Aircraft, mission: Mission, design: Design, peak_power_w: ArrayLike
 ) -> Iterator[Check]:
-    """Fastest charge that the day's sun offers the battery.
+    """Yield the check of the day's fastest charge, unless the charge limit is measured.
 
-    ``peak_power_w``: largest solar power of the day [W]: of the design's shape, or with a last axis
-    of scenarios. Returns what is left of the largest power, at the charge efficiency, as far as a
-    charge limit lets it pass, over the battery's energy; nothing for a measured limit.
+    ``peak_power_w``: largest solar power of the day [W], of the design's shape, or with a last axis
+    of scenarios.
     """
     if not charge_rate_is_open(aircraft):
         return
@@ -321,16 +321,13 @@ def charge_rate_check(
 
 
 def _with_axes_of(value: Any, array: FloatArray) -> FloatArray:
-    """Values with as many axes as an array, new ones last."""
+    """Return values with as many axes as an array, new ones last."""
     values = np.asarray(value, float)
     return values.reshape(values.shape + (1,) * max(array.ndim - values.ndim, 0))
 
 
 def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:
-    """All quantities of one or many designs in their scenarios.
-
-    Returns of the shape of the batch, some with a last axis of scenarios.
-    """
+    """Return all checks of one or many designs, some with a last axis of scenarios."""
     mission, design, solar = perf.mission, perf.design, perf.solar
     checks = list(design_checks(aircraft, mission, design, solar))
     if perf.maximum_altitude_m is not None:
@@ -340,21 +337,21 @@ def flight_checks(aircraft: Aircraft, perf: Performance) -> list[Check]:
     return [
         *checks,
         *(
-            one.over(area_m2.shape[:-1])
-            for one in correction_check(perf.day.scenarios, solar, mission)
+            check.over(area_m2.shape[:-1])
+            for check in correction_check(perf.day.scenarios, solar, mission)
         ),
         *charge_rate_check(aircraft, mission, design, peak * area_m2),
     ]
 
 
-# Of what a battery and a payload weigh, where no mass closes: a design to ask own models about.
+# Total mass over battery and payload, for a design to evaluate where no mass budget closes.
 _USUAL_MASS = 3.0
 
 
 def check_own_models(aircraft: Aircraft, mission: Mission, design: Design | None = None) -> None:
-    """Refuse functions of the user's own that give what cannot be, at a design.
+    """Refuse user-defined models with an impossible value, by a ValueError that names the model.
 
-    ``design``: by default that of the aircraft's file. Raises a ValueError that names the function.
+    They are evaluated at ``design``, by default that of the aircraft's file.
     """
     if isinstance(aircraft.airframe, MeasuredAirframe):
         return

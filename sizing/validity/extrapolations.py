@@ -1,6 +1,6 @@
-"""What is told of a single design, of many results, and of the cells of maps and trade studies.
+"""Extrapolated quantities of a design, of many results, and of cells of maps and trade studies.
 
-What is assumed high up is flown once more without the assumption, to say what it is worth.
+The effect of an assumption at altitude comes from another simulation without the assumption.
 """
 
 from __future__ import annotations
@@ -32,74 +32,78 @@ from solar.modules import STC_TEMPERATURE_C
 
 
 def extrapolations(aircraft: Aircraft, perf: Performance) -> tuple[Extrapolation, ...]:
-    """What a single design takes from outside the range of a model, each quantity once.
-
-    Returns in the order of the catalogue.
-    """
-    return told(flight_checks(aircraft, perf), perf.day.scenarios)
+    """Return the extrapolated quantities of a single design, in the order of the catalogue."""
+    return collect_extrapolations(flight_checks(aircraft, perf), perf.day.scenarios)
 
 
-def told(
+def collect_extrapolations(
     checks: Iterable[Check], scenarios: Scenarios | None = None, *, of: int = 0, what: str = ""
 ) -> tuple[Extrapolation, ...]:
-    """What is outside, each quantity of a model once with its worst value.
+    """Return the extrapolations among checks with their worst value, in the catalogue's order.
 
-    ``checks``: without a shape, or of the scenarios or cells. ``scenarios``: to name those
-    concerned, where they are not all. Returns in the order of the catalogue.
+    ``checks`` are scalars or have the shape of scenarios or cells. ``scenarios`` name those
+    concerned, unless all are; ``of`` and ``what`` are number and name of the cells.
     """
-    found = []
+    extrapolations = []
     for check in checks:
         outside, distance = check.outside, check.distance
         if not np.any(outside):
             continue
         place = np.unravel_index(np.argmax(distance), distance.shape)
-        worst = check.found(tuple(map(int, place)))
+        worst = check.extrapolation_at(tuple(map(int, place)))
         if of:
             count = int(np.sum(outside)) if outside.shape else of
             worst = replace(worst, count=count, of=of, what=what)
         elif scenarios is not None and outside.shape and not np.all(outside):
             names = tuple(scenarios.label(int(place)) for place in np.flatnonzero(outside))
             worst = replace(worst, scenarios=names)
-        found.append(worst)
-    return _in_order(found)
+        extrapolations.append(worst)
+    return _in_order(extrapolations)
 
 
-def worst_of(
+def keep_worst(
     outside: Iterable[Extrapolation], *, of: int = 0, what: str = ""
 ) -> tuple[Extrapolation, ...]:
-    """Each quantity of a model once, with its worst value.
+    """Return each quantity of a model once, with its worst value.
 
-    ``of``, ``what``: of how many of what it is told, if it is not of one design.
+    ``of`` and ``what`` are number and name of the results, unless they belong to one design.
     """
     groups: dict[tuple[str, str], list[Extrapolation]] = {}
-    for one in outside:
-        groups.setdefault((one.quantity, one.model), []).append(one)
-    worst = ((max(group, key=lambda one: one.distance), len(group)) for group in groups.values())
+    for extrapolated in outside:
+        groups.setdefault((extrapolated.quantity, extrapolated.model), []).append(extrapolated)
+    worst = (
+        (max(group, key=lambda extrapolated: extrapolated.distance), len(group))
+        for group in groups.values()
+    )
     return _in_order(
-        replace(one, count=count, of=of, what=what) if of else one for one, count in worst
+        replace(extrapolated, count=count, of=of, what=what) if of else extrapolated
+        for extrapolated, count in worst
     )
 
 
 def _in_order(outside: Iterable[Extrapolation]) -> tuple[Extrapolation, ...]:
     order = {place: number for number, place in enumerate(ranges())}
-    last = len(order)  # parameters outside of experience, in the order in which they are checked
-    return tuple(sorted(outside, key=lambda one: order.get((one.quantity, one.model), last)))
+    last = len(order)  # parameters outside of experience keep the order of their checks
+    return tuple(sorted(outside, key=lambda item: order.get((item.quantity, item.model), last)))
 
 
-def together(several: Sequence[Sequence[Extrapolation]], what: str) -> tuple[Extrapolation, ...]:
-    """What many results tell, each quantity once with its worst value and how many tell it."""
-    return worst_of((one for result in several for one in result), of=len(several), what=what)
+def merge_extrapolations(
+    several: Sequence[Sequence[Extrapolation]], what: str
+) -> tuple[Extrapolation, ...]:
+    """Return the worst value of each quantity of many results, and how many have it."""
+    return keep_worst(
+        (extrapolated for result in several for extrapolated in result), of=len(several), what=what
+    )
 
 
 # ---- Cells, as a column of text
 
 
 def cell_texts(checks: Iterable[Check], count: int) -> list[str]:
-    """What each design of a batch takes from outside, as lines that :func:`from_text` reads.
+    """Return the extrapolations of each design of a batch as text, which :func:`from_text` reads.
 
-    ``checks``: without a shape, or of the designs, with or without an axis of scenarios behind.
-    Returns ``model: quantity value not low to high``, joined by semicolons, with the value of the
-    worst scenario; empty where all is inside.
+    ``checks`` are scalars or of shape ``(design,)`` or ``(design, scenario)``. The texts ``model:
+    quantity value not low to high`` have the worst scenario's value and are joined by semicolons.
     """
     lines: list[list[str]] = [[] for _ in range(count)]
     for check in checks:
@@ -110,26 +114,26 @@ def cell_texts(checks: Iterable[Check], count: int) -> list[str]:
         shape = every.outside.shape[1:]
         for number in np.flatnonzero(np.any(distance > 0.0, axis=1)):
             scenario = np.unravel_index(np.argmax(distance[number]), shape)
-            lines[number].append(_line(every.found((int(number), *map(int, scenario)))))
+            lines[number].append(_line(every.extrapolation_at((int(number), *map(int, scenario)))))
     return ["; ".join(line) for line in lines]
 
 
 def as_text(outside: Iterable[Extrapolation]) -> str:
-    """Line of what is told of a single design; see :func:`cell_texts`."""
+    """Return the extrapolations of a single design as text, see :func:`cell_texts`."""
     return "; ".join(map(_line, outside))
 
 
-def _line(one: Extrapolation) -> str:
-    low = -math.inf if one.minimum is None else one.minimum
-    high = math.inf if one.maximum is None else one.maximum
-    return f"{one.model}: {one.quantity} {one.value:.6g} not {low:.6g} to {high:.6g}"
+def _line(item: Extrapolation) -> str:
+    low = -math.inf if item.minimum is None else item.minimum
+    high = math.inf if item.maximum is None else item.maximum
+    return f"{item.model}: {item.quantity} {item.value:.6g} not {low:.6g} to {high:.6g}"
 
 
 _LINE = re.compile(r"(\w+): ([\w.]+) (\S+) not (\S+) to (\S+)")
 
 
 def from_text(text: str) -> tuple[Extrapolation, ...]:
-    """What a line of :func:`cell_texts` tells."""
+    """Return the extrapolations of a text of :func:`cell_texts`."""
     outside = []
     for part in text.split("; ") if text else ():
         match = _LINE.fullmatch(part)
@@ -137,9 +141,9 @@ def from_text(text: str) -> tuple[Extrapolation, ...]:
             raise ValueError(f"names no model: {part[:80]!r}")
         model, quantity, *numbers = match.groups()
         value, low, high = map(float, numbers)
-        # A technology parameter has the range of experience with it.
-        own = experience(parameter(quantity)) if model == EXPERIENCE else ranges()[quantity, model]
-        outside.append(extrapolation(own, value, low, high))
+        # Technology parameters have a range of experience.
+        row = experience(parameter(quantity)) if model == EXPERIENCE else ranges()[quantity, model]
+        outside.append(extrapolation(row, value, low, high))
     return tuple(outside)
 
 
@@ -148,21 +152,21 @@ _BATTERY = ("altitude_m", "battery")
 _COLD_BATTERY = ("air_temperature_c", "battery")
 
 
-def with_worth(
+def add_effects(
     extrapolations: Iterable[Extrapolation],
     aircraft: Aircraft,
-    flown: Callable[[], Performance | None],
+    simulate: Callable[[], Performance | None],
 ) -> tuple[Extrapolation, ...]:
-    """Add to what is told of modules and battery in cold air what the assumption is worth.
+    """Add the effect of the assumption to extrapolations of modules and battery in cold air.
 
-    ``flown``: gives a single design's repeated day, whose worst scenario is flown again, of climbs
-    in level flight at their highest altitude; asked only where an assumption is told. None where
-    nothing flies. Returns in the same order.
+    ``simulate`` returns a single design's repeated day, None if infeasible. It is called only for
+    such extrapolations; the critical scenario is simulated again, climbs in level flight at their
+    highest altitude.
     """
     notes = tuple(extrapolations)
     perf, of_what = None, ""
-    if any((one.quantity, one.model) in _WITHOUT for one in notes):
-        perf = flown()
+    if any((note.quantity, note.model) in _WITHOUT for note in notes):
+        perf = simulate()
     if perf is not None and perf.maximum_altitude_m is not None:
         highest_m = float(np.max(perf.maximum_altitude_m))
         of_what = f"in level flight at {highest_m:.0f} m"
@@ -171,14 +175,14 @@ def with_worth(
         return notes
     once = _worst_scenario(aircraft, perf)
     return tuple(
-        one if without is None else _worth_note(one, once, without(aircraft, once), of_what)
-        for one in notes
-        for without in (_WITHOUT.get((one.quantity, one.model)),)
+        note if without is None else _add_effect(note, once, without(aircraft, once), of_what)
+        for note in notes
+        for without in (_WITHOUT.get((note.quantity, note.model)),)
     )
 
 
 def level_flight_at(aircraft: Aircraft, perf: Performance, altitude_m: float) -> Performance | None:
-    """Day of the same design repeated at one altitude; None where it cannot be flown there."""
+    """Return the repeated day of a design at an altitude; None where it cannot fly there."""
     there = perf.mission.at_altitude(altitude_m)
     try:
         if isinstance(aircraft.airframe, ParametricAirframe):
@@ -194,20 +198,20 @@ def level_flight_at(aircraft: Aircraft, perf: Performance, altitude_m: float) ->
 
 
 def _worst_scenario(aircraft: Aircraft, perf: Performance) -> Performance:
-    """Flight in the scenario of the least excess time alone."""
+    """Return the flight in the scenario of least excess time alone."""
     day = perf.day.at([perf.worst_scenario()])
     return performance(aircraft, perf.mission, perf.solar, day=day, design=perf.design)
 
 
 def _with_cold_modules(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
-    """Same flight with modules as cold as the air."""
+    """Return the flight with modules at air temperature, and the change in words."""
     air_c = float(perf.mission.air_state().temperature_c)
     air = perf.mission.air.model_copy(update={"module_temperature_c": air_c})
     mission = perf.mission.model_copy(update={"air": air})
     step_h = float(perf.day.time_h[1] - perf.day.time_h[0])
     day = solar_day(aircraft, mission, perf.solar, scenarios=perf.day.scenarios, step_h=step_h)
     cold = performance(aircraft, mission, perf.solar, day=day, design=perf.design)
-    warm_wh, cold_wh = (float(one.cycle.energy_budget.solar_wh[0]) for one in (perf, cold))
+    warm_wh, cold_wh = (float(flight.cycle.energy_budget.solar_wh[0]) for flight in (perf, cold))
     at = f"as cold as the air, {air_c:.3g} °C,"
     if warm_wh <= 0.0:
         return cold, at
@@ -218,7 +222,7 @@ def _with_cold_modules(aircraft: Aircraft, perf: Performance) -> tuple[Performan
 
 
 def _warmest_c(aircraft: Aircraft, perf: Performance, cold: Performance) -> float | None:
-    """Temperature of the modules in the most light [C], from what they give when cold."""
+    """Return the highest temperature of the modules [C], from their power when cold."""
     loss_per_k = aircraft.modules.temperature_coefficient_per_k
     if loss_per_k == 0.0 or perf.solar.model == "FM" or perf.solar.correction == "loiter":
         return None
@@ -230,7 +234,7 @@ def _warmest_c(aircraft: Aircraft, perf: Performance, cold: Performance) -> floa
 
 
 def _with_an_unheated_battery(aircraft: Aircraft, perf: Performance) -> tuple[Performance, str]:
-    """Same flight with a battery as cold as the air, of the shipped table's capacity."""
+    """Return the flight with a battery at air temperature, and the change in words."""
     mission, design, battery = perf.mission, perf.design, aircraft.battery
     air_c = float(mission.air_state().temperature_c)
     left = float(BatteryTemperature().capacity_fraction(air_c))
@@ -258,10 +262,10 @@ _WITHOUT = {
 }
 
 
-def _worth_note(
-    one: Extrapolation, once: Performance, without: tuple[Performance, str], of_what: str
+def _add_effect(
+    note: Extrapolation, once: Performance, without: tuple[Performance, str], of_what: str
 ) -> Extrapolation:
-    """Note with the excess times of a flight with and without an assumption."""
+    """Return the note with the excess times with and without an assumption."""
     other, words = without
     before_h, after_h = (float(flight.cycle.excess_time_h[0]) for flight in (once, other))
     before, after = map(_hours_text, (before_h, after_h))
@@ -269,7 +273,7 @@ def _worth_note(
     what = f"the excess time {of_what}".rstrip()
     place = once.day.scenarios.label(0)
     return replace(
-        one,
+        note,
         worth=f"{words} {what} {change} at {place}",
         excess_time_h=after_h if np.isfinite(after_h) else None,
     )

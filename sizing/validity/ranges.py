@@ -1,4 +1,4 @@
-"""Ranges in which the models hold, and a quantity beside its range."""
+"""Ranges in which the models hold, and checks of quantities against them."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ EXPERIENCE = "experience"
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """A quantity of a result that lies outside the range in which a model holds.
+    """Quantity of a result outside the range in which a model holds.
 
     Attributes
     ----------
     quantity, label, unit : str
-        Key, words and unit (``1`` for none) of the quantity.
+        Key, name and unit (``1`` for none) of the quantity.
     value : float
-        That of the result; the farthest outside where there are several.
+        Value of the result; of several, the farthest outside.
     minimum, maximum : float or None
-        Range of the model; None for an end that it does not have.
+        Range of the model; None for an open end.
     model, holder, source : str
-        Whose range it is, as files name it and in words, and where the range comes from.
+        Model of the range, as in files and in words, and the source of the range.
     at : str
-        Circumstance that belongs to the value, such as an airspeed.
+        Condition of the value, such as an airspeed.
     scenarios : tuple of str
-        Scenarios concerned; none for all of them.
+        Scenarios concerned; empty for all.
     count, of, what : int, int, str
-        Of how many cells of a map, points of a trade study or altitudes it is told; 0 of a single
-        result.
+        Number of cells of a map, points of a trade study or altitudes concerned, their total, and
+        their name; 0 for a single result.
     worth : str
-        What the assumption that stands in for the model changes, in words.
+        Effect of the assumption made in place of the model, in words.
     excess_time_h : float or None
         Excess time without that assumption [h]; None where it is unlimited, or not known.
     """
@@ -66,7 +66,7 @@ class Extrapolation:
 
     @property
     def text(self) -> str:
-        """In a line: quantity, value, and the range in which the model holds."""
+        """Line of text with quantity, value, and the range in which the model holds."""
         unit = "" if self.unit == "1" else f" {unit_text(self.unit)}"
         both = (self.minimum, self.maximum)
         ends = [_readable(end, unit=self.unit) for end in both if end is not None]
@@ -75,31 +75,31 @@ class Extrapolation:
             digits += 1
         held = range_text(self.minimum, self.maximum, self.unit)
         among = f" (worst; {self.count} of {self.of} {self.what})" if self.of else ""
-        worth = f"; {self.worth}" if self.worth else ""
+        effect = f"; {self.worth}" if self.worth else ""
         outside = f"outside the range of {self.holder}, {held}"
-        return f"{self.label} {value}{unit}{self.at}{among}: {outside}{worth}"
+        return f"{self.label} {value}{unit}{self.at}{among}: {outside}{effect}"
 
     @property
     def distance(self) -> float:
-        """How far outside, relative to the end of the range."""
+        """Distance of the value from the range, relative to its end [-]."""
         low, high = self.minimum, self.maximum
         below = 0.0 if low is None else (low - self.value) / (abs(low) or 1.0)
         above = 0.0 if high is None else (self.value - high) / (abs(high) or 1.0)
         return max(below, above)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it, JSON-ready."""
+        """Return all fields and the text, JSON-ready."""
         return asdict(self) | {"scenarios": list(self.scenarios), "text": self.text}
 
     @classmethod
     def from_dict(cls, record: Mapping[str, Any]) -> Extrapolation:
-        """What :meth:`to_dict` wrote, by an earlier version too."""
+        """Return the record of :meth:`to_dict`, of earlier versions too."""
         values = {name: record[name] for name in cls.__dataclass_fields__ if name in record}
         return cls(**values | {"scenarios": tuple(record["scenarios"])})
 
 
 class Range(NamedTuple):
-    """Row of the catalogue; an end is none where the range has none, or is not a constant."""
+    """Row of the catalogue of ranges; an end is None if it is open or not a constant."""
 
     quantity: str
     model: str
@@ -117,10 +117,7 @@ class Range(NamedTuple):
 
 
 def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
-    """Range in words, such as ``3 to 8 m``.
-
-    Empty without any end.
-    """
+    """Return a range in words, such as ``3 to 8 m``; empty if both ends are open."""
     low, high = (None if end is None else _readable(end, unit=unit) for end in (minimum, maximum))
     if low is None and high is None:
         return ""
@@ -130,13 +127,13 @@ def range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
 
 @cache
 def ranges() -> Mapping[tuple[str, str], Range]:
-    """Ranges of all models, by quantity and model."""
+    """Return the ranges of all models, by quantity and model."""
     rows = data_rows("validity")
     return MappingProxyType({(row["key"], row["model"]): _from_row(row) for row in rows})
 
 
 def where_error_is_known(altitude_m: float) -> str:
-    """Where errors of the solar power models were measured, of flights far above; else empty."""
+    """Return a note on where model errors were measured, for far higher flights; else empty."""
     known = ranges()["altitude_m", "model_error"].maximum
     return " as measured at 0.5 km" if known is not None and altitude_m > known else ""
 
@@ -156,21 +153,17 @@ def _from_row(row: Mapping[str, str]) -> Range:
 
 
 def experience(of: Parameter) -> Range:
-    """Range of a technology parameter in which there is experience.
-
-    No model ends there, but who goes beyond should mean it.
-    """
+    """Return the range of a technology parameter in which there is experience."""
     source = "sensible range of the catalogue of parameters: built or in sight; assumption"
     ends = (of.minimum, of.maximum)
     return Range(of.key, EXPERIENCE, of.label, of.unit, EXPERIENCE, *ends, source)
 
 
 class Check(NamedTuple):
-    """A quantity of one or many designs beside the range of a model.
+    """Quantity of one or many designs, and the range of a model.
 
-    Values and ends are numbers or arrays of the designs; those of scenarios have these on their
-    last axis. ``airspeed_m_per_s`` belongs to them, if any; ``beside`` has masses to be told with
-    them by the names of their models [kg].
+    Values and ends are numbers or arrays of shape ``(*designs)`` or ``(*designs, scenario)``. The
+    text has ``airspeed_m_per_s`` and ``masses_kg``, masses by the names of their models, if any.
     """
 
     range: Range
@@ -178,7 +171,7 @@ class Check(NamedTuple):
     minimum: FloatArray
     maximum: FloatArray
     airspeed_m_per_s: FloatArray | None = None
-    beside: Mapping[str, FloatArray] | None = None
+    masses_kg: Mapping[str, FloatArray] | None = None
 
     @classmethod
     def of(
@@ -188,9 +181,9 @@ class Check(NamedTuple):
         value: Any,
         ends: tuple[Any, Any] | None = None,
         airspeed_m_per_s: Any = None,
-        beside: Mapping[str, FloatArray] | None = None,
+        masses_kg: Mapping[str, FloatArray] | None = None,
     ) -> Check:
-        """Check against the range of the catalogue, or one that aircraft or mission give."""
+        """Return the check against the catalogue's range, or the ends of aircraft or mission."""
         row = ranges()[quantity, model]
         low, high = (row.minimum, row.maximum) if ends is None else ends
         return cls(
@@ -199,12 +192,12 @@ class Check(NamedTuple):
             np.asarray(-np.inf if low is None else low, float),
             np.asarray(np.inf if high is None else high, float),
             None if airspeed_m_per_s is None else np.asarray(airspeed_m_per_s, float),
-            beside,
+            masses_kg,
         )
 
     @property
     def outside(self) -> BoolArray:
-        """Where the value is outside; never where there is none."""
+        """True where the value is outside the range; false for NaN."""
         low, high, value = self.minimum, self.maximum, self.value
         with np.errstate(invalid="ignore"):
             below = value < low - ROW_TOLERANCE * np.abs(low)
@@ -213,18 +206,18 @@ class Check(NamedTuple):
 
     @property
     def distance(self) -> FloatArray:
-        """How far outside, relative to the end of the range; 0 inside."""
+        """Distance from the range, relative to its end [-]; 0 inside."""
         with np.errstate(invalid="ignore"):
             below = (self.minimum - self.value) / (np.abs(self.minimum) + (self.minimum == 0.0))
             above = (self.value - self.maximum) / (np.abs(self.maximum) + (self.maximum == 0.0))
         return np.where(self.outside, np.fmax(below, above), 0.0)
 
     def over(self, shape: tuple[int, ...]) -> Check:
-        """Same check for every design of a batch, whose axes come first."""
+        """Return the check broadcast to a batch of designs, whose axes come first."""
         return self._replace(value=np.broadcast_to(self.value, shape + self.value.shape))
 
-    def found(self, place: tuple[int, ...]) -> Extrapolation:
-        """What is to be told of one place of the arrays."""
+    def extrapolation_at(self, place: tuple[int, ...]) -> Extrapolation:
+        """Return the extrapolation at an index of the arrays."""
         shape = np.broadcast_shapes(self.value.shape, self.minimum.shape, self.maximum.shape)
         value, low, high = (
             float(np.broadcast_to(v, shape)[place])
@@ -236,17 +229,14 @@ class Check(NamedTuple):
             at = f" at {speed:.1f} m/s"
         masses = {
             name: float(np.broadcast_to(mass, shape)[place])
-            for name, mass in (self.beside or {}).items()
+            for name, mass in (self.masses_kg or {}).items()
         }
-        worth = ", ".join(f"{_readable(mass)} kg by {name}" for name, mass in masses.items())
-        return replace(extrapolation(self.range, value, low, high), at=at, worth=worth)
+        comparison = ", ".join(f"{_readable(mass)} kg by {name}" for name, mass in masses.items())
+        return replace(extrapolation(self.range, value, low, high), at=at, worth=comparison)
 
 
 def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapolation:
-    """What is to be told of a value.
-
-    ``value``, ``low``, ``high``: value, and the ends of the range; infinite where it has none.
-    """
+    """Return the extrapolation of a value beyond a range, whose open ends are infinite."""
     return Extrapolation(
         quantity=row.quantity,
         label=row.label,
@@ -261,9 +251,9 @@ def extrapolation(row: Range, value: float, low: float, high: float) -> Extrapol
 
 
 def _readable(value: float, digits: int = 3, unit: str = "") -> str:
-    """Number as people read it, of so many digits and no fewer than its integer part.
+    """Return a number with some digits, at least all of its integer part.
 
-    Thousands are set apart, but not in metres, as wherever altitudes are printed.
+    Thousands have separators, except in metres, as in all printed altitudes.
     """
     size = abs(value)
     whole = len(str(int(size))) if size >= 1.0 else 1

@@ -28,7 +28,7 @@ from sizing.validity.checks import (
     design_checks,
     wind_check,
 )
-from sizing.validity.extrapolations import told, with_worth
+from sizing.validity.extrapolations import add_effects, collect_extrapolations
 from sizing.validity.ranges import Check, Extrapolation
 from solar.types import FloatArray
 from studies.study import merged
@@ -147,7 +147,7 @@ def extrapolations_of_cells(
     checks = [*in_wind, *of_design, *correction_check(scenarios, solar, mission)]
     if "charge_rate" in columns:
         checks.append(Check.of("charge_rate_per_h", "battery", columns["charge_rate"][known]))
-    extrapolations = told(checks, of=int(known.sum()), what="cells")
+    extrapolations = collect_extrapolations(checks, of=int(known.sum()), what="cells")
     excess_h = np.where(np.isfinite(columns["excess_time"]), columns["excess_time"], -np.inf)
     best = scenarios_of(cells[[int(np.argmax(excess_h))]])
-    return with_worth(extrapolations, aircraft, lambda: _fly(configuration, best))
+    return add_effects(extrapolations, aircraft, lambda: _fly(configuration, best))

@@ -18,7 +18,7 @@ from sizing.day.metrics import CYCLE_ENDS, ENDS, FLOWN, Status
 from sizing.program.objectives import Objective, SizingStatus
 from sizing.results.quantities import MAP, described
 from sizing.validity.checks import charge_rate_is_open, check_own_models
-from sizing.validity.extrapolations import with_worth
+from sizing.validity.extrapolations import add_effects
 from sizing.validity.ranges import Extrapolation
 from solar.names import ATTITUDE_MODELS, CorrectionName, ModelName
 from solar.types import FloatArray
@@ -302,7 +302,7 @@ def _extrapolations_of_designs(
 
     mass_kg = np.where(np.isin(columns["status"], SIZED), columns["total_mass"], np.inf)
     lightest = cells[[int(np.argmin(mass_kg))]]
-    return with_worth(
+    return add_effects(
         told_of_cells(columns, SIZED, "cells"),
         configuration.aircraft,
         lambda: sized_flight(configuration, lightest),

@@ -27,7 +27,12 @@ from sizing.results.quantities import group, table_of
 from sizing.results.render import ALL
 from sizing.results.tables import Column, Line, Result, Table
 from sizing.validity.checks import at_highest, charge_rate_check, correction_check, design_checks
-from sizing.validity.extrapolations import extrapolations, together, told, worst_of
+from sizing.validity.extrapolations import (
+    collect_extrapolations,
+    extrapolations,
+    keep_worst,
+    merge_extrapolations,
+)
 from sizing.validity.ranges import Extrapolation
 from solar.names import CorrectionName, ModelName
 from studies.maps.season import perpetual_flags, season_of
@@ -324,7 +329,7 @@ def compare(
         reference=cases[reference],
         cases=tuple(cases[solar] for solar in wanted),
         notes=_notes(aircraft, mission, reference, sized=sized),
-        extrapolations=together(
+        extrapolations=merge_extrapolations(
             [_extrapolations_of_case(aircraft, mission, sun, cases[one]) for one in wanted], "cases"
         ),
     )
@@ -348,7 +353,7 @@ def _extrapolations_of_case(
     ]
     built = None if case.built is None else case.built.sizing.simulated
     outside = () if built is None else extrapolations(aircraft, built)
-    return worst_of([*told(checks, day.scenarios), *outside])
+    return keep_worst([*collect_extrapolations(checks, day.scenarios), *outside])
 
 
 def _built(

@@ -28,7 +28,7 @@ from sizing.program.objectives import RESIZE_NAMES, Objective, SizingStatus
 from sizing.results.quantities import DESIGN_COLUMNS, REACHED, described
 from sizing.results.requirements import requirements
 from sizing.results.tables import data_frame
-from sizing.validity.extrapolations import from_text, together
+from sizing.validity.extrapolations import from_text, merge_extrapolations
 from sizing.validity.ranges import Extrapolation
 from solar._version import __version__
 from solar.versions import FORMAT_VERSION
@@ -293,7 +293,7 @@ def told_of_cells(
     """
     known = np.isin(columns["status"], described)
     texts = np.asarray(columns["extrapolations"])[known]
-    return together([from_text(str(text)) for text in texts.ravel()], what)
+    return merge_extrapolations([from_text(str(text)) for text in texts.ravel()], what)
 
 
 def shown_places(values: Sequence[float], most: int) -> list[int]:

@@ -24,10 +24,10 @@ from sizing.validity.checks import flight_checks, stall_margin_within_polar
 from sizing.validity.extrapolations import (
     as_text,
     cell_texts,
+    collect_extrapolations,
     extrapolations,
     from_text,
-    together,
-    told,
+    merge_extrapolations,
 )
 from sizing.validity.ranges import Extrapolation, ranges
 
@@ -365,10 +365,10 @@ def test_many_results_tell_each_quantity_once_with_the_worst_value_and_a_count()
         extrapolations(one, performance(one, mission()))
         for one in (with_airframe(DESIGN, wingspan_m=span) for span in (5.65, 9.0, 10.0))
     ]
-    one, _ = together(each, "designs")
+    one, _ = merge_extrapolations(each, "designs")
     assert (one.quantity, one.value, one.count, one.of) == ("wingspan_m", 10.0, 2, 3)
     assert "(worst; 2 of 3 designs)" in one.text
-    assert together([(), ()], "designs") == ()
+    assert merge_extrapolations([(), ()], "designs") == ()
 
 
 def test_text_and_record_keep_what_is_told():
@@ -394,7 +394,7 @@ def test_cells_are_counted_and_the_farthest_is_told():
 
     cells = Scenarios(np.array([47.6, 20.0, 60.0]), np.array([182, 182, 355]))
     checks = list(correction_check(cells, SolarModel("FM", "report"), mission()))
-    (one,) = told(checks, of=3, what="cells")
+    (one,) = collect_extrapolations(checks, of=3, what="cells")
     assert (one.count, one.of) == (2, 3)
     # 60° N in December: 90 - 60 - 23.4 deg.
     assert one.value == pytest.approx(6.6, abs=0.1)
